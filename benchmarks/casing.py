@@ -65,7 +65,7 @@ def factors(folder: Path) -> list[dict[str, Any]]:
         )
         right = mass[:, :24].toarray()
         seconds, _ = timed(lambda f=factor, r=right: f.solve(r))
-        rows.append({"step": "24 right sides at once", "size": "", "solver": factor.name, **seconds})
+        rows.append({"step": "24 right-hand sides at once", "size": "", "solver": factor.name, **seconds})
     return rows
 
 

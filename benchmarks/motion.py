@@ -12,8 +12,9 @@ from benchmarks.clock import timed
 from benchmarks.rig import casing_body, kept, moving, read, stage_law, system
 from mbd.integrators.base import Integrator
 from mbd.integrators.methods import make_integrator
+from mbd.integrators.settings import Settings
 from mbd.output.trajectory import Trajectory
-from mbd.simulate import Settings, simulate
+from mbd.simulate import simulate
 from mbd.system.system import System, mesh_mode_frequency
 
 CHANNEL = "sensor_3:az"

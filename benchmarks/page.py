@@ -66,28 +66,27 @@ def benchmarks_page(result: dict[str, Any]) -> str:
     """The whole page."""
     parts = result["parts"]
     sections = [
-        ("Evaluation of a mesh law", "One call of the compiled kernel: force, moment, energy and their derivatives at "
-         "one state of stage 1 of `rig-healthy`, at random mesh cycles and the approach of the nominal load.",
+        ("Evaluation of a mesh law", "One call of the compiled kernel computes force, moment, energy and their "
+         "derivatives at one mesh cycle, for stage 1 of `rig-healthy` at the approach of the nominal load.",
          "evaluation", evaluation_table),
-        ("Casing: mesh", "The housing of `rig-healthy`, as shipped.", "mesh", casing_table),
+        ("Casing: mesh", "The housing of `rig-healthy`.", "mesh", casing_table),
         ("Casing: assembly and factorisation", "Cubic hexahedra with edge-singularity enrichment. The factorised "
-         "matrix is K + s M of the free body, in one piece.", "factors", casing_table),
+         "matrix is K + s M of the whole free body (s: shift).", "factors", casing_table),
         ("Time loop", "Time steps, output filter and energy balance. Set-up is assembly, modes, equilibrium and the "
-         "start of the filter. The rig starts at once: 900 rpm at 0.05 s. Compiled code is loaded in advance.", "loop",
+         "start of the filter. The rig reaches 900 rpm at 0.05 s. Compiled code is loaded in advance.", "loop",
          loop_table),
-        ("Campaigns", "Scenes per hour of `gearcase campaign`, counted after every process has done two scenes. They "
-         "are compared with the bare time loop: the motion of one assembled machine, repeated in as many processes, "
-         "before and after the campaign.", "campaign", campaign_table),
-        ("Scenes in lockstep", "Scenes that share their modes could advance as columns of a matrix. The table gives "
-         "the arithmetic over modes per column and step, and the largest gain of the whole step; forces cost the same.",
+        ("Campaigns", "Scenes per hour of `gearcase campaign`, counted after every process has done two scenes. The "
+         "bare loop repeats the motion of one assembled machine in as many processes, before and after the campaign. "
+         "The ratio is that of the campaign to the mean of both.", "campaign", campaign_table),
+        ("Scenes in lockstep", "Scenes that share their modes could advance together, as columns of a matrix. Only the "
+         "arithmetic over modes would be faster, not the forces. The gain is that of the whole step.",
          "lockstep", lockstep_table),
     ]  # fmt: skip
     text = [
         "# Benchmarks",
-        "On this page you see the time and memory of each part of a computation, and comparisons with other programs. "
-        "`python -m benchmarks` (`make bench`) makes it, in 13 minutes without the other programs; figures are in "
-        "`benchmarks/results/latest.json`. Mesh laws, casing reduction, integrators, presets and the effect of one "
-        "changed model are in [choosing a model](choosing-a-model.md).",
+        "This page gives time and memory of each part of a computation, and compares gearcase with other programs. "
+        "`python -m benchmarks` (`make bench`) writes it in 13 minutes, without the other programs. "
+        "[Choosing a model](choosing-a-model.md) compares mesh laws, casings, integrators and presets.",
         conditions_text(result["conditions"]),
     ]
     for title, lead, name, table in sections:
@@ -99,10 +98,10 @@ def conditions_text(found: dict[str, Any]) -> str:
     """The conditions in one paragraph."""
     versions = ", ".join(f"{name} {version}" for name, version in found["libraries"].items())
     return (
-        f"Conditions: {found['system']} on {found['architecture']}, {found['cores']} shared cores; one thread, except "
-        "for the casing and the laws of `solid`, whose expensive steps run in two halves in parallel; "
-        f"Python {found['python']}, {versions}. Seconds are wall-clock medians of the given number of calls (one call "
-        "above 8 s), in brackets processor time. Memory is the peak of the process, imports included."
+        f"Conditions: {found['system']} on {found['architecture']}, {found['cores']} shared cores, one thread (two "
+        f"for the expensive steps of the casing and of `solid`); Python {found['python']}, {versions}. Seconds are "
+        "wall-clock times (processor times in brackets), each the median of the given number of calls. Memory is the "
+        "peak of the process, imports included."
     )
 
 
@@ -128,7 +127,7 @@ def law_table(rows: list[dict[str, Any]]) -> str:
 def evaluation_table(rows: list[dict[str, Any]]) -> str:
     """The compiled kernel."""
     cells = [[r["model"], str(r["slices"]), f"{r['force_N']:.0f}", f"{r['microseconds']:.2f}"] for r in rows]
-    return markdown(("model", "slices", "force N", "µs per call"), cells)
+    return markdown(("model", "slices", "force, N", "µs per call"), cells)
 
 
 def casing_table(rows: list[dict[str, Any]]) -> str:
@@ -141,14 +140,15 @@ def loop_table(rows: list[dict[str, Any]]) -> str:
     """The time loop."""
     cells = [
         [
-            r["scene"], str(r["coordinates"]), str(r["modes"]), f"{r['step_us']:g}", f"{r['iterations_per_step']:.2f}",
-            f"{r['microseconds_per_step']:.0f}", f"{r['seconds_per_second']:.2f} ({r['cpu_per_second']:.2f})",
-            f"{r['assembly_s'] + r['setup_s']:.2f}", str(r["calls"]),
+            r["scene"], str(r["coordinates"]), str(r["modes"]), f"{r['step_us']:.3g}",
+            f"{r['iterations_per_step']:.2f}", f"{r['microseconds_per_step']:.0f}",
+            f"{r['seconds_per_second']:.2f} ({r['cpu_per_second']:.2f})", f"{r['assembly_s'] + r['setup_s']:.2f}",
+            str(r["calls"]),
         ]
         for r in rows
     ]  # fmt: skip
-    headers = ("scene", "coordinates", "modes kept", "step µs", "iterations per step", "µs per step",
-               "seconds per second of motion", "set-up s", "calls")  # fmt: skip
+    headers = ("scene", "coordinates", "modes kept", "step size, µs", "iterations per step",
+               "time per step, µs", "time per second of motion, s", "set-up, s", "calls")  # fmt: skip
     return markdown(headers, cells)
 
 
@@ -191,8 +191,8 @@ def campaign_table(rows: list[dict[str, Any]]) -> str:
          f"{r['loop_before']:.0f}, {r['loop_after']:.0f}", f"{r['share']:.3f}", f"{r['megabytes_per_scene']:.2f}"]
         for r in rows
     ]  # fmt: skip
-    headers = ("scene", "motion s", "scenes", "processes", "scenes per hour", "bare loop before, after", "ratio",
-               "MB per scene")  # fmt: skip
+    headers = ("scene", "motion, s", "scenes", "processes", "scenes per hour", "bare loop before, after, per hour",
+               "ratio", "MB per scene")  # fmt: skip
     return markdown(headers, cells)
 
 
@@ -203,7 +203,14 @@ def lockstep_table(rows: list[dict[str, Any]]) -> str:
          ", ".join(f"{n}: {us:.2g}" for n, us in r["columns_us"].items()), f"{r['gain']:.2f}"]
         for r in rows
     ]  # fmt: skip
-    headers = ("scene", "modes", "rows", "whole step µs", "modes, µs by columns", "gain at best")
+    headers = (
+        "scene",
+        "modes",
+        "forces",
+        "whole step, µs",
+        "number of columns: arithmetic per column, µs",
+        "largest gain",
+    )
     return markdown(headers, cells)
 
 

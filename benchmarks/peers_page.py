@@ -28,7 +28,7 @@ def sections() -> list[str]:
 
 
 LEAD = (
-    "Each table was measured in one run on one thread, all programs on the same problem. Seconds are processor time. "
+    "Each table is one run of the same problem on one thread. Times are processor times. "
     "CalculiX is the Debian package calculix-ccx with SPOOLES; `make peers` installs the Python packages."
 )
 
@@ -53,10 +53,10 @@ def contact_table(found: Found) -> str:
         rows.append(
             [f"{place['cycle']:g}", what, meshes, f"{1e6 * place['extrapolated_m']:.3f}", f"{seconds:.0f}", *models]
         )
-    headers = ("mesh cycle", "state", "µm by CalculiX (elements along the face)", "extrapolated µm", "s", *names)
+    headers = ("mesh cycle", "state", "CalculiX, µm (elements along the face)", "extrapolated, µm", "time, s", *names)
     lead = (
-        f"Approach of stage 1 (20/55, b 12 mm) at {found['force_N']:.0f} N: full 3-D contact model of both wheels, "
-        f"{found['element']}, penalty {found['penalty_N_per_mm3']:.0e} N/mm³; deviation of each model."
+        f"Approach of stage 1 of the rig at {found['force_N']:.0f} N: CalculiX with both wheels in space "
+        f"({found['element']}, penalty {found['penalty_N_per_mm3']:.0e} N/mm³), and deviations of gearcase's models."
     )
     return f"{lead}\n\n{markdown(headers, rows)}"
 
@@ -68,11 +68,11 @@ def frequency_table(found: Found) -> str:
         for name, key in (("gearcase", "gearcase"), ("CalculiX", "calculix"))
     ]
     lead = (
-        f"Casing with held feet, {found['unknowns']} unknowns, {found['modes']} modes from {found['first_Hz']:.0f} to "
-        f"{found['last_Hz']:.0f} Hz, one mesh. Largest difference {100 * found['largest_deviation']:.4f} %; "
-        f"gearcase is {found['ratio']:.1f} times as fast."
+        f"Casing with clamped feet, {found['unknowns']} unknowns, {found['modes']} modes from "
+        f"{found['first_Hz']:.0f} to {found['last_Hz']:.0f} Hz, on one mesh. The largest difference is "
+        f"{100 * found['largest_deviation']:.4f} %. gearcase is {found['ratio']:.1f} times as fast."
     )
-    return f"{lead}\n\n{markdown(('program', 'processor s', 'wall-clock s'), rows)}"
+    return f"{lead}\n\n{markdown(('program', 'processor time, s', 'wall-clock time, s'), rows)}"
 
 
 def motion_table(found: Found) -> str:
@@ -82,10 +82,10 @@ def motion_table(found: Found) -> str:
         ratio = found["ratio"].get(name)
         rows.append([name, "not reached" if seconds is None else f"{seconds:.3g}", f"{ratio:.1f}" if ratio else ""])
     lead = (
-        f"One gear stage in linear bearings, {found['coordinates']} coordinates, {found['span_s']:g} s at 900 rpm, "
-        f"error {found['error']:g} of the dynamic approach; the compiled mesh force is the same for all."
+        f"One gear stage in linear bearings, {found['coordinates']} coordinates, {found['span_s']:g} s at 900 rpm. "
+        f"All have an error of {found['error']:g} of the dynamic approach and use the same compiled mesh force."
     )
-    return f"{lead}\n\n{markdown(('method', 's at this error', 'times gearcase'), rows)}"
+    return f"{lead}\n\n{markdown(('method', 'time, s', 'ratio to gearcase'), rows)}"
 
 
 def ross_table(found: Found) -> str:
@@ -94,8 +94,9 @@ def ross_table(found: Found) -> str:
         [name, *(f"{row[key] / 1e6:.1f}" for key in ("smallest", "mean", "largest")), f"{row['cpu_seconds']:.3g}"]
         for name, row in found["rows"].items()
     ]
-    table = markdown(("by", "smallest N/µm", "mean N/µm", "largest N/µm", "s"), rows)
-    return f"Spur pair 62/62, m 2 mm, b 20 mm, bore 35 mm, 1000 positions; model plane at 1000 N.\n\n{table}"
+    table = markdown(("program or model", "smallest, N/µm", "mean, N/µm", "largest, N/µm", "time, s"), rows)
+    lead = "Spur pair 62/62, m 2 mm, b 20 mm, bore 35 mm, 1000 positions; `plane` at 1000 N. ROSS ignores the helix."
+    return f"{lead}\n\n{table}"
 
 
 def floor_table(found: Found) -> str:
@@ -109,10 +110,10 @@ def floor_table(found: Found) -> str:
     ]
     rates = found["rates"]
     lead = (
-        f"Measured on one thread: {rates['dgemm'] / 1e9:.0f} Gflop/s in a dense product, "
-        f"{rates['memory'] / 1e9:.0f} GB/s from memory, {rates['cache'] / 1e9:.0f} GB/s from the cache."
+        f"Time of the counted operations at the rates of one thread: {rates['dgemm'] / 1e9:.0f} Gflop/s in a dense "
+        f"product, {rates['memory'] / 1e9:.0f} GB/s from memory, {rates['cache'] / 1e9:.0f} GB/s from the cache."
     )
-    return f"{lead}\n\n{markdown(('work', 'flop', 'bytes', 's at these rates'), rows)}"
+    return f"{lead}\n\n{markdown(('work', 'operations', 'bytes', 'least time, s'), rows)}"
 
 
 PEERS: tuple[tuple[str, str, Callable[[Found], str]], ...] = (

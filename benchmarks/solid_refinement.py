@@ -96,7 +96,7 @@ def plot(entries: list[dict[str, Any]], path: Path) -> None:
                 panel.loglog(places, error, "o-", label=f"β {entry['helix_deg']:g}°, b {entry['face_mm']:g} mm")
             title, wanted = titles[quantity]
             panel.axhline(wanted, color="0.5", linestyle="--", label=f"{wanted:g} %")
-            panel.set(xlabel=labels[axis], ylabel="from the extrapolated value, %", title=title)
+            panel.set(xlabel=labels[axis], ylabel="deviation from the extrapolated value, %", title=title)
             panel.set_xticks(places, [f"{place:.3g}" for place in places])
             panel.minorticks_off()
             panel.legend(fontsize=8)

@@ -1,10 +1,11 @@
-"""Train a classifier on simulated runs of a test bench, and test it on gears, speeds and loads that it has not seen.
+"""Train a classifier on simulated runs of a test bench, and test it on other gears, speeds and loads.
 
     python examples/classify_bench.py
 
-simulates the 240 runs of classify_bench.toml (four minutes on two idle cores; what is done is not done again), computes
-their features with a sensor noise of 0.05 m/s2, trains a random forest on the part `train` of the split, and prints
-and plots the confusion matrix of the part `test`. Then it repeats this with splits that leak, for comparison.
+The script simulates the 240 runs of classify_bench.toml, which takes four minutes on two idle cores. It computes their
+features with a sensor noise of 0.05 m/s2 rms. It trains a random forest on the part `train` of the split, and prints
+and plots the confusion matrix of the part `test`. For comparison, it repeats this with splits that put data of the
+same gears or runs into both parts.
 """
 
 import subprocess

@@ -66,7 +66,13 @@ class Option:
 
 
 def option(default: Any = MISSING, *, text: str, unit: str = "", key: str = "", **limits: Any) -> Any:
-    """A field of a dataclass that a scene may give; arguments as those of `Option`, `default` in SI."""
+    """A field of a dataclass that a scene may give.
+
+    Parameters
+    ----------
+    default : in SI; without it the scene must give a value
+    text, unit, key, **limits : those of `Option`
+    """
     given = Option(text=text, unit=unit, key=key, **limits)
     return dataclasses.field(default=default, metadata={"option": given})
 

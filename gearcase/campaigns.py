@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from concurrent.futures import Executor
 from pathlib import Path
 
+from gearcase.given import checked_file
 from pipelines.campaign.campaign import Finished, run_campaign
 from pipelines.campaign.plan import load_plan
 from pipelines.campaign.workers import Workers, local_workers
@@ -59,7 +60,7 @@ def campaign(
     >>> done.runs, done.failed, str(done.folder)
     (3, 0, 'campaigns/few')
     """
-    found = load_plan(plan)
+    found = load_plan(checked_file("plan", plan, "the plan of a campaign"))
     workers = local_workers(processes) if executor is None else _given(executor, at_once)
     return run_campaign(found, out or f"campaigns/{found.name}", workers, Work())
 

@@ -6,12 +6,14 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from gearcase.given import checked_file, checked_recording
 from pipelines.dataset import pieces as _views
 from pipelines.dataset import reading as _reading
 
 if TYPE_CHECKING:
     import xarray
 
+_DATASET = "Give what gearcase.open_dataset returned."
 __all__ = ["open_dataset", "pieces"]
 
 
@@ -37,7 +39,7 @@ def open_dataset(folder: str | Path) -> xarray.Dataset:
     ...
     pipelines.border.errors.InputError: nowhere: ...
     """
-    return _reading.open_dataset(folder)
+    return _reading.open_dataset(checked_file("folder", folder, "the folder of a data set"))
 
 
 def pieces(
@@ -78,4 +80,4 @@ def pieces(
     (4, 1, 3, 250) train 0.01 m/s2
     (4, 1, 3, 250) test 0.01 m/s2
     """
-    return _views.pieces(dataset, seconds, overlap, noise_m_s2, seed, sensors)
+    return _views.pieces(checked_recording("dataset", dataset, _DATASET), seconds, overlap, noise_m_s2, seed, sensors)

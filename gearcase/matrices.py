@@ -30,6 +30,9 @@ class ReducedMatrices:
     coordinate_names: tuple[str, ...]
     report: str  # the check-up of the matrices
 
+    def __repr__(self) -> str:
+        return f"<ReducedMatrices: {len(self.mass)} coordinates, from {len(self.basis)} equations>"
+
     def _repr_html_(self) -> str:
         """The coordinates with their stiffness and mass, for a notebook."""
         rows = zip(self.coordinate_names, self.stiffness.diagonal(), self.mass.diagonal(), strict=True)

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from gearcase.given import checked_by_name, checked_file, checked_recording, checked_recordings
 from pipelines.comparison.labelled import labelled_comparison
 from pipelines.diagnosis.verdict import Verdict
 from pipelines.recordings.machine import read_machine
@@ -15,6 +16,7 @@ from pipelines.runs.recorded import judge_recordings
 if TYPE_CHECKING:
     import xarray
 
+MACHINE = "a machine file, a scene file, or the name of a shipped scene"
 __all__ = ["Verdict", "compare", "judge", "open_recording"]
 
 
@@ -42,7 +44,9 @@ def open_recording(path: str | Path, machine: str | Path) -> xarray.Dataset:
     ...     print(f"{float(recording.acceleration.std()):.1f} {recording.acceleration.units}")
     1.0 m/s2
     """
-    return read_recording(path, read_machine(machine))
+    return read_recording(
+        checked_file("path", path, "a recording"), read_machine(checked_file("machine", machine, MACHINE))
+    )
 
 
 def judge(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset], machine: str | Path) -> Verdict:
@@ -57,7 +61,8 @@ def judge(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset], machine:
 
     Raises
     ------
-    InputError, SceneError : a recording has no features, they cannot be compared, or the machine cannot be read
+    InputError, SceneError : an argument is of another type, a recording has no features, they cannot be compared, or
+        the machine cannot be read
 
     >>> import gearcase, numpy, pathlib, xarray
     >>> _ = pathlib.Path("bench.toml").write_text("teeth = [[20, 31]]\\nspeed_rpm = 1500\\n")
@@ -74,7 +79,8 @@ def judge(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset], machine:
     >>> found.alarm, found.first.component
     (True, 'stage 1 pinion')
     """
-    return judge_recordings(recording, healthy, read_machine(machine).kinematics)
+    one, others = checked_recording("recording", recording), checked_recordings("healthy", healthy)
+    return judge_recordings(one, others, read_machine(checked_file("machine", machine, MACHINE)).kinematics)
 
 
 def compare(recordings: Mapping[str, xarray.Dataset], machine: str | Path) -> xarray.Dataset:
@@ -108,4 +114,5 @@ def compare(recordings: Mapping[str, xarray.Dataset], machine: str | Path) -> xa
     >>> print(f"{float(found.difference.sel(recording='B', component='whole machine', feature='rms')):.2f} dB")
     6.02 dB
     """
-    return labelled_comparison(recordings, read_machine(machine).kinematics)
+    named = checked_by_name("recordings", recordings)
+    return labelled_comparison(named, read_machine(checked_file("machine", machine, MACHINE)).kinematics)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from gearcase.given import checked_file, checked_recording, checked_signal, refusal
 from gearcase.scenes import Scene, Settings, loaded_scene
 from gearcase.working import ProgressFunction
 from pipelines.bars.line_bars import LineBars
-from pipelines.border.errors import WorkError
+from pipelines.border.errors import InputError, WorkError
 from pipelines.engine.working import Work
 from pipelines.runs.diagnosed import diagnose_folder, folder_bars
 from pipelines.runs.run import Options, run_scene
@@ -59,6 +60,8 @@ def run(
     >>> response.attrs["folder"]
     'my-result'
     """
+    if not isinstance(seeds, int):
+        raise refusal("seeds", seeds, "a whole number", "Give 0 or more.")
     work = Work(processes=processes, progress=progress)
     options = Options(out=out, with_control=control, both_loads=both_loads, seeds=seeds, work=work)
     return loaded_run(run_scene(loaded_scene(scene), options).folder)
@@ -77,7 +80,7 @@ def open_run(name: str | Path) -> xarray.Dataset:
     ...
     pipelines.border.errors.InputError: nowhere: no result here, neither ...
     """
-    return loaded_run(find_run(name))
+    return loaded_run(find_run(checked_file("name", name, "a result folder or the name of a scene")))
 
 
 def diagnose(response: xarray.Dataset, settings: Settings = ()) -> Diagnosis:
@@ -99,7 +102,7 @@ def diagnose(response: xarray.Dataset, settings: Settings = ()) -> Diagnosis:
     >>> bool(found.lines.detected.sum() > 5)
     True
     """
-    return diagnose_folder(Path(_folder(getattr(response, "attrs", {}))), settings)
+    return diagnose_folder(Path(_folder(response)), settings)
 
 
 def error_bars(
@@ -135,7 +138,7 @@ def error_bars(
     >>> all(bar.inputs.low < 0 < bar.inputs.high for bar in found.bars if bar.kind == "mesh")
     True
     """
-    folder = Path(_folder(response.attrs))
+    folder = Path(_folder(response))
     work = Work(processes=processes, progress=progress)
     found = folder_bars(folder, diagnose_folder(folder, settings), settings, work)
     if isinstance(found, str):
@@ -156,7 +159,7 @@ def spectrum(signal: xarray.DataArray) -> xarray.DataArray:
 
     Raises
     ------
-    InputError : no dimension time, fewer than four samples, or unequal spacing
+    InputError : no data array over time, fewer than four samples, or unequal spacing
 
     >>> import gearcase, numpy, xarray
     >>> time = numpy.arange(1000) / 1000
@@ -164,12 +167,11 @@ def spectrum(signal: xarray.DataArray) -> xarray.DataArray:
     >>> print(f"{float(gearcase.spectrum(tone).sel(frequency=50)):.3f}")
     3.000
     """
-    return labelled_spectrum(signal)
+    return labelled_spectrum(checked_signal("signal", signal))
 
 
-def _folder(attributes: dict[Any, Any]) -> str:
-    from gearcase.errors import InputError
-
+def _folder(response: xarray.Dataset) -> str:
+    attributes = checked_recording("response", response).attrs
     if "folder" not in attributes:
-        raise InputError("these signals come from no result folder. Give what gearcase.run or open_run returned.")
+        raise InputError("response: the signals are of no result folder. Give what gearcase.run or open_run returned.")
     return str(attributes["folder"])

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from fem.storage import shown_html
-from pipelines.border.errors import InputError
-from pipelines.border.shown import shown_value
+from gearcase.given import checked_file, refusal
 from pipelines.border.toml_text import format_value
 from pipelines.runs.checked import Checked, check_scene
 from pipelines.scene.file import LoadedScene, changed, load_scene, scene_of_tree
@@ -49,7 +48,7 @@ class Scene:
         >>> gearcase.Scene.from_file("rig-missing-tooth").name
         'rig-missing-tooth'
         """
-        return cls(load_scene(source))
+        return cls(load_scene(checked_file("source", source, "a scene file, or the name of a shipped scene")))
 
     @classmethod
     def from_dict(cls, tables: Mapping[str, Any], *, name: str = "scene") -> Scene:
@@ -63,6 +62,8 @@ class Scene:
         >>> gearcase.Scene.from_dict({"extends": "minimal", "load": {"container_kg": 80}}, name="light").name
         'light'
         """
+        if not isinstance(tables, Mapping):
+            raise refusal("tables", tables, "the tables of a scene", 'Give a dict such as {"extends": "minimal"}.')
         return cls(scene_of_tree(tables, name))
 
     def changed(self, settings: Settings = (), *, preset: str | None = None, **tables: Any) -> Scene:
@@ -85,6 +86,8 @@ class Scene:
         pipelines.border.errors.SceneError: scene minimal: 1 problem
           stages.1.face_width_mm = -1: must be greater than 0 mm. Correct the value.
         """
+        if isinstance(settings, str) or not isinstance(settings, Iterable):
+            raise refusal("settings", settings, "a dict or a list", 'Give {"stages.1.face_width_mm": 32}.')
         base = self.loaded if preset is None else preset_on(self.loaded, preset)
         return Scene(changed(base, settings, tables))
 
@@ -118,7 +121,7 @@ class Scene:
 def loaded_scene(scene: Scene) -> LoadedScene:
     """What a scene holds; InputError for anything else than a `Scene`."""
     if not isinstance(scene, Scene):
-        raise InputError(f"{shown_value(scene)}: not a scene. Give what gearcase.Scene.from_file or from_dict returns.")
+        raise refusal("scene", scene, "a gearcase.Scene", "Give what gearcase.Scene.from_file or from_dict returns.")
     return scene.loaded
 
 

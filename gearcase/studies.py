@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from gearcase.given import refusal
 from gearcase.scenes import Scene, loaded_scene
 from gearcase.working import ProgressFunction
 from pipelines.engine.working import Work
+from pipelines.trade.axes import AXES
 from pipelines.trade.refinement import RefinementStudy, refine
 from pipelines.trade.tradeoff import Tradeoff, trade
 
@@ -42,6 +44,8 @@ def converge(
     >>> found.units["stage 1 stiffness"], found.fineness
     ('N/um', (2.0, 1.0, 0.5))
     """
+    if over not in AXES:
+        raise refusal("over", over, f"one of {', '.join(AXES)}", "Correct the name.")
     return refine(loaded_scene(scene), over, levels, Work(processes=processes, progress=progress))
 
 

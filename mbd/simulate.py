@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -17,10 +16,11 @@ from mbd.accuracy.step_check import StepCheck
 from mbd.coordinates.channels import sensor_names
 from mbd.energy.balance import ENERGY_ENTRIES, EnergyBalance
 from mbd.integrators.base import ANGLE, LENGTH, Block, Integrator
-from mbd.integrators.methods import METHODS, make_integrator
+from mbd.integrators.methods import make_integrator
+from mbd.integrators.settings import Settings
 from mbd.output.recorder import PASS_SHARE, Recorder
 from mbd.output.trajectory import Trajectory
-from mbd.parts.checks import StepError, positive
+from mbd.parts.checks import StepError
 from mbd.system.statics import State, equilibrium
 from mbd.system.system import System, mesh_mode_frequency
 from mbd.torques.torque_source import TorqueSource
@@ -30,34 +30,6 @@ logger = logging.getLogger(__name__)
 STEPS_PER_PERIOD = 3  # of the highest mesh mode, for the default step
 BLOCK_STATES = 400_000  # numbers per block of states: memory does not grow with the run
 Progress = Callable[[float], None]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Settings:
-    """Length (s) and output rate (Hz) of a run; ``step`` (s) is rounded down to a whole part of the output interval.
-
-    ``step`` None takes 3 steps per period of the highest mesh mode. ``integrator`` is a name of METHODS.
-    """
-
-    end: float
-    output_rate: float = 10e3
-    step: float | None = None
-    integrator: str = "exponential"
-
-    def __post_init__(self) -> None:
-        positive("settings end", self.end)
-        positive("settings output_rate", self.output_rate)
-        if self.step is not None:
-            positive("settings step", self.step)
-        if self.integrator not in METHODS:
-            raise ValueError(f"integrator {self.integrator!r} is unknown; known: {', '.join(METHODS)}.")
-        if self.end * self.output_rate < 1:
-            raise ValueError(f"settings: end {self.end} s is shorter than one sample at {self.output_rate} Hz.")
-
-    @property
-    def n_samples(self) -> int:
-        """Samples at 0, 1/output_rate, ... before ``end``."""
-        return round(self.end * self.output_rate)
 
 
 def steps_per_sample(system: System, settings: Settings) -> int:

@@ -63,8 +63,8 @@ in REXS. An existing file is never overwritten. Takes seconds.""",
     ),
     "check": CommandHelp(
         text="""\
-Check a scene file and print what follows from it: ratios, frequencies, tooth forces, bearing positions, window
-lengths, time, memory and disk space of a run. Nothing is simulated and no file is written. Takes seconds.""",
+Check a scene file. Print ratios, frequencies, tooth forces, bearing positions, the shortest usable time windows, and
+time, memory and disk space of a run. Nothing is simulated and no file is written. Takes seconds.""",
         output="""\
 Quay-crane hoist rig, one tooth of the stage 1 wheel missing, container on rope
 ...
@@ -74,9 +74,9 @@ Quay-crane hoist rig, one tooth of the stage 1 wheel missing, container on rope
     "run": CommandHelp(
         text="""\
 Simulate the machine and its healthy control, diagnose the fault from the signals and write a report.
-Result folder: report.html, response.nc (signals), diagnosis and settings, by default under ./runs.
-Takes under a minute for `minimal` and `bench`, minutes for the rig. The first run after installation also compiles
-code, for a minute or two. Stored results are reused.""",
+The result folder holds report.html, response.nc (the signals), the diagnosis and the settings.
+Takes under a minute for the scenes `minimal` and `bench`, and minutes for the scenes `rig-...`. The first run after
+installation also compiles code for a minute or two. Results of earlier runs are reused from the cache.""",
         output="""\
 One tooth of the stage 1 wheel chipped: seen at motor_side (axis z) in the one analysed window.
 ...
@@ -86,7 +86,8 @@ report: runs/bench/2026-11-25_01-02-13/report.html
     "simulate": CommandHelp(
         text="""\
 Simulate the machine and write its signals to response.nc in a result folder, by default under ./runs.
-There is no healthy control, no diagnosis and no report. Takes seconds for `minimal`, up to minutes for the rig.""",
+There is no healthy control, no diagnosis and no report. Takes seconds for the scene `minimal`, and up to minutes for
+the scenes `rig-...`.""",
         output="signals: runs/minimal/2026-11-25_00-50-21/response.nc",
     ),
     "runs": CommandHelp(
@@ -114,9 +115,9 @@ run  scene                 folder     age   MB  differs in               verdict
         output="runs/bench/2026-11-25_01-02-13/report.html",
     ),
     "runs compare": CommandHelp(
-        text="Print verdicts, differing settings and sensor levels of several runs in one table.",
+        text="Print the verdicts, the settings that differ and the sensor levels of several runs in one table.",
         output="""\
-Runs side by side; all other settings are the same
+Runs side by side; all other settings are the same. rms: all axes of a sensor, over the whole run
                     run 1: minimal  run 5: minimal
 ------------------  --------------  --------------
 ...
@@ -130,8 +131,8 @@ sensor_3, m/s2 rms  1.227           1.538
     ),
     "diagnose": CommandHelp(
         text="""\
-Print which component is damaged. A measured recording is judged against healthy recordings (--baseline);
-a finished run is judged against its healthy control. Nothing is simulated and no file is written. Takes seconds.""",
+Print which component is damaged. A measured recording is compared with recordings of healthy machines (--baseline).
+A finished run is compared with its healthy control. Nothing is simulated and no file is written. Takes seconds.""",
         output="""\
 One tooth of the stage 1 wheel chipped: seen at motor_side (axis z) in the one analysed window.
 ...
@@ -142,8 +143,8 @@ envelope f_r      10.081       0.0224       0.00656          +10.7          +28.
     ),
     "compare": CommandHelp(
         text="""\
-Compare recordings, measured or simulated: print a table of features, and write it as CSV with figures of order
-spectra, envelopes and averages. The shafts are tracked by angle or speed channels. Takes seconds.""",
+Compare recordings, measured or simulated. Print a table of features; write it as CSV, and figures of order spectra,
+envelope spectra and time-synchronous averages. The first recording is the reference. Takes seconds.""",
         output="""\
    recording               s  turns   rpm  f_m Hz  samples/s  speed from
 -  -------------  ----------  -----  ----  ------  ---------  -------------------------
@@ -154,8 +155,8 @@ comparison/features.csv""",
     ),
     "orders": CommandHelp(
         text="""\
-Analyse a run-up or coast-down by orders of a shaft: print the highest amplitude along each order, and write pictures
-of the order spectra over speed and of the order cuts. A finished run is read. Takes seconds.""",
+Analyse the run-up or coast-down of a finished run by orders of a shaft. Print the highest amplitude of each order.
+Write pictures of the order spectra over speed, and of the amplitude of each order over speed. Takes seconds.""",
         output="""\
 input-bearing z over the orders of shaft 1, 11 windows
   order  highest m/s2  at rpm   at Hz
@@ -173,8 +174,8 @@ Write the signals of a finished run as a CSV, MATLAB or universal file (UFF 58) 
     "gears": CommandHelp(
         text="""\
 Compute the mesh stiffness, transmission error and load sharing of every gear pair, healthy and faulty, over one passage
-of a tooth. Print tables and a proposal for tip relief; --plot shows the transmission error, --out writes the curves.
-Takes seconds, and up to a minute for each pair with the model `solid`.""",
+of a tooth. Print tables and a proposal for tip relief. --plot plots the transmission error, --out writes the curves.
+Takes seconds, and up to a minute for each pair with the mesh model `solid`.""",
         output="""\
 ...
 stage  torque N m  flanks      order 1 um  order 2 um  order 3 um  order 4 um  order 5 um
@@ -188,7 +189,8 @@ te.png""",
     "inspect": CommandHelp(
         text="""\
 Write pictures of a gear pair in mesh with its stiffness curve and contact pattern, and of the casing mesh.
-Options write stresses, meshes or casing modes instead. Takes seconds, and up to minutes with the model `solid`.""",
+--stress, --mesh and --casing-mode write other pictures or files instead. Takes seconds, and up to minutes with the
+mesh model `solid`.""",
         output="""\
 gears_1.png
 mesh_1.png
@@ -197,9 +199,9 @@ casing rigid: no mesh to show""",
     ),
     "housing": CommandHelp(
         text="""\
-Read a housing from a CAD file, a mesh, or stiffness and mass matrices. Print its solids and bores, or the check of
-the matrices. With --scene, propose the bearing seats and write housing.toml, a picture and an HTML page. Takes
-seconds.""",
+Read a housing from a CAD file, a mesh, or stiffness and mass matrices. Print its solids and bores, or a check of the
+matrices. Write a picture and an HTML page of the solids and bores. With --scene, choose the bores that hold the
+bearings (bearing seats), and write them to housing.toml. Takes seconds.""",
         output="""\
 ...
 bore  solid  diameter mm  length mm         middle mm     axis  of 360 deg
@@ -211,18 +213,19 @@ rig-housing-housing/housing.toml
     ),
     "casing": CommandHelp(
         text="""\
-Mesh and reduce the casing of a scene; print its interface points, natural frequencies with error bands, and weight.
---response writes frequency responses, --export the matrices or mode shapes. Takes seconds to minutes.""",
+Mesh the casing of a scene and reduce it to its bearing points and modes. Print these points, natural frequencies with
+error bands, and weight. --response writes frequency responses, --export the matrices or mode shapes. Takes seconds to
+minutes.""",
         output="""\
-casing rigid: 6 coordinates, 23 rows
+casing rigid: 6 coordinates, 23 output channels
 ...
   bearing_1  x     0.00  y   -65.00  z     0.00 mm
 ...""",
     ),
     "modes": CommandHelp(
         text="""\
-Linearise the loaded machine about its static equilibrium; print natural frequencies, damping and the share of each
-part in the energy of each mode. No motion is simulated. Takes seconds once mesh stiffness and casing are stored.""",
+Linearise the loaded machine about its static equilibrium. Print natural frequencies, damping and the share of each
+part in the energy of each mode. No motion is simulated. Takes seconds if the cache holds mesh stiffness and casing.""",
         output="""\
 minimal: small vibrations about the loaded static equilibrium, stage 1 at mesh cycle 0
 mode  frequency Hz  damping ratio %  shafts %  bearings %  casing %  drive %  mesh 1 %  dominant
@@ -234,8 +237,8 @@ mesh 1: force 1061 N, tangent stiffness 146.9 N/um
     ),
     "converge": CommandHelp(
         text="""\
-Compute a scene again with one setting refined and coarsened; print the observed order, the extrapolated value and the
-error band of each result, and write a plot. Each level computes the refined part again.""",
+Compute a scene with several values of one setting, from fine to coarse. Print the observed order of convergence, the
+extrapolated value and the error band of each result, and write a plot. Takes seconds to minutes for each value.""",
         output="""\
 ...
 The setting in use is fine enough for 1 %: the widest error band is 0.1 % (sensor_3 rms, lifting).
@@ -244,9 +247,9 @@ plot: convergence-minimal-step.png""",
     ),
     "tradeoff": CommandHelp(
         text="""\
-Measure time, memory and error of every model and main setting against the preset `reference`; print a table, the
-least expensive choice within an error and the most accurate within a time; write a plot. Takes about a minute for
-`minimal`, some 5 minutes for the rig.""",
+Measure time, memory and error of every model and main setting. The error is the deviation from the preset
+`reference`. Print a table, the least expensive choice within --error and the most accurate within --time; write a
+plot. Takes about a minute for the scene `minimal`, and about 5 minutes for the scenes `rig-...`.""",
         output="""\
 ...
 Within 2 % error of sensor rms, the least expensive choice is together: standard laws, 100 us (1.91 s, 0.36 %).
@@ -255,8 +258,8 @@ plot: tradeoff-minimal.png""",
     ),
     "starts": CommandHelp(
         text="""\
-Simulate a scene from several slightly different initial states; print mean and spread of each level. Use it where a
-motion is chaotic, so that levels depend on the initial state. Takes one simulation for each start.""",
+Simulate a scene from several slightly different initial states. Print mean and spread of the level of each sensor.
+Use it where a motion is chaotic, so that levels depend on the initial state. Takes one simulation for each start.""",
         output="""\
 8 initial states
 ...
@@ -266,8 +269,8 @@ sensor_3 rms, lifting, m/s2  1.55                      4.696e-07           5.617
     ),
     "detect": CommandHelp(
         text="""\
-Simulate healthy and damaged machines with different deviations; print and write the probability of detection and the
-rate of false alarms over damage size, noise and sensors. Run it with --dry-run first: it takes minutes to hours.""",
+Simulate healthy and damaged machines with different gear deviations. Print and write the probability of detection and
+the rate of false alarms over damage size, sensor noise and sensors. Takes minutes to hours: use --dry-run first.""",
         output="""\
 scenes      88
 labels      60 chipped-tooth, 28 healthy
@@ -278,7 +281,7 @@ disk        about 335 MB in 88 files per signal""",
     "campaign": CommandHelp(
         text="""\
 Simulate all scenes of a plan and write them as one labelled data set. Repeat the command to continue after an
-interruption. Run it with --dry-run first: it takes minutes to hours.""",
+interruption. Takes minutes to hours: use --dry-run first.""",
         output="""\
 scenes      240
 labels      80 chipped-tooth, 80 cracked-tooth, 80 healthy
@@ -297,8 +300,8 @@ Summarise, check or export a data set of `gearcase campaign`, or compute its fea
     ),
     "dataset info": CommandHelp(
         text="""\
-Print the number of runs, labels and parts of the split, and the range of each variable. A campaign may still be
-running. Takes seconds.""",
+Print the numbers of runs by label and by part of the split (train, validation, test), and the range of each variable.
+Can be used while the campaign is running. Takes seconds.""",
         output="""\
 ...
   runs     6: 6 done
@@ -309,13 +312,13 @@ running. Takes seconds.""",
     ),
     "dataset check": CommandHelp(
         text="""\
-Check the signals against their checksums, and rows and labels against the plan. Print what is wrong and what to do;
-the exit code is 1 then. All signals are read, which takes seconds to minutes.""",
+Check the signals against their checksums, and the table of runs and labels against the plan. Print what is wrong and
+what to do; the exit code is then 1. Takes seconds to minutes.""",
         output="6 rows of 6 runs checked: 0 errors, 0 warnings",
     ),
     "dataset features": CommandHelp(
         text="""\
-Compute statistics and order features of every run and write them to features.parquet in the data set.
+Compute statistical and order features of every run, and write them to features.parquet in the data set.
 Repeat the command to continue after an interruption. Takes seconds to minutes.""",
         output="""\
 ...
@@ -323,17 +326,17 @@ campaigns/plan/features.parquet: 18 lines""",
     ),
     "dataset export": CommandHelp(
         text="""\
-Write runs, or pieces of equal length, with their labels in a format for other programs. The signals stay as they are.
-Takes seconds to minutes.""",
+Write runs, or pieces of them of equal length, with their labels to a file for other programs. The data set itself is
+not changed. Takes seconds to minutes.""",
         output="""\
 16 pieces
 ...""",
     ),
     "verify": CommandHelp(
         text="""\
-Check the claims of a published study on the scene `rig`, a quay-crane hoist with a missing tooth: print each claim
-with its limit, simulate 40 cases, print the verdicts.
-With --out, write claims.md and claims.json. Takes some 5 minutes on two cores, more if nothing is stored yet.""",
+Check the claims of a published study of a quay-crane hoist with a missing tooth. Print each claim with its limit,
+simulate the 8 scenes of the study with each seed, and print whether each claim holds.
+With --out, write claims.md and claims.json. Takes about 5 minutes on two cores, and longer with an empty cache.""",
         output="""\
 ...
 claims/claims.md
@@ -341,7 +344,8 @@ claims/claims.json""",
     ),
     "explain": CommandHelp(
         text="""\
-Print which steps of a run are reused, which are computed, and which changed setting is the reason.
+Print which steps of a run would be reused from the cache, which would be computed, and which changed setting is the
+reason.
 Nothing is computed and no file is written. Takes seconds.""",
         output="""\
 First run: the cache holds no results of a similar scene to compare with.
@@ -356,7 +360,7 @@ Print the JSON schema of scene files, with which an editor completes and checks 
     ),
     "completion": CommandHelp(
         text="""\
-Print the script with which a shell completes commands, options and file names. For bash, write it to
+Print the script by which a shell completes commands, options and file names. For bash, write it to
 ~/.local/share/bash-completion/completions/gearcase; for zsh, to a file _gearcase in a folder of `fpath`.""",
         output="""\
 ...
@@ -365,8 +369,8 @@ _shtab_gearcase_runs_subparsers=(list open compare clean)
     ),
     "cache": CommandHelp(
         text="""\
-Show the size of the cache, verify its checksums, or clear it. The cache stores the results of computed steps for
-reuse by all scenes; clearing it costs only time. Takes seconds.""",
+Show the size of the cache, verify its checksums, or clear it. The cache stores the results of computed steps, which
+all scenes reuse. After clearing, runs compute these steps again. Takes seconds.""",
         output="""\
 ...
   casing               1 entries        0.0 MB

@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import re
 import sys
+from collections.abc import Iterable
 from typing import NoReturn
 
 from pipelines.border.argument_types import count, days, number, path, positive
@@ -19,6 +20,7 @@ from pipelines.finished_arguments import (
     export_arguments,
     json_argument,
     orders_arguments,
+    quiet_argument,
     runs_arguments,
 )
 from pipelines.gear_arguments import gears_arguments, inspect_arguments
@@ -35,17 +37,19 @@ from pipelines.study_arguments import (
 
 PROLOGUE = """\
 Simulate the vibration of a gearbox, healthy and damaged, from its geometry to the signals of its sensors.
-Finite elements give the stiffness of gears and casing, a multibody model the motion, diagnosis the verdict.
+Finite elements give the stiffness of gears and casing. A multibody model gives the motion and the signals. The
+diagnosis compares the signals with those of the same gearbox without the fault, the healthy control.
 
-A SCENE describes the machine: the name of a shipped scene (minimal, bench, reducer, rig-missing-tooth, ...), or a
-path that ends in .toml. A RUN is a result folder, a scene's name for its newest result under ./runs, or a number as
-printed by `gearcase runs`.
+A SCENE describes the machine. Give the name of a shipped scene (minimal, bench, reducer, rig-missing-tooth, ...), or
+the path of your own file, which ends in .toml.
+A RUN is a finished simulation. Give its result folder, the name of its scene for the newest result under ./runs, or
+the number that `gearcase runs` prints.
 """
 EPILOGUE = """\
 first steps:
   gearcase run minimal                        simulate the smallest scene; print the path of the report
   gearcase new my.toml --from bench           write a commented scene to change
-  gearcase check my.toml                      check it and print what follows from it
+  gearcase check my.toml                      check it; print ratios, frequencies, forces
   gearcase run my.toml                        write signals, diagnosis and report under ./runs/my
 
 Help for one command: gearcase COMMAND --help
@@ -67,7 +71,7 @@ class Parser(argparse.ArgumentParser):
             tail = f"...{tail[-_MESSAGE_END:]}"
         self.print_usage(sys.stderr)
         help_of = f"{self.prog} COMMAND" if self.prog == "gearcase" else self.prog
-        hint = f"{_nearest(message)}Help: {help_of} --help"
+        hint = f"{_nearest(message, self._option_string_actions)}Help: {help_of} --help"
         self.exit(2, f"{self.prog}: error: {shown(head)}{shown(tail)}".rstrip(".") + f". {hint}\n")
 
 
@@ -77,14 +81,17 @@ def command_parser(top: argparse.ArgumentParser, command: str | None) -> argpars
     return top if command is None else next(choices)[command]
 
 
-def _nearest(message: str) -> str:
-    """What was probably meant by a word that is not among the choices, as a sentence, or ""."""
-    found = re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message)
-    if found is None:
-        return ""
+def _nearest(message: str, options: Iterable[str]) -> str:
+    """What was probably meant by a word that is not among the choices or options, as a sentence, or ""."""
     from pipelines.border.shown import nearest_name
 
-    name = nearest_name(found[1], re.findall(r"[\w-]+", found[2]))
+    choice = re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message)
+    option = re.search(r"unrecognized arguments: (--[\w-]+)", message)
+    name = ""
+    if choice is not None:
+        name = nearest_name(choice[1], re.findall(r"[\w-]+", choice[2]))
+    elif option is not None:
+        name = nearest_name(option[1], [one for one in options if one.startswith("--")])
     return f"Did you mean {name}? " if name else ""
 
 
@@ -144,26 +151,30 @@ def _run(sub: argparse.ArgumentParser) -> None:
     work_arguments(sub)
     _out(sub)
     sub.add_argument(
-        "--no-control", action="store_true", help="simulate no healthy control; there is no diagnosis then"
+        "--no-control",
+        action="store_true",
+        help="do not simulate the healthy control; there is no diagnosis without it",
     )
     sub.add_argument(
         "--one-load",
         action="store_true",
-        help="do not repeat the simulation with the equivalent constant load torque",
+        help="for a load on a rope: do not simulate it again with the equivalent constant torque",
     )
     sub.add_argument(
         "--seeds",
         metavar="N",
         type=count,
         default=0,
-        help="repeat with deviation seeds 1 to N and with gears without deviations (default: the seed of the scene)",
+        help="simulate also with the seeds 1 to N of the gear deviations, and with gears without deviations (default: "
+        "only the seed of the scene)",
     )
     sub.add_argument(
         "--baseline",
         metavar="N",
         type=count,
         default=0,
-        help="simulate N healthy machines with other deviations and compare with them; p-values need 5 or more",
+        help="simulate also N healthy machines with other gear deviations, and compare the machine with them; p-values "
+        "need 5 or more (default 0)",
     )
 
 
@@ -174,7 +185,7 @@ def _modes(sub: argparse.ArgumentParser) -> None:
         "--cycle",
         metavar="C",
         type=number,
-        help="position of stage 1 in its mesh cycle, 0 to 1 (default: as at the start of the run)",
+        help="position of stage 1 in its mesh cycle, 0 to 1 (default: that at the start of the simulation)",
     )
     sub.add_argument(
         "--speed",
@@ -232,7 +243,7 @@ def _campaign(sub: argparse.ArgumentParser) -> None:
     )
     where.add_argument("--cluster", action="store_true", help="start a local Dask scheduler with a dashboard")
     sub.add_argument("--retry-failed", action="store_true", help="simulate failed runs again")
-    sub.add_argument("-q", "--quiet", action="store_true", help="print no progress")
+    quiet_argument(sub)
 
 
 FINISHED = (
@@ -245,7 +256,12 @@ FINISHED = (
 STUDIES = ("converge", "detect", "starts", "tradeoff", "verify")  # those that repeat a scene in variants, in another
 COMMANDS = (  # in the order a user needs them: name, of the module too; one line; example; arguments
     ("new", "write a commented scene file to change", "gearcase new my.toml --from bench", _new),
-    ("check", "check a scene file and print what follows from it", "gearcase check rig-missing-tooth", _check),
+    (
+        "check",
+        "check a scene file; print its ratios, frequencies, forces and cost",
+        "gearcase check rig-missing-tooth",
+        _check,
+    ),
     ("run", "simulate, compare with a healthy control, diagnose and report", "gearcase run bench", _run),
     ("simulate", "simulate the machine and write its signals only", "gearcase simulate minimal", _simulate),
     (
@@ -254,7 +270,12 @@ COMMANDS = (  # in the order a user needs them: name, of the module too; one lin
         "gearcase runs clean --keep 1",
         runs_arguments,
     ),
-    ("diagnose", "find damage in a recording or a finished run", "gearcase diagnose bench", diagnose_arguments),
+    (
+        "diagnose",
+        "find the damaged component in a recording or a finished run",
+        "gearcase diagnose bench",
+        diagnose_arguments,
+    ),
     (
         "compare",
         "compare features and spectra of recordings",
@@ -292,7 +313,7 @@ COMMANDS = (  # in the order a user needs them: name, of the module too; one lin
         "gearcase casing minimal",
         casing_arguments,
     ),
-    ("modes", "print natural frequencies of the whole machine", "gearcase modes minimal", _modes),
+    ("modes", "print the natural frequencies of the whole machine", "gearcase modes minimal", _modes),
     (
         "converge",
         "refine one setting and estimate the discretisation error",
@@ -307,7 +328,7 @@ COMMANDS = (  # in the order a user needs them: name, of the module too; one lin
     ),
     (
         "starts",
-        "repeat a simulation from other initial states; mean and spread",
+        "repeat a simulation from other initial states; print mean and spread",
         "gearcase starts minimal --starts 8",
         starts_arguments,
     ),
@@ -331,7 +352,7 @@ COMMANDS = (  # in the order a user needs them: name, of the module too; one lin
     ),
     (
         "verify",
-        "check the claims of a study of the shipped rig",
+        "check the claims of the published study of the hoist rig",
         "gearcase verify rig --out claims",
         verify_arguments,
     ),

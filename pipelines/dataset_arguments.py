@@ -6,6 +6,7 @@ import argparse
 
 from pipelines.border.argument_types import count, from_zero, part, path, positive, whole
 from pipelines.command_help import action_parser
+from pipelines.finished_arguments import quiet_argument
 
 _EXAMPLES = {
     "info": "gearcase dataset info campaigns/plan",
@@ -25,7 +26,7 @@ def dataset_arguments(sub: argparse.ArgumentParser) -> None:
         return made
 
     action("info", "print runs, labels, split and variables")
-    action("check", "check that signals, labels and table agree")
+    quiet_argument(action("check", "check that signals, labels and table agree"))
     features = action("features", "compute the features of every run")
     features.add_argument(
         "--start", type=from_zero, metavar="T", default=0.0, help="ignore the signals before this time, s (default 0)"
@@ -36,7 +37,8 @@ def dataset_arguments(sub: argparse.ArgumentParser) -> None:
     features.add_argument(
         "--processes", type=count, metavar="N", help="runs processed at the same time (default: number of cores)"
     )
-    _export(action("export", "write runs or pieces of them with labels, for NumPy, MATLAB and others"))
+    quiet_argument(features)
+    _export(action("export", "write runs, or pieces of them, with labels for other programs"))
 
 
 def _export(sub: argparse.ArgumentParser) -> None:
@@ -45,25 +47,38 @@ def _export(sub: argparse.ArgumentParser) -> None:
         dest="form",
         choices=("csv", "mat", "npz", "hdf5"),
         required=True,
-        help="format; npz and hdf5: one file; csv and mat: one file for each run, and labels.csv",
+        help="file format; npz and hdf5 write one file, csv and mat one file for each run and labels.csv",
     )
     sub.add_argument(
         "--out", metavar="PATH", type=path, help="file, or folder for csv and mat (default: in the data set)"
     )
     sub.add_argument(
-        "--split", metavar="PART", nargs="+", default=[], help="parts of the split to write, as in train (default: all)"
+        "--split",
+        metavar="PART",
+        nargs="+",
+        default=[],
+        help="parts of the split to write: train, validation or test (default: all)",
     )
     sub.add_argument(
-        "--label", metavar="LABEL", nargs="+", default=[], help="labels to write, as in healthy (default: all)"
+        "--label",
+        metavar="LABEL",
+        nargs="+",
+        default=[],
+        help="labels whose runs are written, as in healthy (default: all)",
     )
     sub.add_argument("--sensors", metavar="NAME", nargs="+", default=[], help="sensors to write (default: all)")
-    sub.add_argument("--seconds", metavar="T", type=positive, help="length of a piece, s (default: the whole run)")
+    sub.add_argument(
+        "--start", type=from_zero, metavar="T", default=0.0, help="ignore the signals before this time, s (default 0)"
+    )
+    sub.add_argument(
+        "--seconds", metavar="T", type=positive, help="length of a piece, s (default: the whole run after --start)"
+    )
     sub.add_argument(
         "--overlap",
         metavar="S",
         type=part,
         default=0.0,
-        help="overlap of neighbouring pieces, 0 to below 1 or in %% (default 0)",
+        help="overlap of neighbouring pieces: 0 to below 1, or as in 50%% (default 0)",
     )
     sub.add_argument(
         "--noise", metavar="RMS", type=from_zero, default=0.0, help="add white sensor noise, m/s2 rms (default 0)"

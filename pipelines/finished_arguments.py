@@ -7,7 +7,7 @@ import argparse
 from pipelines.border.argument_types import count, days, number, path, positive, several
 from pipelines.command_help import action_parser
 
-RUN_HELP = "result folder, scene name for its newest result, or number as printed by `gearcase runs`"
+RUN_HELP = "result folder, name of a scene for its newest result, or number that `gearcase runs` prints"
 
 
 _EXAMPLES = {
@@ -21,6 +21,11 @@ _EXAMPLES = {
 def json_argument(sub: argparse.ArgumentParser) -> None:
     """--json."""
     sub.add_argument("--json", action="store_true", help="print the results as JSON, for programs")
+
+
+def quiet_argument(sub: argparse.ArgumentParser) -> None:
+    """--quiet."""
+    sub.add_argument("-q", "--quiet", action="store_true", help="print results, warnings and errors only")
 
 
 def diagnose_arguments(sub: argparse.ArgumentParser) -> None:
@@ -70,8 +75,8 @@ def compare_arguments(sub: argparse.ArgumentParser) -> None:
         metavar="RECORD",
         type=path,
         nargs="+",
-        help="2 to 10 recording files, or runs by folder, scene name or number; a time window as RECORD@lifting or "
-        "RECORD@0.5:2.5",
+        help="2 to 10 recording files, or runs by folder, scene name or number; add a time window by its name or in s, "
+        "as in bench@steady or bench@0.5:2.5",
     )
     sub.add_argument(
         "--machine",
@@ -87,7 +92,7 @@ def compare_arguments(sub: argparse.ArgumentParser) -> None:
         "--shaft",
         metavar="N",
         type=count,
-        help="shaft of the synchronous averages (default: that whose features differ most)",
+        help="number of the shaft of the time-synchronous averages (default: that whose features differ most)",
     )
     sub.add_argument("--out", metavar="FOLDER", type=path, help="folder for figures and CSV (default: ./comparison)")
 
@@ -116,14 +121,14 @@ def runs_arguments(sub: argparse.ArgumentParser) -> None:
     action("open", "open the report of a run in the browser").add_argument(
         "run", metavar="RUN", type=path, help=RUN_HELP
     )
-    action("compare", "compare verdicts, settings and levels of runs").add_argument(
+    action("compare", "compare verdicts, settings and sensor levels of runs").add_argument(
         "runs", metavar="RUN", type=path, nargs="+", help=RUN_HELP
     )
     clean = action("clean", "show which runs would be removed; with --yes remove them")
     clean.add_argument("runs", metavar="RUN", type=path, nargs="*", help=RUN_HELP)
-    clean.add_argument("--older-than", metavar="DAYS", type=days, help="only runs older than this, days")
+    clean.add_argument("--older-than", metavar="DAYS", type=days, help="remove only runs older than this, days")
     clean.add_argument("--keep", metavar="N", type=count, help="keep the newest N runs of each scene")
-    clean.add_argument("--yes", action="store_true", help="remove them")
+    clean.add_argument("--yes", action="store_true", help="remove the runs (default: only list them)")
 
 
 def export_arguments(sub: argparse.ArgumentParser) -> None:
@@ -145,23 +150,23 @@ def orders_arguments(sub: argparse.ArgumentParser) -> None:
         "--shaft",
         metavar="N",
         type=count,
-        help="shaft to whose revolutions the orders refer (default: the one that is driven)",
+        help="number of the shaft whose speed is order 1 (default: the driven shaft)",
     )
     sub.add_argument(
         "--sensor", metavar="NAME", help="sensor to analyse (default: that of the diagnosis, or the first)"
     )
-    sub.add_argument("--axis", choices=("x", "y", "z"), help="of the sensor (default: that of the diagnosis)")
+    sub.add_argument("--axis", choices=("x", "y", "z"), help="axis of the sensor (default: that of the diagnosis)")
     sub.add_argument(
         "--orders",
         metavar="K",
         type=positive,
         nargs="+",
         default=[],
-        help="orders to cut along (default: the mesh orders)",
+        help="orders whose amplitudes are shown over speed (default: the mesh orders)",
     )
     sub.add_argument(
         "--revolutions", metavar="N", type=several, default=16, help="revolutions in a window, 2 or more (default 16)"
     )
     sub.add_argument("--campbell", action="store_true", help="add a Campbell diagram: natural frequencies over speed")
     sub.add_argument("--out", metavar="FOLDER", type=path, help="folder for the pictures (default: the result folder)")
-    sub.add_argument("-q", "--quiet", action="store_true", help="print no progress")
+    quiet_argument(sub)

@@ -24,18 +24,23 @@ def gears_arguments(sub: argparse.ArgumentParser) -> None:
         metavar="UM",
         type=tilt,
         default=0.0,
-        help="misalignment over the face, um (approach at the +y end minus that at the -y end), balanced (the tilt "
-        "that centres the load) or machine (the tilt in the loaded machine); default 0",
+        help="misalignment of the flanks over the face width, um, positive if they are closer at the +y end; or "
+        "balanced: the misalignment that centres the load; or machine: that in the loaded machine (default 0)",
     )
     sub.add_argument(
-        "--out", metavar="FILE", type=path, help="write the curves over the mesh cycle to this file, .csv or .nc"
+        "--out",
+        metavar="FILE",
+        type=path,
+        help="write the curves to this file, .csv or .nc: a row for each state and position; position 0 is contact of "
+        "the tooth at the pitch point; stiffness, transmission error at the force and without load (no_load_error), "
+        "tilt; load share and largest Hertz pressure of each tooth pair, +0 that of the tooth, +1 the next one",
     )
     sub.add_argument(
         "--plot",
         metavar="FILE",
         type=picture,
-        help="write transmission error (um) over the mesh cycle and its orders, before and after modifications: .png, "
-        ".svg or .pdf (default: none)",
+        help="plot the transmission error over the mesh cycle and its orders, with and without modifications, and "
+        "while damaged teeth are in mesh, to this file: .png, .svg or .pdf",
     )
     json_argument(sub)
 
@@ -51,7 +56,10 @@ def inspect_arguments(sub: argparse.ArgumentParser) -> None:
         "--torque", metavar="N_M", type=positive, help="torque on the pinion of this stage, N m (default: of the scene)"
     )
     sub.add_argument(
-        "--position", type=number, metavar="C", help="show one position, mesh cycles (default: a film over one cycle)"
+        "--position",
+        type=number,
+        metavar="C",
+        help="show one position in mesh, in mesh cycles (default: a film over one mesh cycle)",
     )
     sub.add_argument(
         "--frames", type=count, metavar="N", default=17, help="pictures in the film; 1 gives a still (default 17)"
@@ -70,5 +78,6 @@ def inspect_arguments(sub: argparse.ArgumentParser) -> None:
         "--casing-mode",
         type=mode_number,
         metavar="N",
-        help="show natural mode N of the casing instead (PNG, GIF and HTML); all: one PNG of all modes in its band",
+        help="show natural mode N of the casing instead (PNG, GIF and HTML); all: one PNG of all modes "
+        "up to casing.band_Hz",
     )

@@ -21,7 +21,7 @@ def housing_arguments(sub: argparse.ArgumentParser) -> None:
         "--scene",
         metavar="SCENE",
         type=path,
-        help="propose seats for the shafts of this scene and write its block [casing.housing]",
+        help="choose the bores for the bearings of this scene, and write the table [casing.housing] for it",
     )
     sub.add_argument(
         "--unit",
@@ -34,7 +34,7 @@ def housing_arguments(sub: argparse.ArgumentParser) -> None:
         type=count,
         nargs="+",
         default=[],
-        help="numbers of the solids that can hold seats (default: all)",
+        help="numbers of the solids whose bores may be chosen (default: all)",
     )
     sub.add_argument("--out", metavar="FOLDER", type=path, help="result folder (default: ./<file>-housing)")
     matrices = sub.add_argument_group("matrices of another program")
@@ -45,19 +45,20 @@ def housing_arguments(sub: argparse.ArgumentParser) -> None:
         "--nodes",
         metavar="FILE",
         type=path,
-        help="node coordinates: rows of number, x, y, z; GRID cards of Nastran; *NODE of Abaqus",
+        help="file with the node coordinates: rows of number, x, y, z; GRID cards of Nastran; *NODE of Abaqus",
     )
     matrices.add_argument(
         "--equations",
         metavar="FILE",
         type=path,
-        help="order of equations: rows of node, axis (1-6, 0 modal); .mapping of Ansys; EXTRN cards",
+        help="file with the order of the equations: rows of node and axis (1 to 6; 0: modal); .mapping of Ansys; EXTRN "
+        "cards of Nastran",
     )
     matrices.add_argument(
         "--units",
         choices=("kg-m-s", "t-mm-s", "kg-mm-ms", "kg-mm-s", "lbf-in-s"),
         default="kg-m-s",
-        help="units of mass (lbf: of force), length and time in the matrices (default kg-m-s)",
+        help="units in the matrices: mass (lbf: force), length and time (default kg-m-s)",
     )
     matrices.add_argument(
         "--keep",
@@ -65,7 +66,7 @@ def housing_arguments(sub: argparse.ArgumentParser) -> None:
         type=count,
         nargs="+",
         default=[],
-        help="reduce the matrices to these nodes and write them",
+        help="reduce the matrices to these nodes, and write the reduced matrices",
     )
     matrices.add_argument(
         "--hold", metavar="NODE", type=count, nargs="+", default=[], help="nodes that are fixed to the ground"
@@ -85,7 +86,7 @@ def casing_arguments(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--error-check",
         action="store_true",
-        help="compare frequencies and responses with the full model; takes about as long as the reduction",
+        help="compare frequencies and responses with the model before reduction; takes about as long as the reduction",
     )
     sub.add_argument(
         "--export",
@@ -101,8 +102,14 @@ def casing_arguments(sub: argparse.ArgumentParser) -> None:
         metavar="POINT",
         nargs="+",
         default=[],
-        help="frequency responses, m/s2/N: the first POINT with an axis is excited, as in bearing_1:z, further POINTs "
-        "respond (default: all sensors); writes CSV and PNG into the working folder",
+        help="write frequency responses (m/s2/N, CSV and PNG). The force acts at the first POINT in its axis, as in "
+        "bearing_1:z; the others respond (default: all sensors)",
+    )
+    sub.add_argument(
+        "--out",
+        metavar="FOLDER",
+        type=path,
+        help="folder for the frequency responses of --response (default: the working folder)",
     )
     sub.add_argument("--modes", metavar="N", type=count, default=20, help="number of modes in the table (default 20)")
     json_argument(sub)

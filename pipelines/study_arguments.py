@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from pipelines.border.argument_types import count, from_zero, path, picture, seconds, several, share
+from pipelines.finished_arguments import quiet_argument
 from pipelines.scene.presets import PRESETS
 from pipelines.trade.axes import AXES
 
@@ -18,20 +19,24 @@ def scene_arguments(sub: argparse.ArgumentParser) -> None:
         dest="settings",
         action="append",
         default=[],
-        help="change one value of the scene, as in --set stages.1.face_width_mm=32, items counted from 1; repeatable",
+        help="change one value of the scene, as in --set stages.1.face_width_mm=32; "
+        "items of a list are counted from 1; repeatable",
     )
     sub.add_argument(
         "--preset",
         choices=PRESETS,
-        help="mesh sizes, slices and time step; --set overrides it (default: the settings of the scene)",
+        help="accuracy of meshes and time step, from coarse (draft) to fine (reference); --set overrides it (default: "
+        "as in the scene)",
     )
+    quiet_argument(sub)
 
 
 def work_arguments(sub: argparse.ArgumentParser) -> None:
     """A scene, and how its steps are built."""
     scene_arguments(sub)
-    sub.add_argument("--processes", type=count, metavar="N", help="number of processes for long steps (default 2)")
-    sub.add_argument("-q", "--quiet", action="store_true", help="print no progress")
+    sub.add_argument(
+        "--processes", type=count, metavar="N", help="number of steps that are computed at the same time (default 2)"
+    )
 
 
 def converge_arguments(sub: argparse.ArgumentParser) -> None:
@@ -41,15 +46,16 @@ def converge_arguments(sub: argparse.ArgumentParser) -> None:
         "--over",
         choices=tuple(AXES),
         required=True,
-        help="setting to refine: elements of the gears, slices of the face, positions in the mesh cycle, elements or "
-        "modes of the casing, elements of the shafts, or time step",
+        help="setting to refine: element size of the gears, slices of the face, positions in the mesh cycle, element "
+        "size or number of modes of the casing, element length of the shafts, or time step",
     )
     sub.add_argument(
         "--levels",
         type=count,
         metavar="N",
         default=3,
-        help="levels of refinement, one of them finer than the setting in use (default 3)",
+        help="number of values of the setting: one finer than in the scene, that of the scene, and coarser ones "
+        "(default 3)",
     )
     sub.add_argument(
         "--error", type=share, metavar="E", default=0.01, help="target error, a fraction or as in 1%% (default 1%%)"
@@ -95,19 +101,24 @@ def starts_arguments(sub: argparse.ArgumentParser) -> None:
 def verify_arguments(sub: argparse.ArgumentParser) -> None:
     """Which claims, over how many seeds."""
     sub.add_argument(
-        "what", metavar="WHAT", choices=("rig",), help="rig: the study of the quay-crane hoist rig, the only one"
+        "what", metavar="WHAT", choices=("rig",), help="rig: the study of the quay-crane hoist rig; there is no other"
     )
     sub.add_argument(
         "--seeds", type=several, metavar="N", default=5, help="seeds of the gear deviations, 2 or more (default 5)"
     )
     sub.add_argument(
-        "--preset", choices=PRESETS, default="standard", help="fineness of meshes and time step (default standard)"
+        "--preset",
+        choices=PRESETS,
+        default="standard",
+        help="accuracy of meshes and time step, from coarse (draft) to fine (reference) (default standard)",
     )
     sub.add_argument(
         "--out", metavar="FOLDER", type=path, help="folder for claims.md and claims.json (default: print only)"
     )
-    sub.add_argument("--processes", type=count, metavar="N", help="number of processes for long steps (default 2)")
-    sub.add_argument("-q", "--quiet", action="store_true", help="print no progress")
+    sub.add_argument(
+        "--processes", type=count, metavar="N", help="number of steps that are computed at the same time (default 2)"
+    )
+    quiet_argument(sub)
 
 
 def detect_arguments(sub: argparse.ArgumentParser) -> None:
@@ -118,7 +129,8 @@ def detect_arguments(sub: argparse.ArgumentParser) -> None:
         metavar="KEY=VALUES",
         action="append",
         default=[],
-        help="values of a key of the scene, as from:to:step or a,b,c; repeatable (default: the fault of the scene)",
+        help="values of a key of the scene, as KEY=from:to:step or KEY=a,b,c; repeatable (default: the fault as in the "
+        "scene)",
     )
     sub.add_argument(
         "--seeds", metavar="N", type=count, default=10, help="damaged machines for each value (default 10)"
@@ -139,7 +151,7 @@ def detect_arguments(sub: argparse.ArgumentParser) -> None:
         type=from_zero,
         nargs="+",
         default=[],
-        help="sensor noise, m/s2 rms; several levels need no further simulations (default: that of the scene)",
+        help="sensor noise, m/s2 rms; several values need no further simulations (default: that of the scene)",
     )
     sub.add_argument("--out", metavar="FOLDER", type=path, help="result folder (default: ./campaigns/detect-<scene>)")
     sub.add_argument(
@@ -148,4 +160,3 @@ def detect_arguments(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--processes", type=count, metavar="N", help="scenes simulated at the same time (default: number of cores)"
     )
-    sub.add_argument("-q", "--quiet", action="store_true", help="print no progress")

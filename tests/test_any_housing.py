@@ -3,6 +3,7 @@
 import math
 import re
 import tomllib
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ from fem.elements.materials import Material
 from fem.elements.solids import assemble
 from pipelines.cli import main
 from pipelines.housings.block import housing_block
+from pipelines.housings.picture import _seen
 from pipelines.housings.thinned import thinned
 from pipelines.plant.housing_file import main as write_housing
 from pipelines.runs.checked import check_scene
@@ -214,7 +216,7 @@ def test_what_is_no_housing_is_refused_in_a_sentence(tmp_path, monkeypatch, caps
     for name, words in (
         ("a.step", "is no STEP file or is cut off"),
         ("a.op4", "cannot be read"),
-        ("a.txt", "are read from"),
+        ("a.txt", "a mesh file must end in one of"),
     ):
         assert main(["housing", name]) == 2
         assert words in capsys.readouterr().err
@@ -283,3 +285,13 @@ def test_matrices_as_the_housing_of_a_scene_give_the_casing_of_its_mesh(tmp_path
     assert np.abs(foreign.frequencies[:count] / native.frequencies[:count] - 1).max() < 1e-6
     assert foreign.checkup.mass == pytest.approx(native.checkup.mass, rel=1e-9)
     assert foreign.mesh is None
+
+
+def test_a_picture_numbers_a_bore_only_where_no_wall_hides_it():
+    corners = np.array([[0.0, -1.0, -1.0], [0.0, 1.0, -1.0], [0.0, 1.0, 1.0], [0.0, -1.0, 1.0]])
+    wall = SimpleNamespace(
+        points=corners, triangles=np.array([[0, 1, 2], [0, 2, 3]]), box=np.array([[-1.0] * 3, [1.0] * 3])
+    )
+    eye = np.array([1.0, 0.2, 0.4])
+    places = {-0.5: False, 0.0: True, 0.5: True}
+    assert {x: _seen(wall, np.array([x, 0.3, -0.4]), eye) for x in places} == places

@@ -17,8 +17,9 @@ from fem.elements.solids import rigid_body_modes
 from mbd.excitations.base_acceleration import BaseAcceleration
 from mbd.excitations.unbalance import Unbalance
 from mbd.excitations.waveform import SweepWave, TableWave
+from mbd.integrators.settings import Settings
 from mbd.parts.drive import SpeedProfile
-from mbd.simulate import Settings, simulate
+from mbd.simulate import simulate
 from mbd.system.frequency_response import frequency_response
 from mbd.system.linearised import tangent
 from mbd.system.statics import equilibrium

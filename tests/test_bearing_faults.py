@@ -140,7 +140,9 @@ def test_a_spall_and_a_missing_tooth_are_told_side_by_side(diagnoses):
     )
     assert "harmonics of f_r = 50.0000 Hz" in sentences(found)[0]
     assert "harmonics of bearing_1 BPFO = 179.2" in sentences(found)[0]
-    assert summary_grid([found]).title.endswith("lines of the spalls")
+    last = "One tooth of the stage 1 pinion missing", "Spall on the outer ring of bearing_1"
+    assert summary_grid([found]).headers[-3:] == ("lines of the spalls", *last)
+    assert summary_grid([found]).rows[0][-2:] == ("seen", "seen")
 
 
 def test_check_lists_pass_frequencies_and_faults(tmp_path, capsys):

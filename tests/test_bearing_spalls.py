@@ -14,13 +14,14 @@ from mbd.bearing_faults.spall import Spall, race_radius
 from mbd.coordinates.channels import journal_acceleration, shaft_channels
 from mbd.elements.element import ENERGY, evaluated
 from mbd.forces.rolling_bearing import RollingContacts, hertz_bearing
+from mbd.integrators.settings import Settings
 from mbd.parts.bearings import rigid_bearing
 from mbd.parts.checks import MachineError
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.load import StaticTorque
 from mbd.parts.rolling_catalogue import by_designation
 from mbd.parts.rolling_elements import pass_frequencies
-from mbd.simulate import Settings, simulate
+from mbd.simulate import simulate
 from mbd.system.system import assemble
 from mbd.torques.torque import Torque
 

@@ -10,8 +10,9 @@ from rotors import CRITICAL, DAMPING, LENGTH, MOVING, PROBE, STIFFNESS, Probe, j
 
 from mbd.excitations.bent_shaft import BentShaft
 from mbd.excitations.unbalance import Unbalance
+from mbd.integrators.settings import Settings
 from mbd.parts.checks import MachineError
-from mbd.simulate import Settings, simulate
+from mbd.simulate import simulate
 from mbd.system.system import assemble
 from pipelines.border.errors import SceneError
 from pipelines.plant.plant import make_plant

@@ -292,7 +292,7 @@ def test_one_assembly_serves_scenes_with_equal_machines(monkeypatch, tmp_path):
 
     made = []
     real = module.assembled
-    monkeypatch.setattr(module, "assembled", lambda *given: made.append(1) or real(*given))
+    monkeypatch.setattr(module, "assembled", lambda *given, **taken: made.append(1) or real(*given, **taken))
     shop = module.Workshop(Work().cache)
     plan = load(tmp_path)
     scene = scene_of(plan, planned(plan)[0].values).scene

@@ -80,10 +80,15 @@ def test_rig_layout(rig):
         ({"shaft_x": (0.0, 0.03, 0.18275, 0.31569)}, "bosses of bearing_1 and bearing_3 overlap by 42.5 mm"),
         (
             {"shaft_x": (0.0, 0.074, 0.18275, 0.31569)},
-            r"leave a ligament of only 1.5 mm \(limit: 3 mm\)",
+            r"leave a ligament of only 1.5 mm \(limit: a ligament of 3 mm or more\)\. Reduce the sum of their "
+            r"boss diameters from 145 mm to 142 mm or less, or raise the distance of their axes from 74 mm to 75.5 mm",
         ),
         ({"shaft_x": (0.0, 0.07668, 0.18275, 0.45)}, "boss at x = 450 mm, z = 0 mm extends 40 mm beyond its side wall"),
-        ({"boss_diameters": (0.049, 0.08, 0.097, 0.12)}, "boss ring is 1 mm thick, and must be at least 3 mm"),
+        (
+            {"boss_diameters": (0.049, 0.08, 0.097, 0.12)},
+            "boss ring is 1 mm thick, and must be at least 3 mm. Raise its boss_diameters_mm from 49 mm to "
+            "53 mm or more, or reduce its bore_diameters_mm from 47 mm to 43 mm or less",
+        ),
         ({"boss_length": 0.005}, "boss length 5 mm is less than the wall"),
         ({"boss_length": 0.16}, "reaches the opposite boss"),
         ({"foot_length": 0.2}, "feet of 200 mm meet"),

@@ -20,7 +20,7 @@ from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
 from pipelines.border.errors import InputError
-from pipelines.commands.casing import mode_table, part_table
+from pipelines.commands.casing import missed_error, mode_table, part_table, reduction_words
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, Step, explain
@@ -160,6 +160,25 @@ def test_the_band_of_a_frequency_holds_its_own_extrapolated_frequency_and_the_ba
     sprung = replace(casing, modes=SimpleNamespace(ground="springs"))  # six motions on the mounts come first
     assert np.isnan(sprung.bands[:6]).all()
     assert sprung.bands[6:10] / natural.frequencies[6:10] == pytest.approx([0.01, 0.03, 0.04, 0.01])
+
+
+def test_an_error_that_is_not_reached_and_what_the_bands_leave_out_are_stated(elastic):
+    _, modes, body = elastic
+    natural = natural_modes(modes)
+    known = natural.frequencies[:4]
+    limits = SimpleNamespace(
+        frequencies=known, correction=0.0, limits=known, bands=np.array([0.01, 0.03, 0.04, 0.01]) * known
+    )
+    fields = {"mesh": elastic[0], "modes": modes, "checkup": None, "error": None, "records": (), "band": 1e3}
+    casing = Casing(body=body, natural=natural, limits=limits, requested_error=0.01, **fields)
+    assert missed_error(casing) == (
+        "casing.error = 1 % is not reached: half of the natural frequencies have error bands above 2 %. "
+        'Set casing.element = "tetrahedron-20", or a smaller casing.error.'
+    )
+    assert missed_error(replace(casing, requested_error=0.021)) == ""
+    assert missed_error(replace(casing, requested_error=None)) == ""
+    assert "casing.band_Hz = 1000 Hz" in reduction_words(to_band=True, band=1e3)
+    assert "--error-check computes it up to 1000 Hz" in reduction_words(to_band=False, band=1e3)
 
 
 def test_an_unknown_ending_is_refused():

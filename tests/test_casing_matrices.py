@@ -26,6 +26,7 @@ from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
 from pipelines.border.errors import InputError
+from pipelines.cli import main
 from pipelines.commands.casing import casing_facts, modal_ratios
 from pipelines.housings.responses import (
     accelerance,
@@ -130,7 +131,9 @@ def test_sensors_of_the_free_body_follow_a_rigid_motion(full, casing):
 
 
 @pytest.mark.parametrize(("ending", "precision"), [(".npz", 1e-9), (".mtx", 1e-9), (".op4", 1e-9), (".pch", 1e-6)])
-def test_what_is_exported_is_read_again_with_the_same_frequencies_in_its_ground(casing, tmp_path, ending, precision):
+def test_what_is_exported_is_read_again_with_the_same_frequencies_in_its_ground(
+    casing, tmp_path, ending, precision, caplog
+):
     if ending in (".op4", ".pch"):
         pytest.importorskip("pyyeti")
     written = write_casing(casing, "a casing", tmp_path / f"c{ending}")
@@ -144,6 +147,9 @@ def test_what_is_exported_is_read_again_with_the_same_frequencies_in_its_ground(
         equations=further.get("c-equations.csv"),
     )
     body = read_body(files)
+    unused = {".npz": ["damping", "rows"], ".op4": ["baa", "rows"], ".pch": ["baax"], ".mtx": []}[ending]
+    assert [record.args[1] for record in caplog.records] == unused
+    assert all("is not used" in record.getMessage() for record in caplog.records)
     check = check_foreign(body)
     assert check.wrong == ()
     assert check.doubtful == ()
@@ -214,7 +220,7 @@ def _all_axes(figure):
     ("names", "message"),
     [
         (["bearing_9:z"], r"bearing_9:z: no such point. Choose one of bearing_1, sensor_1"),
-        (["bearing_1"], r"bearing_1: add the axis :x, :y or :z, as in bearing_1:z"),
+        (["bearing_1"], r"bearing_1: add the axis :x, :y or :z after the name of the point, as in bearing_1:z"),
         (["bearing_1:z", "sensor_1:q"], r"sensor_1:q: add the axis"),
     ],
 )
@@ -276,3 +282,14 @@ def test_the_page_names_every_format_of_an_export():
     text = (ROOT / "docs" / "housings.md").read_text(encoding="utf-8").partition("exported matrices\n")[2]
     heads = " ".join(re.findall(r"^\| (`\.[^|]*)\|", text, re.M))
     assert set(re.findall(r"`(\.\w+)`", heads)) == set(FORMATS)
+
+
+def test_responses_go_into_the_folder_of_out(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["casing", "minimal", "--response", "bearing_1:z", "--out", "here", "--quiet"]) == 0
+    names = [f"response-minimal-bearing_1-z{ending}" for ending in (".csv", ".png")]
+    assert [path.name for path in sorted((tmp_path / "here").iterdir())] == names
+    assert capsys.readouterr().out.splitlines()[-2:] == [f"here/{name}" for name in names]
+    assert main(["casing", "minimal", "--out", "there", "--quiet"]) == 2
+    assert "Add --response, or delete --out" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["here"]

@@ -12,7 +12,7 @@ from pipelines.steps.study import plan_study
 
 def inputs(scene, *settings, **options):
     study = plan_study(load_scene(scene, settings), **options)
-    return {stage.name: (stage.kind, digest(stage.spec), stage.takes) for stage in study.graph}
+    return {stage.name: (stage.kind, digest(stage.spec), stage.inputs) for stage in study.graph}
 
 
 def touched(scene, *settings):

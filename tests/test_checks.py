@@ -57,8 +57,8 @@ def refusal(scene, settings):
 
 REFUSED = [
     # bearings
-    ("minimal", {"bearings": {"model": "hertz", "designation": "6206-2RS"}}, "bearings.designation", "Near: 6206"),
-    ("minimal", {"bearings": {"model": "hertz", "designation": "nu 208"}}, "bearings.designation", "Near: NU208"),
+    ("minimal", {"bearings": {"model": "hertz", "designation": "6206-2RS"}}, "bearings.designation", "Similar: 6206"),
+    ("minimal", {"bearings": {"model": "hertz", "designation": "nu 208"}}, "bearings.designation", "Similar: NU208"),
     (
         "minimal",
         {"shafts.2.bearings": [LINEAR, {"model": "hertz", "designation": "9999"}]},

@@ -93,6 +93,18 @@ def test_an_example_prints_what_its_help_shows(capsys, here, own_cache, command)
         (["check", "minimal", "--set", "stages.1.face_widht_mm=12"], "Did you mean face_width_mm?"),
         (["check", "minimal", "--set", "stages.1.module_mm=-2"], "stages.1.module_mm = -2: must be greater than 0"),
         (["check", "minimal", "--set", "stages.1.face_width_mm=0"], "stages.1.face_width_mm = 0: must be greater"),
+        (
+            ["check", "minimal", "--set", "gear_material.elastic_modulus_GPa=210000"],
+            "or correct gear_material.elastic_modulus_GPa. Convert it if it is in MPa: 210000 MPa = 210 GPa.",
+        ),
+        (
+            ["check", "minimal", "--set", "casing.material.elastic_modulus_GPa=1.1e11"],
+            "must be at most 1e+06 GPa. Convert it if it is in Pa: 1.1e+11 Pa = 110 GPa.",
+        ),
+        (
+            ["check", "minimal", "--set", "casing.material.density_kg_m3=7.2e-9"],
+            "must be at least 1 kg/m3. Convert it if it is in t/mm3: 7.2e-09 t/mm3 = 7200 kg/m3.",
+        ),
         (["check", "nowhere.toml"], "nowhere.toml: no such file"),
         (["check", "minimal", "--set", "casing.model=rubber"], "must be one of none, rigid"),
         (["check", "minimal", "--set", "stages.1.mesh.model=solid-ish"], "stages.1.mesh.model"),
@@ -109,6 +121,15 @@ def test_an_example_prints_what_its_help_shows(capsys, here, own_cache, command)
         (["diagnose", "nowhere"], "no result here"),
         (["new", "my.txt"], "must end in .toml"),
         (["run", "minimal", "--processes", "0"], "whole number from 1"),
+        (
+            ["run", "minimal", "--sett", "stages.1.module_mm=2"],
+            "--sett stages.1.module_mm=2. Did you mean --set? Help:",
+        ),
+        (["check", "minimal", "--set", "casing.model=craig"], 'Did you mean "craig-bampton"?'),
+        (["export", "minimal", "--to", "mat", "--out", "x.csv"], "with --to mat the name must end in .mat."),
+        (["detect", "bench", "--over", "faults.1.depth_mm=0.5:3", "--dry-run"], "0.5:3: the step is missing. Write"),
+        (["check", "bench", "--set", "casing.damping_ratio=5%"], "must be a number or a list of numbers. Write the"),
+        (["check", "bench", "--set", "sensors.1.position_mm=[0, 0]"], "has too few values. Give all of them: x, y, z"),
         (["fly"], "invalid choice"),
         (["chek", "minimal"], "Did you mean check? Help: gearcase COMMAND --help"),
         (["runs", "clena"], "Did you mean clean? Help: gearcase runs --help"),
@@ -123,6 +144,31 @@ def test_a_mistake_gives_exit_code_2_and_a_message(capsys, here, arguments, word
     assert "Traceback" not in err
     assert out == ""
     assert list(here.iterdir()) == []
+
+
+def test_a_file_of_another_kind_is_named_with_the_command_that_reads_it(capsys, here):
+    (here / "machine.toml").write_text("teeth = [[20, 31]]\nspeed_rpm = 1500\n", encoding="utf-8")
+    (here / "plan.toml").write_text('scene = "minimal"\nscenes = 3\n', encoding="utf-8")
+    (here / "scene.toml").write_text('extends = "minimal"\n', encoding="utf-8")
+    for command in ("check", "run", "explain"):
+        code, out, err = gearcase(capsys, command, "machine.toml")
+        assert (code, out) == (2, "")
+        assert "machine.toml: this is a machine file, and a scene is needed." in err
+        assert "gearcase diagnose RECORD --machine machine.toml" in err
+        code, out, err = gearcase(capsys, command, "plan.toml")
+        assert (code, out) == (2, "")
+        assert "plan.toml: this is the plan of a campaign, and a scene is needed." in err
+        assert "gearcase campaign plan.toml" in err
+    code, out, err = gearcase(capsys, "campaign", "scene.toml")
+    assert (code, out) == (2, "")
+    assert "scene.toml: this is a scene, and the plan of a campaign is needed." in err
+
+
+@pytest.mark.parametrize("command", ["check", "explain"])
+def test_a_quiet_command_does_not_list_what_a_preset_changes(capsys, here, command):
+    assert "preset draft: " in gearcase(capsys, command, "minimal", "--preset", "draft")[2]
+    code, _, err = gearcase(capsys, command, "minimal", "--preset", "draft", "--quiet")
+    assert (code, err) == (0, "")
 
 
 def test_check_prints_what_follows(capsys):

@@ -71,6 +71,25 @@ def test_csv_gets_a_file_per_run_and_a_table_of_labels(folder, expected, tmp_pat
     assert np.allclose(np.diff(found[:, 1]), 1 / 5000)
 
 
+@pytest.mark.parametrize("form", ["npz", "hdf5", "csv"])
+def test_what_comes_before_the_start_is_left_out(folder, tmp_path, form):
+    words = ("--start", "0.3", "--seconds", "0.2", "--noise", "0.1", "--seed", "3", "--split", "train")
+    place = exported(folder, form, tmp_path / f"later.{form}", *words)
+    dataset = gearcase.open_dataset(folder)
+    later = dataset.isel(run=dataset.split == "train").sel(time=slice(0.2999, None))
+    cut = list(gearcase.pieces(later, 0.2, noise_m_s2=0.1, seed=3))
+    if form == "csv":
+        found = np.loadtxt(place / labels_of(place)[0]["file"], delimiter=",", skiprows=1)
+        assert found[0, 1] == pytest.approx(0.3)
+        assert len(found) == 2 * 1000  # of 0.5 s, two pieces of 0.2 s
+        return
+    values = np.concatenate([one.values for one in cut])
+    with np.load(place) if form == "npz" else h5py.File(place) as found:
+        assert np.array_equal(found["acceleration"], values)
+        assert found["start"][0] == pytest.approx(0.3)
+        assert len(found["label"]) == len(values) == len(found["start"])
+
+
 def test_a_label_chooses_and_by_default_whole_runs_lie_in_the_data_set(folder, capsys):
     assert main(["dataset", "export", str(folder), "--to", "npz", "--label", "healthy"]) == 0
     place = folder / "pieces.npz"
@@ -87,6 +106,8 @@ def test_a_label_chooses_and_by_default_whole_runs_lie_in_the_data_set(folder, c
         (("--label", "rusty"), "Allowed: healthy, missing-tooth"),
         (("--split", "validation"), "Allowed: test, train"),
         (("--seconds", "9"), "the runs last 0.8 s"),
+        (("--start", "0.8"), "--start 0.8: the runs last 0.8 s"),
+        (("--start", "0.3", "--seconds", "0.6"), "the runs last 0.5 s from 0.3 s on"),
         (("--sensors", "sensor_9"), "sensor_3, sensor_4"),
     ],
 )

@@ -11,8 +11,9 @@ from benchmarks import page
 from benchmarks.__main__ import RESULTS
 from benchmarks.modules import modules
 from fem.contact.models.registry import MODELS as MESHES
+from mbd.forces.bearing_models import BEARINGS
 from mbd.integrators.methods import METHODS
-from pipelines.scene.tables import bearings, casing, losses, motion, shafts
+from pipelines.scene.tables import casing, losses, motion, shafts
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 
@@ -24,7 +25,7 @@ def choices(table, field="model"):
 MODELS = [
     *MESHES,
     *(choices(t)[0] for t in (*casing.CASING_TABLES, motion.StaticTorqueTable, motion.RopeTable)),
-    *(choices(t)[0] for t in (bearings.RigidBearings, bearings.LinearBearings, bearings.HertzBearings)),
+    *BEARINGS,
     *(choices(t)[0] for t in typing.get_args(typing.get_args(losses.LossModel)[0])),
     *choices(motion.RopePendulumTable),
     *choices(shafts.ShaftModel),

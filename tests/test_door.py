@@ -165,6 +165,44 @@ def test_run_open_run_and_simulate_give_the_same_signals(scene, tmp_path, monkey
         gearcase.diagnose(gearcase.simulate(short))
 
 
+SIGNALS = xarray.Dataset(coords={"time": [0.0, 1.0]})
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: gearcase.judge(3, [], "minimal"), "recording = 3: must be an xarray.Dataset. Give the signals"),
+        (lambda: gearcase.judge(xarray.Dataset(), [], "minimal"), "recording: the dataset has no coordinate time."),
+        (lambda: gearcase.judge(SIGNALS, 3, "minimal"), "healthy = 3: must be a list of recordings."),
+        (lambda: gearcase.judge(SIGNALS, SIGNALS, "minimal"), "healthy: is of type Dataset, and must be a list"),
+        (lambda: gearcase.judge(SIGNALS, [SIGNALS, "x"], "minimal"), 'healthy[1] = "x": must be an xarray.Dataset.'),
+        (lambda: gearcase.judge(SIGNALS, [], 3), "machine = 3: must be text or a path: a machine file, a scene file"),
+        (lambda: gearcase.compare([SIGNALS], "minimal"), "recordings: is of type list, and must be recordings by name"),
+        (lambda: gearcase.compare({"a": 1}, "minimal"), 'recordings["a"] = 1: must be an xarray.Dataset.'),
+        (lambda: gearcase.spectrum("x"), 'signal = "x": must be an xarray.DataArray. Give one over time'),
+        (lambda: gearcase.spectrum(np.ones(9)), "signal: is of type ndarray, and must be an xarray.DataArray."),
+        (lambda: gearcase.open_recording(3, "minimal"), "path = 3: must be text or a path: a recording."),
+        (lambda: gearcase.open_run(None), "name = None: must be text or a path: a result folder"),
+        (lambda: gearcase.error_bars(3), "response = 3: must be an xarray.Dataset."),
+        (lambda: gearcase.run(gearcase.Scene.from_file("minimal"), seeds="a"), 'seeds = "a": must be a whole number.'),
+        (lambda: gearcase.Scene.from_file(3), "source = 3: must be text or a path: a scene file"),
+        (lambda: gearcase.Scene.from_dict("minimal"), 'tables = "minimal": must be the tables of a scene.'),
+        (lambda: gearcase.Scene.from_file("minimal").changed("a=1"), 'settings = "a=1": must be a dict or a list.'),
+        (lambda: gearcase.check("minimal"), 'scene = "minimal": must be a gearcase.Scene.'),
+        (lambda: gearcase.converge(gearcase.Scene.from_file("minimal"), "x"), 'over = "x": must be one of gear-mesh,'),
+        (lambda: gearcase.open_dataset(3), "folder = 3: must be text or a path: the folder of a data set."),
+        (
+            lambda: gearcase.pieces(3),
+            "dataset = 3: must be an xarray.Dataset. Give what gearcase.open_dataset returned.",
+        ),
+        (lambda: gearcase.campaign(3), "plan = 3: must be text or a path: the plan of a campaign."),
+    ],
+)
+def test_an_argument_of_another_type_is_refused_by_its_name(call, words):
+    with pytest.raises(gearcase.InputError, match=re.escape(words)):
+        call()
+
+
 def test_a_spectrum_keeps_the_other_dimensions_and_refuses_what_is_no_signal():
     time = np.arange(2000) / 1000
     tones = np.stack([np.cos(2 * np.pi * f * time) * a for f, a in ((50, 2.0), (125, 0.5))])

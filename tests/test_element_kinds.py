@@ -23,11 +23,12 @@ from mbd.excitations.waveform import SweepWave
 from mbd.forces.ground import Ground
 from mbd.forces.pendulum import RopePendulum
 from mbd.forces.rolling_bearing import hertz_bearing
+from mbd.integrators.settings import Settings
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.load import OutsideForce
 from mbd.parts.losses import Brake, Coulomb, Efficiency
 from mbd.parts.rolling_catalogue import by_designation
-from mbd.simulate import Settings, simulate
+from mbd.simulate import simulate
 from mbd.system.linearised import linear_modes
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble

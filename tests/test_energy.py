@@ -13,8 +13,9 @@ from mbd.energy.exact_integrals import FlowWork
 from mbd.integrators.base import ACCELERATION, LENGTH, SPEED
 from mbd.integrators.exponential import exponential
 from mbd.integrators.phi_functions import phi_functions
+from mbd.integrators.settings import Settings
 from mbd.parts.drive import SpeedProfile
-from mbd.simulate import Settings, simulate
+from mbd.simulate import simulate
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 

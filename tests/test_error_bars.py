@@ -253,8 +253,8 @@ def test_without_errors_of_the_mesh_the_inputs_are_shown_alone(diagnosed):
     assert all(bar.numerical is None and bar.inputs.low < bar.inputs.high for bar in bars.bars)
     words = bars_words(bars)
     assert 'set casing.model = "craig-bampton"' in words
-    assert "numerical dB" not in words
-    assert "inputs dB" in words
+    assert "numerical uncertainty dB" not in words
+    assert "uncertain damping dB" in words
     assert LineBars(bars=bars.bars, notes=bars.notes).to_dict()["bars"][0]["numerical"] is None
 
 

@@ -8,10 +8,11 @@ from mbd_rigs import no_casing, train
 from scipy.integrate import quad, solve_ivp
 
 from mbd.forces.film import film_rule
+from mbd.integrators.settings import Settings
 from mbd.parts.checks import MachineError
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.film import Film
-from mbd.simulate import Settings, simulate
+from mbd.simulate import simulate
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 from mbd.torques.torque import Torque

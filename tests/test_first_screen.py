@@ -45,7 +45,7 @@ def test_the_tooth_that_knocks_stands_in_the_middle_of_an_average_from_it(tooth,
         shaft="shaft_2",
     )
     wheel = Gear(name="wheel", shaft="shaft_2", stage=1, teeth=TEETH, cycle=-tooth)
-    place, value, turns = over_teeth(knocking(tooth, sense), settings, 0, "steady", wheel, [TEETH])
+    place, (value,), turns = over_teeth(knocking(tooth, sense), settings, 0, "steady", wheel, [TEETH])
     assert turns == 8
     assert np.all(np.diff(place) > 0)
     assert (place.min(), place.max()) == pytest.approx((-TEETH / 2, TEETH / 2), abs=0.05)

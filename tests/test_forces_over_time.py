@@ -16,9 +16,10 @@ from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
 from mbd.excitations.outside_force import CasingForce, ShaftForce
 from mbd.excitations.waveform import SweepWave, TableWave
+from mbd.integrators.settings import Settings
 from mbd.parts.checks import MachineError
 from mbd.parts.drive import SpeedProfile
-from mbd.simulate import Settings, simulate
+from mbd.simulate import simulate
 from mbd.system.frequency_response import frequency_response
 from mbd.system.system import assemble
 from pipelines.border.errors import SceneError

@@ -7,7 +7,15 @@ import xarray
 
 import gearcase
 from pipelines.engine.working import Work
-from pipelines.runs.gear_numbers import MeshState, gear_curves, gear_rows, machine_states, write_curves
+from pipelines.figures.plots import transmission_error_figure
+from pipelines.runs.gear_numbers import (
+    MeshState,
+    gear_curves,
+    gear_rows,
+    machine_states,
+    transmission_errors,
+    write_curves,
+)
 from pipelines.steps.pair_curves import engagement
 
 CHIP = {"kind": "chipped-tooth", "stage": 1, "gear": "wheel", "tooth": 7, "depth_mm": 2.0, "extent_mm": 6.0}
@@ -101,3 +109,12 @@ def test_files_hold_the_curves(tmp_path):
     shares = table.filter(like="share of pair").sum(axis=1)
     assert np.allclose(shares, 1.0)
     assert np.allclose(table["mesh cycle"], table["position [mesh cycles]"] + 7)
+
+
+def test_the_plot_of_transmission_error_shows_the_passage_of_a_damaged_tooth():
+    (pair,) = gearcase.laws(scene(CHIP))
+    error = transmission_errors(pair, MeshState(force=pair.force, tilt=0.0))
+    assert list(error.passages) == ["healthy", "chipped tooth 7 of the wheel"]
+    moved = error.passages["chipped tooth 7 of the wheel"] - error.passages["healthy"]
+    assert abs(error.place[np.argmax(moved)]) < 1.0
+    assert [len(axes.lines) for axes in transmission_error_figure("T", [error]).axes] == [1, 0, 2]

@@ -1,15 +1,20 @@
 """The shipped scene `pair`: the data of two gears are enough for stiffness, modifications and faults."""
 
 import json
+import re
 
+import numpy as np
 import pytest
 
+import gearcase
 from pipelines.border.errors import SceneError
 from pipelines.cli import main
 from pipelines.plant.checks.design_warnings import design_warnings
 from pipelines.plant.layout import lay_out
+from pipelines.runs import inspect_gears
 from pipelines.runs.checked import check_scene
 from pipelines.scene.file import load_scene
+from pipelines.steps.study import plan_study
 
 OWN = """extends = "pair"
 faults = [{ kind = "cracked-tooth", stage = 1, gear = "wheel", tooth = 10, depth_mm = 2.0 }]
@@ -100,3 +105,38 @@ def test_a_shaft_thicker_than_the_bores_on_it_is_warned_of():
     (found,) = warned(**{"stages.1.pinion_bore_mm": 25.0})
     assert found.startswith("shafts.1.sections.1.diameter_mm = 30: the bore of the gear on it is 25 mm")
     assert found.endswith("set stages.1.pinion_bore_mm = 30")
+
+
+def test_rigid_bearings_leave_the_gears_parallel(capsys):
+    values = ("load.torque_N_m=1000", "stages.1.helix_angle_deg=20", "stages.1.mesh.slices=11")
+    settings = [word for value in values for word in ("--set", value)]
+    assert main(["gears", "pair", "--tilt", "machine", "--json", "--quiet", *settings]) == 0
+    tilt = re.search(r"tilt (\S+) um", json.loads(capsys.readouterr().out)["notes"][0])
+    assert abs(float(tilt[1])) < 0.01
+
+
+def test_the_pattern_of_a_missing_tooth_is_that_of_its_neighbours(tmp_path, monkeypatch):
+    fault = {"kind": "missing-tooth", "stage": 1, "gear": "pinion", "tooth": 24}
+    (laws,) = gearcase.laws(gearcase.Scene.from_dict({"extends": "pair", "faults": [fault]}))
+    seen = []
+    monkeypatch.setattr(inspect_gears, "write_pattern", lambda view, path: seen.append(view))
+    plant = plan_study(load_scene("pair", {"faults": [fault]}), with_control=False, both_loads=False).plant
+    inspect_gears.InspectedStage(plant=plant, laws=laws).write_pattern(tmp_path / "pattern.png")
+    (view,) = seen
+    assert view.title.endswith("neighbours of the missing tooth 24 of the pinion")
+    healthy, before, after = view.patterns
+    assert before.name.startswith("tooth 23,")
+    assert after.name.startswith("tooth 0,")
+    assert np.nanmean(before.pressure) > 1.05 * np.nanmean(healthy.pressure)
+    assert np.nanmax(after.pressure) > 1.3 * np.nanmax(healthy.pressure)
+
+
+def test_the_stress_of_a_stage_with_a_crack_says_where_the_crack_is_not(tmp_path, capsys):
+    fault = 'faults=[{kind="cracked-tooth", stage=1, gear="wheel", tooth=0, depth_mm=1.0}]'
+    coarse = 'stages.1.mesh={model="solid", slices=5, refinement=0.6}'
+    command = ["inspect", "pair", "--set", fault, "--set", coarse, "--position", "0", "--quiet"]
+    assert main([*command, "--mesh", str(tmp_path / "teeth.vtu")]) == 0
+    out, err = capsys.readouterr()
+    assert out == f"{tmp_path / 'teeth.vtu'}\n"
+    assert "warning: stage 1: the crack is not in the finite elements: the stress is that of an uncracked tooth" in err
+    assert "--mesh FILE.inp" in err

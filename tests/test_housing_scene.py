@@ -17,7 +17,7 @@ from pipelines.engine.step import Graph
 from pipelines.plant.layout import material
 from pipelines.plant.plant import make_plant
 from pipelines.scene.file import load_scene
-from pipelines.steps.graph import casing_error_step, plant_steps
+from pipelines.steps.graph import casing_step, plant_steps
 
 FEATURES = {
     "casing.housing.side_wall_thickness_mm": 12.0,
@@ -31,7 +31,7 @@ FEATURES = {
 
 def made(name, settings=()):
     scene = load_scene(name, settings).scene
-    return make_plant(scene).casing.geometry
+    return make_plant(scene).structure.housing
 
 
 def stages(name, settings=()):
@@ -60,7 +60,7 @@ def test_the_keys_of_the_parametric_housing():
 
 def test_the_rigid_model_takes_the_mesh_of_a_housing_that_is_no_plain_box():
     assert "casing mesh" not in stages("minimal")
-    assert stages("minimal", FEATURES)["casing"].takes == ("casing mesh",)
+    assert stages("minimal", FEATURES)["casing"].takes == {"mesh": "casing mesh"}
 
 
 def test_element_size_from_the_bending_wavelength():
@@ -99,8 +99,9 @@ def test_the_shipped_step_file_is_found_and_placed_by_the_shafts():
 def test_every_shipped_housing_passes_the_check_up_and_keeps_its_error(name, settings, tmp_path):
     """With the default reduction: frequencies to 0.1 %, responses of every pair to 6 % in every third octave."""
     loaded = load_scene(name, settings)
-    graph = Graph(plant_steps(make_plant(loaded.scene, loaded.source.shown)))
-    graph = Graph([*graph, casing_error_step(graph, loaded.scene.casing.band_Hz)])
+    plant = make_plant(loaded.scene, loaded.source.shown)
+    check = plant.casing.error_check(plant.structure, loaded.scene.casing.band_Hz)
+    graph = Graph([*plant_steps(plant), casing_step(check)])
     outcome = run_graph(graph, Cache(tmp_path), ["casing modes", "casing error"], processes=1)
     modes, check = outcome.value("casing modes")
     assert check.failures == ()

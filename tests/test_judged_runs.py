@@ -6,7 +6,7 @@ import pytest
 
 from pipelines.border.errors import InputError
 from pipelines.engine.working import Work
-from pipelines.runs.recorded import recording_path
+from pipelines.runs.recorded import Recorded, other_speeds, recording_path
 from pipelines.runs.run import Options, run_scene
 from pipelines.scene.file import load_scene
 
@@ -49,6 +49,26 @@ def test_a_result_folder_may_have_a_dot_in_its_name(tmp_path):
     with pytest.raises(InputError, match="no result here"):
         recording_path(tmp_path / "run.1")
     assert recording_path(tmp_path / "record.csv") == tmp_path / "record.csv"
+
+
+def test_healthy_recordings_of_another_speed_are_warned_of():
+    def recorded(rpm):
+        return Recorded(name="a.csv", table=None, frequency=rpm / 60, turning="", warnings=())
+
+    near, far = {"near.csv": recorded(1540)}, {f"far-{n}.csv": recorded(1200) for n in range(4)}
+    assert other_speeds(recorded(1500), near) == []
+    (words,) = other_speeds(recorded(1500), near | far)
+    assert words.startswith("4 of 5 healthy recordings differ from 1500 rpm by more than 3 %: far-0.csv 1200 rpm, ")
+    assert "far-2.csv 1200 rpm and others. " in words
+    assert "far-3.csv" not in words
+    assert words.endswith("Give healthy recordings of the same speed and load.")
+
+
+def test_a_scene_without_faults_is_its_own_control(tmp_path):
+    scene = load_scene("minimal", {**SHORT, "deviations.seed": 20})
+    finished = run_scene(scene, Options(out=tmp_path / "run", work=Work(quiet=True, processes=1)))
+    assert finished.words.startswith("No fault: not seen")
+    assert not (tmp_path / "run" / "verdict.json").exists()
 
 
 @pytest.mark.slow

@@ -14,11 +14,12 @@ from mbd.elements.linear import LinearElement, part_on_rows
 from mbd.elements.mode_words import ModeWords
 from mbd.excitations.unbalance import Unbalance
 from mbd.forces.pendulum import RopePendulum
+from mbd.integrators.settings import Settings
 from mbd.parts.checks import MachineError
 from mbd.parts.couplings import CouplingSprings, ShaftCoupling
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.load import OutsideForce
-from mbd.simulate import Settings, simulate
+from mbd.simulate import simulate
 from mbd.system.linearised import linear_modes
 from mbd.system.system import assemble
 from mbd.torques.torque import Torque

@@ -12,6 +12,7 @@ from fem.contact.evaluation.evaluator import LawEvaluator
 from mbd.coordinates.channels import DIRECTIONS, channel_names, journal_acceleration
 from mbd.forces.rolling_bearing import hertz_bearing
 from mbd.forces.rope import Rope
+from mbd.integrators.settings import Settings
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.checks import MachineError
 from mbd.parts.drive import CouplingSpec, SpeedProfile
@@ -19,7 +20,7 @@ from mbd.parts.load import StaticTorque
 from mbd.parts.machine import Machine
 from mbd.parts.rolling_catalogue import by_designation
 from mbd.parts.shafts import Disk, Section, ShaftSpec
-from mbd.simulate import Settings, simulate
+from mbd.simulate import simulate
 from mbd.system.linearised import linear_modes, tangent, turned
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble

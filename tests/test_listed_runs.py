@@ -60,7 +60,7 @@ def test_a_run_is_named_by_number_scene_folder_or_path(here, name):
 def test_a_number_beyond_the_list_is_refused_with_the_list(here):
     for number in ("0", "4"):
         with pytest.raises(
-            InputError, match=rf"run {number}: there is no run of this number \(.*: 3 runs\)\. List them: gearcase runs"
+            InputError, match=rf"run {number}: there is no run of this number; .* has 3 runs\. List them: gearcase runs"
         ):
             find_run(number)
 

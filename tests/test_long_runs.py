@@ -12,7 +12,8 @@ from synthetic import RATE
 
 from fem.storage.stored_array import StoredArray
 from mbd.coordinates.channels import channel_names
-from mbd.simulate import Settings, simulate
+from mbd.integrators.settings import Settings
+from mbd.simulate import simulate
 from mbd.system.system import assemble
 from pipelines.border.errors import CacheWarning
 from pipelines.cli import main
@@ -180,8 +181,8 @@ def test_the_signals_of_a_run_are_stored_once(short_run):
 def simulate_stage(loaded):
     graph = Graph(plant_steps(make_plant(loaded.scene)))
     stage = graph.steps["simulate"]
-    upstream = run_graph(graph, Cache(), stage.takes, processes=1).results
-    return stage, stage.key({name: upstream[name].record.content for name in stage.takes}), upstream
+    upstream = run_graph(graph, Cache(), stage.inputs, processes=1).results
+    return stage, stage.key({name: upstream[name].record.content for name in stage.inputs}), upstream
 
 
 def test_a_disk_that_fills_during_the_motion_costs_the_cache_alone(own_cache, monkeypatch):
@@ -200,7 +201,7 @@ def test_a_disk_that_fills_during_the_motion_costs_the_cache_alone(own_cache, mo
 
 def test_a_motion_that_cannot_be_kept_is_in_memory(own_cache, tmp_path, monkeypatch):
     stage, key, upstream = simulate_stage(load_scene("minimal", coarse("minimal")))
-    upstream = {name: upstream[name] for name in stage.takes}
+    upstream = {name: upstream[name] for name in stage.inputs}
     (tmp_path / "file").write_text("in the way", encoding="utf-8")
     with pytest.warns(CacheWarning):
         held = build_here(stage, key, upstream, Cache(tmp_path / "file" / "cache"))

@@ -88,7 +88,7 @@ def test_a_tachometer_takes_the_place_of_the_speed(tmp_path):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("teeth = [[21, 62]]\n", "speed_rpm is missing; set the speed of the first shaft, or a tachometer"),
+        ("teeth = [[21, 62]]\n", "speed_rpm is missing. Set the speed of the first shaft, or a tachometer"),
         ("speed_rmp = 1480\n", "Did you mean speed_rpm?"),
         ("speed_rpm = 0\n", "speed_rpm = 0: must be greater than 0"),
         ('speed_rpm = "fast"\n', "must be a number"),
@@ -103,7 +103,7 @@ def test_a_tachometer_takes_the_place_of_the_speed(tmp_path):
             "speed_rpm = 9\nteeth = [[20, 40], [20, 50]]\nshafts = [[1, 2], [1, 2]]\n",
             "teeth.2: gives shaft 2 a speed of 0.4",
         ),
-        ('speed_rpm = 9\nunits = "furlong"\n', "is not one of m/s2, mm/s2, g, mg, V, mV"),
+        ('speed_rpm = 9\nunits = "furlong"\n', "must be one of m/s2, mm/s2, g, mg, V, mV. Correct it"),
         ('speed_rpm = 9\nunits = "V"\n', "sensitivity_mV_g is missing"),
         ("speed_rpm = 9\nsensors = { a = 0 }\n", "a must be the name of a channel in quotes, or its number"),
         ("speed_rpm = 9\nsensors = { a = true }\n", "a must be the name of a channel in quotes, or its number"),

@@ -82,7 +82,7 @@ def test_levels_are_those_of_the_same_machine_at_a_prescribed_speed():
 def test_a_window_in_which_the_speed_still_changes_is_refused_with_the_limit(driven):
     started = loaded(MOTOR | {"start_rpm": 1500.0}, **{"diagnosis.windows_s": {"start": [0.0, 0.4]}})
     runs = [gearcase.simulate(gearcase.Scene(one)) for one in (started, control_of(started))]
-    with pytest.raises(DiagnosisError, match=r"window 'start': shaft_1 turns at .* rad off an even rotation.*settled"):
+    with pytest.raises(DiagnosisError, match=r"window 'start': shaft_1 turns at .* rad from an even rotation.*settled"):
         diagnose(*runs, make_plant(started.scene).diagnosis)
 
 

@@ -9,12 +9,13 @@ from mbd_rigs import no_casing
 from rotors import jeffcott, line
 
 from mbd.excitations.misaligned_coupling import MisalignedCoupling
+from mbd.integrators.settings import Settings
 from mbd.parts.bearings import rigid_bearing
 from mbd.parts.checks import MachineError
 from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.load import StaticTorque
 from mbd.parts.shafts import Section
-from mbd.simulate import Settings, simulate
+from mbd.simulate import simulate
 from mbd.system.system import assemble
 from mbd.torques.torque import Torque
 from pipelines.border.errors import SceneError

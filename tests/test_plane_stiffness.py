@@ -236,7 +236,7 @@ def test_undercut_large_and_thick_gears_are_meshed(pinion):
 
 
 def test_bad_options_are_refused():
-    with pytest.raises(PlaneError, match="slices = 0: must be at least 1"):
+    with pytest.raises(PlaneError, match="slices = 0: must be 1 to 101"):
         Plane(slices=0)
     with pytest.raises(PlaneError, match="not resolved"):
         Plane(patch=0.02)

@@ -7,8 +7,9 @@ from mbd_rigs import rigid_casing, train
 from mbd.accuracy.repeatability import other_start
 from mbd.integrators.base import LENGTH
 from mbd.integrators.methods import make_integrator
+from mbd.integrators.settings import Settings
 from mbd.parts.drive import SpeedProfile
-from mbd.simulate import Settings, simulate
+from mbd.simulate import simulate
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 from pipelines.border.grid import Grid

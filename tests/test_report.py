@@ -4,6 +4,7 @@ import base64
 import csv
 import json
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import numpy as np
@@ -18,6 +19,7 @@ from pipelines.figures.plots import StiffnessPlot, drive_figure, stiffness_figur
 from pipelines.figures.views import LeftOut
 from pipelines.report import pictures
 from pipelines.report.contents import ReportContents, RunCost, cell, grid
+from pipelines.report.first_figures import average_figure
 from pipelines.report.first_screen import Average, Envelope, FirstScreen, Ranked
 from pipelines.report.page import typeset
 from pipelines.report.report import report_body, write_report
@@ -177,6 +179,13 @@ def test_the_first_screen_has_verdict_numbers_figures_and_ranking_in_this_order(
     assert text.index('id="ranking"') < text.index("<h2>")
 
 
+def test_an_average_is_shown_with_its_difference_from_the_control():
+    upper, lower = average_figure(FIRST.average).axes
+    np.testing.assert_array_equal(upper.lines[1].get_ydata(), FIRST.average.value)
+    np.testing.assert_array_equal(lower.lines[0].get_ydata(), FIRST.average.value - FIRST.average.reference)
+    assert len(average_figure(replace(FIRST.average, reference=None)).axes) == 1
+
+
 def test_what_follows_the_first_screen_is_folded_but_for_the_signals(full):
     text, page = full
     assert page.headings == [
@@ -185,7 +194,7 @@ def test_what_follows_the_first_screen_is_folded_but_for_the_signals(full):
         "Levels",
         "Healthy and faulty",
         "Windows side by side",
-        "Envelope table",
+        "All lines",
         "What was run",
         "Gears",
         "Stiffness",
@@ -273,7 +282,7 @@ def test_a_report_of_nothing_has_its_title_alone(tmp_path):
 def test_a_table_is_never_wider_than_paper(tmp_path):
     values = {f"{k} Hz": k for k in range(14)}
     gears = [{"stage": 1 + i // 2, "gear": ("pinion", "wheel")[i % 2], **values} for i in range(6)]
-    steps = [{"seconds": 1.0, **{f"column {k}": k for k in range(21)}}]
+    steps = [{"seconds": 1.0, **{f"column {k}": k for k in range(20)}}]
     _, page = written(tmp_path, ReportContents(title="Wide", gears=gears), RunCost(steps=steps))
     assert page.columns == [7, 9, 9, 7]
     words = [word for word in page.words if word.strip()]

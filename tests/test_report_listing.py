@@ -31,48 +31,55 @@ FAULTY = {
 }
 BENCH = [
     "# One stage, rigid casing, constant torque",
-    "figure: Time-synchronous average over 6 revolutions of shaft 1 without its mesh orders (residual signal), "
-    "sensor_3, z, steady.",
-    "figure: Envelope spectrum of sensor_3 (z), steady. A damaged tooth raises the harmonics of fr = 15.0000 Hz.",
+    "figure: Time-synchronous average of the acceleration at sensor_3, z over 6 revolutions of shaft 1 in the window "
+    "steady. The mesh orders are removed (residual signal).",
+    "figure: Envelope spectrum of sensor_3 (z) in the window steady. A damaged tooth raises the harmonics "
+    "of fr = 15.0000 Hz.",
     "# Signals and spectra",
     "figure: Acceleration at the sensor without sensor noise: the whole run (left) and 0.1 s of it (right).",
-    "figure: Steady: one-sided peak amplitudes over 6 revolutions of the shaft with fr (0.4 s), hann "
+    "figure: Steady: one-sided peak amplitudes over 6 revolutions of the shaft with fr (0.4 s), Hann "
     "window, with sensor noise.",
     "# Levels",
     "# What was run",
     "# Gears",
-    "figure: The gear pair and its mesh stiffness; one mesh cycle is the passage of one tooth pair.",
+    "figure: The gear pair and its secant stiffness from bore to bore. One mesh cycle is the passage of one "
+    "tooth pair.",
     "# Casing",
     "# Speed",
-    "figure: Speeds of the motors and the first shaft.",
+    "figure: Speeds of the motors and the first shaft. Shaded: the windows of the diagnosis.",
     "# Energy balance",
     "# Cost",
     "# Provenance",
 ]
 DAMAGED = [
     "# One stage, rigid casing, constant torque",
-    "figure: Time-synchronous average over 6 revolutions of shaft 1 without its mesh orders (residual signal), "
-    "sensor_3, z, steady. Shaded: the engagement of tooth 3, with the largest increase.",
-    "figure: Envelope spectrum of sensor_3 (z), steady. A damaged tooth raises the harmonics of fr = 15.0000 Hz.",
+    "figure: Time-synchronous average of the acceleration at sensor_3, z over 6 revolutions of shaft 1 in the window "
+    "steady. The mesh orders are removed (residual signal). Below: this run minus the healthy run, the effect of the "
+    "fault alone. Shaded: the engagement of tooth 3, which is damaged in the scene and whose envelope has the highest "
+    "energy. Teeth are numbered from 0.",
+    "figure: Envelope spectrum of sensor_3 (z) in the window steady. A damaged tooth raises the harmonics "
+    "of fr = 15.0000 Hz.",
     "# Signals and spectra",
     "figure: Acceleration at the sensor without sensor noise: the whole run (left) and 0.1 s of it (right).",
     "figure: Steady, constant torque, deviations of seed 1: one-sided peak amplitudes over 6 revolutions "
-    "of the shaft of the damaged gear (0.4 s), hann window, sensor noise 0.01 m/s² rms.",
+    "of the shaft of the damaged gear (0.4 s), Hann window, sensor noise 0.01 m/s² rms.",
     "# How it was decided",
     "# Levels",
     "# Healthy and faulty",
-    "figure: Steady, constant torque, deviations of seed 1: both runs with the same deviations. "
-    "Triangles: detected lines. Yellow, next to a line: the effect of uncertain inputs.",
+    "figure: Steady, constant torque, deviations of seed 1: healthy and faulty run. Triangles: "
+    "detected lines. Yellow bar next to a line: range of its level for uncertain damping.",
     "# Error bars",
-    "figure: Error bars, steady: effect of uncertain inputs, for each line clearly over its floor.",
-    "# Envelope table",
+    "figure: Error bars in the window steady: change of the level of a line by uncertain damping. Lines that are not "
+    "clearly over their floor are left out.",
+    "# All lines",
     "# What was run",
     "# Gears",
-    "figure: The gear pair and its mesh stiffness; one mesh cycle is the passage of one tooth pair.",
+    "figure: The gear pair and its secant stiffness from bore to bore. One mesh cycle is the passage of one "
+    "tooth pair.",
     "# Casing",
-    "figure: The casing with its points on the ground (yellow), bearings (red) and sensors (green).",
+    "figure: The casing with its feet (yellow), bearings (red) and sensors (green).",
     "# Speed",
-    "figure: Speeds of the motors and the first shaft.",
+    "figure: Speeds of the motors and the first shaft. Shaded: the windows of the diagnosis.",
     "# Energy balance",
     "# Cost",
     "# Provenance",

@@ -5,8 +5,9 @@ import pytest
 from mbd_rigs import no_casing
 
 from benchmarks.hoist import EA, FALLS, LENGTH, OMEGA, RADIUS, WEIGHT, hoist
+from mbd.integrators.settings import Settings
 from mbd.parts.machine import STANDARD_GRAVITY
-from mbd.simulate import Settings, simulate
+from mbd.simulate import simulate
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble, natural_frequencies
 

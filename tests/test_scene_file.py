@@ -119,7 +119,7 @@ def test_every_problem_is_listed_at_once_with_value_limit_and_remedy(tmp_path):
         "Did you mean face_width_mm?",
         "stages.1.mesh.model": 'stages.1.mesh.model = "plaen": must be one of iso, energy, plane, solid. '
         'Did you mean "plane"?',
-        "stages.7": "stages.7: there is no item 7. The list has 3, counted from 1.",
+        "stages.7": "stages.7: there is no item 7; stages has 3 items, numbered 1 to 3. Correct the number.",
         "cotrol": 'cotrol = "x": is not a key of the scene. Did you mean control?',
         "title": 'title = 3: must be text. Put it in quotes, as in "rigid".',
         "casing.band_Hz": 'casing.band_Hz = "high": must be a number in Hz. '

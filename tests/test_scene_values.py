@@ -9,6 +9,7 @@ import typing
 import pytest
 from pydantic import BaseModel
 
+from fem.options import options_of
 from mbd.parts.checks import MachineError
 from pipelines.border.errors import InputError
 from pipelines.engine.storage import digest
@@ -16,6 +17,7 @@ from pipelines.plant.plant import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.base import Table
+from pipelines.scene.tables.derived import DerivedTable, key_of
 from pipelines.steps.graph import plant_steps
 
 END = {"amount_um": 5.0, "length_mm": 2.0, "shape": "linear"}
@@ -195,7 +197,7 @@ ALONE_IT_CANNOT = {  # of two stages one would have no shaft; of two seats one w
 
 def inputs(scene):
     """What the key of every step holds besides code: by name, its spec and what it takes."""
-    return {stage.name: (stage.kind, digest(stage.spec), stage.takes) for stage in plant_steps(make_plant(scene))}
+    return {stage.name: (stage.kind, digest(stage.spec), stage.inputs) for stage in plant_steps(make_plant(scene))}
 
 
 def declared(table):
@@ -203,6 +205,10 @@ def declared(table):
     found = {}
     for owner in table.__mro__[::-1]:
         found |= {name: f"{owner.__name__}.{name}" for name in vars(owner).get("__annotations__", {})}
+    if issubclass(table, DerivedTable) and hasattr(table, "made_of"):
+        for field, one in options_of(table.made_of):
+            owner = next(c for c in table.made_of.__mro__ if field.name in vars(c).get("__annotations__", {}))
+            found[key_of(field.name, one)] = f"{owner.__name__}.{key_of(field.name, one)}"
     return {name: found[name] for name in table.model_fields if name not in ("model", "kind")}
 
 

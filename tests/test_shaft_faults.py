@@ -180,7 +180,7 @@ def test_the_verdict_names_the_shaft_and_its_levels_and_no_gear(unbalanced):
     (text,) = sentences(found)
     assert "1x shaft_1 = 50 Hz has" in text
     assert "2x shaft_1 = 100 Hz has" in text
-    assert summary_grid([found]).title.endswith("orders of the faulty shafts")
+    assert summary_grid([found]).headers[-2:] == ("orders of the shafts", "fault")
     row = next(row for row in lines_grid(found, "steady").rows if row[0] == "1x shaft_1")
     assert row[-1] == "detected"
 

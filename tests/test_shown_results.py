@@ -2,7 +2,7 @@
 
 import re
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import pytest
@@ -90,7 +90,9 @@ def test_what_is_stored_in_a_file_is_not_read(tmp_path):
 def test_a_verdict_shows_its_findings():
     one = Finding(component="<wheel>", rise=12.0, p=0.0005, evidence=(), alike=("pinion",), tooth=None)
     found = Verdict(findings=(one,), whole=one, alarm=True, healthy=20, tested=0, false_alarms=0, left_out=())
-    assert cells(found._repr_html_())[1] == ["<wheel>", "12", "0.0005", "-", "pinion"]
+    assert cells(found._repr_html_())[1] == ["<wheel>", "+12.0", "0.0005", "-", "pinion"]
+    assert repr(found) == "<Verdict: alarm, against 20 healthy recordings; first <wheel>, +12.0 dB>"
+    assert cells(replace(found, whole=replace(one, rise=-7e-15))._repr_html_())[2][1] == "+0.0"
 
 
 def test_a_reduced_body_and_a_study_show_themselves():
@@ -103,6 +105,8 @@ def test_a_reduced_body_and_a_study_show_themselves():
     )
     assert cells(body._repr_html_())[1:] == [["a:ux", "5", "1"], ["mode_1", "6", "1"]]
     study = gearcase.converge(gearcase.Scene.from_file("minimal"), "slices")
+    assert repr(body) == "<ReducedMatrices: 2 coordinates, from 9 equations>"
+    assert repr(study) == f"<RefinementStudy: slices, {len(study.levels)} levels, {len(study.quantities)} quantities>"
     assert [row[:2] for row in cells(study._repr_html_())[1:]] == [[name, unit] for name, unit in study.units.items()]
 
 
@@ -122,7 +126,10 @@ def test_results_of_a_scene_show_themselves():
     casing = cells(gearcase.casing(scene)._repr_html_())
     assert casing[0] == ["mode", "Hz", "+- Hz"]
     assert len(casing) == 7
-    modes = cells(gearcase.modes(scene, up_to=300)._repr_html_())
+    linear = gearcase.modes(scene, up_to=300)
+    assert repr(pair) == f"<PairLaws: stage 1, 20/55 teeth, model iso, {pair.force:.5g} N, healthy>"
+    assert repr(linear).startswith(f"<LinearModes: {len(linear.frequencies)} modes, ")
+    modes = cells(linear._repr_html_())
     assert modes[1][0] == "frequencies"
     assert modes[1][3] == "Hz"
 

@@ -16,12 +16,13 @@ from scipy.integrate import solve_ivp
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.evaluation.kernel import evaluate
 from mbd.forces.rope import Rope
+from mbd.integrators.settings import Settings
 from mbd.parts.bearings import rigid_bearing
 from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import STANDARD_GRAVITY, Machine
 from mbd.parts.shafts import Disk, Section, ShaftSpec
-from mbd.simulate import Settings, simulate
+from mbd.simulate import simulate
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 

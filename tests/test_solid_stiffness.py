@@ -168,7 +168,7 @@ def test_stress_field_is_held_at_the_bore_and_highest_in_loaded_teeth(helical):
 
 
 def test_bad_options_and_impossible_loads_are_refused(spur):
-    with pytest.raises(ModelError, match="slices = 1: must be at least 3"):
+    with pytest.raises(ModelError, match="slices = 1: must be 3 to 101"):
         Solid(slices=1)
     with pytest.raises(ModelError, match="no tooth pair can touch"):
         solve(spur, np.array([0]), force=1.0, clearance=dict.fromkeys(range(-3, 4), np.inf))

@@ -8,8 +8,9 @@ import pytest
 from mbd_rigs import rigid_casing, train
 
 from mbd.integrators.methods import make_integrator
+from mbd.integrators.settings import Settings
 from mbd.parts.drive import SpeedProfile
-from mbd.simulate import Settings, simulate
+from mbd.simulate import simulate
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 from pipelines.cli import main

@@ -7,10 +7,11 @@ import pytest
 from mbd_rigs import no_casing, train
 from scipy.integrate import solve_ivp
 
+from mbd.integrators.settings import Settings
 from mbd.parts.checks import MachineError
 from mbd.parts.drive import SpeedProfile
 from mbd.reference.mesh_reference import nominal_forces
-from mbd.simulate import Settings, simulate
+from mbd.simulate import simulate
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 from mbd.torques.induction_motor import InductionMotor, breakdown_slip

@@ -9,9 +9,10 @@ from mbd_rigs import no_casing, train
 from rotors import jeffcott, line
 
 from mbd.excitations.ripple import TorqueRipple
+from mbd.integrators.settings import Settings
 from mbd.parts.checks import MachineError
 from mbd.parts.drive import SpeedProfile
-from mbd.simulate import Settings, simulate
+from mbd.simulate import simulate
 from mbd.system.frequency_response import frequency_response
 from mbd.system.system import assemble
 from pipelines.plant.plant import make_plant

@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 
+from mbd.integrators.settings import Settings
 from mbd.parts.bearings import BEARING_AXES, BearingSpec, rigid_bearing
 from mbd.parts.checks import MachineError
 from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.gear_mesh import mesh_rows
 from mbd.parts.train import Link, power_flow, shaft_ratios
 from mbd.reference.mesh_reference import nominal_forces
-from mbd.simulate import Settings, simulate
+from mbd.simulate import simulate
 from mbd.system.linearised import linear_modes
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble, natural_frequencies

@@ -10,9 +10,10 @@ from mbd_rigs import no_casing, train
 from rotors import CRITICAL, DAMPING, LENGTH, MASS, MOVING, PROBE, STIFFNESS, jeffcott, line
 
 from mbd.excitations.unbalance import Unbalance
+from mbd.integrators.settings import Settings
 from mbd.parts.checks import MachineError
 from mbd.parts.drive import SpeedProfile
-from mbd.simulate import Settings, simulate
+from mbd.simulate import simulate
 from mbd.system.linearised import linear_modes
 from mbd.system.system import assemble
 from pipelines.border.errors import SceneError

@@ -33,7 +33,7 @@ PAGE = ROOT / "docs" / "theory.md"
 BLOCK = "casing limits"
 HIGHEST = 3500.0  # Hz
 HEADERS = (
-    "housing", "element", "unknowns", "modes", "inside their band", "band, %", "error of the mesh, %",
+    "housing", "element", "unknowns", "modes", "modes inside their band", "band, %", "error before extrapolation, %",
     "error after extrapolation, %", "uncertainty of the reference, %",
 )  # fmt: skip
 

@@ -13,10 +13,11 @@ from benchmarks.hoist import OMEGA, WEIGHT, hoist
 from fem.casing.models.no_casing import NoCasing
 from mbd.integrators import exponential, trapezoidal
 from mbd.integrators.generalised_alpha import spectral_radius
+from mbd.integrators.settings import Settings
 from mbd.parts.beam import shear_coefficient
 from mbd.parts.machine import STANDARD_GRAVITY
 from mbd.parts.shafts import Section, ShaftSpec, free_shaft, shaft_nodes
-from mbd.simulate import Settings, simulate
+from mbd.simulate import simulate
 from mbd.system.statics import State, equilibrium
 from mbd.system.system import assemble
 
@@ -133,23 +134,24 @@ def _at_rest() -> Values:
 
 SUBJECTS = (
     Subject("Shafts", (
-        Check("shear coefficient κ of the full circle and of a thin tube (m = 0.9999), ν 0.3", COWPER, "",
-              (6 * 1.3 / (7 + 6 * 0.3), 2 * 1.3 / (4 + 3 * 0.3)), 1e-4,
+        Check("shear coefficient κ of a full circle and a thin tube (inner over outer diameter 0.9999), ν 0.3", COWPER,
+              "", (6 * 1.3 / (7 + 6 * 0.3), 2 * 1.3 / (4 + 3 * 0.3)), 1e-4,
               lambda: [shear_coefficient(0.3, 0.0), shear_coefficient(0.3, 0.9999)],
               "test_shafts.py::test_cantilever_is_exact_under_end_loads"),
-        Check("tip deflection of a cantilever over P L³/(3 E I) + P L/(κ G A), 3 elements", "exact", "", (1.0,), 1e-9,
-              _deflection, "test_shafts.py::test_cantilever_is_exact_under_end_loads"),
-        Check("pinned beam d/L 0.1, modes 1 to 3 over Timoshenko's frequency equation, 40 elements", "exact", "",
-              (1.0, 1.0, 1.0), 5e-4, _pinned,
+        Check("tip deflection of a cantilever divided by P L³/(3 E I) + P L/(κ G A), 3 elements", "exact", "", (1.0,),
+              1e-9, _deflection, "test_shafts.py::test_cantilever_is_exact_under_end_loads"),
+        Check("frequencies 1 to 3 of a pinned beam divided by those of Timoshenko's theory, d/L 0.1, 40 elements",
+              "exact", "", (1.0, 1.0, 1.0), 5e-4, _pinned,
               "test_shafts.py::test_pinned_beam_has_the_frequencies_of_timoshenko_theory"),
     )),
     Subject("Time integration", (
-        Check("period error of the trapezoidal rule at T/20, T/40, T/80", EXUDYN, "%", (0.817, 0.205, 0.051), 1e-3,
-              _period_error, "test_integrators.py::test_period_error_of_the_trapezoidal_rule", "absolute"),
-        Check("1 - spectral radius of generalised-alpha at h/T = 0.01, ρ∞ 0.9 and 0.6", EXUDYN, "",
+        Check("period error of the trapezoidal rule at steps of T/20, T/40, T/80", EXUDYN, "%", (0.817, 0.205, 0.051),
+              1e-3, _period_error, "test_integrators.py::test_period_error_of_the_trapezoidal_rule", "absolute"),
+        Check("1 - spectral radius of generalised-alpha at steps of T/100, ρ∞ 0.9 and 0.6", EXUDYN, "",
               (1.135e-9, 1.215e-7), 2e-3, lambda: [1 - spectral_radius(0.01, 0.9), 1 - spectral_radius(0.01, 0.6)],
               "test_integrators.py::test_spectral_radius_of_generalised_alpha"),
-        Check("exponential step under a linear force, relative error", "exact", "", (0.0,), 1e-12, _exponential_step,
+        Check("relative error of an exponential step, force linear in time", "exact", "", (0.0,), 1e-12,
+              _exponential_step,
               "test_integrators.py::test_exponential_step_under_a_polynomial_force_is_exact", "absolute"),
     )),
     Subject("Load and equilibrium", (
@@ -160,7 +162,7 @@ SUBJECTS = (
               "exact under the same conditions", "",
               (1 + RISE * OMEGA / STANDARD_GRAVITY * abs(math.sin(HALF) / HALF),), 1e-2, _largest_force,
               "test_rope.py::test_bounce_during_and_after_a_ramp"),
-        Check("rig at rest: motor torque over m g R/(reeving · ratio), force of stage 1 over T₁/r_b1", "exact", "",
+        Check("rig at rest: motor torque / (m g R/(reeving · ratio)), mesh force of stage 1 / (T₁/r_b1)", "exact", "",
               (1.0, 1.0), 1e-6, _at_rest,
               "test_statics.py::test_motor_torque_is_weight_times_drum_radius_over_the_ratios"),
     )),

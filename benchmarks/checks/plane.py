@@ -93,8 +93,8 @@ def helical_checks(gate: float, state: Callable[[], tuple[float, float]], test: 
 
 def _tooth_check(teeth: int, radius_mm: float, reference: float) -> Check:
     return Check(
-        f"tooth compliance seen on its centre line, z {teeth}, m 1 mm, load at r = {radius_mm} mm",
-        "two independent plane strain FE solutions of the whole ring",
+        f"compliance of a tooth, read on its centre line, z {teeth}, m 1 mm, load at r = {radius_mm} mm",
+        "two independent plane strain FE solutions",
         "µm/(N/mm)",
         (reference,),
         5e-3,

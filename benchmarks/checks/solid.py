@@ -64,7 +64,7 @@ def rig_approach(cycle: float, missing: bool) -> float:
 def _calculix_check(cycle: float, missing: bool, approach: float) -> Check:
     return Check(
         f"approach δ, stage 1 of the rig, nominal load, c = {cycle:g}{', wheel tooth 0 missing' if missing else ''}",
-        "CalculiX, whole wheels with contact, two meshes extrapolated (`python -m benchmarks.peers.calculix_contact`)",
+        "CalculiX, extrapolated (`python -m benchmarks.peers.calculix_contact`)",
         "µm",
         (1e6 * approach,),
         2e-2,
@@ -86,10 +86,12 @@ def _body_check(body: gear_bodies.Body) -> Check:
 
 
 def _crack_check(name: str) -> Check:
+    place, helix = name.removesuffix(" deg").split(", ")
+    where = f"at a {place}" if place == "corner" else f"over {place}"
     return Check(
-        "deflection added by a crack, under a uniform load and under loads at three places of the cracked half, "
-        f"z 20, m_n 2 mm, b 12 mm, {name}",
-        "ten-node tetrahedra of five teeth, two meshes extrapolated (`python -m benchmarks.cracked_teeth`)",
+        f"deflection added by a crack {where}, under a uniform load and three loads on the cracked half, "
+        f"z 20, m_n 2 mm, b 12 mm, β {helix}°",
+        "ten-node tetrahedra, extrapolated (`python -m benchmarks.cracked_teeth`)",
         "nm/N",
         tuple(added_by_cracks.seen(added_by_cracks.reference(name))),
         5e-2,

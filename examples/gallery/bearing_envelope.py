@@ -2,8 +2,8 @@
 Envelope spectrum of a pitted bearing
 =====================================
 
-Each ball that rolls over a pit in the outer ring causes an impact. The impacts excite modes of the machine, and the
-envelope of this response repeats with the ball pass frequency of the outer ring.
+Each ball that rolls over a pit in the outer ring causes an impact, which excites natural modes of the machine. The
+envelope of the response therefore has lines at the ball pass frequency of the outer ring and its multiples.
 """
 
 import matplotlib.pyplot as plt
@@ -22,7 +22,7 @@ scene = gearcase.Scene.from_file("minimal").changed(
 signal = gearcase.simulate(scene).acceleration.sel(sensor="sensor_3", axis="z", time=slice(0.15, None))
 
 # %%
-# Band-pass filter around resonances of the structure, envelope, and spectrum of the envelope:
+# Band-pass filter around natural frequencies of the machine, then the spectrum of the envelope:
 
 rate = 1 / float(signal.time[1] - signal.time[0])
 band = sosfiltfilt(butter(4, (1000, 4000), "bandpass", fs=rate, output="sos"), signal.values)
@@ -30,7 +30,8 @@ envelope = signal.copy(data=np.abs(hilbert(band)))
 lines = gearcase.spectrum(envelope - envelope.mean())
 
 # %%
-# The ball pass frequency follows from nine balls of 7.94 mm, a pitch diameter of 38.5 mm and a shaft speed of 15 Hz:
+# The bearing has nine balls of 7.94 mm diameter on a pitch diameter of 38.5 mm, and the shaft rotates at 15 Hz. The
+# ball pass frequency follows from these numbers; grey lines show it and its multiples:
 
 expected = 9 / 2 * 15 * (1 - 7.94 / 38.5)
 figure, axes = plt.subplots(figsize=(7, 3.5), layout="constrained")
@@ -38,9 +39,10 @@ axes.plot(lines.frequency, lines)
 for harmonic in range(1, 5):
     axes.axvline(harmonic * expected, color="0.7", lw=0.8, zorder=0)
 highest = float(lines.sel(frequency=slice(5, 280)).max())  # the mesh line at 300 Hz is thirty times higher
-axes.set(xlabel="Hz", ylabel="m/s2", xlim=(5, 280), ylim=(0, 1.1 * highest))
+axes.set(xlabel="frequency, Hz", ylabel="envelope of the acceleration, m/s2", xlim=(5, 280), ylim=(0, 1.1 * highest))
 
 # %%
+# The highest line between 30 and 80 Hz:
 
 low = lines.sel(frequency=slice(30, 80))
 found = float(low.frequency[int(np.argmax(low.values))])

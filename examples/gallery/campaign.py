@@ -2,8 +2,9 @@
 From a plan to a data set
 =========================
 
-A campaign simulates the scenes of a plan. The result is one data set, which opens as one xarray object with labels and
-variables. This plan varies the load in six steps; the figure shows the vibration level over the load.
+A campaign simulates the machines that a plan describes. The result is a data set, which opens as one xarray object
+with labels and variables. This plan varies the load of a hoist in six steps. The figure shows the vibration over the
+load.
 """
 
 from concurrent.futures import ThreadPoolExecutor
@@ -36,7 +37,7 @@ done = gearcase.campaign(plan, out=folder / "loads", executor=ThreadPoolExecutor
 data = gearcase.open_dataset(done.folder)
 
 # %%
-# Signals are read from the disk when they are used, here for the level at one sensor:
+# Signals are read from the disk when they are used, here for the rms of the acceleration at one sensor:
 
 levels = data.acceleration.sel(sensor="sensor_3", axis="z", time=slice(0.1, None)).std("time")
 masses = data.mass_kg.values
@@ -47,9 +48,9 @@ axes.plot(masses, levels, "o", label="simulated")
 fine = np.linspace(0, 220, 100)
 axes.plot(fine, np.exp(logarithm) * fine**exponent, "C7--", label=f"power law, exponent {exponent:.2f}")
 axes.legend()
-axes.set(xlabel="container, kg", ylabel="m/s2 rms", xlim=(0, None), ylim=(0, None))
+axes.set(xlabel="mass of the container, kg", ylabel="acceleration, m/s2 rms", xlim=(0, None), ylim=(0, None))
 
 # %%
-# The level grows less than in proportion to the load:
+# The exponent is below 1: the rms grows less than in proportion to the load.
 
 print(f"{exponent:.2f}")

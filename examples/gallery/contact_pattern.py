@@ -2,8 +2,9 @@
 Contact pattern on the unrolled flank
 =====================================
 
-The contact pattern is the largest pressure at each point of the flank on its way through the mesh. Misaligned gears
-carry the load at one end of the face. The result at the pitch circle is compared with the formula of ISO 6336-2.
+The contact pattern is the largest pressure at each point of the flank during its passage through the mesh. Misaligned
+gears carry the load at one end of the face. The pressure at the pitch circle is compared with the formula of ISO
+6336-2.
 """
 
 import matplotlib.pyplot as plt
@@ -17,7 +18,7 @@ pair = found.pair
 patterns = {tilted: found.pattern(tilt=tilted / pair.face_width) / 1e6 for tilted in (0.0, 10e-6)}
 
 # %%
-# Aligned, and with a misalignment of 10 micrometres over the face width:
+# The pressure without misalignment, and with 10 micrometres over the face width. The dotted line is the pitch circle:
 
 highest = float(patterns[10e-6].max())
 figure, boxes = plt.subplots(1, 2, figsize=(8, 4), sharey=True, layout="constrained")
@@ -25,13 +26,13 @@ for axes, (tilted, pattern) in zip(boxes, patterns.items(), strict=True):
     places = 1000 * pattern.face, 1000 * pattern.diameter
     colours = axes.pcolormesh(*places, pattern, vmin=0, vmax=highest, shading="gouraud")
     axes.axhline(2000 * pair.working_radii[0], color="w", lw=1, ls=":")  # pitch circle
-    axes.set(xlabel="mm along the face", title=f"misalignment {1e6 * tilted:.0f} um")
+    axes.set(xlabel="position along the face, mm", title=f"misalignment {1e6 * tilted:.0f} um")
 boxes[0].set_ylabel("diameter on the pinion, mm")
 figure.colorbar(colours, ax=boxes, label="Hertz pressure, MPa")
 
 # %%
-# ISO 6336-2, with contact lines of mean length:
-# sigma_H0 = Z_H Z_E Z_eps Z_beta sqrt(F_t / (d_1 b) (u + 1) / u), F_t = F cos(alpha_t):
+# Formula of ISO 6336-2 for contact lines of mean length: sigma_H0 = Z_H Z_E Z_eps Z_beta sqrt(F_t / (d_1 b) (u + 1) /
+# u), F_t = F cos(alpha_t):
 
 beta, alpha = pair.pinion.helix_angle, pair.working_pressure_angle
 zone = np.sqrt(2 * np.cos(pair.base_helix_angle) / (np.cos(alpha) ** 2 * np.tan(alpha)))

@@ -2,8 +2,9 @@
 A reduced casing against its full model
 =======================================
 
-Craig-Bampton reduction keeps the bearing seats, the feet and the fixed-interface modes up to a band limit. Up to that
-limit the natural frequencies agree with those of the full finite-element model, with a hundredth of its unknowns.
+Craig-Bampton reduction keeps the coordinates of the bearings and feet, and the fixed-interface modes up to a
+frequency limit. Up to this limit the natural frequencies agree with those of the full finite-element model. The
+reduced model has a hundredth of the unknowns.
 """
 
 import matplotlib.pyplot as plt
@@ -16,17 +17,17 @@ scene = gearcase.Scene.from_file("minimal").changed(
 casing = gearcase.casing(scene, error_check=True)
 
 # %%
-# Error of the frequency responses from each bearing to the sensor, in third octaves:
+# Error of the frequency response from each bearing to the sensor, in third-octave bands:
 
 figure, axes = plt.subplots(figsize=(7, 3.5), layout="constrained")
 for number, bearing in enumerate(casing.error.bearings):
     axes.loglog(casing.error.third_octaves, 100 * casing.error.response_errors[:, number, 0], label=bearing)
-axes.set(xlabel="Hz", ylabel="error of the response, %")
+axes.set(xlabel="frequency, Hz", ylabel="error of the response, %")
 axes.legend()
 
 # %%
-# Unknowns, and the largest error of a natural frequency, which a reduction can only raise:
+# Numbers of unknowns before and after the reduction, and the largest error of a natural frequency:
 
 unknowns, kept = casing.modes.unknowns, len(casing.body.mass)
 largest = float(casing.error.frequency_errors.max())
-print(f"{unknowns} unknowns, {kept} kept, largest error {100 * largest:.2g} %")
+print(f"{unknowns} unknowns, {kept} after the reduction, largest error {100 * largest:.2g} %")

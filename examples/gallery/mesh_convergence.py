@@ -2,8 +2,9 @@
 Discretisation error of a mesh
 ==============================
 
-A coarse finite-element mesh makes teeth too stiff. Three meshes with a constant refinement ratio give the observed
-order of convergence, the value extrapolated to zero element size (Richardson), and its uncertainty band.
+A coarse finite-element mesh makes teeth too stiff. The results of three meshes with a constant refinement ratio give
+the order of convergence and the stiffness extrapolated to zero element size (Richardson). They also give the
+uncertainty.
 """
 
 import matplotlib.pyplot as plt
@@ -16,7 +17,8 @@ study = gearcase.converge(scene, "gear-mesh")
 stiffness = study.quantities["stage 1 stiffness"]
 
 # %%
-# Mean mesh stiffness over the element size, with uncertainty bands, and the fitted power law:
+# Mean mesh stiffness over the element size, with uncertainty as error bars, and the fitted power law. The element
+# size is divided by that of the scene:
 
 figure, axes = plt.subplots(figsize=(6, 3.5), layout="constrained")
 axes.errorbar(stiffness.sizes, stiffness.values, stiffness.bands, fmt="o", capsize=3, label="computed")
@@ -25,10 +27,10 @@ fine = np.linspace(0, max(stiffness.sizes), 100)
 axes.plot(fine, limit + slope * fine**stiffness.order, "C7", label=f"order {stiffness.order:.1f}")
 axes.axhline(stiffness.limit, color="C3", lw=1, ls="--", label="extrapolated to zero element size")
 axes.legend()
-axes.set(xlabel="element size over that in use", ylabel=f"stage 1 stiffness, {study.units['stage 1 stiffness']}")
+axes.set(xlabel="relative element size", ylabel=f"stage 1 stiffness, {study.units['stage 1 stiffness']}")
 
 # %%
-# Uncertainty of the mesh in use:
+# Uncertainty of the stiffness with the mesh of the scene:
 
 band = stiffness.relative_bands[study.in_use]
 print(f"{100 * band:.2g} %")

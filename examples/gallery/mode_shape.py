@@ -2,7 +2,7 @@
 A natural mode of the casing
 ============================
 
-The command ``gearcase inspect`` writes pictures of the gears and of the casing. Here it shows the first natural mode of
+The command ``gearcase inspect`` writes pictures of gears and of casings. This example shows the first natural mode of
 an elastic casing on its feet.
 """
 
@@ -29,14 +29,14 @@ command = ["inspect", str(file), "--casing-mode", "1", "--out", str(folder), "--
 subprocess.run([sys.executable, "-m", "gearcase", *command], check=True, capture_output=True)
 
 # %%
-# It writes a picture, an animated GIF and a page with a slider for the phase. This is the picture:
+# The command writes a picture, an animated GIF and an HTML page with a slider for the phase. This is the picture:
 
 figure, axes = plt.subplots(figsize=(8, 6), layout="constrained")
 axes.imshow(plt.imread(folder / "casing_mode_1.png"))
 axes.set_axis_off()
 
 # %%
-# In Python, the natural frequencies are:
+# Natural frequencies of the casing, computed in Python:
 
 frequencies = gearcase.casing(gearcase.Scene.from_file(file)).frequencies
 frequency = float(frequencies[0])

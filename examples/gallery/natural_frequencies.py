@@ -2,8 +2,9 @@
 Natural frequencies over speed
 ==============================
 
-A Campbell diagram shows natural frequencies and excitation orders over speed. Resonances are expected where an order
-line crosses a natural frequency. Gyroscopic moments shift the modes of the shafts with the speed.
+A Campbell diagram shows natural frequencies and excitation orders over speed. Where the line of an order crosses a
+natural frequency, a resonance is expected. Gyroscopic moments change the natural frequencies of the shafts with the
+speed.
 """
 
 import matplotlib.pyplot as plt
@@ -18,18 +19,19 @@ speeds = np.linspace(0.0, 3000.0, 13)  # rpm
 modes = [gearcase.modes(scene, up_to=1000, speed=speed) for speed in speeds]
 
 # %%
-# Natural frequencies as points; orders of the pinion shaft as lines: its rotation, and its mesh with 20 teeth.
+# Points are natural frequencies. Lines are orders of the pinion shaft: 1 is its rotation, 20 the mesh of its 20
+# teeth, 40 twice the mesh frequency.
 
 figure, axes = plt.subplots(figsize=(7, 4), layout="constrained")
 for speed, found in zip(speeds, modes, strict=True):
     axes.plot(np.full(len(found.frequencies), speed), found.frequencies, "k.", ms=5)
 for order in (1, 20, 40):
     axes.plot(speeds, order * speeds / 60, label=f"order {order}")
-axes.set(xlabel="speed, rpm", ylabel="Hz", ylim=(0, 1000))
+axes.set(xlabel="speed of the pinion, rpm", ylabel="frequency, Hz", ylim=(0, 1000))
 axes.legend()
 
 # %%
-# The mesh frequency meets the first mode, torsion of the shafts against the motor coupling, at
+# Speed at which the mesh frequency equals the first natural frequency, with the part that dominates this mode:
 
 first = modes[0].frequencies[0]
 resonance = 60 * first / 20

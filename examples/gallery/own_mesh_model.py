@@ -3,7 +3,7 @@ A user-defined mesh model
 =========================
 
 A mesh model is a frozen dataclass with a method `laws`, which returns tables over the path of contact. This example
-takes the stiffness of a tooth pair from a measured curve. To use it in a scene file, see docs/extending.md.
+takes the stiffness of a tooth pair from a measured curve. docs/extending.md shows how to add a model to scene files.
 """
 
 from dataclasses import dataclass, replace
@@ -19,13 +19,13 @@ from fem.contact.models.mesh_model import MeshModel
 
 @dataclass(frozen=True, kw_only=True)
 class Measured(MeshModel):
-    """Stiffness (N/m per metre of face) of a tooth pair at places from 0 to 1 on its path of contact."""
+    """`stiffness` of a tooth pair (N/m per metre of face) at `places` from 0 to 1 on its path of contact."""
 
     places: tuple[float, ...]
     stiffness: tuple[float, ...]
 
     def laws(self, pair):
-        """The laws of drive and coast flank: contact and geometry as in `iso`, with the compliance of the curve."""
+        """The laws of drive and coast flank: those of `iso`, with the compliance of the curve."""
 
         def own(law):
             xi = law.position_start + law.position_step * np.arange(law.compliance.size)
@@ -37,7 +37,7 @@ class Measured(MeshModel):
 
 
 # %%
-# The model replaces that of the scene. Faults and deviations can be added as with any other model:
+# The curves compare the new model with the model `iso` of the scene. The stiffness is the tangent stiffness:
 
 found = gearcase.laws(gearcase.Scene.from_file("minimal"))[0]
 model = Measured(places=(0.0, 0.25, 0.5, 0.75, 1.0), stiffness=(8e9, 12e9, 14e9, 12e9, 8e9))
@@ -48,11 +48,11 @@ figure, axes = plt.subplots(figsize=(7, 3.5), layout="constrained")
 for name, one in (("iso", found), ("measured", measured)):
     curve = one.curve(np.linspace(0, 2, 401)).sel(state="healthy")
     axes.plot(curve.cycle, curve.tangent / 1e6, label=name)
-axes.set(xlabel="mesh cycles", ylabel="stiffness, N/um", ylim=(0, None))
+axes.set(xlabel="mesh cycles", ylabel="tangent stiffness, N/um", ylim=(0, None))
 axes.legend()
 
 # %%
-# The mean mesh stiffness equals the area under the measured curve over one pitch, times the face width:
+# The mean mesh stiffness must equal the area under the measured curve, with lengths in pitches, times the face width:
 
 area = trapezoid(model.stiffness, model.places) * found.pair.transverse_contact_ratio * found.pair.face_width
 ratio = float(measured.curve().tangent.mean()) / area

@@ -2,8 +2,8 @@
 Waterfall of a run-up
 =====================
 
-A waterfall diagram shows spectra over speed. Gear mesh lines rise in proportion to the speed and appear as rays.
-Resonances of the structure keep their frequency and appear as vertical lines.
+A waterfall diagram shows spectra over speed. The mesh frequency is proportional to the speed, so mesh lines appear as
+rays. Natural frequencies of the structure are constant and appear as vertical lines.
 """
 
 import matplotlib.pyplot as plt
@@ -24,14 +24,15 @@ inside = (time > 0.12) & (time < 0.88)  # whole windows
 speed, lines = 300.0 + 1200.0 * time[inside], lines[:, inside]
 
 # %%
-# The ray is the mesh frequency, order 20 of the pinion shaft:
+# Brightness is the amplitude in dB. The ray is the mesh frequency, order 20 of the pinion shaft:
 
 figure, axes = plt.subplots(figsize=(7, 4), layout="constrained")
 axes.pcolormesh(short.f, speed, 20 * np.log10(lines.T + 1e-6), vmin=-60, vmax=0)
-axes.set(xlabel="Hz", ylabel="speed, rpm", xlim=(0, 1500))
+axes.set(xlabel="frequency, Hz", ylabel="speed, rpm", xlim=(0, 1500))
 
 # %%
-# Its order, from the highest line between half and 1.5 times the mesh frequency at every speed:
+# The order of the ray is measured: at each speed from the highest line between 0.5 and 1.5 times the mesh frequency,
+# then as median over the speeds:
 
 orders = []
 for at, column in zip(speed, lines.T, strict=True):

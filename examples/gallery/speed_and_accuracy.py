@@ -2,8 +2,9 @@
 Cost and accuracy of the mesh models
 ====================================
 
-Four models compute the stiffness of a gear pair, from a closed formula to 3-D finite elements. The figure compares
-their stiffness curves, their computing times, and their deviations from the finest model.
+Four models compute the stiffness of a gear pair: `iso` is a formula, `energy` a beam model of the teeth, `plane` and
+`solid` are finite elements in two and three dimensions. The figure compares their stiffness curves, computing times,
+and deviations from `solid`.
 """
 
 import matplotlib.pyplot as plt
@@ -28,8 +29,8 @@ for name, mesh in choices.items():
     curves[name] = pair.curve().secant
 
 # %%
-# Times are those of the machine that built this page. A law from the cache counts with the time that it took to build.
-# The wheel body of this pinion lies outside the range for which the formula of `energy` was fitted; the program warns.
+# Times are those of the computer that built this page. The program warns that the formula of `energy` for gear bodies
+# does not hold for this pinion.
 
 mean = {name: float(curve.mean()) for name, curve in curves.items()}
 errors = {name: abs(value / mean["solid"] - 1) for name, value in mean.items() if name != "solid"}
@@ -40,9 +41,10 @@ for name, curve in curves.items():
         right.loglog(seconds[name], 100 * errors[name], "o", label=name)
 left.set(xlabel="mesh cycles", ylabel="secant stiffness, N/um", ylim=(0, None))
 left.legend()
-right.set(xlabel="seconds", ylabel="deviation of the mean stiffness from solid, %", ylim=(0.1, 100))
+right.set(xlabel="computing time, s", ylabel="deviation of the mean stiffness from solid, %", ylim=(0.1, 100))
 right.legend()
 
 # %%
+# Deviation of the mean stiffness of each model from that of `solid`:
 
 print({name: f"{100 * error:.1f} %" for name, error in errors.items()})

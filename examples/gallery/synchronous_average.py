@@ -2,8 +2,8 @@
 A missing tooth in the synchronous average
 ==========================================
 
-The time-synchronous average over revolutions of one shaft keeps what repeats with that shaft. A missing tooth of the
-pinion causes one impact in each revolution, for about a twentieth of it.
+The time-synchronous average is the mean signal over the revolutions of a shaft. It keeps the part of the signal that
+repeats with this shaft. A missing tooth of the pinion causes one impact in each revolution.
 """
 
 import matplotlib.pyplot as plt
@@ -27,15 +27,15 @@ for name, one in (("healthy", scene), ("one tooth missing", scene.changed(faults
 figure, axes = plt.subplots(figsize=(7, 3.5), layout="constrained")
 for name, average in reversed(averages.items()):
     axes.plot(np.arange(POINTS) / POINTS, average, label=name)
-axes.set(xlabel="revolutions of the pinion", ylabel="m/s2")
+axes.set(xlabel="revolutions of the pinion", ylabel="acceleration, m/s2")
 axes.legend()
 
 # %%
-# The crest factor, peak over rms, separates one impact a revolution from a steady vibration:
+# The crest factor is the peak divided by the rms. An impact in each revolution increases it:
 
 
 def crest(average):
-    """Peak over rms of a signal without its mean."""
+    """Peak divided by rms of a signal without its mean."""
     swing = average - average.mean()
     return float(abs(swing).max() / swing.std())
 

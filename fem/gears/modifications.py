@@ -47,7 +47,9 @@ class Relief:
     """Tip or root relief. Its start is given either by length_mm or by diameter_mm."""
 
     amount: float = option(unit="um", ge=0, le=1000, text="material removed at the end of the active profile")
-    length: float | None = option(None, unit="mm", gt=0, text="roll length from that end along the line of action")
+    length: float | None = option(
+        None, unit="mm", gt=0, text="length of the relief along the line of action, from that end"
+    )
     diameter: float | None = option(None, unit="mm", gt=0, text="diameter where the relief starts")
     shape: Literal["linear", "parabolic"] = option("linear", text="how the relief grows from its start")
 

@@ -66,7 +66,7 @@ class Wave:
     order: int = option(ge=1, le=100_000, text="number of waves around the circumference")
     amplitude: float = option(unit="um", ge=0, le=1000, text="half the height from trough to crest")
     phase: float = option(
-        0.0, unit="deg", ge=-360, le=360, text="phase where tooth 0 touches at the pitch point; 0: a crest"
+        0.0, unit="deg", ge=-360, le=360, text="phase of the waves where tooth 0 touches at the pitch point; 0: a crest"
     )
     flank: Literal["drive", "coast", "both"] = option("both", text="flanks that have the waves")
 

@@ -37,7 +37,7 @@ class Efficiency(Losses):
     """Every mesh passes on the given share of its input power."""
 
     model: Literal["efficiency"] = "efficiency"
-    mesh_efficiency: float = option(0.99, gt=0.5, le=1, text="output power over input power of every mesh")
+    mesh_efficiency: float = option(0.99, gt=0.5, le=1, text="output power divided by input power of every mesh")
 
     def __post_init__(self) -> None:
         check_options(self, MachineError)

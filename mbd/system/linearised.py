@@ -80,6 +80,10 @@ class LinearModes(Record):
     foot_forces: np.ndarray = array("foot", "axis", units="N")  # of the ground on the casing at rest
     overdamped: int = integer()  # motions of any frequency that do not oscillate
 
+    def __repr__(self) -> str:
+        span = f", {self.frequencies[0]:.5g} to {self.frequencies[-1]:.5g} Hz" if len(self.frequencies) else ""
+        return f"<LinearModes: {len(self.frequencies)} modes{span}>"
+
     @property
     def shares(self) -> np.ndarray:
         """Share (mode, part) of the whole energy."""

@@ -53,13 +53,16 @@ class LineBars:
     bars: tuple[LineBar, ...]
     notes: tuple[str, ...]
 
+    def __repr__(self) -> str:
+        return f"<LineBars: {len(self.bars)} lines in {len({bar.window for bar in self.bars})} windows>"
+
     def of(self, window: str) -> tuple[LineBar, ...]:
         """Those of a window."""
         return tuple(bar for bar in self.bars if bar.window == window)
 
     def _repr_html_(self) -> str:
         """The lines with their bands, and what the bands contain, for a notebook."""
-        head = ("window", "line", "Hz", "m/s²", "numerical, dB", "inputs, dB")
+        head = ("window", "line", "Hz", "m/s²", "numerical uncertainty, dB", "uncertain damping, dB")
         rows = (
             (
                 bar.window,

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from pipelines.bars.line_bars import LineBar
 
 LEFT_OUT = (
-    "The error bars leave out: the mesh law (gearcase converge --over gear-mesh and --over slices estimate its error), "
-    "modes above the band of the reduction, the stiffness of the bearing seats (casing.attachment mean or rigid), feet "
-    "and mounts, and the deviations of the teeth (gearcase run --seeds)."
+    "Not in the error bars: the error of the mesh law, which gearcase converge --over gear-mesh and --over slices "
+    "estimate; the effect of the tooth deviations, which gearcase run --seeds shows; modes above the band of the "
+    "reduced casing; and the stiffness of bearing seats, feet and mounts."
 )
 
 
@@ -26,23 +26,23 @@ def notes(bars: Sequence[LineBar], missed: Sequence[str], remedy: str, damping_s
     found = []
     if remedy:
         found.append(
-            f"The discretisation error of the casing is not known: {remedy}. Only the effect of uncertain inputs is "
+            f"The discretisation error of the casing is not known: {remedy}. Only the effect of uncertain damping is "
             "shown."
         )
     else:
         found.append(
-            "Numerical: 5 to 95 % of 200 samples of the casing's natural frequencies within their error bands, and the "
-            "error of the time step."
+            "Numerical uncertainty: 5 to 95 % of 200 samples. Each sample changes the natural frequencies of the "
+            "casing within their error bands, and adds an error of the time step."
         )
     found.append(
-        "Inputs: 5 to 95 % of 200 samples of one factor on all damping ratios of the casing, mostly between "
-        f"{1 / (1 + damping_spread):.2g} and {1 + damping_spread:.2g} (an assumption; set it by "
-        "diagnosis.damping_spread)."
+        "Uncertain damping: 5 to 95 % of 200 samples. Each sample multiplies all damping ratios of the casing by one "
+        f"factor, in most samples between {1 / (1 + damping_spread):.2g} and {1 + damping_spread:.2g}. This range is "
+        "an assumption; diagnosis.damping_spread sets it."
     )
     found.append(LEFT_OUT)
     if missed:
         found.append(
-            "Other forces than those of the bearings act on these lines, so their error bars are incomplete: "
+            "These lines are excited by further forces than those of the bearings, so their error bars are incomplete: "
             f"{', '.join(missed)}."
         )
     return tuple(found)

@@ -11,7 +11,8 @@ from pipelines.border.grid import Grid
 def bars_grid(bars: Sequence[LineBar], window: str) -> Grid:
     """The bars of the lines of a window; where no numerical error is known there is no column for it."""
     numerical = any(bar.numerical is not None for bar in bars)
-    headers = ("line", "Hz", "m/s²", *(("numerical dB", "main source") if numerical else ()), "inputs dB")
+    known = ("numerical uncertainty dB", "its main source") if numerical else ()
+    headers = ("line", "frequency Hz", "level m/s²", *known, "uncertain damping dB")
     rows = tuple(
         (
             f"envelope {bar.label}" if bar.kind == "envelope" else bar.label,
@@ -22,7 +23,7 @@ def bars_grid(bars: Sequence[LineBar], window: str) -> Grid:
         )
         for bar in bars
     )
-    title = f"Error bars, {window}: 5 to 95 %, dB relative to the level of the faulty run"
+    title = f"Error bars in the window {window}: 5 to 95 % of the samples, dB over the level of the faulty run"
     return Grid(
         title=title,
         headers=headers,

@@ -19,6 +19,7 @@ MOST_LINES = 20  # of one message
 _LONGEST_LINE = 1000
 _MOST_ITEMS = 20  # of a list or table that is shown
 _MOST_NAMES = 1000  # that a word is compared with
+_SHORTEST_BEGINNING = 3  # characters by which a name is recognised
 
 
 def shown(text: str | Path, most: int = MOST_CHARACTERS) -> str:
@@ -41,11 +42,12 @@ def message_text(text: str) -> str:
 
 
 def nearest_name(word: str, names: Iterable[str], cutoff: float = 0.6) -> str:
-    """The name that ends in `word`, or the closest one, or ""; of very many names the first thousand count."""
+    """The name that ends in `word`, the only one that begins so, the closest one, or ""; of at most 1000 names."""
     some = list(itertools.islice(names, _MOST_NAMES))
     ending = next((name for name in some if word and word in name.split("-")[1:]), "")
+    begun = [name for name in some if len(word) >= _SHORTEST_BEGINNING and name.startswith(word)]
     close = difflib.get_close_matches(word[:MOST_CHARACTERS], some, n=1, cutoff=cutoff)
-    return ending or next(iter(close), "")
+    return ending or (begun[0] if len(begun) == 1 else next(iter(close), ""))
 
 
 def duration(seconds: float) -> str:

@@ -27,6 +27,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from pipelines.border.errors import InputError
+from pipelines.border.other_files import SCENE_KEYS
 from pipelines.border.toml_text import format_document
 from pipelines.campaign.expressions import Expression, ExpressionError
 from pipelines.campaign.variables import ListTable, Variable
@@ -48,21 +49,22 @@ class SplitTable(Table):
     """Which scenes train and which test: scenes with equal values of all of `by` stay together."""
 
     by: Annotated[
-        tuple[str, ...] | None, Field(description="variables; if left out, those in the expression of deviations.seed")
+        tuple[str, ...] | None,
+        Field(description="variables that form the groups; without it: those in deviations.seed"),
     ] = None
-    test: Annotated[Number, Field(ge=0, lt=1, description="share of the groups")] = 0.3
-    validation: Annotated[Number, Field(ge=0, lt=1, description="share of the groups")] = 0.0
+    test: Annotated[Number, Field(ge=0, lt=1, description="share of the groups for testing")] = 0.3
+    validation: Annotated[Number, Field(ge=0, lt=1, description="share of the groups for validation")] = 0.0
 
 
 class PlanTable(Table):
     """A campaign: a scene, what is varied, and which scenes are drawn."""
 
     title: Annotated[str, Field(max_length=200, description="one line that names the campaign")] = ""
-    licence: Annotated[str, Field(max_length=200, description="of the data set, for its card")] = ""
+    licence: Annotated[str, Field(max_length=200, description="licence of the data set, printed in its card")] = ""
     scene: Annotated[str, Field(description="a shipped scene, or a path ending in .toml")]
     preset: Annotated[
         Literal["draft", "standard", "reference"] | None,
-        Field(description="settings of models, meshes and time step; if left out, those of the scene"),
+        Field(description="accuracy of meshes and time step; without it: as in the scene"),
     ] = None
     design: Annotated[
         Literal["grid", "random", "latin-hypercube", "sobol"], Field(description="how the scenes are chosen")
@@ -70,14 +72,14 @@ class PlanTable(Table):
     scenes: Annotated[Integer | None, Field(ge=1, le=MOST_SCENES, description="number of scenes; not with a grid")] = (
         None
     )
-    seed: Annotated[Integer, Field(ge=0, lt=2**63, description="of the random numbers")] = 1
+    seed: Annotated[Integer, Field(ge=0, lt=2**63, description="seed of the random numbers")] = 1
     signals: Annotated[
-        tuple[str, ...], Field(max_length=100, description="stored signals; if left out, see docs/campaigns.md")
+        tuple[str, ...], Field(max_length=100, description="stored signals; without it: see docs/campaigns.md")
     ] = ()
     variables: Annotated[dict[str, Variable], Field(default={}, max_length=100, description="what is varied")]
     settings: Annotated[dict[str, Any], Field(default={}, description='keys of the scene, "$..." is an expression')]
     cases: Annotated[
-        dict[str, dict[str, dict[str, Any]]], Field(default={}, description="settings by variable and value")
+        dict[str, dict[str, dict[str, Any]]], Field(default={}, description="settings for each value of a variable")
     ]
     constraints: Annotated[tuple[str, ...], Field(max_length=100, description="expressions that must be true")] = ()
     split: SplitTable = SplitTable()
@@ -203,9 +205,15 @@ def load_plan(file: str | Path) -> Plan:
     """
     name = str(file)
     if not name.endswith(".toml"):
-        raise InputError(f"{name}: a plan is a file that ends in .toml. Give such a file; docs/campaigns.md shows one.")
+        raise InputError(f"{name}: the plan of a campaign must end in .toml. docs/campaigns.md shows one.")
     source = find_source(name)
-    table, _ = validate(Merged(anchored(parse(source), source.folder)), PlanTable, source.shown)
+    tree = parse(source)
+    if any(key in tree for key in SCENE_KEYS):
+        raise InputError(
+            f"{source.shown}: this is a scene, and the plan of a campaign is needed. Write a plan that names the "
+            "scene, as docs/campaigns.md shows."
+        )
+    table, _ = validate(Merged(anchored(tree, source.folder)), PlanTable, source.shown)
     return Plan(name=source.name, text=source.text, table=table, tree=_base_tree(source, table))
 
 

@@ -87,13 +87,13 @@ def beginning(total: int, left: int, workers: Workers) -> str:
     return f"{total} scenes{done}; {workers.count()} workers{board}"
 
 
-def lines_now_and_then() -> Callable[[int, int], None]:
-    """Says on standard error, twice a minute, how many runs of how many are done."""
+def lines_now_and_then(*, quiet: bool) -> Callable[[int, int], None]:
+    """Says on standard error, twice a minute, how many runs of how many are done; nothing if `quiet`."""
     said = time.monotonic()
 
     def told(done: int, total: int) -> None:
         nonlocal said
-        if time.monotonic() - said >= _LINE_SECONDS / 2:
+        if not quiet and time.monotonic() - said >= _LINE_SECONDS / 2:
             said = time.monotonic()
             sys.stderr.write(f"{done} of {total} runs\n")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+import warnings
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
@@ -20,14 +21,18 @@ if TYPE_CHECKING:
 
 def main(options: argparse.Namespace) -> int:
     """Build the casing; print check-up, modes with error bands and coordinates; write the requested files."""
-    from pipelines.border.errors import InputError
+    from pipelines.border.errors import InputError, SceneWarning
     from pipelines.border.json_text import json_text
+    from pipelines.border.user_files import writable_folder
     from pipelines.engine.working import Work
     from pipelines.housings.responses import checked_names
     from pipelines.runs.casing_export import checked_target, write_casing
     from pipelines.runs.single_results import build_casing, scene_graph
     from pipelines.scene.presets import load_asked
 
+    if options.out and not options.response:
+        raise InputError("--out is the folder of --response. Add --response, or delete --out.")
+    folder = writable_folder(options.out or ".")
     targets = [checked_target(name) for name in options.export]
     loaded = load_asked(options)
     graph, plant = scene_graph(loaded)
@@ -40,13 +45,16 @@ def main(options: argparse.Namespace) -> int:
         checked_names(options.response, bearings, [sensor.name for sensor in plant.sensors])
     work = Work(processes=options.processes, quiet=options.quiet)
     casing = build_casing(loaded, work, error_check=options.error_check)
+    if missed := missed_error(casing):
+        warnings.warn(missed, SceneWarning, stacklevel=1)
     if options.json:
         sys.stdout.write(json_text(casing_facts(casing, loaded.name)))
     else:
         sys.stdout.write("".join(f"{text}\n" for text in _texts(casing, options.modes)))
     written = [path for target in targets for path in write_casing(casing, plant.title, target)]
     if options.response:
-        written += _write_response(casing, options.response, loaded.name, plant.title)
+        folder.mkdir(parents=True, exist_ok=True)
+        written += _write_response(casing, options.response, loaded.name, plant.title, folder)
     (sys.stderr if options.json else sys.stdout).write("".join(f"{path}\n" for path in written))
     return 0
 
@@ -56,12 +64,21 @@ def _texts(casing: Casing, count: int) -> Iterator[str]:
     body = casing.body
     if casing.modes is not None and casing.natural is not None and casing.checkup is not None:
         yield describe(casing.modes)
+        if casing.mesh is not None:
+            asked = (
+                ""
+                if casing.requested_error is None
+                else f", chosen for casing.error = {100 * casing.requested_error:.3g} %"
+            )
+            yield f"element size {1000 * casing.mesh.element_size:.3g} mm{asked}"
         yield casing.checkup.report(0)
         yield mode_table(casing.natural, count, casing.bands)
         if casing.limits is None and casing.mesh is not None:
             yield "no error bands: set casing.extrapolated = true, or use --preset standard"
         if casing.limits is not None:
             yield band_words(casing.limits, body.stiffness_factor, casing.bands / casing.frequencies)
+            if bool((casing.frequencies[casing.bands > 0.0] > casing.band).any()):
+                yield reduction_words(casing.modes.band_limit > 0.0, casing.band)
         if casing.natural.part_names:
             yield part_table(casing.natural, modal_ratios(body), count)
     if casing.joint:
@@ -78,7 +95,7 @@ def _texts(casing: Casing, count: int) -> Iterator[str]:
         )
     if casing.error is not None:
         yield casing.error.report()
-    yield f"casing {body.model}: {len(body.coordinate_names)} coordinates, {len(body.row_names)} rows"
+    yield f"casing {body.model}: {len(body.coordinate_names)} coordinates, {len(body.row_names)} output channels"
     for name, (x, y, z) in zip(body.point_names, body.point_positions * 1000, strict=True):
         yield f"  {name:10} x {x:8.2f}  y {y:8.2f}  z {z:8.2f} mm"
     if body.feet:
@@ -88,8 +105,8 @@ def _texts(casing: Casing, count: int) -> Iterator[str]:
         yield f"  {record.name:19} {record.seconds:7.1f} s {record.peak_bytes / 1e6:6.0f} MB{reused}"
 
 
-def _write_response(casing: Casing, names: list[str], scene: str, title: str) -> list[Path]:
-    """Table and plot of the accelerances, in the working folder."""
+def _write_response(casing: Casing, names: list[str], scene: str, title: str, folder: Path) -> list[Path]:
+    """Table and plot of the accelerances."""
     from pathlib import Path
 
     from pipelines.border.user_files import whole_file, writable_file
@@ -99,7 +116,7 @@ def _write_response(casing: Casing, names: list[str], scene: str, title: str) ->
     words = damping_words(modal_ratios(casing.body), casing.frequencies, casing.band)
     found = accelerance(casing.body, names, casing.band, words)
     stem = f"response-{scene}-{found.force.replace(':', '-')}"
-    table, plot = (writable_file(f"{stem}{ending}", "--response") for ending in (".csv", ".png"))
+    table, plot = (writable_file(str(folder / f"{stem}{ending}"), "--response") for ending in (".csv", ".png"))
     with whole_file(table) as partial, Path(partial).open("w", encoding="utf-8") as file:
         file.writelines(table_lines(found, title))
     save_figure(accelerance_figure(found, title), plot, dpi=110)
@@ -107,7 +124,7 @@ def _write_response(casing: Casing, names: list[str], scene: str, title: str) ->
 
 
 def casing_facts(casing: Casing, scene: str) -> dict[str, Any]:
-    """Frequencies with their bands, effective masses, damping and points; SI.
+    """Frequencies with their bands, effective masses, damping, element size and points; SI.
 
     `frequency_Hz` are those of the reduced casing. Where the stiffness is extrapolated, `extrapolation` holds the
     elastic modes as they are on the mesh, each extrapolated to zero element size, and the band of that.
@@ -125,6 +142,7 @@ def casing_facts(casing: Casing, scene: str) -> dict[str, Any]:
         "frequency_band_Hz": casing.bands,
         "damping_ratio": modal_ratios(body),
         "effective_mass": None if natural is None else natural.effective_mass,
+        "element_size": None if casing.mesh is None else casing.mesh.element_size,
         "stiffness_factor": body.stiffness_factor,
         "extrapolation": None
         if limits is None
@@ -166,6 +184,35 @@ def band_words(limits: FrequencyLimits, factor: float, relative: np.ndarray) -> 
         f"+-: error band, {100 * np.nanmedian(relative):.2f} % in the median, "
         f"{100 * np.nanmax(relative):.2f} % at most.\n"
         "On the mesh without extrapolation, and extrapolated mode by mode: --json."
+    )
+
+
+def reduction_words(to_band: bool, band: float) -> str:
+    """What the error bands leave out: with modes up to a band (Hz) those beyond it, else all dynamics of the inside."""
+    if to_band:
+        return (
+            f"Modes above casing.band_Hz = {band:g} Hz also have an error of modal truncation, which +- leaves out. "
+            "To reduce it, raise casing.band_Hz."
+        )
+    return (
+        "Static condensation also causes an error, which +- leaves out. --error-check computes it up to "
+        f'{band:g} Hz. To reduce it, set casing.model = "craig-bampton".'
+    )
+
+
+def missed_error(casing: Casing) -> str:
+    """That the frequencies miss the requested error, and what to do; "" if they do not, or none was requested."""
+    import numpy as np
+
+    if casing.requested_error is None:
+        return ""
+    median = float(np.nanmedian(casing.bands / casing.frequencies))
+    if median <= casing.requested_error:
+        return ""
+    other = 'casing.element = "tetrahedron-20", or ' if casing.mesh and casing.mesh.elements.shape[1] == 10 else ""
+    return (
+        f"casing.error = {100 * casing.requested_error:.3g} % is not reached: half of the natural frequencies have "
+        f"error bands above {100 * median:.3g} %. Set {other}a smaller casing.error."
     )
 
 

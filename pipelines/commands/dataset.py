@@ -23,7 +23,7 @@ def _check(options: argparse.Namespace) -> int:
     from pipelines.campaign.shown_progress import lines_now_and_then
     from pipelines.dataset.passes.check import check_dataset
 
-    found = check_dataset(Path(options.folder), lines_now_and_then())
+    found = check_dataset(Path(options.folder), lines_now_and_then(quiet=options.quiet))
     sys.stdout.write(found.to_text())
     return 1 if found.wrong else 0
 
@@ -33,9 +33,9 @@ def _features(options: argparse.Namespace) -> int:
     from pipelines.campaign.workers import local_workers
     from pipelines.dataset.passes.feature_pass import FEATURES, make_features
 
-    folder = Path(options.folder)
+    folder, told = Path(options.folder), lines_now_and_then(quiet=options.quiet)
     with local_workers(options.processes) as workers:
-        made, lines = make_features(folder, workers.executor, options.start, options.noise, lines_now_and_then())
+        made, lines = make_features(folder, workers.executor, options.start, options.noise, told)
     sys.stdout.write(f"features of {made} runs computed now\n{folder / FEATURES}: {lines} lines\n")
     return 0
 
@@ -47,6 +47,7 @@ def _export(options: argparse.Namespace) -> int:
         splits=tuple(options.split),
         labels=tuple(options.label),
         sensors=tuple(options.sensors),
+        start=options.start,
         seconds=options.seconds,
         overlap=options.overlap,
         noise_m_s2=options.noise,

@@ -34,7 +34,7 @@ def main(options: argparse.Namespace) -> int:
     folder = writable_folder(options.out)
     loaded, stage = load_asked(options), options.stage
     if stage > len(loaded.scene.stages):
-        raise InputError(f"--stage {stage}: the scene has {len(loaded.scene.stages)} stages. Count from 1.")
+        raise InputError(f"--stage {stage}: there is no such stage. Set a number from 1 to {len(loaded.scene.stages)}.")
     (graph, plant), work = scene_graph(loaded), Work(processes=options.processes, quiet=options.quiet)
     if options.stress or options.mesh is not None:
         from pipelines.runs.inspect_stress import stress_files

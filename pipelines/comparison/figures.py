@@ -88,7 +88,7 @@ def rms_figure(rms: np.ndarray, sensors: Sequence[str], names: Sequence[str]) ->
     for number, (name, row) in enumerate(zip(names, sums, strict=True)):
         axes.bar(np.arange(len(known)) + (number + 0.5) * width - 0.4, row, width, label=plain(name))
     axes.set_xticks(range(len(known)), [plain(one) for one in known], rotation=0 if len(known) < 10 else 90)
-    dress(axes, "Root mean square of the sensors over the axes that all recordings have", "", "m/s²")
+    dress(axes, "RMS of each sensor in its windows, root sum square of the common axes", "", "m/s²")
     figure.legend(loc="outside lower left", ncols=1, frameon=False, fontsize=9)
     return figure
 

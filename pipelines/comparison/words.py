@@ -58,7 +58,8 @@ def features_grid(found: Features) -> Grid:
         )
     )
     headers = ("component", "feature", "unit", *letters, *(f"{letter} - A dB" for letter in letters[1:]))
-    return Grid(title="Features, mean over the common channels", headers=headers, rows=rows)
+    title = "Features in these windows, mean over the common channels; a channel is one axis of a sensor"
+    return Grid(title=title, headers=headers, rows=rows)
 
 
 def features_csv(found: Features) -> str:

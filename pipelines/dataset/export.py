@@ -35,6 +35,7 @@ class Wanted:
     splits: tuple[str, ...] = ()
     labels: tuple[str, ...] = ()
     sensors: tuple[str, ...] = ()
+    start: float = 0.0  # s; earlier samples are left out
     seconds: float | None = None
     overlap: float = 0.0
     noise_m_s2: float = 0.0
@@ -98,10 +99,11 @@ def _cut(folder: Path, wanted: Wanted) -> Cut:
         raise InputError(
             f"{folder}: no finished run matches --split, --label and --sensors together. Leave one of them out."
         )
+    part = _from(part, wanted.start)
     options: dict[str, Any] = {"seconds": wanted.seconds, "overlap": wanted.overlap, "noise_m_s2": wanted.noise_m_s2}
     runs = pieces(part, **options, seed=wanted.seed, sensors=wanted.sensors or None)
     first = next(pieces(part.isel(run=[0]), **options, sensors=wanted.sensors or None))
-    each = pieces_per_run(dataset.sizes["time"], dataset.attrs["rate_Hz"], wanted.seconds, wanted.overlap)
+    each = pieces_per_run(part.sizes["time"], dataset.attrs["rate_Hz"], wanted.seconds, wanted.overlap)
     columns = {
         str(name): np.repeat(column.values, each)
         for name, column in part.coords.items()
@@ -116,6 +118,15 @@ def _cut(folder: Path, wanted: Wanted) -> Cut:
         named={name: first[name].values for name in ("sensor", "axis", "time")}
         | {"rate_Hz": np.array(dataset.attrs["rate_Hz"])},
     )
+
+
+def _from(runs: xarray.Dataset, start: float) -> xarray.Dataset:
+    """The runs without the samples before `start` (s). InputError if fewer than two samples are left."""
+    time, rate = runs.time.values, runs.attrs["rate_Hz"]
+    first = int(np.searchsorted(time, start - 1e-3 / rate))  # a rounded time is still that of its sample
+    if first > len(time) - 2:
+        raise InputError(f"--start {start:g}: the runs last {len(time) / rate:g} s. Set a time from 0 to below that.")
+    return runs.isel(time=slice(first, None))
 
 
 def _plain(values: np.ndarray) -> np.ndarray:

@@ -62,8 +62,9 @@ def pieces(
     length = dataset.sizes["time"]
     size = length if seconds is None else round(seconds * rate)
     if not 1 <= size <= length:
+        part = f" from {begin:g} s on" if begin else ""
         raise InputError(
-            f"seconds = {seconds:g}: the runs last {length / rate:g} s. Set a value above 0 and up to that."
+            f"seconds = {seconds:g}: the runs last {length / rate:g} s{part}. Set a value above 0 and up to that."
         )
     if not 0.0 <= overlap < 1.0:
         raise InputError(f"overlap = {overlap:g}: set a share from 0 to below 1.")

@@ -48,6 +48,8 @@ def parse_over(text: str) -> Over:
     if not equals or not all(part.strip() for part in key.split(".")):
         raise InputError(f"--over {shown(text)}: is not a key with values. {_EXAMPLE}")
     parts = given.split(":")
+    if len(parts) == 2:
+        raise InputError(f"--over {shown(text)}: the step is missing. {_EXAMPLE}")
     values = _range(text, parts) if len(parts) == 3 else _listed(text, given)
     if len(set(values)) < len(values):
         raise InputError(f"--over {shown(text)}: a value is given twice. Give each value once.")

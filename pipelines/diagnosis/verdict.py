@@ -71,20 +71,37 @@ class Verdict:
         """The component that stands out most."""
         return self.findings[0]
 
+    def __repr__(self) -> str:
+        return f"<Verdict: {self._words()}; first {self.first.component}, {decibels(self.first.rise)} dB>"
+
+    def _words(self) -> str:
+        alarm = {True: "alarm", False: "no alarm", None: "baseline too small for an alarm"}[self.alarm]
+        return f"{alarm}, against {self.healthy} healthy recording{'' if self.healthy == 1 else 's'}"
+
     def _repr_html_(self) -> str:
         """The findings as a table, for a notebook."""
-        alarm = {True: "alarm", False: "no alarm", None: "baseline too small for an alarm"}[self.alarm]
         rows = [
-            (found.component, found.rise, found.p, found.tooth, ", ".join(found.alike))
+            (
+                found.component,
+                decibels(found.rise),
+                None if found.p is None else f"{found.p:.1g}",
+                found.tooth,
+                ", ".join(found.alike),
+            )
             for found in (*self.findings, self.whole)
         ]
-        head = ("component", "rise, dB", "p", "tooth", "same orders as")
-        return shown_html.table(f"{alarm}, against {self.healthy} healthy recordings", head, rows)
+        head = ("component", "increase, dB", "p-value", "tooth", "same orders as")
+        return shown_html.table(self._words(), head, rows)
 
     @property
     def false_alarm_interval(self) -> tuple[float, float]:
         """95 % interval of the rate of false alarms, from the healthy recordings themselves."""
         return clopper_pearson(self.false_alarms, self.tested)
+
+
+def decibels(rise: float) -> str:
+    """A rise (dB) as it is shown, without minus zero."""
+    return f"{round(rise, 1) + 0.0:+.1f}"
 
 
 def judge(recording: FeatureTable, baseline: Sequence[FeatureTable], kinematics: Kinematics) -> Verdict:

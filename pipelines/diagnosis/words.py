@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from pipelines.border.grid import Grid
 from pipelines.diagnosis.prediction import FEWEST_FOR_P
-from pipelines.diagnosis.verdict import ALARM, Finding, Verdict
+from pipelines.diagnosis.verdict import ALARM, Finding, Verdict, decibels
 
 NAMES = {
     "difference_rms": "difference signal",
@@ -30,7 +30,7 @@ def headline(verdict: Verdict) -> str:
     """The answer in one sentence."""
     first = verdict.first
     if verdict.alarm is None:
-        return f"Largest rise: {first.component}, {_standing(first)}."
+        return f"Largest increase: {first.component}, {_standing(first)}."
     if not verdict.alarm:
         return "No alarm: no feature exceeds the healthy recordings."
     if first.p is not None and first.p > ALARM:
@@ -69,7 +69,7 @@ def ranking_grid(verdict: Verdict) -> Grid:
     rows = tuple(
         (
             finding.component,
-            f"{finding.rise:+.1f}",
+            decibels(finding.rise),
             probability(finding),
             _strongest(finding),
             "" if finding.tooth is None else str(finding.tooth),
@@ -77,18 +77,20 @@ def ranking_grid(verdict: Verdict) -> Grid:
         )
         for finding in (*verdict.findings, verdict.whole)
     )
-    headers = ("component", "rise dB", "p", "strongest", "tooth", "same orders as")
-    return Grid(title="Components by their rise over the healthy recordings", headers=headers, rows=rows)
+    headers = ("component", "increase dB", "p-value", "largest feature", "tooth", "same orders as")
+    return Grid(title="Components by their mean increase over the healthy recordings", headers=headers, rows=rows)
 
 
 def evidence_grid(verdict: Verdict) -> Grid:
     """Every feature of every component."""
     rows = tuple(
-        (finding.component, NAMES.get(one.feature, one.feature), f"{one.rise:+.1f}", _p(one.p))
+        (finding.component, NAMES.get(one.feature, one.feature), decibels(one.rise), _p(one.p))
         for finding in (*verdict.findings, verdict.whole)
         for one in finding.evidence
     )
-    return Grid(title="Features, mean over all channels", headers=("component", "feature", "rise dB", "p"), rows=rows)
+    return Grid(
+        title="Features, mean over all channels", headers=("component", "feature", "increase dB", "p-value"), rows=rows
+    )
 
 
 def confirmed(verdict: Verdict, faulty: Sequence[tuple[str, int | None]]) -> str:
@@ -127,12 +129,12 @@ def _p(value: float | None) -> str:
 def _standing(finding: Finding) -> str:
     where = "" if finding.tooth is None else f", most at tooth {finding.tooth} (within one)"
     chance = "" if finding.p is None else f" (p = {finding.p:.1g})"
-    return f"{finding.rise:+.1f} dB in the mean of its features{chance}{where}"
+    return f"{decibels(finding.rise)} dB in the mean of its features{chance}{where}"
 
 
 def _strongest(finding: Finding) -> str:
     one = max(finding.evidence, key=lambda evidence: evidence.rise)
-    return f"{NAMES.get(one.feature, one.feature)} {one.rise:+.1f} dB"
+    return f"{NAMES.get(one.feature, one.feature)} {decibels(one.rise)} dB"
 
 
 def _ordinal(number: int) -> str:

@@ -75,7 +75,14 @@ def feature_table(
     teeth: dict[str, int] = {}
     for name, window in given.items():
         if window[0] >= window[1]:
-            raise FeatureError(f"{name}: the window ends at {window[1]:g} s, before its start at {window[0]:g} s.")
+            raise FeatureError(
+                f"{name}: the window starts at {window[0]:g} s and ends at {window[1]:g} s. Set an end after the start."
+            )
+        if window[0] >= time[-1] or window[1] <= time[0]:
+            raise FeatureError(
+                f"{name}: {window[0]:g} to {window[1]:g} s is outside the recording, which lasts from {time[0]:g} to "
+                f"{time[-1]:g} s. Set a window within it."
+            )
         inside = slice(np.searchsorted(time, window[0]), np.searchsorted(time, window[1], side="right"))
         cuts = {shaft: cut_turns(signal, time, rotation, shaft.ratio, window) for shaft in kinematics.shafts}
         turning = [(shaft, cut) for shaft, cut in cuts.items() if cut is not None and cut.count >= FEWEST_TURNS]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import islice
@@ -85,12 +86,14 @@ def sheet_figure(views: Sequence[ModeView], stills: Sequence[Picture]) -> Figure
     from matplotlib.colors import Normalize
 
     from pipelines.figures.callouts import draw_axes, show
-    from pipelines.figures.plots import new_figure, plain
+    from pipelines.figures.plots import LETTER, new_figure, plain
 
     columns = min(_COLUMNS, len(views))
     rows = -(-len(views) // columns)
-    figure = new_figure(0.7 + 2.3 * rows, 3.0 * columns + 1.0)
-    figure.suptitle(plain(f"{views[0].title}: natural modes in the ground, deflections exaggerated"), fontsize=11)
+    width = 3.0 * columns + 1.0
+    title = f"{views[0].title}: natural modes, deflections exaggerated"
+    figure = new_figure(0.7 + 2.3 * rows, width)
+    figure.suptitle(textwrap.fill(plain(title), int(width / (1.1 * LETTER))), fontsize=11)
     grid = figure.subplots(rows, columns, squeeze=False)
     for axes in grid.ravel():
         axes.set_axis_off()
@@ -101,7 +104,7 @@ def sheet_figure(views: Sequence[ModeView], stills: Sequence[Picture]) -> Figure
         axes.set_title(f"mode {view.number}: {view.frequency:.1f} Hz", fontsize=10)
     scale = ScalarMappable(Normalize(0.0, 1.0), cmap="viridis")
     bar = figure.colorbar(scale, ax=list(grid.ravel()), shrink=0.6, pad=0.01, aspect=30)
-    bar.set_label("amplitude of displacement over its largest")
+    bar.set_label("displacement amplitude relative to its maximum")
     return figure
 
 

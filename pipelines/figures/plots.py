@@ -223,9 +223,9 @@ def dress(axes: Axes, title: str, x: str, y: str) -> None:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TransmissionErrors:
-    """Transmission error of one pair at one load, without tooth faults and deviations.
+    """Transmission error of one pair at one load, without deviations.
 
-    `unmodified` is None for flanks without modifications.
+    `unmodified` is None for flanks without modifications. `passages` are empty without tooth faults.
     """
 
     stage: int  # from 1
@@ -234,6 +234,8 @@ class TransmissionErrors:
     cycle: np.ndarray  # (position,), mesh cycles over one of them
     unmodified: np.ndarray | None  # (position,), m
     actual: np.ndarray  # (position,), m
+    place: np.ndarray  # (place,), mesh cycles from contact of a damaged tooth at the pitch point
+    passages: Mapping[str, np.ndarray]  # "healthy", and each damaged tooth -> (place,), m
 
     @property
     def states(self) -> dict[str, np.ndarray]:
@@ -262,14 +264,20 @@ def orders(error: np.ndarray) -> np.ndarray:
 
 
 def transmission_error_figure(title: str, errors: Sequence[TransmissionErrors]) -> Figure:
-    """A row for each stage: the curves on the left, the orders on the right; a colour for each torque."""
+    """A row for each stage: the curves on the left, the orders on the right; a colour for each torque.
+
+    Below a stage with damaged teeth: the curves while each of them passes.
+    """
     from matplotlib import colormaps
 
     stages = list(dict.fromkeys(error.stage for error in errors))
-    figure = new_figure(0.7 + 3.6 * len(stages), 11.0)
-    figure.suptitle(f"{plain(title)}\ntransmission error of the healthy pair, without deviations")
-    panels = np.atleast_2d(figure.subplots(len(stages), 2, width_ratios=[1.2, 1.0]))
-    for stage, (curves, lines) in zip(stages, panels, strict=True):
+    faulty = {error.stage for error in errors if error.passages}
+    figure = new_figure(0.7 + 3.6 * (len(stages) + len(faulty)), 11.0)
+    figure.suptitle(f"{plain(title)}\ntransmission error without deviations")
+    grid, row = figure.add_gridspec(len(stages) + len(faulty), 2, width_ratios=[1.2, 1.0]), 0
+    for stage in stages:
+        curves, lines = (figure.add_subplot(grid[row, column]) for column in (0, 1))
+        row += 1
         own = [error for error in errors if error.stage == stage]
         colours = colormaps["viridis"](np.linspace(0.0, 0.8, len(own)))
         count = sum(len(error.states) for error in own)
@@ -284,10 +292,32 @@ def transmission_error_figure(title: str, errors: Sequence[TransmissionErrors]) 
                           edgecolor=colour, lw=0.8)  # fmt: skip
                 place += 1
         curves.margins(x=0)
-        dress(curves, own[0].title, "mesh cycle", "transmission error, µm")
+        dress(curves, f"{own[0].title}, healthy", "mesh cycle", "transmission error, µm")
         dress(lines, "orders of the mesh frequency", "order", "amplitude, µm")
         lines.set_xticks(range(1, ORDERS + 1))
         curves.legend(
             fontsize=8, ncols=max(1, len(own) // 3 + 1), loc="upper left", bbox_to_anchor=(0.0, -0.16), frameon=False
         )
+        if stage in faulty:
+            _draw_passages(figure.add_subplot(grid[row, :]), own, colours)
+            row += 1
     return figure
+
+
+def _draw_passages(axes: Axes, errors: Sequence[TransmissionErrors], colours: np.ndarray) -> None:
+    """The healthy pair, and each damaged tooth while it passes: a colour for each torque, a style for each state."""
+    styles = ("--", "-", "-.", ":")
+    for error, colour in zip(errors, colours, strict=True):
+        for number, (state, values) in enumerate(error.passages.items()):
+            style = styles[0] if number == 0 else styles[1 + (number - 1) % (len(styles) - 1)]
+            axes.plot(
+                error.place, 1e6 * values, color=colour, ls=style, label=f"{error.torque:.4g} N m, {plain(state)}"
+            )
+    axes.margins(x=0)
+    dress(
+        axes,
+        f"{errors[0].title}, while a damaged tooth passes",
+        "mesh cycles from contact of the damaged tooth at the pitch point",
+        "transmission error, µm",
+    )
+    axes.legend(fontsize=8, ncols=2, loc="upper left", bbox_to_anchor=(0.0, -0.16), frameon=False)

@@ -131,14 +131,15 @@ def error_bars_figure(bars: Sequence[LineBar], window: str) -> Figure:
     figure = fixed_figure(3.6, bottom=0.3 + 0.7 * LETTER * longest)
     axes = figure.subplots()
     places = np.arange(len(bars), dtype=float)
-    for name, colour, shift in (("numerical", NUMERICAL, -0.12), ("inputs", INPUTS, 0.12)):
+    kinds = ("numerical", "numerical uncertainty", NUMERICAL, -0.12), ("inputs", "uncertain damping", INPUTS, 0.12)
+    for name, words, colour, shift in kinds:
         shown = [i for i, bar in enumerate(bars) if getattr(bar, name) is not None]
         if shown:
             ends = [[getattr(bars[i], name).low, getattr(bars[i], name).high] for i in shown]
-            axes.vlines(places[shown] + shift, *np.array(ends).T, color=colour, lw=4.0, label=f"{name}, 5 to 95 %")
+            axes.vlines(places[shown] + shift, *np.array(ends).T, color=colour, lw=4.0, label=f"{words}, 5 to 95 %")
     axes.axhline(0.0, color=MARK, lw=0.8)
     axes.set_xticks(places, [plain_symbols(name) for name in names], rotation=60, ha="right", fontsize=8)
-    dress(axes, plain(window.capitalize()), "", "dB over the level")
+    dress(axes, f"Window {plain(window)}", "", "change of level, dB")
     legend(axes)
     return figure
 

@@ -88,7 +88,9 @@ def checked_mesh_file(name: str) -> Path:
     """The path of an export of teeth; InputError for an ending that is not known."""
     path = writable_file(name, "--mesh")
     if path.suffix.lower() not in FORMATS:
-        raise InputError(f"--mesh {shown(name)}: the ending must be one of {', '.join(FORMATS)}")
+        raise InputError(
+            f"--mesh {shown(name)}: the ending must be one of {', '.join(FORMATS)}. Correct the file name."
+        )
     return path
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +21,8 @@ _WALL, _SEAT, _OTHER = "#b9c2cc", "#c0392b", "#1f4e79"
 def housing_picture(contents: Contents, seats: dict[int, str]) -> Figure:
     """The surface from two sides, with the numbers of the widest bores; seats in red with the name of their bearing.
 
+    A bore has its number where its end is seen; the title lists those that no side shows.
+
     Parameters
     ----------
     contents : what the file holds
@@ -28,6 +31,7 @@ def housing_picture(contents: Contents, seats: dict[int, str]) -> Figure:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(14.0, 7.0), layout="tight")
+    hidden = {bore.number for bore in contents.bores[:MOST_LABELS]}
     for place, azimuth in enumerate((-60.0, 120.0), 1):
         axes = figure.add_subplot(1, 2, place, projection="3d")
         _draw(axes, contents, azimuth)
@@ -35,12 +39,33 @@ def housing_picture(contents: Contents, seats: dict[int, str]) -> Figure:
             name, colour = str(bore.number), _OTHER
             if bore.number in seats:
                 name, colour = f"{bore.number}: {seats[bore.number]}", _SEAT
-            if (bore.centre - contents.box.mean(axis=0)) @ _eye(azimuth) < 0.0:
-                continue  # the other view shows it
-            x, y, z = 1000 * bore.ends[int((bore.ends @ _eye(azimuth)).argmax())]
+            end = bore.ends[int((bore.ends @ _eye(azimuth)).argmax())]
+            if not _seen(contents, end, _eye(azimuth)):
+                continue
+            hidden.discard(bore.number)
+            x, y, z = 1000 * end
             axes.text(x, y, z, name, color=colour, fontsize=8, ha="center", zorder=10)
-    figure.suptitle(f"{contents.name}: bores by number, the widest first (mm)")
+    title = f"{contents.name}: bores by number, the widest first (mm)"
+    if hidden:
+        title += "\n" + textwrap.fill(f"not visible from these sides: {', '.join(map(str, sorted(hidden)))}", 140)
+    figure.suptitle(title)
     return figure
+
+
+def _seen(contents: Contents, place: np.ndarray, eye: np.ndarray) -> bool:
+    """Whether no triangle lies between a place and the eye (Moller & Trumbore 1997, J. Graphics Tools 2, 21-28)."""
+    first, second, third = contents.points[contents.triangles].transpose(1, 0, 2)
+    along, across = second - first, third - first
+    normal = np.cross(eye, across)
+    volume = np.einsum("ij,ij->i", along, normal)
+    met = abs(volume) > 1e-12 * np.linalg.norm(along, axis=1) * np.linalg.norm(across, axis=1)
+    first, along, across, normal, volume = (part[met] for part in (first, along, across, normal, volume))
+    away = place - first
+    turned = np.cross(away, along)
+    u, v = np.einsum("ij,ij->i", away, normal) / volume, turned @ eye / volume
+    distance = np.einsum("ij,ij->i", across, turned) / volume
+    near = 1e-6 * float(np.ptp(contents.box, axis=0).max())
+    return not bool(((u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (distance > near)).any())
 
 
 def _draw(axes: object, contents: Contents, azimuth: float) -> None:

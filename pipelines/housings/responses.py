@@ -75,7 +75,9 @@ def checked_names(names: Sequence[str], bearings: Sequence[str], sensors: Sequen
         if point not in points:
             raise InputError(f"--response {shown(name)}: no such point. Choose one of {', '.join(points)}.")
         if not re.fullmatch("u?[xyz]" if number == 0 else "(u?[xyz])?", axis):
-            raise InputError(f"--response {shown(name)}: add the axis :x, :y or :z, as in {point}:z.")
+            raise InputError(
+                f"--response {shown(name)}: add the axis :x, :y or :z after the name of the point, as in {point}:z."
+            )
     if len(names) == 1 and not sensors:
         raise InputError("--response: the casing has no sensors. Name a point of the response too, as in bearing_1:z.")
 

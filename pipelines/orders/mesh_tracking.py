@@ -103,11 +103,11 @@ def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) ->
         steady = [line for line in lines if line.scatter < STEADY and line.largest < LARGEST]
         if not steady:
             raise RotationError(
-                f"the speed cannot be found from the mesh vibration: no mesh line of stage {stage} has a steady phase "
-                f"at shaft speeds within {100 * RANGE:g} % of {nominal:.4g} Hz (the least scatter is "
-                f"{min(line.scatter for line in lines):.2g} rad, the limit {STEADY:g}), or the speed changes by more "
-                f"than {change:.3g} Hz per second. Record a tachometer, or cut the recording to "
-                "a part at steady speed."
+                f"the speed cannot be found from the mesh vibration. Either no line at a mesh order of stage {stage} "
+                f"has a steady phase: its scatter is {min(line.scatter for line in lines):.2g} rad or more, and the "
+                f"limit is {STEADY:g} rad. Or shaft 1 does not turn at {nominal:.4g} Hz within {100 * RANGE:g} %, or "
+                f"its speed changes by more than {change:.3g} Hz per second. Correct speed_rpm, record a tachometer, "
+                "or cut the recording to a part at steady speed."
             )
         angle, error = _mend(steady, angle, size)
         used = len(steady)

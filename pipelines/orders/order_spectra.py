@@ -79,11 +79,11 @@ def order_waterfall(
     rising = np.concatenate([[True], np.diff(np.maximum.accumulate(turned)) > 0.0])[: len(turned)]
     turned, sample = turned[rising], np.arange(len(angle))[moving][rising]
     if not len(turned):
-        raise OrderError("no shaft turns: a run at rest has no orders.")
+        raise OrderError("no shaft turns, and a run at rest has no orders. Use a run in which the shafts turn.")
     if turned[-1] < revolutions:
         raise OrderError(
-            f"{shaft} turns {turned[-1]:.3g} times while it moves, a window takes {revolutions} revolutions. Use a "
-            "longer run or shorter windows."
+            f"{shaft} makes {turned[-1]:.3g} revolutions, and a window takes {revolutions}. Reduce --revolutions, or "
+            "use a longer run."
         )
     samples = 1.0 / np.diff(turned)  # in a revolution
     per_turn = 2 * math.ceil(0.5 * STEPS * float(np.median(samples)))

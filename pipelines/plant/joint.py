@@ -92,10 +92,10 @@ def _of_cover(table: CoverJointTable, housing: Housing) -> BoltedJoint:
 
 
 def cover_bolts(housing: Housing, bolt: Bolt, pitch: float) -> list[tuple[float, float]]:
-    """Places (x, y) of bolts around a cover, no more than `pitch` (m) apart but for the bosses between them.
+    """Places (x, y) of bolts around a cover, at distances of at most `pitch` (m) except across bosses.
 
     They stand on the middle line of the flange, of the walls where there is no flange: at its corners, evenly in
-    between, and beside every boss that interrupts the flange.
+    between, and next to every boss that interrupts the flange.
     """
     (low, high), flange = housing.box, housing.flange
     inset = np.array([-flange.width / 2] * 2 if flange else [housing.wall("end") / 2, housing.wall("side") / 2])
@@ -127,7 +127,7 @@ def _free(start: float, end: float, bosses: list[Bore], margin: float) -> Iterat
 
 
 def _evenly(start: float, end: float, pitch: float) -> list[float]:
-    """Places from start to end, no more than a pitch apart; one where there is room for one."""
+    """Places from start to end at distances of at most a pitch; one where there is room for one."""
     if end - start < pitch / 4:
         return [(start + end) / 2]
     return np.linspace(start, end, math.ceil((end - start) / pitch - 1e-9) + 1).tolist()

@@ -99,20 +99,3 @@ class Recorded:
                 for axis in channels.DIRECTIONS
             )
         return names
-
-
-@dataclass(frozen=True, kw_only=True)
-class MotionSettings:
-    """Length (s), output rate (Hz), time step (s), integrator, number of the start, and band (Hz) of a simulation."""
-
-    end: float
-    output_rate: float
-    step: float
-    integrator: str
-    start: int
-    band: float
-
-    @property
-    def steps(self) -> float:
-        """Number of time steps, as far as none is cut."""
-        return self.end / self.step

@@ -14,6 +14,7 @@ from fem.casing.geometry.dimensions import Sensor
 from fem.casing.models.casing import Casing, Structure
 from fem.contact.models.mesh_model import LawSpec
 from fem.contact.models.registry import loaded_model
+from mbd.integrators.settings import MotionSettings
 from pipelines.plant.bearings import BearingFault, RollingBearing, bearing_faults, bearing_points, rolling_bearings
 from pipelines.plant.casing import casing
 from pipelines.plant.facts import Facts, derive, stage_facts
@@ -22,13 +23,13 @@ from pipelines.plant.flanks_spec import FlanksSpec
 from pipelines.plant.layout import Layout, lay_out
 from pipelines.plant.looked_for import LookedFor, diagnosis_settings
 from pipelines.plant.machine import machine_parts
-from pipelines.plant.parts import MachineParts, MotionSettings, Recorded
+from pipelines.plant.parts import MachineParts, Recorded
 from pipelines.plant.torques.hoist import Hoist, hoist
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import ShaftFault, shaft_faults
 from pipelines.scene.tables.analysis import DiagnosisTable
 from pipelines.scene.tables.casing import FlexibleBase, SensorTable
-from pipelines.scene.tables.motion import DriveModel, SimulationTable, SpeedDrive
+from pipelines.scene.tables.motion import DriveModel, SpeedDrive
 from pipelines.signals.analysis import DiagnosisSettings
 
 
@@ -149,7 +150,7 @@ def make_drivetrain(scene: Scene, source: str = "scene", layout: Layout | None =
             sensors=tuple(sensor.name for sensor in scene.sensors),
             journals=not isinstance(scene.casing, FlexibleBase),
         ),
-        motion=motion_settings(scene.simulation),
+        motion=scene.simulation.made(),
         looked_for=looked_for(scene.diagnosis, scene.sensors, scene.drive),
     )
 
@@ -164,18 +165,6 @@ def law_specs(scene: Scene, layout: Layout) -> list[LawSpec]:
         )
         for stage, pair, load in zip(scene.stages, layout.pairs, loads, strict=True)
     ]
-
-
-def motion_settings(table: SimulationTable) -> MotionSettings:
-    """How the motion is computed."""
-    return MotionSettings(
-        end=table.end_s,
-        output_rate=table.output_rate_Hz,
-        step=table.step_us / 1_000_000,
-        integrator=table.integrator,
-        start=table.start,
-        band=table.band_Hz,
-    )
 
 
 def looked_for(table: DiagnosisTable, sensors: Sequence[SensorTable], drive: DriveModel) -> LookedFor:

@@ -11,12 +11,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from pipelines.border.errors import Problem, SceneError
+from pipelines.border.errors import InputError, Problem, SceneError
+from pipelines.border.other_files import SCENE_KEYS
+from pipelines.border.shown import shown
 from pipelines.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 from pipelines.recordings.machine_table import BearingTable, ChannelName, MachineTable
 from pipelines.recordings.units import plain_units
-
-_OF_A_SCENE = ("stages", "extends")  # a file with one of these keys is a scene
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,9 +60,14 @@ def read_machine(source: str | Path) -> Machine:
     from pipelines.scene.file import find_source, parse, validate
     from pipelines.scene.merge import Merged
 
+    if Path(source).suffix not in ("", ".toml"):
+        raise InputError(
+            f"{shown(source)}: a machine file must end in .toml. Give a machine file, a scene file, or the name of a "
+            "shipped scene."
+        )
     found = find_source(source)
     tree = parse(found)
-    if found.folder is None or any(key in tree for key in _OF_A_SCENE):
+    if found.folder is None or any(key in tree for key in SCENE_KEYS):
         return _of_scene(source)
     table, _ = validate(Merged(tree), MachineTable, found.shown)
     shafts, problems = _shafts(table)
@@ -148,7 +153,9 @@ def _shafts(table: MachineTable) -> tuple[list[Shaft], list[Problem]]:
     for stage, ((one, other), *_) in waiting.items():
         problems.append(
             Problem(
-                f"shafts.{stage}", f"no pair connects shafts {one} and {other} to shaft 1", "Connect or delete them"
+                f"shafts.{stage}",
+                f"no pair connects shafts {one} and {other} to shaft 1",
+                "Connect them by a pair in teeth, or delete them",
             )
         )
     missing = sorted(set(range(1, max(speeds) + 1)) - speeds.keys()) if not waiting else []

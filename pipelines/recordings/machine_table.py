@@ -62,23 +62,26 @@ ShaftNumber = Annotated[Integer, Field(ge=1, le=100)]
 class TachometerTable(Table):
     """A channel with pulses of a shaft: a tachometer, or an encoder."""
 
-    channel: Annotated[Channel, Field(description="name, or number in the file")]
-    pulses_per_turn: Annotated[Positive, Field(description="of its shaft")] = 1.0
+    channel: Annotated[Channel, Field(description="name of the channel, or its number in the file")]
+    pulses_per_turn: Annotated[Positive, Field(description="pulses per turn of the shaft")] = 1.0
     shaft: Annotated[ShaftNumber, Field(description="number of the shaft that carries the mark")] = 1
     level: Annotated[
-        Number | None, Field(description="of a pulse, in the units of the channel; if left out, half its range")
+        Number | None,
+        Field(description="value at which a pulse begins, in the units of the channel; without it: half of the range"),
     ] = None
 
 
 class BearingTable(Table):
     """A rolling bearing, by its geometry or by its pass orders."""
 
-    name: Annotated[str, Field(min_length=1, max_length=60, description="as results show it")]
-    shaft: Annotated[ShaftNumber, Field(description="number of its shaft")] = 1
+    name: Annotated[str, Field(min_length=1, max_length=60, description="name of the bearing in the results")]
+    shaft: Annotated[ShaftNumber, Field(description="number of the shaft of the bearing")] = 1
     elements: Annotated[Integer | None, Field(ge=3, le=1000, description="number of balls or rollers")] = None
-    pitch_diameter_mm: Annotated[Positive | None, Field(description="of the circle through the elements")] = None
-    element_diameter_mm: Annotated[Positive | None, Field(description="of a ball or roller")] = None
-    contact_angle_deg: Annotated[Number, Field(ge=0, lt=75, description="of the contact")] = 0.0
+    pitch_diameter_mm: Annotated[
+        Positive | None, Field(description="diameter of the circle through the centres of the elements")
+    ] = None
+    element_diameter_mm: Annotated[Positive | None, Field(description="diameter of a ball or roller")] = None
+    contact_angle_deg: Annotated[Number, Field(ge=0, lt=75, description="contact angle")] = 0.0
     BPFO: Annotated[Positive | None, Field(description="pass order of the outer ring per turn of the shaft")] = None
     BPFI: Annotated[Positive | None, Field(description="pass order of the inner ring")] = None
     BSF: Annotated[Positive | None, Field(description="turns of an element per turn of the shaft")] = None
@@ -104,32 +107,40 @@ class MachineTable(Table):
     """A machine and how its recordings are to be read."""
 
     teeth: Annotated[
-        tuple[tuple[Teeth, Teeth], ...], Field(max_length=50, description="of driving and driven gear, pair by pair")
+        tuple[tuple[Teeth, Teeth], ...],
+        Field(max_length=50, description="numbers of teeth of driving and driven gear, pair by pair"),
     ] = ()
     shafts: Annotated[
         tuple[tuple[ShaftNumber, ShaftNumber], ...] | None,
-        Field(description="numbers of the shafts of each pair; if left out, pairs in series"),
+        Field(description="numbers of the two shafts of each gear pair; without it: pairs in series"),
     ] = None
     ratios: Annotated[
-        tuple[Positive, ...], Field(max_length=100, description="speeds of the shafts over the first, instead of teeth")
+        tuple[Positive, ...],
+        Field(max_length=100, description="speeds of the shafts divided by that of the first; instead of teeth"),
     ] = ()
     bearings: Annotated[tuple[BearingTable, ...], Field(max_length=200, description="rolling bearings")] = ()
-    speed_rpm: Annotated[Positive | None, Field(description="of the first shaft; not needed with a tachometer")] = None
-    rate_Hz: Annotated[Positive | None, Field(description="samples per second, if the file does not hold it")] = None
+    speed_rpm: Annotated[
+        Positive | None, Field(description="speed of the first shaft; not needed with a tachometer")
+    ] = None
+    rate_Hz: Annotated[Positive | None, Field(description="sampling rate, if the recording does not hold it")] = None
     time: Annotated[
         ChannelName | Literal[False] | None,
         PlainValidator(_time),
-        Field(description="channel of the time, if it is not called time or t; false: the time is not used"),
+        Field(description="channel that holds the time, if it is not called time or t; false: the time is not used"),
     ] = None
-    units: Annotated[str | None, Field(description="of the signals; if left out, those of the file, else m/s2")] = None
-    sensitivity_mV_g: Annotated[Positive | None, Field(description="of the sensors, where a file is in volts")] = None
-    full_scale: Annotated[Positive, Field(description="value of a WAV file's full scale, in the units")] = 1.0
+    units: Annotated[
+        str | None, Field(description="units of the signals; without it: those of the recording, or m/s2")
+    ] = None
+    sensitivity_mV_g: Annotated[
+        Positive | None, Field(description="sensitivity of the sensors, for a recording in volts")
+    ] = None
+    full_scale: Annotated[Positive, Field(description="full scale of a WAV file, in units")] = 1.0
     sensors: Annotated[
         dict[str, dict[str, ChannelName]],
         PlainValidator(_sensors),
-        Field(default={}, description="channels by sensor, or by sensor and axis; if left out, all channels, axis z"),
+        Field(default={}, description="channels by sensor, or by sensor and axis; without it: all channels, axis z"),
     ]
-    tachometer: Annotated[TachometerTable | None, Field(description="pulses of a shaft")] = None
+    tachometer: Annotated[TachometerTable | None, Field(description="channel with pulses of a shaft")] = None
 
     @model_validator(mode="after")
     def _consistent(self) -> MachineTable:
@@ -145,13 +156,13 @@ class MachineTable(Table):
         if self.shafts is not None and len(self.shafts) != len(self.teeth):
             yield f"shafts has {len(self.shafts)} pairs of numbers, teeth has {len(self.teeth)}; give as many"
         if self.speed_rpm is None and self.tachometer is None:
-            yield "speed_rpm is missing; set the speed of the first shaft, or a tachometer"
+            yield "speed_rpm is missing. Set the speed of the first shaft, or a tachometer"
 
     def _signals(self) -> Iterator[str]:
         known = (*ACCELERATIONS, *VOLTAGES)
         if self.units is None:
             return
         if plain_units(self.units) not in known:
-            yield f'units = "{self.units}": is not one of {", ".join(known)}'
+            yield f'units = "{self.units}": must be one of {", ".join(known)}. Correct it'
         elif plain_units(self.units) in VOLTAGES and self.sensitivity_mV_g is None:
-            yield "sensitivity_mV_g is missing; set that of the sensors for signals in volts, for example 100"
+            yield "sensitivity_mV_g is missing. Set it for signals in volts, for example to 100"

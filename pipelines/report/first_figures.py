@@ -17,22 +17,31 @@ if TYPE_CHECKING:
 
     from pipelines.report.first_screen import Average, Envelope
 
-SIZE = (2.4, 5.0)  # height and width, inches
+SIZE = (2.9, 5.0)  # height and width, inches
 LETTERS = 8.5  # points
 STRONGEST = "#f3c9a5"
+DIFFERENCE = "#5c3d7a"
 
 
 def average_figure(average: Average) -> Figure:
-    """The average over one turn and that of the healthy recordings, the tooth with the strongest evidence shaded."""
-    figure = fixed_figure(*SIZE)
-    axes = figure.subplots()
-    _draw(axes, average.place, average.value, average.reference)
-    axes.set_xlim(average.place[0], average.place[-1])
+    """The averages over one turn of this run and its control, and their difference; the marked tooth is shaded."""
+    if average.reference is not None:
+        figure = fixed_figure(*SIZE, rows=2, down=0.3)
+        first, last = figure.subplots(2, 1, sharex=True)
+        last.plot(average.place, average.value - average.reference, color=DIFFERENCE, lw=0.9)
+    else:
+        figure = fixed_figure(*SIZE)
+        first = last = figure.subplots()
+    _draw(first, average.place, average.value, average.reference)
+    first.set_xlim(average.place[0], average.place[-1])
+    for axes in dict.fromkeys((first, last)):
+        if average.marked is not None:
+            axes.axvspan(*average.marked, color=STRONGEST, lw=0, zorder=0)
+        axes.margins(y=0.15)
     if average.marked is not None:
-        axes.axvspan(*average.marked, color=STRONGEST, lw=0, zorder=0)
         middle = sum(average.marked) / 2
         beyond = middle > average.place.mean()
-        axes.annotate(
+        first.annotate(
             plain(average.marked_name) + " " if beyond else " " + plain(average.marked_name),
             (average.marked[0 if beyond else 1], 1.0),
             xycoords=("data", "axes fraction"),
@@ -44,8 +53,11 @@ def average_figure(average: Average) -> Figure:
             color=FAULTY,
             fontweight="bold",
         )
-    axes.margins(y=0.15)
-    _finish(axes, "Average over one turn", plain(average.across), average.unit, average.reference is not None)
+    across = plain(average.across)
+    compared = average.reference is not None
+    _finish(first, "Time-synchronous average", "" if compared else across, average.unit, compared)
+    if compared:
+        _finish(last, "Difference: this run minus healthy", across, average.unit, compared=False)
     return figure
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pipelines.border.grid import Grid
+from pipelines.diagnosis.verdict import decibels
 from pipelines.report import page
 from pipelines.report.first_figures import average_figure, envelope_figure
 from pipelines.report.first_screen import FirstScreen
@@ -43,13 +44,13 @@ def _evidence(content: FirstScreen) -> list[str]:
 def _ranking(content: FirstScreen) -> list[str]:
     if not content.ranking:
         return []
-    rows = [(one.component, f"{one.evidence:+.1f}", one.p_value, one.remark) for one in content.ranking]
+    rows = [(one.component, decibels(one.evidence), one.p_value, one.remark) for one in content.ranking]
     headers = ("component", "increase dB", "p-value", "remark")
     first, others = rows[:RANKED_AT_ONCE], rows[RANKED_AT_ONCE:]
     parts = [
         page.table(
             Grid(
-                title="Components by the mean increase of their features over the healthy machine",
+                title="Components in the order of their mean increase over the healthy machine",
                 headers=headers,
                 rows=tuple(first),
             )
@@ -58,4 +59,5 @@ def _ranking(content: FirstScreen) -> list[str]:
     if others:
         rest = Grid(title="", headers=headers, rows=tuple(others))
         parts.append(page.folded(f"{len(others)} more components", page.table(rest)))
+    parts += [page.note(content.ranking_note)] if content.ranking_note else []
     return [f'<div id="ranking">{"".join(parts)}</div>']

@@ -12,8 +12,8 @@ import numpy as np
 class Average:
     """A time-synchronous average over one turn of a shaft, at rising places.
 
-    `reference` is that of the healthy recordings, None if there are none; `marked` the stretch of places that the
-    suspected tooth takes, None without a suspicion, and `marked_name` words for it.
+    `reference` is that of the healthy control, None if there is none; `marked` the stretch of places that the suspected
+    tooth takes, None without a suspicion, and `marked_name` words for it.
     """
 
     place: np.ndarray  # (n,), deg or teeth
@@ -56,7 +56,7 @@ class FirstScreen:
 
     `sentences` are the verdict, the answer first; `found` says whether a fault is seen, None if nothing was looked for;
     `label` says what was compared with, such as "against 8 healthy recordings". `figures` are names with their values:
-    f_m, f_r, speed.
+    f_m, f_r, speed. `ranking_note` explains the columns of the ranking.
     """
 
     sentences: Sequence[str] = ()
@@ -66,3 +66,4 @@ class FirstScreen:
     average: Average | None = None
     envelope: Envelope | None = None
     ranking: Sequence[Ranked] = ()
+    ranking_note: str = ""

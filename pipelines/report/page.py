@@ -66,6 +66,11 @@ def paragraph(text: str, style: str = "") -> str:
     return f"<p{mark}>{typeset(text)}</p>"
 
 
+def note(text: str) -> str:
+    """What explains a table."""
+    return paragraph(text, "lead")
+
+
 def table(grid: Grid) -> str:
     """A table that scrolls sideways where the screen is narrow; one with many columns becomes several, one below
     another, each with the first column."""

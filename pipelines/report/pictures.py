@@ -12,17 +12,21 @@ from pipelines.report import page
 
 def gears(picture: Picture, curve: StiffnessPlot, names: Mapping[str, str]) -> str:
     """The rendered pair and its stiffness; `names` are words for the places "pinion", "wheel" and "marked"."""
-    caption = "The gear pair and its mesh stiffness; one mesh cycle is the passage of one tooth pair."
+    caption = (
+        "The gear pair and its secant stiffness from bore to bore. One mesh cycle is the passage of one tooth pair."
+    )
     return page.picture(gear_figure(picture, curve, names), caption)
 
 
 def stiffness(curves: Sequence[StiffnessPlot]) -> str:
     """The stiffness of stages that no picture shows."""
-    caption = "Mesh stiffness over the mesh cycle; one cycle is the passage of one tooth pair."
+    caption = (
+        "Secant mesh stiffness of the other stages from bore to bore. One mesh cycle is the passage of one tooth pair."
+    )
     return page.picture(stiffness_figure(curves), caption)
 
 
 def casing(picture: Picture) -> str:
     """The rendered casing with its bearings, sensors and points on the ground."""
-    caption = "The casing with its points on the ground (yellow), bearings (red) and sensors (green)."
+    caption = "The casing with its feet (yellow), bearings (red) and sensors (green)."
     return page.picture(casing_figure(picture), caption)

@@ -11,6 +11,7 @@ from pipelines.figures.plots import drive_figure
 from pipelines.figures.views import LeftOut
 from pipelines.report import page, spectra
 from pipelines.report.contents import ReportContents, RunCost, cell, grid, turned
+from pipelines.report.cost_words import count_words, step_words
 from pipelines.report.first_page import first_screen
 from pipelines.signals.verdict import criterion, directions, sentences, summary_grid
 
@@ -44,7 +45,7 @@ def report_body(contents: ReportContents) -> str:
         ("Error bars", spectra.error_bars),
         ("Windows side by side", spectra.two_windows),
         ("Two loads", spectra.two_loads),
-        ("Envelope table", spectra.envelope_table),
+        ("All lines", spectra.all_lines),
         ("What was run", _what_was_run),
         ("Gears", _gears),
         ("Rolling bearings", _rolling),
@@ -69,7 +70,11 @@ def _decided(contents: ReportContents) -> list[str]:
     every = [*contents.diagnoses, *contents.seeds]
     texts = [criterion(every[0]), *(s for d in contents.diagnoses for s in sentences(d))]
     texts += [text for d in contents.diagnoses if (text := directions(d))]
-    return [*map(page.paragraph, texts), page.table(summary_grid(every))]
+    note = (
+        "In each cell: detected lines of all lines of this kind. Envelope harmonics: k f_r in the envelope spectrum. "
+        "Sidebands of n f_m: n f_m + k f_r in the spectrum."
+    )
+    return [*map(page.paragraph, texts), page.table(summary_grid(every)), page.note(note)]
 
 
 def _what_was_run(contents: ReportContents) -> list[str]:
@@ -77,11 +82,18 @@ def _what_was_run(contents: ReportContents) -> list[str]:
     if contents.summary:
         rows = tuple((name, cell(value)) for name, value in contents.summary.items())
         parts.append(page.table(Grid(title="", headers=("", ""), rows=rows)))
+        parts.append(page.note("Models have the names that the scene uses."))
     return parts
 
 
 def _gears(contents: ReportContents) -> list[str]:
-    parts = [page.table(turned(grid("", contents.gears), ("stage", "gear")))] if contents.gears else []
+    note = (
+        "Symbols of ISO 21771-1 and ISO 6336-1. Frequencies at the highest speed, forces at the load of the scene. The "
+        "line load is the tangential force per face width."
+    )
+    parts = []
+    if contents.gears:
+        parts = [page.table(turned(grid("", contents.gears), ("stage", "gear"))), page.note(note)]
     return parts + _picture(contents.gear_picture)
 
 
@@ -89,17 +101,17 @@ def _rolling(contents: ReportContents) -> list[str]:
     if not contents.rolling:
         return []
     note = (
-        "Pass frequencies at the highest speed, without slip. A spall of a rolling element strikes both rings: twice "
-        "per turn of the element (2 BSF)."
+        "Pass frequencies at the highest speed, without slip. A spall on a rolling element meets both rings in each "
+        "turn of the element, so its frequency is 2 BSF."
     )
-    return [page.table(grid("", contents.rolling)), page.paragraph(note)]
+    return [page.table(grid("", contents.rolling)), page.note(note)]
 
 
 def _shafts(contents: ReportContents) -> list[str]:
     if not contents.shafts:
         return []
-    note = "Frequencies of the orders 1x and 2x at the highest speed; the diagnosis evaluates these lines."
-    return [page.table(grid("", contents.shafts)), page.paragraph(note)]
+    note = "Orders 1x and 2x of the shaft at the highest speed. The diagnosis evaluates these two lines."
+    return [page.table(grid("", contents.shafts)), page.note(note)]
 
 
 def _stiffness(contents: ReportContents) -> list[str]:
@@ -107,7 +119,11 @@ def _stiffness(contents: ReportContents) -> list[str]:
 
 
 def _casing(contents: ReportContents) -> list[str]:
-    parts = [page.table(grid("", contents.casing_rows))] if contents.casing_rows else []
+    note = (
+        "Coordinates: degrees of freedom of the reduced model. The checks compare it with the finite-element model: "
+        "symmetry, rigid-body motions, mass, inertia and reactions. gearcase casing SCENE prints each of them."
+    )
+    parts = [page.table(grid("", contents.casing_rows)), page.note(note)] if contents.casing_rows else []
     return parts + _picture(contents.casing_picture)
 
 
@@ -122,17 +138,27 @@ def _drive(contents: ReportContents) -> list[str]:
     run = next(iter(contents.runs.values()), None)
     if run is None or not {"motor_speed", "shaft_speed"} & set(run.data_vars):
         return []
-    caption = "Speeds of the motors and the first shaft" + (", force in the rope." if "rope_force" in run else ".")
+    caption = "Speeds of the motors and the first shaft" + (", and force in the rope." if "rope_force" in run else ".")
+    caption += " Shaded: the windows of the diagnosis." if contents.windows else ""
     return [page.picture(drive_figure(run, contents.windows), caption)]
 
 
 def _cost(cost: RunCost) -> list[str]:
-    longest = max((row["seconds"] for row in cost.steps), default=0.0) or 1.0
-    rows = [{**row, "": "█" * round(30 * row["seconds"] / longest)} for row in cost.steps]
-    parts = [page.table(grid("Seconds and memory per step", rows))] if rows else []
+    parts = []
+    if cost.steps:
+        longest = max(row["seconds"] for row in cost.steps) or 1.0
+        steps = [
+            {**row, "": "█" * round(30 * row["seconds"] / longest), "result": step_words(str(row.get("step", "")))}
+            for row in cost.steps
+        ]
+        note = (
+            "A step is stored in the cache. Of a reused step, time and memory are those of its first computation. "
+            "Steps may run at the same time."
+        )
+        parts = [page.table(grid("Computing time and memory of each step", steps)), page.note(note)]
     if cost.ledger:
-        counts = tuple((name.replace("_", " "), cell(value)) for name, value in cost.ledger.items() if value)
-        parts.append(page.table(Grid(title="What was computed", headers=("item", "count"), rows=counts)))
+        rows = tuple((count_words(name), cell(value)) for name, value in cost.ledger.items() if value)
+        parts.append(page.table(Grid(title="Size of the computation", headers=("quantity", "count"), rows=rows)))
     return parts
 
 
@@ -140,10 +166,12 @@ def _energy(contents: ReportContents) -> list[str]:
     if not contents.energy:
         return []
     note = (
-        "Residual: received and parametric work minus dissipated energy and the change of stored energy, 0 but for "
-        "errors. Scale: the energy that the residual is compared with. The total includes the rotation of the train."
+        "Energies over the whole simulation, in joule. Stored: change of the stored energy. Parametric: work of "
+        "springs whose stiffness changes in time. Residual: received plus parametric minus dissipated minus stored; 0 "
+        "except for numerical errors. Scale: the energy with which the residual is compared. The total includes the "
+        "rotation of the shafts."
     )
-    return [page.table(grid("", contents.energy)), page.paragraph(note)]
+    return [page.table(grid("", contents.energy)), page.note(note)]
 
 
 def _provenance(cost: RunCost) -> list[str]:
@@ -154,5 +182,8 @@ def _provenance(cost: RunCost) -> list[str]:
     rows = tuple((name, cell(value)) for name, value in simple.items())
     parts = [page.table(Grid(title="", headers=("", ""), rows=rows))] if rows else []
     for name, value in nested.items():
-        parts.append(page.folded(name, page.preformatted(json.dumps(value, indent=1, default=str, ensure_ascii=False))))
+        title = "keys of the results in the cache" if name == "keys" else name
+        parts.append(
+            page.folded(title, page.preformatted(json.dumps(value, indent=1, default=str, ensure_ascii=False)))
+        )
     return parts

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipelines.diagnosis import words
+from pipelines.diagnosis.prediction import FEWEST_FOR_P
 from pipelines.diagnosis.verdict import Finding, Verdict
 from pipelines.features.average import FEWEST_TURNS, average
 from pipelines.features.turns import cut_turns
@@ -28,8 +29,8 @@ if TYPE_CHECKING:
 
 IN_MESH = 1.0  # pitches to either side of the pitch point, about what a tooth is in mesh
 CONTROL = (
-    "Compared with the exact healthy control, which has the same deviations: every difference comes from the fault. "
-    "A single control gives no false-alarm rate."
+    "Compared with the control, which is the same simulation without the fault and with the same tooth deviations: "
+    "every difference comes from the fault. A single control gives no rate of false alarms."
 )
 
 
@@ -67,6 +68,7 @@ def first_screen(
         average=None if settings is None else _average(plant, settings, runs, verdict),
         envelope=None if settings is None else _envelope(settings, diagnoses[0].band if diagnoses else None, runs),
         ranking=() if verdict is None else [_ranked(finding) for finding in verdict.findings],
+        ranking_note="" if verdict is None else _ranking_note(verdict),
     )
 
 
@@ -75,14 +77,25 @@ def _against(verdict: Verdict) -> str:
 
 
 def _ranked(finding: Finding) -> Ranked:
-    remarks = [] if finding.tooth is None else [f"largest at tooth {finding.tooth}"]
-    remarks += [f"cannot be distinguished from {', '.join(finding.alike)}"] if finding.alike else []
+    remarks = [] if finding.tooth is None else [f"highest envelope energy at tooth {finding.tooth}"]
+    remarks += [f"has the same orders as {', '.join(finding.alike)}"] if finding.alike else []
     return Ranked(
         component=finding.component,
         evidence=finding.rise,
         p_value=words.probability(finding),
         remark="; ".join(remarks),
     )
+
+
+def _ranking_note(verdict: Verdict) -> str:
+    texts = ["Increase: mean over all features of a component and all channels."]
+    if verdict.alarm is None:
+        texts.append(f"p-values need {FEWEST_FOR_P} or more healthy machines: gearcase run --baseline 8.")
+    else:
+        texts.append("p-value: chance of such an increase in a healthy machine, corrected for the number of features.")
+    if any(finding.alike for finding in verdict.findings):
+        texts.append("Components with the same orders, or integer multiples of them, cannot be distinguished.")
+    return " ".join(texts)
 
 
 def _verdict(plant: Plant, diagnoses: Sequence[Diagnosis], failure: str) -> tuple[list[str], bool | None]:
@@ -105,18 +118,19 @@ def _evidence(diagnoses: Sequence[Diagnosis]) -> str:
     first, window = diagnoses[0], next(iter(diagnoses[0].settings.windows))
     counted = first.lines.where(window=window).without_mesh()
     text = (
-        f"{int(counted.detected.sum())} of {len(counted)} lines {'is' if counted.detected.sum() == 1 else 'are'} "
-        f"detected in the window {window}, {case_name(first)}"
+        f"The diagnosis evaluates {len(counted)} lines: harmonics of f_r in the envelope, and sidebands of the mesh "
+        f"orders in the spectrum. In the window {window} ({case_name(first)}), {int(counted.detected.sum())} of them "
+        f"{'is' if counted.detected.sum() == 1 else 'are'} detected."
     )
     every = [d.lines.without_mesh().where(detected=1) for d in diagnoses]
     risen = [lines for lines in every if len(lines)]
     if not risen:
-        return f"{text}."
+        return text
     best = max(risen, key=lambda lines: float(lines.difference.max()))
     at = int(best.difference.argmax())
     of_all = " in all cases" if len(diagnoses) > 1 or len(first.settings.windows) > 1 else ""
     largest = f"{best.difference[at]:+.1f} dB, at {best.label[at]}"
-    return f"{text}; the largest increase of a detected line{of_all} is {largest}."
+    return f"{text} The largest increase of a detected line over the control{of_all} is {largest}."
 
 
 def _numbers(plant: Plant, settings: DiagnosisSettings | None) -> list[tuple[str, str]]:
@@ -158,13 +172,14 @@ def _average(
 ) -> Average | None:
     """Over the teeth of the gear, the marked one in the middle; None if its shaft hardly turns in the first window.
 
-    The marked tooth is the one that the verdict names, else the damaged one of the scene.
+    The marked tooth is the damaged one of the scene; that of the verdict where this is an alarm, or none is known.
     """
     kinematics = kinematics_of(plant.layout, ())
     gear = shown_gear(plant, verdict, kinematics)
     named = [one.tooth for one in verdict.findings if one.component == gear.name] if verdict is not None else []
     damaged = [fault.tooth for fault in plant.faults_of(gear.stage) if gear.name == f"stage {gear.stage} {fault.gear}"]
-    marked = next((tooth for tooth in (*named, *damaged) if tooth is not None), None)
+    first = named if verdict is not None and verdict.alarm else damaged
+    marked = next((tooth for tooth in (*first, *named, *damaged) if tooth is not None), None)
     middle = gear.teeth / 2 if marked is None else float(marked)
     window = next(iter(settings.windows))
     meshes = [other.teeth for other in kinematics.gears_on(gear.shaft)]
@@ -174,26 +189,30 @@ def _average(
     ]
     if found[0] is None:
         return None
-    place, value, turns = found[0]
+    place, values, turns = found[0]
+    axis = int(np.ptp(values, axis=1).argmax())  # of several axes the one that moves most
     other = found[1] if len(found) > 1 else None
-    reference = None if other is None else np.interp(place, other[0], other[1], period=gear.teeth)
+    reference = None if other is None else np.interp(place, other[0], other[1][axis], period=gear.teeth)
     across = f"teeth of the {gear.name}"
     caption = (
-        f"Time-synchronous average over {turns} revolutions of {gear.shaft.replace('_', ' ')} without its mesh orders "
-        f"(residual signal), {_channel(plant.looked_for)}, {window}."
+        f"Time-synchronous average of the acceleration at {_channel(plant.looked_for)} over {turns} revolutions of "
+        f"{gear.shaft.replace('_', ' ')} in the window {window}. The mesh orders are removed (residual signal)."
     )
+    if reference is not None:
+        caption += " Below: this run minus the healthy run, the effect of the fault alone."
     if marked is None:
         place = place + middle
     else:
         across += f", from tooth {marked}"
-        why = "with the largest increase" if marked in named else "damaged in the scene"
-        caption += f" Shaded: the engagement of tooth {marked}, {why}."
+        whys = ["which is damaged in the scene"] * (marked in damaged)
+        whys += ["whose envelope has the highest energy"] * (marked in named)
+        caption += f" Shaded: the engagement of tooth {marked}, {' and '.join(whys)}. Teeth are numbered from 0."
     return Average(
         place=place,
-        value=value,
+        value=values[axis],
         reference=reference,
         across=across,
-        unit="acceleration, m/s²",
+        unit="m/s²",
         marked=None if marked is None else (-IN_MESH, IN_MESH),
         marked_name="" if marked is None else f"tooth {marked}",
         caption=caption,
@@ -203,7 +222,7 @@ def _average(
 def over_teeth(
     run: xarray.Dataset, settings: DiagnosisSettings, stream: int, window: str, gear: Gear, meshes: Sequence[int]
 ) -> tuple[np.ndarray, np.ndarray, int] | None:
-    """Places (n,) in teeth within half a turn of 0, the residual (n,) there and how many turns are in it.
+    """Places (n,) in teeth within half a turn of 0, the residual (axis, n) there and how many turns are in it.
 
     Parameters
     ----------
@@ -221,11 +240,10 @@ def over_teeth(
     if turns is None or turns.count < FEWEST_TURNS:
         return None
     residual = average(turns.values, turns.orders, dict(enumerate(meshes))).residual
-    residual = residual[int(np.ptp(residual, axis=1).argmax())]  # of several axes the one that moves most
-    half, count = gear.teeth / 2, len(residual)
+    half, count = gear.teeth / 2, residual.shape[1]
     place = (gear.cycle + gear.teeth * np.arange(count) / count + half) % gear.teeth - half
     order = np.argsort(place)
-    return place[order], residual[order], turns.count
+    return place[order], residual[:, order], turns.count
 
 
 def _envelope(
@@ -248,7 +266,7 @@ def _envelope(
         marked=[(k * f_r, "f_r" if k == 1 else f"{k} f_r") for k in range(1, settings.envelope_harmonics + 1)],
         band=f"band {own.band_low:.4g} to {own.band_high:.4g} Hz",
         caption=(
-            f"Envelope spectrum of {settings.sensor} ({settings.axis}), {window}. "
+            f"Envelope spectrum of {settings.sensor} ({settings.axis}) in the window {window}. "
             f"A damaged tooth raises the harmonics of f_r = {f_r:.4f} Hz."
         ),
     )

@@ -46,6 +46,8 @@ def levels(contents: ReportContents) -> list[str]:
         return []
     found, contact = level_grid(run, contents.windows), contact_sentence(run)
     parts = [] if found is None else [page.table(found)]
+    if found is not None:
+        parts.append(page.note("Resultant: root sum square of the axes of a sensor."))
     return parts + ([page.paragraph(contact)] if contact else [])
 
 
@@ -63,7 +65,7 @@ def _compared_spectra(contents: ReportContents) -> list[str]:
             segment = diagnosis.segments[window]
             caption = (
                 f"{_named(diagnosis, window)}: one-sided peak amplitudes over {segment.revolutions} revolutions of the "
-                f"shaft of the damaged gear ({segment.duration:.4g} s), {diagnosis.settings.spectrum_window} window, "
+                f"shaft of the damaged gear ({segment.duration:.4g} s), {_window_name(diagnosis.settings)}, "
                 f"sensor noise {diagnosis.noise:.3g} m/s² rms."
             )
             parts.append(page.picture(spectrum_figure(diagnosis, window), caption, "static"))
@@ -78,7 +80,7 @@ def _own_spectra(analysis: Analysis, settings: DiagnosisSettings) -> list[str]:
         segment = analysis.segments[window]
         caption = (
             f"{window.capitalize()}: one-sided peak amplitudes over {segment.revolutions} revolutions of the shaft "
-            f"with f_r ({segment.duration:.4g} s), {settings.spectrum_window} window, with sensor noise."
+            f"with f_r ({segment.duration:.4g} s), {_window_name(settings)}, with sensor noise."
         )
         parts.append(page.picture(single_spectrum_figure(spectrum, settings, title), caption, "static"))
     return parts
@@ -89,10 +91,10 @@ def healthy_faulty(contents: ReportContents) -> list[str]:
     for number, diagnosis in enumerate(contents.diagnoses):
         for window in diagnosis.settings.windows:
             bars = contents.bars.of(window) if isinstance(contents.bars, LineBars) and number == 0 else ()
-            caption = f"{_named(diagnosis, window)}: both runs with the same deviations. Triangles: detected lines."
+            caption = f"{_named(diagnosis, window)}: healthy and faulty run. Triangles: detected lines."
             if any(bar.numerical is not None for bar in bars):
-                caption += " Black, on a line: its numerical error bar."
-            caption += " Yellow, next to a line: the effect of uncertain inputs." if bars else ""
+                caption += " Black bar on a line: its numerical uncertainty."
+            caption += " Yellow bar next to a line: range of its level for uncertain damping." if bars else ""
             parts.append(page.picture(healthy_faulty_figure(diagnosis, window, bars), caption))
             for spall in diagnosis.settings.passes:
                 parts.append(page.picture(pass_figure(diagnosis, window, spall), f"{caption} Dashed: {spall.label}."))
@@ -107,9 +109,13 @@ def error_bars(contents: ReportContents) -> list[str]:
     parts = []
     for window in windows:
         bars = contents.bars.of(window)
-        known = "numerical uncertainty and " if any(bar.numerical is not None for bar in bars) else ""
-        caption = f"Error bars, {window}: {known}effect of uncertain inputs, for each line clearly over its floor."
+        known = "numerical uncertainty, and by " if any(bar.numerical is not None for bar in bars) else ""
+        caption = (
+            f"Error bars in the window {window}: change of the level of a line by {known}uncertain damping. Lines that "
+            "are not clearly over their floor are left out."
+        )
         parts += [page.picture(error_bars_figure(bars, window), caption), page.table(bars_grid(bars, window))]
+        parts += [page.note("Detected lines are shaded.")] if any(bar.detected for bar in bars) else []
     return [*parts, *map(page.paragraph, contents.bars.notes)]
 
 
@@ -140,16 +146,23 @@ def two_loads(contents: ReportContents) -> list[str]:
     return parts
 
 
-def envelope_table(contents: ReportContents) -> list[str]:
+def all_lines(contents: ReportContents) -> list[str]:
     if not contents.diagnoses:
         return []
     settings = contents.diagnoses[0].settings
     parts = [
         page.paragraph(
-            f"Harmonics of f_r in the envelope and sidebands n f_m + k f_r in the spectrum at {settings.sensor} "
-            f"({settings.axis}); detected lines are shaded. The floor is the median of the bins between the orders, "
-            "one f_r to either side. Both runs contain the stated sensor noise."
-            + (" The last column gives the rope mode." if settings.rope_mode else "")
+            f"Lines at {settings.sensor} ({settings.axis}): harmonics of f_r in the envelope spectrum, and sidebands "
+            "n f_m + k f_r in the spectrum. Difference: faulty over healthy. Over floor: over the median of the bins "
+            "between the orders, one f_r to either side. Detected lines are shaded; - means not detected. A mesh line "
+            "or a bearing line is given for comparison and is no evidence of the fault. Both runs contain sensor noise "
+            f"of {contents.diagnoses[0].noise:.3g} m/s² rms."
+            + (
+                ' The last column gives the natural frequency of the container on its rope. "on this line" marks lines '
+                "that it can raise without a fault."
+                if settings.rope_mode
+                else ""
+            )
         )
     ]
     for diagnosis in contents.diagnoses:
@@ -162,6 +175,10 @@ def envelope_table(contents: ReportContents) -> list[str]:
         inside = "".join(page.table(lines_grid(diagnosis, window)) for window in diagnosis.settings.windows)
         parts.append(page.folded(f"Lines of {case_name(diagnosis)}", inside))
     return parts
+
+
+def _window_name(settings: DiagnosisSettings) -> str:
+    return f"{settings.spectrum_window.capitalize()} window"
 
 
 def _trace(diagnosis: Diagnosis, window: str, name: str) -> Trace:

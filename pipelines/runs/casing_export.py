@@ -44,7 +44,9 @@ def checked_target(name: str) -> Path:
     """The path of an export; InputError for an ending that is not known."""
     path = writable_file(name, "--export")
     if path.suffix.lower() not in FORMATS:
-        raise InputError(f"--export {shown(name)}: the ending must be one of {', '.join(FORMATS)}")
+        raise InputError(
+            f"--export {shown(name)}: the ending must be one of {', '.join(FORMATS)}. Correct the file name."
+        )
     return path
 
 

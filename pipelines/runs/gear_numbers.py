@@ -21,7 +21,7 @@ from pipelines.border.shown import shown
 from pipelines.border.user_files import whole_file, writable_file
 from pipelines.figures.plots import TransmissionErrors
 from pipelines.figures.teeth.pattern import contact_pattern
-from pipelines.steps.pair_curves import PITCHES_SHOWN, PairLaws, Passage, engagement
+from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, Passage, engagement
 
 if TYPE_CHECKING:
     import xarray
@@ -101,7 +101,7 @@ def machine_states(loaded: LoadedScene, work: Work) -> list[MeshState]:
         if force <= 0.0:
             raise InputError(
                 f"--tilt machine: the drive flank of stage {number} carries {force:.4g} N at the start of the motion. "
-                "Set --torque and --tilt to numbers."
+                "Set a load in the scene, such as load.torque_N_m, or set --torque and --tilt to numbers."
             )
         found.append(MeshState(force=float(force), tilt=float(rows[system.at(flank_name(mesh.name, 0)).start + 1])))
     return found
@@ -244,18 +244,23 @@ def gear_rows(pairs: Sequence[PairLaws], curves: xarray.Dataset) -> list[dict[st
 
 
 def transmission_errors(found: PairLaws, state: MeshState) -> TransmissionErrors:
-    """The transmission error of a pair over one mesh cycle."""
+    """The transmission error of a pair over one mesh cycle, and while each of its damaged teeth passes."""
     cycle = np.arange(ERROR_POSITIONS) / ERROR_POSITIONS
-    pair = found.pair
+    pair, place = found.pair, np.linspace(-PITCHES_SHOWN, PITCHES_SHOWN, POSITIONS)
+
+    def error(at: np.ndarray, **state_of_pair: bool) -> np.ndarray:
+        return found.stiffness(at, force=state.force, tilt=state.tilt, **state_of_pair).transmission_error
+
+    passages = {one.name: error(one.cycle + place, faulty=True) for one in found.passages}
     return TransmissionErrors(
         stage=found.stage,
         title=f"stage {found.stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth, model {found.drive.model}",
         torque=state.force * pair.pinion.base_radius,
         cycle=cycle,
-        unmodified=found.stiffness(cycle, modified=False, force=state.force, tilt=state.tilt).transmission_error
-        if found.modified
-        else None,
-        actual=found.stiffness(cycle, force=state.force, tilt=state.tilt).transmission_error,
+        unmodified=error(cycle, modified=False) if found.modified else None,
+        actual=error(cycle),
+        place=place,
+        passages={"healthy": error(found.cycle + place), **passages} if passages else {},
     )
 
 
@@ -279,7 +284,7 @@ def checked_curve_file(name: str) -> Path:
     """The path of a file of curves; InputError for an ending that is not known."""
     path = writable_file(name)
     if path.suffix.lower() not in FORMATS:
-        raise InputError(f"--out {shown(name)}: the ending must be one of {', '.join(FORMATS)}")
+        raise InputError(f"--out {shown(name)}: the ending must be one of {', '.join(FORMATS)}. Correct the file name.")
     return path
 
 

@@ -118,19 +118,27 @@ class InspectedStage:
         return path
 
     def write_pattern(self, path: Path) -> Path:
-        """The contact pattern of the damaged tooth, or of tooth 0 of the pinion."""
+        """The contact pattern of the damaged tooth, of both neighbours of a missing one, or of pinion tooth 0."""
         found, pair, fault = self.laws, self.laws.pair, self.fault
         gear, tooth = ("pinion", 0) if fault is None else (fault.gear, fault.tooth or 0)
         sound = np.zeros(pair.pinion.teeth), np.zeros(pair.wheel.teeth)
         patterns = [contact_pattern("healthy", pair, found.healthy, gear, tooth, found.force, sound)]
         damage = self.placed.damage
-        if fault is not None:
-            teeth = found.pinion_faults, found.wheel_faults
-            patterns.append(contact_pattern(self.marked, pair, found.drive, gear, tooth, found.force, teeth))
+        shown = f"tooth {tooth} of the {gear}"
+        states = [] if fault is None else [(self.marked, tooth)]
+        if fault is not None and fault.kind == "missing-tooth":  # nothing touches it: its neighbours carry its load
+            shown = f"neighbours of the missing {shown}"
+            count = getattr(pair, gear).teeth
+            states = [(f"tooth {(tooth - 1) % count}, in mesh before the missing one", tooth - 1),
+                      (f"tooth {(tooth + 1) % count}, in mesh after it", tooth + 1)]  # fmt: skip
+        teeth = found.pinion_faults, found.wheel_faults
+        patterns += [
+            contact_pattern(name, pair, found.drive, gear, number, found.force, teeth) for name, number in states
+        ]
         cracks = [crack_depth(one, pair.face_width)[0] for one in damage if isinstance(one, CrackedTooth)]
         radius = pair.working_radii[0 if gear == "pinion" else 1]
         view = PatternView(
-            title=f"{self.title}, tooth {tooth} of the {gear}",
+            title=f"{self.title}, {shown}",
             model=found.drive.model,
             force=found.force,
             gear=gear,

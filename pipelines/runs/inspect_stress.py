@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import warnings
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pipelines.border.errors import SceneWarning
 from pipelines.figures.views import LeftOut
 
 if TYPE_CHECKING:
@@ -15,6 +17,12 @@ if TYPE_CHECKING:
     from pipelines.engine.step import Graph, Step
     from pipelines.engine.working import Work
     from pipelines.plant.plant import Plant
+
+_CRACK = "the crack is not in the finite elements: the stress is that of an uncracked tooth"
+_REMEDY = (
+    "For the stress at the crack, write the mesh with --mesh FILE.inp, .msh or .bdf, and model the crack and the load "
+    "in another finite-element program."
+)
 
 
 def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: Work) -> list[Path] | LeftOut:
@@ -31,6 +39,10 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
     Raises
     ------
     InputError : unknown ending of the mesh file
+
+    Warns
+    -----
+    SceneWarning : the stage has a crack, which the finite elements do not have
     """
     from pipelines.engine.step import Graph
     from pipelines.figures.shapes import placed_pair, stage_view
@@ -57,6 +69,10 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
     wanted = [one.name for one in added[1:]]
     outcome = work.build(full, wanted)
     states = tuple(teeth_in_mesh(pair, outcome.value(name)) for name in wanted)
+    kinds = list(dict.fromkeys(fault.kind for fault in plant.faults_of(stage)))
+    crack = _CRACK if "cracked-tooth" in kinds else ""
+    if crack:
+        warnings.warn(f"stage {stage}: {crack}. {_REMEDY}", SceneWarning, stacklevel=2)
     folder, written = Path(options.out), []
     placed = placed_pair(plant, stage)
     damaged = stage_view(placed, found.healthy, in_mesh=True)
@@ -68,13 +84,12 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
     if not options.stress:
         return written
     folder.mkdir(parents=True, exist_ok=True)
-    kinds = list(dict.fromkeys(fault.kind for fault in plant.faults_of(stage)))
     view = StressView(
         title=f"{plant.title}: stage {stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth",
         gears=healthy,
         damaged=None if placed.fault is None else damaged,
         marked=found.passages[0].name if found.passages else "",
-        note="the crack itself is not in the finite elements" if "cracked-tooth" in kinds else "",
+        note=crack,
         model=f"model solid, refinement {model.refinement:g}, {model.slices} slices along the face",
         force=force,
         cycle=index / model.positions,

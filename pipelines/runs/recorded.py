@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from pipelines.orders.rotation import Rotation
     from pipelines.recordings.machine import Machine
 
+_SAME_SPEED = 0.03  # relative difference of the speeds of recordings that are compared without a warning
+_NAMED = 3  # recordings of other speed that a warning names
 Windows = Mapping[str, tuple[float, float]]
 
 
@@ -34,6 +36,7 @@ class Recorded:
 
     name: str
     table: FeatureTable
+    frequency: float  # Hz, mean of the first shaft in the first window
     turning: str
     warnings: tuple[str, ...]
 
@@ -79,7 +82,23 @@ def judge_file(
         verdict = judge(own.table, [one.table for one in others], known.kinematics) if others else None
     except BaselineError as error:
         raise InputError(f"{shown(path)}: {error}") from error
+    named = {shown(one): recorded for one, recorded in zip(healthy, others, strict=True)}
+    own = replace(own, warnings=(*own.warnings, *other_speeds(own, named)))
     return JudgedFile(recorded=own, kinematics=known.kinematics, verdict=verdict)
+
+
+def other_speeds(own: Recorded, healthy: Mapping[str, Recorded]) -> list[str]:
+    """A warning if healthy recordings (by name) were made at other speeds, on which levels depend."""
+    speeds = {name: 60.0 * one.frequency for name, one in healthy.items()}
+    rpm = 60.0 * own.frequency
+    other = [f"{name} {speed:.5g} rpm" for name, speed in speeds.items() if abs(speed / rpm - 1.0) > _SAME_SPEED]
+    if not other:
+        return []
+    return [
+        f"{len(other)} of {len(healthy)} healthy recordings differ from {rpm:.5g} rpm by more than "
+        f"{100 * _SAME_SPEED:g} %: {', '.join(other[:_NAMED])}{' and others' * (len(other) > _NAMED)}. Levels "
+        "depend on speed and load, and the verdict may be wrong. Give healthy recordings of the same speed and load."
+    ]
 
 
 def judge_recordings(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset], kinematics: Kinematics) -> Verdict:
@@ -172,12 +191,14 @@ def read_features(path: Path, machine: Machine, windows: Windows | None, stream:
         except (FeatureError, RotationError) as error:
             raise InputError(f"{shown(path)}: {error}") from error
         time = recording.time.values
-    turning = _turning(rotation, time, machine.kinematics, windows)
-    return Recorded(name=path.name, table=table, turning=turning, warnings=warnings)
+    turning, frequency = _turning(rotation, time, machine.kinematics, windows)
+    return Recorded(name=path.name, table=table, frequency=frequency, turning=turning, warnings=warnings)
 
 
-def _turning(rotation: Rotation, time: np.ndarray, kinematics: Kinematics, windows: Windows | None) -> str:
-    """Speed and mesh frequencies in the first window, and where the speed comes from."""
+def _turning(
+    rotation: Rotation, time: np.ndarray, kinematics: Kinematics, windows: Windows | None
+) -> tuple[str, float]:
+    """Speed and mesh frequencies in the first window and where the speed comes from, in words; the speed in Hz."""
     import numpy as np
 
     start, end = next(iter((windows or {"": (time[0], time[-1])}).values()))
@@ -188,10 +209,11 @@ def _turning(rotation: Rotation, time: np.ndarray, kinematics: Kinematics, windo
     meshes = "".join(
         f", f_m {order * frequency:.5g} Hz (stage {stage})" for stage, order in kinematics.mesh_orders().items()
     )
-    return (
+    words = (
         f"{kinematics.shafts[0].name} turns {turned:.1f} times in {start:.4g} to {end:.4g} s: {60 * frequency:.5g} "
         f"rpm{known}, f_r {frequency:.5g} Hz{meshes}. Source: {rotation.source}."
     )
+    return words, frequency
 
 
 def file_words(found: JudgedFile) -> str:

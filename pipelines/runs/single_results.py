@@ -47,6 +47,7 @@ class Casing:
     records: tuple[StepRecord, ...]  # seconds and memory of its steps
     band: float  # Hz
     participation: np.ndarray | None = None  # T^T M R (coordinate, 6) about the centre of gravity, of an elastic casing
+    requested_error: float | None = None  # of half of its frequencies, for which the element size was chosen
     joint: str = ""  # what holds its halves together; the mesh is then the one cut in two
 
     @property
@@ -89,16 +90,21 @@ class Casing:
         if self.modes is None or self.natural is None or not len(self.modes.nodes):
             raise InputError('casing: no mode shapes without finite elements. Set casing.model = "craig-bampton".')
         if not 0 <= mode < len(self.natural.frequencies):
-            raise InputError(f"mode {mode}: the casing has the modes 0 to {len(self.natural.frequencies) - 1}.")
+            raise InputError(f"mode {mode}: there is no such mode. Set 0 to {len(self.natural.frequencies) - 1}.")
         return mode_shapes(self.modes, self.natural, [mode])[0]
+
+    def __repr__(self) -> str:
+        return f"<{self._words()}>"
+
+    def _words(self) -> str:
+        return f"Casing: {len(self.body.mass)} coordinates, {len(self.frequencies)} natural modes on its feet"
 
     def _repr_html_(self) -> str:
         """The lowest natural frequencies with their error bands, for a notebook."""
         found = self.frequencies
-        title = f"Casing: {len(self.body.mass)} coordinates, {len(found)} natural modes in the ground"
         bands = (float(one) if one == one else None for one in self.bands)
         rows = zip(range(1, _MODES_SHOWN + 1), map(float, found), bands, strict=False)
-        return shown_html.table(title, ("mode", "Hz", "+- Hz"), rows)
+        return shown_html.table(self._words(), ("mode", "Hz", "+- Hz"), rows)
 
 
 def mode_shapes(modes: CasingModes, natural: NaturalModes, numbers: Sequence[int]) -> list[np.ndarray]:
@@ -189,6 +195,7 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
         checkup=checkup,
         limits=limits,
         error=outcome.value("casing error") if error_check else None,
+        requested_error=getattr(plant.casing, "target_error", 0.0) or None,
         records=tuple(record for record in outcome.records if "casing" in record.name),
         band=band,
     )

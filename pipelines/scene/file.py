@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipelines.border.errors import InputError, Problem, SceneError
+from pipelines.border.other_files import refuse_other_file
 from pipelines.border.shown import nearest_name, shown
 from pipelines.border.toml_text import TomlError, format_document, read_toml
 from pipelines.border.user_files import checked_path, folder_name, names_beside, read_text
@@ -80,8 +81,8 @@ def load_scene(source: str | Path, settings: Settings = ()) -> LoadedScene:
     Raises
     ------
     SceneError : with all problems of the file's content and of the settings
-    InputError : the file is missing, not UTF-8 or not TOML, its ``extends`` go in a circle, or its name is no name for
-        a folder of results
+    InputError : the file is missing, not UTF-8, not TOML or of another kind, its ``extends`` go in a circle, or its
+        name is no name for a folder of results
     """
     return _loaded(find_source(source), *settings_tree(settings))
 
@@ -222,6 +223,7 @@ def validate(
 def read_tree(source: Source, seen: tuple[str, ...] = ()) -> Merged:
     """The source with its ``extends`` merged underneath."""
     tree = anchored(parse(source), source.folder)
+    refuse_other_file(tree, source.shown)
     base = tree.pop("extends", None)
     if base is None:
         return Merged(tree)

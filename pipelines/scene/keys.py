@@ -26,9 +26,11 @@ from pipelines.scene.tables.samples import ColumnTable
 
 HEAD = """# Scene keys
 
-Every key of a scene file, made from the validators by `python -m pipelines.scene.keys docs/scene-keys.md`.
+This page lists every key of a scene file. It is made from the program by
+`python -m pipelines.scene.keys docs/scene-keys.md`.
 
 - The suffix of a key is its unit: `face_width_mm`, `speeds_rpm`, `torque_N_m`. Without a suffix a number has no unit.
+- "Without it" means: if the scene does not give the key. "Empty" means: the list `[]`.
 - x points across the shafts, y along them and z up. Shaft 1 is at x = z = 0, and y = 0 is the middle of the housing.
 - `[name]` is a table, `[[name]]` an item of a list of tables. Messages and `--set stages.1.face_width_mm=14` count
   items from 1.

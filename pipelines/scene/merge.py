@@ -65,9 +65,7 @@ def _merged(base: Any, change: Any, path: Path, offers: set[Path], problems: lis
             number = int(key)
             if not 1 <= number <= len(items):
                 where = ".".join((*path, str(key)))
-                problems.append(
-                    Problem(where, f"there is no item {key}", f"The list has {len(items)}, counted from 1.")
-                )
+                problems.append(Problem(where, *_no_item(".".join(path), key, len(items))))
                 continue
             items[number - 1] = _merged(items[number - 1], value, (*path, str(key)), offers, problems)
         return items
@@ -182,3 +180,11 @@ def differences(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[str
             shown = [format_value(side[path]) if side.get(path) is not None else "(none)" for side in (old, new)]
             lines.append(f"{'.'.join(path)}: {shown[0]} -> {shown[1]}")
     return lines
+
+
+def _no_item(where: str, key: str, count: int) -> tuple[str, str]:
+    """Message and remedy for the number of an item that a list does not have."""
+    if not count:
+        return f"there is no item {key}; {where} has none", f"Write the first one as [[{where}]] in the scene file."
+    items = "1 item, number 1" if count == 1 else f"{count} items, numbered 1 to {count}"
+    return f"there is no item {key}; {where} has {items}", "Correct the number."

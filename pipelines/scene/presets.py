@@ -223,6 +223,6 @@ def load_asked(options: argparse.Namespace) -> LoadedScene:
     if options.preset is None:
         return loaded
     fine = preset_on(loaded, options.preset)
-    if (change := replaced(loaded, fine)) and not getattr(options, "quiet", False):
+    if (change := replaced(loaded, fine)) and not options.quiet:
         sys.stderr.write(f"preset {options.preset}: {change}; keep a value with --set\n")
     return fine

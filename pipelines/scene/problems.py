@@ -44,7 +44,21 @@ def problems_of(error: ValidationError, model: type[BaseModel], tree: Mapping[st
     for item in items[:_MOST_WORDED]:
         own = getattr(item.get("ctx", {}).get("error"), "problems", None)
         out.update(dict.fromkeys(own or _own_words(item, model, tree, paths)))
-    return list(out), max(0, len(items) - _MOST_WORDED)
+    return _joined(out), max(0, len(items) - _MOST_WORDED)
+
+
+def _joined(found: Iterable[Problem]) -> list[Problem]:
+    """The problems, with one for a value that is neither the number nor the list that its key takes."""
+    out: list[Problem] = []
+    for one in found:
+        before = out[-1] if out else None
+        same = before is not None and (before.path, before.shown) == (one.path, one.shown)
+        if before is not None and same and before.message.startswith("must be a number") and one.message == _LIST[0]:
+            message = before.message.replace("must be a number", "must be a number or a list of numbers", 1)
+            out[-1] = Problem(one.path, message, before.remedy, one.shown)
+        else:
+            out.append(one)
+    return out
 
 
 def _counts_others(item: Any) -> bool:
@@ -102,7 +116,7 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
         return Problem(
             where.rpartition(".")[0],
             "has too few values",
-            "Give all values; docs/scene-keys.md lists them.",
+            f"Give all of them{_meaning(path[:-1], model, tree)}.",
             _shown(value),
         )
     if kind == "missing":
@@ -110,7 +124,12 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
     if kind in _LIMITS:
         words, name = _LIMITS[kind]
         limit = _number(context[name])
-        return Problem(where, f"must be {words} {limit}{unit.removeprefix(' in')}", "Correct the value.", written)
+        return Problem(
+            where,
+            f"must be {words} {limit}{unit.removeprefix(' in')}",
+            other_unit(key, value) or "Correct the value.",
+            written,
+        )
     if kind in ("literal_error", "union_tag_invalid", "enum"):
         if kind == "union_tag_invalid":
             where, value, written = f"{where}.{_tag_key(context)}", context["tag"], _shown(context["tag"])
@@ -161,6 +180,10 @@ _LIMITS = {
     "less_than_equal": ("at most", "le"),
     "multiple_of": ("a multiple of", "multiple_of"),
 }
+_USUAL = {  # by the unit of a key: its other units, factors, and the usual values
+    "GPa": ((("MPa", 1e-3), ("Pa", 1e-9)), 1.0, 2000.0),
+    "kg/m3": ((("g/cm3", 1e3), ("t/mm3", 1e12)), 500.0, 25e3),
+}
 _TABLE = ("must be a table", "Write [name] and its keys below, or name = { key = value }.")
 _LIST = ("must be a list", "Write it as [first, second].")
 _KINDS = {
@@ -175,6 +198,16 @@ _KINDS = {
     "string_too_long": ("is too long", "Shorten it."),
     "string_too_short": ("must not be empty", "Give some text."),
 }
+
+
+def other_unit(key: str, value: Any) -> str:
+    """The unit in which an unusual value of a key would be usual, as a remedy, or ""."""
+    unit = unit_of(key)
+    others, low, high = _USUAL.get(unit, ((), 0.0, 0.0))
+    for other, factor in others:
+        if isinstance(value, int | float) and not low <= value <= high and low <= value * factor <= high:
+            return f"Convert it if it is in {other}: {value:g} {other} = {value * factor:g} {unit}."
+    return ""
 
 
 def _tag_key(context: Mapping[str, Any]) -> str:
@@ -250,6 +283,12 @@ def _example(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, A
     described, table = _described(path, model, tree)
     meaning = f": {described}" if described else ""
     return f"the table [{'.'.join(path)}]{meaning}" if table else f"{path[-1]} = ...{meaning or _unit(path[-1])}"
+
+
+def _meaning(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, Any]) -> str:
+    """Description of the key at a path behind a colon, or ""."""
+    described = _described(path, model, tree)[0]
+    return f": {described}" if described else ""
 
 
 def _described(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, Any]) -> tuple[str, bool]:

@@ -11,11 +11,12 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
+from mbd.forces.bearing_models import LinearBearings
 from mbd.parts.losses import NoLosses
 from pipelines.border.shown import shown_value
 from pipelines.scene.tables.analysis import DiagnosisTable
 from pipelines.scene.tables.base import MaterialTable, Table
-from pipelines.scene.tables.bearings import BearingModel, HertzBearings, LinearBearings
+from pipelines.scene.tables.bearings import BearingModel
 from pipelines.scene.tables.casing import (
     CasingModel,
     FlexibleBase,
@@ -39,7 +40,7 @@ class Scene(Table):
     control: Annotated[
         str | None,
         Field(
-            description="healthy control, which a faulty run is compared with: a shipped scene, a path that ends "
+            description="healthy control, with which the run is compared: a shipped scene, a path that ends "
             'in .toml, or "without-faults": this scene without its faults'
         ),
     ] = None
@@ -50,7 +51,7 @@ class Scene(Table):
     ]
     shaft_model: Annotated[ShaftModel, Field(description="how shafts are modelled")] = ShaftModel()
     bearings: Annotated[BearingModel, Field(description="model of every bearing for which its shaft gives none")] = (
-        LinearBearings()
+        table(LinearBearings)()
     )
     couplings: Annotated[
         tuple[CouplingTable, ...], Field(max_length=100, description="couplings and bearings between two shafts")
@@ -164,12 +165,12 @@ class Scene(Table):
             if fault.bearing > count:
                 yield f"faults.{number}.bearing = {fault.bearing}: there is no such bearing. {_up_to(count)}"
                 continue
-            table = shaft.bearings[fault.bearing - 1] if shaft.bearings else self.bearings
-            if not isinstance(table, HertzBearings):
+            bearing = shaft.bearings[fault.bearing - 1] if shaft.bearings else self.bearings
+            if bearing.model != "hertz":
                 at = f"shafts.{fault.shaft}.bearings.{fault.bearing}" if shaft.bearings else "bearings"
                 yield (
                     f"faults.{number}.bearing = {fault.bearing}: bearing {fault.bearing} of shaft {fault.shaft} has "
-                    f'the model {table.model}, which has no rolling elements. Set {at}.model = "hertz", with a '
+                    f'the model {bearing.model}, which has no rolling elements. Set {at}.model = "hertz", with a '
                     "designation or the geometry of the bearing"
                 )
 
@@ -198,7 +199,7 @@ class Scene(Table):
         if self.sensors and self.diagnosis.sensor is not None and self.diagnosis.sensor not in known:
             yield (
                 f"diagnosis.sensor = {shown_value(self.diagnosis.sensor)}: there is no such sensor. Set one of "
-                f"{', '.join(known)}"
+                f"{', '.join(dict.fromkeys(known))}"
             )
         on_teeth = self.tooth_faults.values()
         teeth_hit = [(fault.stage, fault.gear, fault.tooth) for fault in on_teeth if fault.tooth is not None]

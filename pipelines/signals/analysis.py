@@ -82,7 +82,9 @@ class DiagnosisSettings:
         if isinstance(self.band, str) and self.band not in ("mesh", "resonance"):
             raise DiagnosisError(f"envelope band {self.band!r}: give 'mesh', 'resonance' or two frequencies in Hz")
         if not self.windows:
-            raise DiagnosisError("windows: none given, at least one with constant speed is needed")
+            raise DiagnosisError(
+                "windows: there are none. Set diagnosis.windows_s, with one or more windows of constant speed."
+            )
 
     @property
     def highest_line(self) -> float:
@@ -179,7 +181,7 @@ def channel(run: xarray.Dataset, name: str) -> xarray.DataArray:
     known = channel_names(run)
     if name not in known:
         raise DiagnosisError(
-            f"sensor {name!r}: not in this run, which has accelerations of {', '.join(known) or 'none'}"
+            f"sensor {name!r} is not in this run. Set a sensor of the run: {', '.join(known) or 'it has none'}."
         )
     if "acceleration" in run and name in run.sensor.values:
         return run.acceleration.sel(sensor=name)

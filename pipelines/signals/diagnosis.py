@@ -47,6 +47,12 @@ class Diagnosis:
     spectra: Mapping[tuple[str, str], Spectrum]  # (state, window)
     envelopes: Mapping[tuple[str, str], Spectrum]
 
+    def __repr__(self) -> str:
+        return f"<Diagnosis: {self.load}, deviations {self.deviations}, {self._words()}>"
+
+    def _words(self) -> str:
+        return f"{int(self.lines.detected.sum())} of {len(self.lines)} lines detected"
+
     def _repr_html_(self) -> str:
         """The lines that rise most over the control, and the spectra of the first window, for a notebook."""
         lines, window = self.lines, next(iter(self.settings.windows))
@@ -61,11 +67,11 @@ class Diagnosis:
             )
             for i in rising
         ]
-        told = f"{int(lines.detected.sum())} of {len(lines)} lines detected; the {len(rows)} that rise most"
+        title = f"{self._words()}; the {len(rows)} with the largest increase over the control"
         head = ("window", "kind", "line", "Hz", "faulty, m/s2", "healthy, m/s2", "difference, dB", "detected")
         drawn = {state: self.spectra[state, window].amplitude for state in ("faulty", "healthy")}
         across = self.spectra["faulty", window].frequency
-        return shown_html.table(told, head, rows) + shown_html.curves(f"Hz, {window}", across, "m/s2", drawn)
+        return shown_html.table(title, head, rows) + shown_html.curves(f"Hz, {window}", across, "m/s2", drawn)
 
 
 def diagnose(faulty: xarray.Dataset, healthy: xarray.Dataset, settings: DiagnosisSettings) -> Diagnosis:

@@ -25,12 +25,16 @@ def labelled_spectrum(signal: xarray.DataArray) -> xarray.DataArray:
     import xarray
 
     if "time" not in signal.dims or "time" not in signal.coords:
-        raise InputError(f"spectrum: the signal has the dimensions {signal.dims}, not time. Give one over time.")
+        names = ", ".join(map(str, signal.dims)) or "none"
+        raise InputError(
+            f"spectrum: the signal has no dimension time with values in s (dimensions: {names}). Give one over time."
+        )
     time = np.asarray(signal.time.values, float)
     steps = np.diff(time)
     if time.size < FEWEST_SAMPLES or np.ptp(steps) > 1e-6 * steps.mean():
         raise InputError(
-            f"spectrum: {time.size} samples in time. Give {FEWEST_SAMPLES} or more that are equally spaced."
+            f"spectrum: the signal has {time.size} samples, or their spacing in time differs. Give "
+            f"{FEWEST_SAMPLES} or more samples of equal spacing."
         )
     over_time = signal.transpose("time", ...)
     columns = np.asarray(over_time.values, float).reshape(time.size, -1)

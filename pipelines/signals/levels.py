@@ -66,8 +66,15 @@ def level_grid(run: xarray.Dataset, windows: Mapping[str, tuple[float, float]]) 
                     f"{np.linalg.norm(velocity[i]):.3g}",
                 )
             )
-    headers = ("sensor", "window", "acceleration rms m/s²", "velocity rms mm/s, largest axis", "resultant")
-    return Grid(title="Levels; velocity from 10 to 1000 Hz (ISO 20816-1)", headers=headers, rows=tuple(rows))
+    headers = (
+        "sensor",
+        "window",
+        "acceleration, resultant m/s²",
+        "velocity, largest axis mm/s",
+        "velocity, resultant mm/s",
+    )
+    title = "RMS levels of this run; velocity from 10 to 1000 Hz (ISO 20816-1)"
+    return Grid(title=title, headers=headers, rows=tuple(rows))
 
 
 def contact_sentence(run: xarray.Dataset) -> str:

@@ -42,7 +42,9 @@ def at_measured_speed(settings: DiagnosisSettings, runs: Sequence[xarray.Dataset
     pieces = list(_pieces(settings, runs))
     speed = float(np.mean([piece.speed for piece in pieces]))
     if speed == 0.0:
-        raise DiagnosisError(f"{settings.shaft} stands in the windows of the diagnosis: there are no lines to look for")
+        raise DiagnosisError(
+            f"{settings.shaft} does not turn in the windows of the diagnosis. Set windows in which it turns."
+        )
     limit = QUARTER_PERIOD / settings.highest_order
     for piece in pieces:
         apart = piece.angle - speed * piece.time
@@ -50,9 +52,10 @@ def at_measured_speed(settings: DiagnosisSettings, runs: Sequence[xarray.Dataset
         if off > limit:
             raise DiagnosisError(
                 f"window {piece.window!r}: {settings.shaft} turns at {piece.speed / (2 * math.pi):.5g} Hz in the mean "
-                f"and is up to {off:.3g} rad off an even rotation at {speed / (2 * math.pi):.5g} Hz, the mean of all "
-                f"windows and both runs; the highest line, of the order {settings.highest_order:.4g}, allows "
-                f"{limit:.3g} rad. Choose a later or shorter window, in which the speed has settled."
+                f"and its angle deviates by up to {off:.3g} rad from an even rotation at {speed / (2 * math.pi):.5g} "
+                "Hz, the mean of all windows and both runs. The highest line, of the order "
+                f"{settings.highest_order:.4g}, allows {limit:.3g} rad. "
+                "Choose a later or shorter window, in which the speed has settled."
             )
     return _scaled(settings, speed / (2 * math.pi) / settings.revolution_frequency)
 
@@ -60,7 +63,9 @@ def at_measured_speed(settings: DiagnosisSettings, runs: Sequence[xarray.Dataset
 def _pieces(settings: DiagnosisSettings, runs: Sequence[xarray.Dataset]) -> Iterator[_Turned]:
     for run in runs:
         if "shaft_angle" not in run or settings.shaft not in run.shaft.values:
-            raise DiagnosisError(f"the angle of {settings.shaft} is not recorded, so its speed is not known")
+            raise DiagnosisError(
+                f"the angle of {settings.shaft} is not recorded, so that its speed is not known. Repeat the run"
+            )
         angle = run.shaft_angle.sel(shaft=settings.shaft)
         for name, (start, end) in settings.windows.items():
             inside = angle.sel(time=slice(start, end))

@@ -81,7 +81,7 @@ class PassLines:
         text += " are detected in the envelope"
         if own.detected.any():
             best = int(np.argmax(np.where(own.detected == 1, own.difference, -np.inf)))
-            text += f"; the largest rise is {own.difference[best]:+.1f} dB at {own.label[best]}"
+            text += f"; the largest increase over the control is {own.difference[best]:+.1f} dB, at {own.label[best]}"
         shown = int(harmonics.healthy_shows.sum())
         return f"{text}. The healthy control shows {shown or 'none'} of the harmonics over its floor."
 

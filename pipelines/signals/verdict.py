@@ -12,6 +12,7 @@ from pipelines.signals.diagnosis import Diagnosis
 from pipelines.signals.lines import IN_ENVELOPE, LOADS, LineTable
 
 EQUAL = 1.0  # dB; modulations this close are called equal
+_GRADES = {"seen": "seen", "partly": "partly detected", "not seen": "not seen"}
 SIDEBANDS_WANTED = 3  # of the eight around one mesh order, and one envelope harmonic: the fault is seen
 
 
@@ -40,25 +41,33 @@ def _headline(diagnoses: Sequence[Diagnosis], fault: str, graded: Callable[[Line
         if partly:
             return f"{what}: only partly detected at {where}{many}."
         return f"{what}: not seen at {where}; no line is detected{many}."
-    named = [f"{case_name(d)} {window}" for (d, window), g in zip(cases, grades, strict=True) if g == "seen"]
+    named = [name for name, g in zip(_short_names(cases), grades, strict=True) if g == "seen"]
     where_seen = f" ({'; '.join(named)})" if named and len(named) <= 4 else ""
     tail = f"; partly detected in {partly} further case{'s' if partly > 1 else ''}" if partly else ""
     return f"{what}: seen at {where} in {seen} of {len(cases)} cases{where_seen}{tail}."
+
+
+def _short_names(cases: Sequence[tuple[Diagnosis, str]]) -> list[str]:
+    """Of every case what the others do not share of load, deviations and window."""
+    parts = [(LOADS.get(d.load, d.load), _deviations(d), window) for d, window in cases]
+    unlike = [i for i in range(3) if len({part[i] for part in parts}) > 1]
+    return [", ".join(part[i] for i in unlike) for part in parts]
 
 
 def criterion(diagnosis: Diagnosis) -> str:
     """The conditions for a detected line, for a fault that is seen and for one that is partly detected."""
     settings = diagnosis.settings
     gears = (
-        f"the fault is seen if at least {SIDEBANDS_WANTED} sidebands around one mesh order and one harmonic in the "
-        "envelope are detected"
+        f"a fault of a gear is seen if at least {SIDEBANDS_WANTED} sidebands around one mesh order and one harmonic in "
+        "the envelope are detected"
     )
     required = [gears] * bool(settings.fault)
     required += [pass_lines.criterion()] * bool(settings.passes) + [shaft_lines.criterion()] * bool(settings.turning)
     return (
-        f"A line is detected if it lies at least {settings.difference_limit:g} dB over the healthy control with the "
-        f"same deviations and at least {settings.floor_limit:g} dB over its local floor. In one window, "
-        f"{', '.join(required)}. A fault with fewer detected lines is partly detected."
+        f"A line is detected if it is at least {settings.difference_limit:g} dB over the same line of the healthy "
+        f"control and at least {settings.floor_limit:g} dB over its floor, the median of the bins between the orders. "
+        "A case is one window of the signal with one load and one set of deviations. "
+        f"In a case, {', and '.join(required)}. A fault with fewer detected lines is partly detected."
     )
 
 
@@ -95,9 +104,11 @@ def sentences(diagnosis: Diagnosis) -> tuple[str, ...]:
 
 def case_name(diagnosis: Diagnosis) -> str:
     """Words for load and deviations."""
-    load = LOADS.get(diagnosis.load, diagnosis.load)
-    gears = "error-free gears" if diagnosis.deviations == "off" else f"deviations of {diagnosis.deviations}"
-    return f"{load}, {gears}"
+    return f"{LOADS.get(diagnosis.load, diagnosis.load)}, {_deviations(diagnosis)}"
+
+
+def _deviations(diagnosis: Diagnosis) -> str:
+    return "error-free gears" if diagnosis.deviations == "off" else f"deviations of {diagnosis.deviations}"
 
 
 def modulation(lines: LineTable, state: str, mesh_harmonic: int = 1) -> float:
@@ -119,8 +130,8 @@ def directions(diagnosis: Diagnosis) -> str:
     else:
         end = f"{abs(first - second):.1f} dB higher in {windows[0] if first > second else windows[1]}"
     return (
-        f"Modulation with {case_name(diagnosis)} (root sum square of the sidebands over the line at f_m): {first:.1f} "
-        f"dB in {windows[0]} and {second:.1f} dB in {windows[1]}, {end}."
+        f"Modulation of the faulty run with {case_name(diagnosis)}: {first:.1f} dB in {windows[0]} and {second:.1f} dB "
+        f"in {windows[1]}, {end}. It is the root sum square of the sidebands around f_m over the line at f_m."
     )
 
 
@@ -158,21 +169,28 @@ def lines_grid(diagnosis: Diagnosis, window: str) -> Grid:
 
 
 def summary_grid(diagnoses: Sequence[Diagnosis]) -> Grid:
-    """Numbers of detected lines by case and window: a row per load and window, a column per set of deviations."""
-    kinds = sorted(dict.fromkeys(d.deviations for d in diagnoses), key=_seed_order)
-    rows = []
-    for load in dict.fromkeys(d.load for d in diagnoses):
-        for window in dict.fromkeys(w for d in diagnoses if d.load == load for w in d.settings.windows):
-            cells = []
-            for deviations in kinds:
-                found = [d for d in diagnoses if (d.load, d.deviations) == (load, deviations)]
-                cells.append(_counts(found[0].lines.where(window=window)) if found else "-")
-            rows.append((LOADS.get(load, load), window, *cells))
-    title = "Detected lines: envelope harmonics · sidebands around each mesh order"
-    title += " · lines of the spalls" if diagnoses[0].settings.passes else ""
-    title += " · orders of the faulty shafts" if diagnoses[0].settings.turning else ""
-    names = ["error-free" if kind == "off" else kind for kind in kinds]
-    return Grid(title=title, headers=("load", "window", *names), rows=tuple(rows))
+    """A row per case: how many lines of each kind are detected, and whether each fault is seen."""
+    settings = diagnoses[0].settings
+    graders: list[tuple[str, Callable[[LineTable], str]]] = [(settings.fault, grade)] * bool(settings.fault)
+    graders += [(other.fault, other.grade) for other in settings.beside_gears]
+    faults = ["fault"] if len(graders) == 1 else [_capital(fault) for fault, _ in graders]
+    loads = list(dict.fromkeys(d.load for d in diagnoses))
+    ordered = sorted(diagnoses, key=lambda d: (loads.index(d.load), _seed_order(d.deviations)))
+    cases = [(d, window, d.lines.where(window=window)) for d in ordered for window in d.settings.windows]
+    counts = [_counts(lines) for _, _, lines in cases]
+    kinds = list(dict.fromkeys(kind for count in counts for kind in count))
+    rows = tuple(
+        (
+            LOADS.get(d.load, d.load),
+            "error-free" if d.deviations == "off" else d.deviations,
+            window,
+            *(count.get(kind, "-") for kind in kinds),
+            *(_GRADES[graded(lines)] for _, graded in graders),
+        )
+        for (d, window, lines), count in zip(cases, counts, strict=True)
+    )
+    headers = ("load", "deviations", "window", *kinds, *faults)
+    return Grid(title="Number of detected lines in each case", headers=headers, rows=rows)
 
 
 def seeds_grid(diagnoses: Sequence[Diagnosis], load: str, window: str) -> Grid:
@@ -210,12 +228,14 @@ def _seed_order(deviations: str) -> tuple[int, int]:
     return (0, 0) if deviations == "off" else (1, int(deviations.split()[-1]))
 
 
-def _counts(lines: LineTable) -> str:
-    parts = [lines.where(kind="envelope")]
+def _counts(lines: LineTable) -> dict[str, str]:
+    """How many lines of a case are detected, "2 of 8", by what they are."""
     sidebands = lines.where(kind="sideband")
-    parts += [sidebands.where(mesh_harmonic=n) for n in dict.fromkeys(sidebands.mesh_harmonic.tolist())]
-    parts += [lines.where(kind=kind) for kind in ("pass", "shaft") if kind in lines.kind]
-    return " · ".join(f"{int(part.detected.sum())}/{len(part)}" for part in parts)
+    parts = {"envelope harmonics": lines.where(kind="envelope")}
+    for n in dict.fromkeys(sidebands.mesh_harmonic.tolist()):
+        parts[f"sidebands of {'' if n == 1 else f'{n} '}f_m"] = sidebands.where(mesh_harmonic=n)
+    parts |= {"lines of the spalls": lines.where(kind="pass"), "orders of the shafts": lines.where(kind="shaft")}
+    return {name: f"{int(part.detected.sum())} of {len(part)}" for name, part in parts.items() if len(part)}
 
 
 def _standing(diagnosis: Diagnosis, lines: LineTable) -> str:
@@ -236,8 +256,8 @@ def _standing(diagnosis: Diagnosis, lines: LineTable) -> str:
     best = int(np.argmax(np.where(counted.detected == 1, counted.difference, -np.inf)))
     where = "in the envelope" if counted.kind[best] == "envelope" else "in the spectrum"
     return (
-        f"{', '.join(parts[:-1])} and {parts[-1]} are detected; the largest increase "
-        f"of a detected line is {counted.difference[best]:+.1f} dB, at {counted.label[best]} {where}."
+        f"{', '.join(parts[:-1])} and {parts[-1]} are detected. The largest increase of a detected line over the "
+        f"control is {counted.difference[best]:+.1f} dB, at {counted.label[best]} {where}."
     )
 
 
@@ -271,14 +291,15 @@ def _control(lines: LineTable, limit: float) -> str:
     best = int(np.argmax(np.where(counted.healthy_shows == 1, counted.healthy_over_floor, -np.inf)))
     return (
         f"In the healthy control {shown} of the {len(counted)} lines {'is' if shown == 1 else 'are'} at least "
-        f"{limit:g} dB over the floor, {counted.label[best]} most ({counted.healthy_over_floor[best]:.1f} dB)."
+        f"{limit:g} dB over the floor. Highest over its floor is {counted.label[best]}, by "
+        f"{counted.healthy_over_floor[best]:.1f} dB."
     )
 
 
 def _rope(rope: float, lines: LineTable, f_r: float) -> str:
     counted = lines.without_mesh()
     near = list(dict.fromkeys(abs(int(k)) for k in counted.order[counted.near_rope == 1]))
-    text = f"The rope mode lies at {rope:.2f} Hz ({rope / f_r:.2f} f_r)"
+    text = f"The natural frequency of the container on its rope is {rope:.2f} Hz ({rope / f_r:.2f} f_r)"
     if near:
         return f"{text}, on the lines of order {', '.join(map(str, near))}, which it can raise without a fault."
     return f"{text}. It coincides with none of these lines."

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,9 +13,10 @@ from pipelines.engine.step import CountedResult
 if TYPE_CHECKING:
     from fem.casing.reduced.body import ReducedBody
     from fem.contact.law import MeshLaw
+    from mbd.integrators.settings import MotionSettings
     from mbd.output.trajectory import Trajectory
     from mbd.system.system import System
-    from pipelines.plant.parts import MachineParts, MotionSettings, Recorded
+    from pipelines.plant.parts import MachineParts, Recorded
 
 
 _SAMPLES_AHEAD = 10
@@ -66,7 +67,7 @@ def compiled_ahead(spec: MotionSpec, *laws: tuple[MeshLaw, MeshLaw]) -> None:
     """
     from fem.casing.models.no_casing import NoCasing
     from fem.contact.evaluation.evaluator import LawEvaluator
-    from mbd.simulate import Settings, simulate
+    from mbd.simulate import simulate
     from mbd.system.system import assemble
     from pipelines.plant.assembly import assemble_machine
 
@@ -74,9 +75,7 @@ def compiled_ahead(spec: MotionSpec, *laws: tuple[MeshLaw, MeshLaw]) -> None:
         LawEvaluator(drive).evaluate(0.0, 0.0)
     machine = assemble_machine(spec.machine, laws)
     system = assemble(machine, NoCasing().reduce(bearings={one.name: (0.0, 0.0, 0.0) for one in machine.bearings}), ())
-    given = spec.motion
-    end = _SAMPLES_AHEAD / given.output_rate
-    simulate(system, Settings(end=end, output_rate=given.output_rate, step=given.step, integrator=given.integrator))
+    simulate(system, replace(spec.motion, end=_SAMPLES_AHEAD / spec.motion.output_rate))
 
 
 def assembled(spec: MotionSpec, body: ReducedBody, laws: Sequence[tuple[MeshLaw, MeshLaw]]) -> System:
@@ -91,15 +90,14 @@ def moved(system: System, given: MotionSettings, file: Path | None = None) -> Tr
     import numpy as np
 
     from mbd.accuracy.repeatability import other_start
-    from mbd.simulate import Settings, simulate
+    from mbd.simulate import simulate
     from mbd.system.statics import equilibrium
 
-    settings = Settings(end=given.end, output_rate=given.output_rate, step=given.step, integrator=given.integrator)
     start = None
     if given.start:
         speed = float(system.machine.profile.speed(np.zeros(1))[0])
         start = other_start(system, equilibrium(system, speed), given.start)
-    return simulate(system, settings, tell_share, start=start, file=file)
+    return simulate(system, given, tell_share, start=start, file=file)
 
 
 def ledger(trajectory: Trajectory, coordinates: int, *, rope: bool) -> dict[str, int]:

@@ -185,6 +185,13 @@ class PairLaws(PairState):
         }
         return xarray.DataArray(found.pressure, where, ("diameter", "face"), "pressure", _words("Pa", "Hertz pressure"))
 
+    def __repr__(self) -> str:
+        return f"<PairLaws: {self._words()}, {self.faults or 'healthy'}>"
+
+    def _words(self) -> str:
+        teeth = f"{self.pair.pinion.teeth}/{self.pair.wheel.teeth} teeth"
+        return f"stage {self.stage}, {teeth}, model {self.drive.model}, {self.force:.5g} N"
+
     def _repr_html_(self) -> str:
         """The curves in numbers and their secant stiffness as a plot, for a notebook."""
         from fem.storage import shown_html
@@ -196,10 +203,8 @@ class PairLaws(PairState):
             for name, (units, _) in _COLUMNS.items()
             for state, values in zip(states, found[name].values, strict=True)
         ]
-        teeth = f"{self.pair.pinion.teeth}/{self.pair.wheel.teeth} teeth"
-        title = f"Stage {self.stage}, {teeth}, model {self.drive.model}, {found.force_N:.5g} N"
         drawn = dict(zip(states, found.secant.values, strict=True))
-        page = shown_html.table(title, ("curve", "state", "unit", "least", "mean", "greatest"), rows)
+        page = shown_html.table(self._words(), ("curve", "state", "unit", "least", "mean", "greatest"), rows)
         return page + shown_html.curves("mesh cycle", found.cycle.values, "secant stiffness, N/m", drawn)
 
 

@@ -131,7 +131,7 @@ def stiffness_plots(pairs: Sequence[PairLaws]) -> list[StiffnessPlot]:
         cycle = found.cycle + np.linspace(-PITCHES_SHOWN, PITCHES_SHOWN, POSITIONS)
         plots.append(
             StiffnessPlot(
-                title=f"Stage {found.stage}, {found.drive.model}, {found.force:.4g} N, stiffness from bore to bore",
+                title=f"Stage {found.stage}, {found.force:.4g} N, model {found.drive.model}",
                 cycle=cycle,
                 healthy=found.stiffness(cycle).secant,
                 faulty=found.stiffness(cycle, faulty=True).secant if found.faults else None,

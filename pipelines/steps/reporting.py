@@ -149,21 +149,23 @@ def _summary(plant: Plant) -> dict[str, Any]:
         "total ratio": facts.total_ratio,
         "torque at the input": f"{facts.input_torque:.4g} N m",
         f"torque at the {'load' if plant.hoist is None else 'drums'}": f"{facts.output_torque:.4g} N m",
-        "mesh stiffness": ", ".join(models["mesh"]),
-        "casing": models["casing"],
-        "shafts": models["shaft_model"],
-        "load": models["load"],
+        "model of the mesh stiffness, by stage": ", ".join(models["mesh"]),
+        "model of the casing": models["casing"],
+        "model of the shafts": models["shaft_model"],
+        "model of the load": models["load"],
         **hoist,
         "faults": ", ".join(plant.fault_words) or "none",
-        "deviations": "none" if labels["seed"] == "none" else f"grade {labels['iso_grade']}, seed {labels['seed']}",
-        "integrator": models["integrator"],
+        "tooth deviations": "none"
+        if labels["seed"] == "none"
+        else f"ISO 1328-1 class {labels['iso_grade']}, seed {labels['seed']} of the random numbers",
+        "time integration": models["integrator"],
     }
 
 
 def _hoist_summary(hoist: Hoist, rope_frequency: float | None) -> dict[str, str]:
     return {
-        "container": f"{hoist.mass:g} kg",
-        "rope mode at the start": f"{rope_frequency:.3g} Hz" if rope_frequency else "no rope",
+        "mass of the container": f"{hoist.mass:g} kg",
+        "natural frequency on the rope at the start": f"{rope_frequency:.3g} Hz" if rope_frequency else "no rope",
     }
 
 
@@ -176,20 +178,22 @@ def gear_rows(plant: Plant) -> list[dict[str, Any]]:
                 {
                     "stage": number,
                     "gear": name,
-                    "z": gear.teeth,
-                    "m_n mm": gear.normal_module * 1000,
-                    "beta deg": math.degrees(gear.helix_angle),
-                    "b mm": gear.face_width * 1000,
-                    "x": gear.profile_shift,
-                    "d mm": gear.reference_radius * 2000,
-                    "d_a mm": gear.tip_radius * 2000,
-                    "bore mm": gear.bore_radius * 2000,
-                    "eps_alpha": stage.transverse_contact_ratio,
-                    "eps_beta": stage.overlap_ratio,
-                    "f_m Hz": stage.mesh_frequency,
-                    "f_r Hz": stage.pinion_frequency if name == "pinion" else stage.wheel_frequency,
-                    "F_bt N": stage.mesh_force,
-                    "F_t/b N/mm": stage.line_load / 1000,
+                    "teeth z": gear.teeth,
+                    "normal module m_n mm": gear.normal_module * 1000,
+                    "helix angle deg": math.degrees(gear.helix_angle),
+                    "face width b mm": gear.face_width * 1000,
+                    "profile shift x": gear.profile_shift,
+                    "reference diameter d mm": gear.reference_radius * 2000,
+                    "tip diameter d_a mm": gear.tip_radius * 2000,
+                    "bore diameter mm": gear.bore_radius * 2000,
+                    "transverse contact ratio": stage.transverse_contact_ratio,
+                    "overlap ratio": stage.overlap_ratio,
+                    "mesh frequency f_m Hz": stage.mesh_frequency,
+                    "revolution frequency f_r Hz": stage.pinion_frequency
+                    if name == "pinion"
+                    else stage.wheel_frequency,
+                    "force on the line of action N": stage.mesh_force,
+                    "line load F_t/b N/mm": stage.line_load / 1000,
                 }
             )
     return rows
@@ -232,20 +236,24 @@ def casing_summary(result: tuple[CasingModes, CheckUp]) -> CasingSummary:
 
 def _casing_rows(body: ReducedBody, modes: CasingSummary | None) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = [
-        {"what": "model", "value": body.model},
-        {"what": "coordinates", "value": len(body.coordinate_names)},
+        {"property": "model", "value": body.model},
+        {"property": "coordinates", "value": len(body.coordinate_names)},
     ]
     if modes is not None:
         check = modes.checkup
-        extrapolated = [{"what": "stiffness, extrapolated", "value": f"times {body.stiffness_factor:.4f}"}]
+        factor = f"{body.stiffness_factor:.4f}"
+        extrapolated = [{"property": "factor on the stiffness, extrapolated to zero element size", "value": factor}]
         first = check.frequencies[:6] * math.sqrt(body.stiffness_factor)
         rows += [
-            {"what": "unknowns of the mesh", "value": modes.unknowns},
-            {"what": "solver", "value": modes.solver},
-            {"what": "mass kg", "value": check.mass},
-            {"what": "first grounded modes Hz", "value": ", ".join(f"{f:.1f}" for f in first)},
+            {"property": "unknowns of the finite-element mesh", "value": modes.unknowns},
+            {"property": "solver", "value": modes.solver},
+            {"property": "mass, kg", "value": check.mass},
+            {
+                "property": "first natural frequencies on its feet, Hz",
+                "value": ", ".join(f"{f:.1f}" for f in first),
+            },
             *(extrapolated if body.stiffness_factor != 1.0 else []),
-            {"what": "check-up", "value": f"all {len(check.limit_names)} items within their limits"},
+            {"property": "checks of the reduced model", "value": f"all {len(check.limit_names)} passed"},
         ]
     return rows
 

@@ -36,7 +36,8 @@ def verdict_steps(study: Study) -> list[Step]:
 
     first, plant = study.cases[0], study.plant
     healthy = [(one.plant, one.motion) for one in study.baseline]
-    if not healthy and first.control is not None and first.healthy is not None:
+    own_control = first.healthy == first.faulty  # a scene without faults
+    if not healthy and first.control is not None and first.healthy is not None and not own_control:
         healthy = [(first.control, first.healthy)]
     if not healthy or not plant.looked_for.possible:
         return []

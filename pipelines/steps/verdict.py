@@ -43,8 +43,9 @@ def build(spec: VerdictSpec, *, own: dict[str, Any], healthy: Sequence[dict[str,
     parts = [text(verdict).rstrip()]
     if spec.exact:
         parts.append(
-            "The healthy recording is the same machine without the fault, which exists in simulation only: these rises "
-            "are the effect of the fault. Set --baseline 8 to compare with healthy machines of other deviations."
+            "The healthy recording is the control: the same machine without the fault, which only a simulation has. "
+            "The increases are the effect of the fault. Set --baseline 8 to compare with healthy machines of other "
+            "deviations."
         )
     parts.append(confirmed(verdict, spec.faulty))
     return {"verdict": verdict, "words": "\n\n".join(filter(None, parts)) + "\n", "failure": ""}

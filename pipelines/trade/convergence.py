@@ -72,7 +72,8 @@ def study(sizes: Sequence[float], values: Sequence[float], formal_order: float |
     """
     if len(sizes) != len(values) or len(sizes) < 3:
         raise ConvergenceError(
-            f"{len(sizes)} sizes and {len(values)} values; give three levels or more, one value each"
+            f"{len(sizes)} levels of refinement with {len(values)} values. Set three levels or more "
+            "(--levels), with one value each"
         )
     if not all(math.isfinite(v) for v in values):
         raise ConvergenceError(f"values {list(values)} are not all finite; the coarsest level may be too coarse")

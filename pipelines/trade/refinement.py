@@ -35,6 +35,9 @@ class RefinementStudy:
         """Number of the level that the scene itself asks for."""
         return self.fineness.index(1.0)
 
+    def __repr__(self) -> str:
+        return f"<RefinementStudy: {self.axis}, {len(self.levels)} levels, {len(self.quantities)} quantities>"
+
     def _repr_html_(self) -> str:
         """Every quantity with its limit and the error of the setting in use, for a notebook."""
         at = self.in_use
@@ -127,7 +130,7 @@ def modes_of_common_order(sizes: Sequence[float], levels: Sequence[Measured], la
     from fem.casing.mesh_error.pairing import counterparts
 
     if len(levels) < 3:
-        raise ConvergenceError(f"{len(levels)} levels; give three or more")
+        raise ConvergenceError(f"{len(levels)} levels. Set three or more")
     shapes = _shapes(levels)
     number = np.array([counterparts(shapes[0], other) for other in shapes])
     kept = np.asarray((number >= 0).all(axis=0))

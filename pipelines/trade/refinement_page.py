@@ -109,6 +109,8 @@ def convergence_figure(name: str, found: RefinementStudy) -> Figure:
 
     The `LABELLED` quantities with the widest bands have a colour and a name, all others are grey.
     """
+    from matplotlib.ticker import FuncFormatter, NullFormatter
+
     from pipelines.figures.plots import dress, new_figure, plain
 
     figure = new_figure(6.0)
@@ -131,8 +133,12 @@ def convergence_figure(name: str, found: RefinementStudy) -> Figure:
         axes.plot([], [], color="0.75", marker="o", ms=4, lw=0.8, label=f"{rest} others, with narrower bands")
     axes.axvline(1.0, color="black", lw=0.8, ls=":", label="setting in use; dashes: its error bands")
     title = f"{plain(name)}: convergence over the {AXES[found.axis].words}"
-    dress(axes, title, "size relative to the setting in use", "distance from the limit, % (0 at the lower edge)")
+    dress(axes, title, "size relative to the setting in use", "error relative to the limit, % (0 at the lower edge)")
     axes.set_xticks(sizes, labels=[f"{size:.3g}" for size in sizes])
     axes.set_xticks([], minor=True)
+    low, high = axes.get_ylim()
+    numbers = FuncFormatter(lambda value, _: f"{value:g}")
+    axes.yaxis.set_major_formatter(numbers)
+    axes.yaxis.set_minor_formatter(numbers if high < 10 * low else NullFormatter())
     figure.legend(loc="outside lower center", ncols=2, frameon=False, fontsize=9)
     return figure

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from fem.storage import shown_html
 from pipelines.border.errors import SceneError
 from pipelines.engine.working import Work
-from pipelines.plant.plant import motion_settings
 from pipelines.scene.file import LoadedScene, changed
 from pipelines.trade.choices import PRESET, Choice, choices
 from pipelines.trade.known_lines import known_lines
@@ -53,6 +52,9 @@ class Tradeoff:
     refused: Mapping[str, str]
     known: str
 
+    def __repr__(self) -> str:
+        return f"<Tradeoff: {len(self.priced)} choices of {self.name}, {len(self.refused)} refused>"
+
     def _repr_html_(self) -> str:
         """Every choice with its cost and its error, for a notebook."""
         rows = [(one.choice.name, one.seconds, 100 * one.error, "" if one.dominated else "yes") for one in self.priced]
@@ -87,7 +89,7 @@ def trade(loaded: LoadedScene, work: Work) -> Tradeoff:
     first, best = next(iter(scenes.items()))
     whole = measure({first: best}, list(PROBES), work)[first].total_seconds
     for name, variant in list(scenes.items())[1:]:
-        settings = motion_settings(variant.scene.simulation)
+        settings = variant.scene.simulation.made()
         motion = costs[settings.integrator] * settings.steps
         if motion > whole:
             del scenes[name]

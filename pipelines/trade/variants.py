@@ -9,7 +9,7 @@ from pipelines.engine.run_graph import Outcome
 from pipelines.engine.step import Graph, Step
 from pipelines.engine.working import Work
 from pipelines.plant.checks.validity import checked_plant
-from pipelines.plant.plant import Plant, motion_settings
+from pipelines.plant.plant import Plant
 from pipelines.scene.file import LoadedScene, changed
 from pipelines.signals.motion_warnings import log_warnings
 from pipelines.steps.graph import plant_steps
@@ -83,7 +83,7 @@ def step_costs(scenes: Iterable[LoadedScene], work: Work) -> dict[str, float]:
             name = f"first {end:g} s, {integrator}"
             found = measure({name: short}, ["signals"], work)
             seconds.append(found[name].seconds["simulate"])
-        steps = (SHORT_SECONDS[-1] - SHORT_SECONDS[-2]) / motion_settings(loaded.scene.simulation).step
+        steps = (SHORT_SECONDS[-1] - SHORT_SECONDS[-2]) / loaded.scene.simulation.made().step
         costs[integrator] = max(seconds[-1] - seconds[-2], 0.0) / steps
     return costs
 

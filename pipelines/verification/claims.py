@@ -86,7 +86,7 @@ _HIDDEN = (
 )
 _REVERSED = (
     "Without friction, the excitation in lowering is that of lifting reversed in time. The difference of 1 or 2 dB "
-    "comes from the vibrations alone, which decay after a shock in both directions."
+    "comes from the vibrations, because they decay after a shock in both directions."
 )
 _SLIDING = (
     "Tooth friction reverses with the direction. Its force at mesh frequency adds to that of the transmission error in "
@@ -98,10 +98,10 @@ _ADDED = (
     "by about 5 %, so the interruption hardly depends on the direction."
 )
 _STEADY = (
-    "At constant speed the rope carries the weight of the container as the constant torque does, and its bounce of "
-    "12 Hz is far below the mesh frequency. The ramps accelerate the container, which raises the force in the mesh but "
-    "hardly the vibration, because the teeth excite it. The signals differ sample by sample in their phase, because "
-    "the bounce turns the shafts."
+    "At constant speed the rope loads the drums as the constant torque does. The container bounces on the rope at "
+    "12 Hz, far below the mesh frequency. Speed ramps accelerate the container, which raises the force in the mesh. "
+    "The vibration hardly changes, because the teeth excite it. The bounce turns the shafts, so the signals differ in "
+    "phase."
 )
 
 CLAIMS: dict[str, tuple[Claim, ...]] = {
@@ -136,4 +136,6 @@ CLAIMS: dict[str, tuple[Claim, ...]] = {
     ),
 }
 
-UNTESTED = {"The signals with the rope are closer to the rig": "undecided, no measured signals of the rig are public."}
+UNTESTED = {
+    "The signals with the rope are closer to the rig": "undecided, because no measured signals of the rig are public."
+}

@@ -17,9 +17,10 @@ if TYPE_CHECKING:
 
 _WORDS = {"static-torque": "constant torque", "none": "no losses"}
 RULE = (
-    "Cells: mean over the seeds of the deviations ± standard error, dB. The 95 % interval of the mean (Student) is "
-    "± 2.8 standard errors for five seeds. A claim holds if the whole interval is at least its limit. It does "
-    "not hold if the whole interval stays below. Otherwise it is undecided."
+    "Each cell gives the mean over the seeds of the deviations ± its standard error, in dB, and a verdict. The 95 % "
+    "confidence interval of the mean (Student) is ± 2.8 standard errors for five seeds. A claim holds if the whole "
+    "interval is at least the limit. It does not hold if the whole interval is below the limit. Otherwise it is "
+    "undecided."
 )
 
 Verdicts = dict[str, list[tuple[Claim, dict[str, Judgement]]]]

@@ -7,7 +7,8 @@ reference is SciPy's DOP853 at a relative tolerance of 1e-9; it shares the assem
 import numpy as np
 import pytest
 
-from mbd.simulate import Settings, simulate
+from mbd.integrators.settings import Settings
+from mbd.simulate import simulate
 from pipelines.engine.working import Work
 from pipelines.plant.assembly import assemble_machine, assemble_system
 from pipelines.runs.single_results import scene_graph

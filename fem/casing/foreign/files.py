@@ -45,6 +45,11 @@ _STIFFNESS, _MASS = (
     ("mass", "m", "maa", "mgg", "mxx", "mbb", "maax"),
 )
 
+_UNUSED = {  # matrices that are not read, and what to do
+    **dict.fromkeys(("damping", "baa", "baax"), "Set casing.damping_ratio in the scene instead."),
+    "rows": "A sensor is read at the nearest node: add a node at every sensor.",
+}
+
 
 @dataclass(frozen=True, eq=False)
 class Found:
@@ -77,6 +82,8 @@ def read_body(files: MatrixFiles) -> ForeignBody:
     path = Path(files.stiffness)
     first = read_matrices(path)
     second = first if files.mass is None else read_matrices(Path(files.mass))
+    for name in sorted(_UNUSED.keys() & {*first.matrices, *second.matrices}):
+        _log.warning("%s: the matrix %s is not used. %s", path.name, name, _UNUSED[name])
     nodes, frames = (first.nodes, None) if files.nodes is None else _nodes(Path(files.nodes))
     equations = first.equations if files.equations is None else _equations(Path(files.equations))
     return foreign_body(

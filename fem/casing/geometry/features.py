@@ -54,7 +54,7 @@ class Flange:
         text="z of the split plane; shaft 1 is at z = 0",
     )
     width: float = option(unit="mm", gt=0, le=LARGEST, text="width beyond the outer faces of the walls")
-    height: float = option(unit="mm", gt=0, le=LARGEST, text="of both halves together")
+    height: float = option(unit="mm", gt=0, le=LARGEST, text="height of both halves of the flange together")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -56,7 +56,7 @@ def _box_problems(housing: Dimensions) -> Iterator[str]:
 
 def _bore_problems(housing: Dimensions) -> Iterator[str]:
     if not housing.bores:
-        yield "no bores; give one for each bearing"
+        yield "no bores. Set one for each bearing"
     (low, high), wall, ligament = housing.cavity, housing.wall("side"), _ligament(housing)
     for bore in housing.bores:
         if bore.side not in (-1, 1):
@@ -65,10 +65,10 @@ def _bore_problems(housing: Dimensions) -> Iterator[str]:
             yield f"{bore.name}: bore diameter is {_mm(bore.diameter)}; it must be positive"
         if (ring := (bore.boss_diameter - bore.diameter) / 2) < ligament:
             yield (
-                f"{bore.name}: boss ring is {_mm(ring)} thick, and must be at least {_mm(ligament)}. Raise the boss "
-                "diameter "
-                f"{_mm(bore.boss_diameter)} (boss_diameters_mm) or reduce the bore {_mm(bore.diameter)} "
-                "(bore_diameters_mm)"
+                f"{bore.name}: boss ring is {_mm(ring)} thick, and must be at least {_mm(ligament)}. Raise its "
+                f"boss_diameters_mm from {_mm(bore.boss_diameter)} to {_mm(bore.diameter + 2 * ligament)} or more, or "
+                f"reduce its bore_diameters_mm from {_mm(bore.diameter)} to "
+                f"{_mm(bore.boss_diameter - 2 * ligament)} or less"
             )
         if bore.boss_length < wall:
             yield (
@@ -87,12 +87,15 @@ def _bore_problems(housing: Dimensions) -> Iterator[str]:
                 "Correct left_end_mm, length_mm, shaft_height_mm or height_mm"
             )
     for one, two in combinations(housing.bores, 2):
-        gap = math.hypot(one.x - two.x, one.z - two.z) - (one.boss_diameter + two.boss_diameter) / 2
+        distance, total = math.hypot(one.x - two.x, one.z - two.z), one.boss_diameter + two.boss_diameter
+        gap = distance - total / 2
         if one.side == two.side and gap < ligament:
             what = "overlap by" if gap < 0.0 else "leave a ligament of only"
             yield (
-                f"bosses of {one.name} and {two.name} {what} {_mm(abs(gap))} (limit: {_mm(ligament)}); "
-                "reduce the boss diameters or increase the centre distance"
+                f"bosses of {one.name} and {two.name} {what} {_mm(abs(gap))} (limit: a ligament of {_mm(ligament)} or "
+                f"more). Reduce the sum of their boss diameters from {_mm(total)} to "
+                f"{_mm(2 * (distance - ligament))} or less, or raise the distance of their axes from {_mm(distance)} "
+                f"to {_mm(total / 2 + ligament)} or more"
             )
 
 
@@ -172,8 +175,9 @@ def _flange_problems(housing: Dimensions) -> Iterator[str]:
             # distance from the flange to the boss, seen from the side on which the flange passes
             if -ligament < edge - radius < ligament and abs(edge - radius) > _TOUCH:
                 yield (
-                    f"the {name} of the flange passes the boss of {bore.name} at {_mm(edge - radius)} (limit: "
-                    f"{_mm(ligament)} away from it or into it). Correct flange.split_plane_mm"
+                    f"the {name} of the flange passes the boss of {bore.name} at {_mm(edge - radius)} (allowed: "
+                    f"{_mm(ligament)} or more outside the boss, or {_mm(-ligament)} or less, inside it). Correct "
+                    "flange.split_plane_mm"
                 )
 
 
@@ -211,7 +215,7 @@ def _rib_problems(housing: Dimensions) -> Iterator[str]:
     for (name, one), (other, two) in combinations(boxes.items(), 2):
         if (gap := _gap(one, two)) < ligament:
             what = f"overlap by {_mm(-gap)}" if gap < 0.0 else f"leave only {_mm(gap)} between them"
-            yield f"{name} and {other} {what} (limit: {_mm(ligament)}); set fewer or thinner ribs"
+            yield f"{name} and {other} {what} (limit: {_mm(ligament)} or more between them). Set fewer or thinner ribs"
 
 
 def _fillet_problems(housing: Dimensions) -> Iterator[str]:

@@ -63,7 +63,10 @@ def read_mesh_file(path: Path, scale: float) -> RawMesh:
     MeshError : unknown kind, unreadable, no solid elements, kinds that do not fit together, nodes in an unknown order
     """
     if path.suffix.lower() not in SUFFIXES:
-        raise MeshError(f"{path.name}: meshes are read from {', '.join(SUFFIXES)}; convert it, or give a STEP file")
+        raise MeshError(
+            f"{path.name}: a mesh file must end in one of {', '.join(SUFFIXES)}. Convert the file, or give a CAD file "
+            "(STEP)"
+        )
     mesh = read_quietly(path)
     blocks = _solid_blocks(path.name, mesh)
     nodes = np.asarray(mesh.points, float)

@@ -95,7 +95,7 @@ class HousingCasing(Casing):
         0.022,
         unit="mm",
         gt=0,
-        text="edge length of the elements; the model rigid meshes a housing only if it is no plain box",
+        text="edge length of the elements; the model rigid needs a mesh only if the housing is not a plain box",
     )
     element: Literal[
         "tetrahedron-4", "tetrahedron-10", "tetrahedron-20", "hexahedron-20", "hexahedron-27", "hexahedron-32"

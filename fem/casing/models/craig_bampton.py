@@ -56,7 +56,8 @@ class CraigBamptonCasing(ElasticCasing):
         None,
         gt=0,
         lt=0.1,
-        text="largest relative change of a frequency of the band by leaving out modes; without it: no mode is left out",
+        text="modes are left out as long as no frequency of the band changes by more than this share; "
+        "without it: no mode is left out",
     )
     elements_per_wavelength: float | None = option(
         None,

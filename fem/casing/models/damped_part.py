@@ -26,7 +26,9 @@ class DampedPart:
         text="cover or feet of a parametric housing, mounts, joints (bolts), or any other name together with box_mm",
     )
     loss_factor: float = option(
-        ge=0, lt=LARGEST_LOSS_FACTOR, text="twice the damping ratio of a body of this part only"
+        ge=0,
+        lt=LARGEST_LOSS_FACTOR,
+        text="loss factor of its material: twice the damping ratio of a body of this material alone",
     )
     box: tuple[Corner, Corner] | None = option(
         None,

@@ -48,7 +48,9 @@ class ElasticCasing(HousingCasing):
         text='stiffnesses along x, y and z with ground = "springs": one row for all mounts, or one per foot',
     )
     attachment: Attachment = option(
-        "mean", text="how bearing and mount points follow their faces: mean motion (RBE3) or rigid (RBE2)"
+        "mean",
+        text="how bearing and mount points are attached to their faces; mean: a point follows the mean "
+        "motion of its face (RBE3); rigid: the face is rigid (RBE2)",
     )
     damped_parts: tuple[DampedPart, ...] = option(
         (),
@@ -56,8 +58,9 @@ class ElasticCasing(HousingCasing):
     )
     extrapolated: bool = option(
         False,
-        text="true: stiffness extrapolated to zero element size. With tetrahedron-20 and hexahedron-32 from quadratic "
-        "displacements on the same mesh, with tetrahedron-10 from two coarser meshes",
+        text="true: the stiffness is extrapolated to zero element size. For tetrahedron-20 and "
+        "hexahedron-32 this uses quadratic displacements on the same mesh, for tetrahedron-10 two "
+        "coarser meshes",
     )
     error: str | None = option(
         None,

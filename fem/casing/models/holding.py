@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from fem.casing.models.stage import CasingError, PlannedStage, Stage
 
@@ -56,13 +56,13 @@ class CasingReduction(Stage):
 
         return ground_casing(mesh, forced=self.forced, regions=self.regions, **vars(self.held))
 
-    def build(self, *args: Any, mesh: CasingMesh, **taken: Any) -> tuple[CasingModes, CheckUp]:
+    def build(self, *, mesh: CasingMesh) -> tuple[CasingModes, CheckUp]:
         """The reduced matrices with their check-up.
 
         Raises
         ------
         CasingError : items of the check-up fail
-        EigenError : the modes found are not as many as the law of inertia counts
+        EigenError : the modes found are not as many as the Sturm-sequence count
         """
         from threadpoolctl import threadpool_limits
 
@@ -99,7 +99,7 @@ class LowestReduction(Stage):
     static: bool
     quadratic: bool
 
-    def build(self, *args: Any, mesh: CasingMesh, **taken: Any) -> LowestModes:
+    def build(self, *, mesh: CasingMesh) -> LowestModes:
         """The lowest modes."""
         from fem.casing.mesh_error.extrapolation import lowest_modes
 
@@ -116,9 +116,7 @@ class ErrorCheck(Stage):
     recovery: Recovery
     band: float
 
-    def build(
-        self, *args: Any, mesh: CasingMesh, modes: tuple[CasingModes, CheckUp], body: ReducedBody, **taken: Any
-    ) -> ErrorStatement:
+    def build(self, *, mesh: CasingMesh, modes: tuple[CasingModes, CheckUp], body: ReducedBody) -> ErrorStatement:
         """The error statement.
 
         Parameters

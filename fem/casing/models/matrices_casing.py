@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from fem.casing.models.casing import Casing, Structure
 from fem.casing.models.elastic_casing import ElasticCasing
@@ -32,7 +32,7 @@ class MatricesReduction(Stage):
     attachment: Attachment
     limit: float | None
 
-    def build(self, *args: Any, **taken: Any) -> tuple[CasingModes, CheckUp]:
+    def build(self) -> tuple[CasingModes, CheckUp]:
         """The reduced matrices with their check-up.
 
         Raises

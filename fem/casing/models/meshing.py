@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from fem.casing.models.stage import CasingError, Stage
 
@@ -25,7 +25,7 @@ class Meshing(Stage):
     sizes: Sizes
     element: str
 
-    def build(self, *args: Any, **taken: Any) -> CasingMesh:
+    def build(self) -> CasingMesh:
         """The mesh."""
         return self.with_sizes(self.sizes)
 
@@ -46,7 +46,7 @@ class Meshing(Stage):
 class CoarserMeshing(Meshing):
     """A mesh by which the error of a finer one is estimated."""
 
-    def build(self, *args: Any, **taken: Any) -> CasingMesh:
+    def build(self) -> CasingMesh:
         """The mesh. CasingError if elements as large as that make none."""
         from fem.casing.meshing.mesh import MeshError
 
@@ -71,7 +71,9 @@ class SizedMeshing(Meshing):
     error: float
     band: float
 
-    def build(self, *args: Any, trial: LowestModes, coarser: Sequence[LowestModes], **taken: Any) -> CasingMesh:
+    def build(  # type: ignore[override]
+        self, *, trial: LowestModes, coarser: Sequence[LowestModes]
+    ) -> CasingMesh:
         """The mesh.
 
         Parameters

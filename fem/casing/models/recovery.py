@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from fem.casing.models.stage import CasingError, Stage
 from fem.storage.ledger import count
@@ -36,9 +36,7 @@ class Recovery(Stage):
     limit: float | None
     frequency_error: float | None = None
 
-    def build(
-        self, *args: Any, modes: tuple[CasingModes, CheckUp], coarser: Sequence[LowestModes] = (), **taken: Any
-    ) -> ReducedBody:
+    def build(self, *, modes: tuple[CasingModes, CheckUp], coarser: Sequence[LowestModes] = ()) -> ReducedBody:
         """Bearing coordinates and modes.
 
         Parameters
@@ -71,7 +69,7 @@ class RigidRecovery(Stage):
     mount_stiffness: float
     damping_ratio: DampingRatio
 
-    def build(self, *args: Any, mesh: CasingMesh | None = None, **taken: Any) -> ReducedBody:
+    def build(self, *, mesh: CasingMesh | None = None) -> ReducedBody:
         """Six coordinates; `mesh` is that of the housing, if it needs one."""
         from fem.casing.reduced.rigid import rigid_body, rigid_from_mesh
 
@@ -89,7 +87,7 @@ class BearingsOnGround(Stage):
     kind: ClassVar[str] = "casing"
     bearings: Mapping[str, Sequence[float]]
 
-    def build(self, *args: Any, **taken: Any) -> ReducedBody:
+    def build(self) -> ReducedBody:
         """A body without coordinates."""
         from fem.casing.reduced.modes import grounded_body
 

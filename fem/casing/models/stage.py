@@ -7,8 +7,7 @@ A stage takes results of earlier ones by the names of the parameters of `build`.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -19,28 +18,25 @@ MESH, MODES, BODY = "casing mesh", "casing modes", "casing"
 
 
 class CasingError(RuntimeError):
-    """The work on a casing failed; the message says what to set."""
+    """The work on a casing failed; the message states what to set."""
 
 
 class CasingInputError(ValueError):
     """What a casing is made of cannot be used."""
 
 
-class Stage(ABC):
+class Stage:
     """A computation, with all that it depends on besides results of other stages.
 
     `kind` names the stored results; `libraries` are those that they depend on. A stored result of a stage whose number
-    `enough` is larger holds all that is asked. `compiles`: s to compile, by the beginning of the name of the code.
+    `enough` is larger serves as well. `compiles`: s to compile, by the beginning of the name of the code.
     """
 
     kind: ClassVar[str]
     libraries: ClassVar[tuple[str, ...]] = ("numpy",)
     enough: ClassVar[str] = ""
     compiles: ClassVar[Mapping[str, float]] = {}
-
-    @abstractmethod
-    def build(self, *args: Any, **taken: Any) -> Any:
-        """The result. CasingError or CasingInputError if there is none."""
+    build: ClassVar[Callable[..., Any]]  # the result, of those of other stages; CasingError, CasingInputError
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -44,7 +44,7 @@ class CrackedTooth(ToothFault):
         None,
         unit="mm",
         ge=0,
-        text="the same at the far end of the extent; 0: a crack across a corner; without it: as depth_mm",
+        text="length of the crack at the far end of extent_mm; 0: a crack across a corner; without it: depth_mm",
     )
     angle: float = option(
         math.radians(70.0),

@@ -37,7 +37,7 @@ class PittedTooth(FlankDamage):
     density: float = option(gt=0, le=DENSEST, text="share of the area that pits cover")
     pit: float = option(unit="mm", gt=0, text="median diameter of the pits")
     spread: float = option(1.4, ge=1, le=3, text="geometric standard deviation of the log-normal diameters")
-    depth_part: float = option(0.25, gt=0, le=1, text="depth of a pit over its diameter")
+    depth_part: float = option(0.25, gt=0, le=1, text="depth of a pit divided by its diameter")
     seed: int = option(1, ge=0, le=2**31, text="seed of the random places and diameters")
 
     def area(self, gear: Gear) -> Patch:

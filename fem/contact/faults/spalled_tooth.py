@@ -22,7 +22,9 @@ class SpalledTooth(FlankDamage):
     It is cut off where it leaves the flank.
     """
 
-    length: float = option(unit="mm", gt=0, text="size of the spall along the face; it ends at the ends of the face")
+    length: float = option(
+        unit="mm", gt=0, text="size of the spall along the face; what is beyond the end of the face is left out"
+    )
     depth: float = option(unit="um", gt=0, text="depth of the spall below the flank")
     shape: Literal["ellipse", "rectangle"] = option("ellipse", text="outline of the spall")
 

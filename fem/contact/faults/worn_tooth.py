@@ -34,13 +34,14 @@ class WornTooth(ToothFault):
     depth: float = option(unit="um", gt=0, text="largest depth of wear, normal to the flank")
     place: Literal["flank", "pitch", "root", "profile"] = option(
         "flank",
-        text="flank: even over the flank; pitch, root: local there; profile: by diameters_mm and parts",
+        text="place of the wear; flank: evenly on the whole flank; pitch or root: locally at the pitch point or root; "
+        "profile: by diameters_mm and parts",
     )
     width: float | None = option(
-        None, unit="mm", gt=0, text='roll length of local wear; for place = "pitch" and "root" only'
+        None, unit="mm", gt=0, text='length of local wear along the line of action; for place = "pitch" and "root" only'
     )
     diameters: tuple[float, ...] = option((), unit="mm", gt=0, most=1000, text="diameters of a profile, rising")
-    parts: tuple[float, ...] = option((), ge=0, le=1, most=1000, text="wear at these diameters over depth_um")
+    parts: tuple[float, ...] = option((), ge=0, le=1, most=1000, text="wear at these diameters as a share of depth_um")
     extent: float | None = option(
         None,
         unit="mm",

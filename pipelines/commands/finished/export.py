@@ -9,10 +9,13 @@ import sys
 def main(options: argparse.Namespace) -> int:
     """Write response.csv, response.mat or response.uff."""
     from pipelines.border.errors import InputError
+    from pipelines.border.shown import shown
     from pipelines.border.user_files import whole_file, writable_file
     from pipelines.runs import run_folder
     from pipelines.signals.export import export
 
+    if options.out and not options.out.lower().endswith(f".{options.form}"):
+        raise InputError(f"--out {shown(options.out)}: with --to {options.form} the name must end in .{options.form}.")
     folder = run_folder.find_run(options.run)
     target = writable_file(options.out or folder / f"response.{options.form}")
     with run_folder.opened_run(folder / run_folder.RESPONSE) as run:

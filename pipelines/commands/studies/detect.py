@@ -46,7 +46,9 @@ def main(options: argparse.Namespace) -> int:
     looked_for = plant.looked_for
     noises = tuple(dict.fromkeys(options.noise)) or (looked_for.noise,)
     with local_workers(options.processes) as workers:
-        found = study(plan, folder, design, looked_for.windows, noises, workers.executor, lines_now_and_then())
+        found = study(
+            plan, folder, design, looked_for.windows, noises, workers.executor, lines_now_and_then(quiet=options.quiet)
+        )
     words = text(found)
     write_whole(folder / "detectability.txt", words)
     write_json(folder / "detectability.json", plain(found))

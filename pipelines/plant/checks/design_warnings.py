@@ -13,9 +13,9 @@ from pipelines.plant.checks.window_checks import bad_windows
 from pipelines.plant.facts import StageFacts, input_torque, stage_facts
 from pipelines.plant.layout import Layout
 from pipelines.plant.torques.drives import motor_places, motor_torques
+from pipelines.scene.problems import other_unit
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import shaft_faults
-from pipelines.scene.tables.bearings import HertzBearings
 from pipelines.scene.tables.motion import LoadBase
 
 HARMONICS = 5  # of the fastest mesh that a good record holds
@@ -25,6 +25,7 @@ def design_warnings(scene: Scene, layout: Layout) -> tuple[str, ...]:
     """All warnings, in the order of the scene's tables."""
     stages = stage_facts(layout)
     return (
+        *_materials(scene),
         *_gears(scene, layout, stages),
         *flank_warnings(scene, layout, stages),
         *strength_warnings(scene, layout, stages),
@@ -33,6 +34,18 @@ def design_warnings(scene: Scene, layout: Layout) -> tuple[str, ...]:
         *_record(scene, layout, stages),
         *_diagnosis(scene, layout),
     )
+
+
+def _materials(scene: Scene) -> Iterator[str]:
+    """Values that look as if they were in another unit."""
+    tables = {"gear_material": scene.gear_material, "load": scene.load}
+    if (iron := getattr(scene.casing, "material", None)) is not None:
+        tables["casing.material"] = iron
+    for place, table in tables.items():
+        for key in ("elastic_modulus_GPa", "density_kg_m3", "rope_modulus_GPa"):
+            value = getattr(table, key, None)
+            if remedy := other_unit(key, value):
+                yield f"{place}.{key} = {value:g}: an unusual value. {remedy.rstrip('.')}"
 
 
 def _gears(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterator[str]:
@@ -76,7 +89,7 @@ def _fits(scene: Scene, layout: Layout) -> Iterator[str]:
     """Shafts that are thicker than the bore of a bearing or gear on them."""
     for _, shaft, place in bearing_names(scene.shafts):
         table = bearing_table(scene.shafts[shaft], scene.bearings, place)
-        if isinstance(table, HertzBearings) and table.designation is not None:
+        if table.model == "hertz" and table.designation is not None:
             y, bore = scene.shafts[shaft].bearing_positions_mm[place], 1000 * bore_of(table.designation)
             # at a shoulder the bearing is on the thinner side
             sections = [(n, s) for n, s in enumerate(scene.shafts[shaft].sections, 1) if s.start_mm <= y <= s.end_mm]

@@ -16,10 +16,8 @@ from mbd.parts.shafts import shaft_nodes
 from pipelines.border.errors import Problem
 from pipelines.plant.bearings import (
     BearingFault,
-    linear_bearing,
     numbered_bearing_faults,
     rolling_bearings,
-    rolling_elements,
 )
 from pipelines.plant.checks.held_shafts import unheld
 from pipelines.plant.layout import Layout
@@ -28,7 +26,7 @@ from pipelines.plant.plant import law_specs
 from pipelines.plant.torques.drives import motor_places, motor_torques, speed_profile
 from pipelines.plant.torques.loads import hanging_load, load_places, torque_load
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.bearings import HertzBearings, LinearBearings, RigidBearings
+from pipelines.scene.tables.bearings import BearingModel
 from pipelines.scene.tables.motion import LoadBase, SpeedDrive
 
 
@@ -54,13 +52,13 @@ def _bad_bearings(scene: Scene) -> Iterator[Problem]:
             yield from _bad_bearing(f"shafts.{number}.bearings.{place}", table)
 
 
-def _bad_bearing(path: str, table: RigidBearings | LinearBearings | HertzBearings) -> Iterator[Problem]:
+def _bad_bearing(path: str, table: BearingModel) -> Iterator[Problem]:
     known = designations()
-    if isinstance(table, HertzBearings) and table.designation is not None and table.designation not in known:
+    if table.model == "hertz" and table.designation is not None and table.designation not in known:
         wanted = table.designation.replace(" ", "").upper()
         near = [name for name in known if wanted.startswith(name)]
         near += [name for name in difflib.get_close_matches(wanted, known, n=4) if name not in near]
-        hint = f"Near: {', '.join(near)}. " if near else ""
+        hint = f"Similar: {', '.join(near)}. " if near else ""
         yield Problem(
             f"{path}.designation",
             f"is not in the catalogue ({', '.join(known)})",
@@ -70,13 +68,13 @@ def _bad_bearing(path: str, table: RigidBearings | LinearBearings | HertzBearing
         )
         return
     try:
-        if isinstance(table, HertzBearings):
-            if not rolling_elements(table).stiffness > 0.0:
-                yield Problem(path, "the rolling elements have no stiffness", "Raise element_diameter_mm")
-        elif isinstance(table, LinearBearings):
-            _ = linear_bearing(table, "bearing", "shaft", 0.0, "casing")
+        model = table.made()
+        if model.elements is None:
+            model.spec("bearing", ("shaft", 0.0), "casing")
+        elif not model.elements.stiffness > 0.0:
+            yield Problem(path, "the rolling elements have no stiffness", "Raise element_diameter_mm")
     except MachineError as error:
-        yield Problem(path, str(error).removeprefix("bearing bearing "))
+        yield Problem(path, str(error))
 
 
 def _bad_spalls(scene: Scene) -> Iterator[Problem]:

@@ -26,6 +26,7 @@ from pipelines.plant.facts import StageFacts, input_torque, power_flows, stage_f
 from pipelines.plant.layout import Layout
 from pipelines.plant.torques.drives import motor_places
 from pipelines.plant.torques.loads import load_places, load_torque
+from pipelines.scene.problems import other_unit
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.forces import TorqueTable
 
@@ -137,7 +138,10 @@ def overloaded(scene: Scene, layout: Layout) -> Iterator[Problem]:
 def _overloaded_teeth(number: int, pair: GearPair, facts: StageFacts) -> Iterator[Problem]:
     pressure = contact_pressure(pair, facts.pinion_torque)
     load = f"line load {facts.line_load / 1000:.4g} N/mm"
-    remedy = "Reduce the load, raise face_width_mm or module_mm, or correct gear_material.elastic_modulus_GPa"
+    key, modulus = "elastic_modulus_GPa", pair.pinion_material.elastic_modulus / 1e9
+    remedy = (
+        f"Reduce the load, raise face_width_mm or module_mm, or correct gear_material.{key}. {other_unit(key, modulus)}"
+    )
     if not pressure <= STATIC_STRENGTH:
         yield Problem(
             f"stages.{number}",

@@ -31,7 +31,8 @@ def compared_runs(runs: Sequence[KeptRun]) -> Grid:
         cells = (f"{one[sensor]:.4g}" if sensor in one else "-" for one in levels)
         rows.append((f"{sensor}, m/s2 rms", *cells))
     headers = ("", *(f"run {run.number}: {run.scene}" if run.number else str(run.folder) for run in runs))
-    return Grid(title="Runs side by side; all other settings are the same", headers=headers, rows=tuple(rows))
+    title = "Runs side by side; all other settings are the same. rms: all axes of a sensor, over the whole run"
+    return Grid(title=title, headers=headers, rows=tuple(rows))
 
 
 def sensor_levels(folder: Path) -> dict[str, float]:

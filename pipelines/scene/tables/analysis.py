@@ -33,8 +33,8 @@ class DiagnosisTable(Table):
     envelope_band_Hz: Annotated[
         Literal["mesh", "resonance"] | tuple[Positive, Positive],
         Field(
-            description="band that is demodulated: [low, high]; mesh: f_m / 2 on both sides of f_m; resonance: "
-            "where the healthy run is strongest"
+            description="band that is demodulated: [low, high]; mesh: from 0.5 f_m to 1.5 f_m; "
+            "resonance: the band in which the healthy control vibrates most"
         ),
     ] = "mesh"
     noise_m_s2: Annotated[
@@ -45,7 +45,8 @@ class DiagnosisTable(Table):
         Field(
             gt=0,
             le=9,
-            description="error bars: the damping ratios of the casing are assumed uncertain by a factor of up to "
-            "1 + this value (5 to 95 %)",
+            description="for the error bars: the damping ratios of the casing are uncertain; 90 % of "
+            "their possible values differ from the given ones by a factor of at most 1 + "
+            "this value",
         ),
     ] = 0.3

@@ -24,6 +24,6 @@ class Table(BaseModel):
 class MaterialTable(Table):
     """An isotropic linear elastic material."""
 
-    elastic_modulus_GPa: Annotated[Number, Field(ge=1e-3, le=1e6, description="Young's modulus")]
+    elastic_modulus_GPa: Annotated[Number, Field(ge=1e-3, le=1e6, description="Young's modulus; steel: 206")]
     poisson_ratio: Annotated[Number, Field(ge=0, lt=0.5, description="Poisson's ratio")]
-    density_kg_m3: Annotated[Number, Field(ge=1, le=1e5, description="density")]
+    density_kg_m3: Annotated[Number, Field(ge=1, le=1e5, description="density; steel: 7850")]

@@ -39,7 +39,9 @@ class DerivedTable(Table):
 
     def made(self, **others: Any) -> Any:
         """An object of the class in SI, with values for further fields."""
-        given = {field.name: _si(getattr(self, _key(field.name, one)), one) for field, one in options_of(self.made_of)}
+        given = {
+            field.name: _si(getattr(self, key_of(field.name, one)), one) for field, one in options_of(self.made_of)
+        }
         return self.made_of(**given, **others)
 
 
@@ -63,7 +65,7 @@ def table(made_of: type, base: type[DerivedTable] = DerivedTable, **tag: tuple[s
         given = Field(description=one.text, min_length=one.least, max_length=one.most, pattern=one.pattern)
         annotation: Any = Annotated[_strict(hints[field.name], one), given]
         default = ... if field.default is dataclasses.MISSING else _given(field.default, one)
-        keys[_key(field.name, one)] = (annotation, default)
+        keys[key_of(field.name, one)] = (annotation, default)
     doc = (made_of.__doc__ or "").split("\n\n")[0]
     made = create_model(made_of.__name__, __base__=base, __doc__=doc, **keys)
     made.made_of = made_of
@@ -78,7 +80,8 @@ def choice(tables: Iterable[Any], key: str) -> Any:
     return Annotated[functools.reduce(operator.or_, tables), Field(discriminator=key)]
 
 
-def _key(name: str, one: Option) -> str:
+def key_of(name: str, one: Option) -> str:
+    """The key of a scene for the field of that name."""
     suffix = _SUFFIXES.get(one.unit, one.unit.replace(" ", "_"))
     return one.key or (f"{name}_{suffix}" if suffix else name)
 

@@ -196,7 +196,7 @@ class TorqueRippleTable(PlacedTable):
 
 
 class BentShaftTable(PlacedTable):
-    """A bent shaft: the bow of a force between two places that stay straight."""
+    """A bent shaft, bowed as by a force at position_mm between two places that stay straight."""
 
     model: Literal["bent-shaft"] = "bent-shaft"
     bow_um: Annotated[Positive, Field(description="distance of the bent axis from the straight one at position_mm")]

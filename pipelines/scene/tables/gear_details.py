@@ -70,8 +70,8 @@ class GearTable(Table):
     helix_slope_um: Annotated[
         Micrometres,
         Field(
-            description="helix slope modification: removed at the +y end of the drive flank, added there on the "
-            "coast flank"
+            description="helix slope modification: material removed at the +y end of the drive flank, and added "
+            "there on the coast flank"
         ),
     ] = 0.0
     deviations: Annotated[GearDeviationsTable, Field(description="deviations that are given instead of sampled")] = (

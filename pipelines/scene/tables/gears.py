@@ -38,11 +38,11 @@ class StageTable(Table):
     wheel_profile_shift: Annotated[Number, Field(ge=-1, le=1.5, description="profile shift coefficient x2")] = 0.0
     pinion_bore_mm: Annotated[
         Positive | None,
-        Field(description="diameter on which the pinion is bonded to its shaft; without it: half the root circle"),
+        Field(description="diameter on which the pinion is bonded to its shaft; without it: half the root diameter"),
     ] = None
     wheel_bore_mm: Annotated[
         Positive | None,
-        Field(description="diameter on which the wheel is bonded to its shaft; without it: half the root circle"),
+        Field(description="diameter on which the wheel is bonded to its shaft; without it: half the root diameter"),
     ] = None
     rack_addendum: Annotated[Number, Field(gt=0.5, le=1.6, description="addendum of the basic rack over module")] = 1.0
     rack_dedendum: Annotated[Number, Field(gt=0.8, le=2.0, description="dedendum of the basic rack over module")] = 1.25
@@ -51,15 +51,18 @@ class StageTable(Table):
     ] = 0.38
     centre_distance_mm: Annotated[
         Positive | None,
-        Field(description="working centre distance; without it: that of the profile shifts without backlash"),
+        Field(
+            description="working centre distance; without it: the distance without backlash that the "
+            "profile shifts give"
+        ),
     ] = None
     backlash_um: Annotated[
         Number | None,
         Field(
             ge=0,
             le=5000,
-            description="transverse backlash along the line of action; without it: what centre distance and "
-            "thickness allowances give, or 80 um if neither is given",
+            description="transverse backlash along the line of action; without it: the backlash from "
+            "centre distance and thickness allowances, or 80 um if neither is given",
         ),
     ] = None
     pinion: Annotated[
@@ -79,12 +82,12 @@ class StageTable(Table):
         Field(
             ge=0,
             lt=1,
-            description="mesh cycle c at t = 0, in base pitches; without it: 0, or what another stage of one of "
-            "its gears determines",
+            description="position c in the mesh cycle at t = 0, in base pitches; without it: 0, or "
+            "the position that follows from another stage with one of its gears",
         ),
     ] = None
     mesh_damping_time_us: Annotated[
-        Number, Field(ge=0, le=1000, description="tau_m: damping over stiffness of the mesh")
+        Number, Field(ge=0, le=1000, description="tau_m: damping of the mesh divided by its stiffness")
     ] = 1.8
     mesh: Annotated[MeshModel, Field(description="model of the mesh stiffness")] = table(Plane)()
 

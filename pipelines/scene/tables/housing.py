@@ -36,7 +36,10 @@ class JointTable(Table):
     bolt: Annotated[Size, Field(description="size of all bolts: hexagon heads, holes of ISO 273 medium")]
     outer_diameter_mm: Annotated[
         Length | None,
-        Field(description="outer diameter D_A of the clamped parts (VDI 2230); without it: as far as they stay closed"),
+        Field(
+            description="outer diameter D_A of the clamped parts (VDI 2230); without it: the diameter up to which "
+            "the joint stays closed"
+        ),
     ] = None
     stiffness_N_per_um: Annotated[
         tuple[Stiffness, Stiffness] | None,
@@ -55,7 +58,8 @@ class CoverJointTable(JointTable):
         Field(description="largest distance of neighbouring bolts; bolts are set at corners and next to bosses"),
     ] = None
     positions_mm: Annotated[
-        tuple[tuple[Place, Place], ...], Field(description="x and y of bolts; with pitch_mm: of further bolts")
+        tuple[tuple[Place, Place], ...],
+        Field(description="x and y of bolts; together with pitch_mm: of additional bolts"),
     ] = ()
 
     @model_validator(mode="after")
@@ -75,7 +79,8 @@ class PlaneJointTable(JointTable):
         1.0,
     )
     clamped_mm: Annotated[
-        tuple[Length, Length], Field(description="clamped thickness under the heads, and beyond the plane")
+        tuple[Length, Length],
+        Field(description="clamped thickness on the two sides of the plane, that under the heads first"),
     ]
     tapped: Annotated[Flag, Field(description="true: the threads are in the part beyond the plane, without nuts")] = (
         False
@@ -246,8 +251,8 @@ Nodes = Annotated[
     tuple[Whole, ...],
     Field(
         min_length=1,
-        description="numbers of its nodes, which follow their mean motion (RBE3) or are rigid (RBE2), see "
-        "casing.attachment",
+        description="numbers of its nodes; casing.attachment sets whether it follows their mean motion (RBE3) "
+        "or they are rigid (RBE2)",
     ),
 ]
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from mbd.integrators.settings import MotionSettings
 from pipelines.scene.tables.base import Number, Table, Whole
+from pipelines.scene.tables.derived import table
 from pipelines.scene.tables.samples import ColumnTable, Samples, check_pairs
 from pipelines.scene.tables.torques import ControlledTable, InductionTable, SomewhereTable, TorqueCurve
 
@@ -21,8 +23,7 @@ class SpeedDrive(Table):
     speeds_rpm: Annotated[
         Samples,
         Field(
-            description="motor speed at these times: linear in between; a smooth curve through measured speeds "
-            "from a file"
+            description="motor speed at these times, linear in between; speeds from a file are joined by a smooth curve"
         ),
     ]
     motors: Motors = 2
@@ -37,8 +38,8 @@ class SpeedDrive(Table):
         Number,
         Field(
             ge=0,
-            description="torque of a holding brake on that shaft, at the first motor; closed while the motors "
-            "stand still; 0: none",
+            description="torque of a holding brake on that shaft at the first motor, which is closed "
+            "while the motors stand still; 0: no brake",
         ),
     ] = 0.0
 
@@ -66,13 +67,13 @@ class MotorsTable(SomewhereTable):
 
 
 class TorqueDrive(MotorsTable, TorqueCurve):
-    """Motors of prescribed torque; the speed follows."""
+    """Motors of prescribed torque; the speed results from the motion."""
 
     model: Literal["torque"] = "torque"
     start_rpm: Annotated[Number, Field(description="speed of the shaft at t = 0")]
     highest_rpm: Annotated[
         Number | None,
-        Field(gt=0, description="speed for which frequencies and strength are stated; without it: start_rpm"),
+        Field(gt=0, description="speed at which frequencies and strength are checked; without it: start_rpm"),
     ] = None
 
 
@@ -149,9 +150,9 @@ class RopeTable(LoadBase):
     model: Literal["rope"] = "rope"
     rope_diameter_mm: Annotated[Number, Field(gt=0, description="nominal diameter")] = 10.0
     rope_modulus_GPa: Annotated[Number, Field(gt=0, description="elastic modulus on the metallic area")] = 100.0
-    rope_fill_factor: Annotated[Number, Field(gt=0, le=1, description="metallic area over the area of the circle")] = (
-        0.455
-    )
+    rope_fill_factor: Annotated[
+        Number, Field(gt=0, le=1, description="metallic area divided by the area of the circle")
+    ] = 0.455
     rope_falls: Annotated[Whole, Field(ge=1, description="number of falls that carry the mass")] = 8
     rope_length_m: Annotated[Number, Field(gt=0, description="free length at t = 0")] = 5.0
     rope_damping_ratio: Annotated[
@@ -160,8 +161,9 @@ class RopeTable(LoadBase):
     ground_level_m: Annotated[
         Number | None,
         Field(
-            description="height of the ground above the mass on the unstretched rope at t = 0; positive: the mass "
-            "rests on the ground and the rope is slack by this amount; without it: no ground"
+            description="height of the ground above the position of the mass on the unstretched rope "
+            "at t = 0. If it is positive, the mass rests on the ground and the rope is "
+            "slack by this amount; without it: no ground"
         ),
     ] = None
     ground_stiffness_N_per_um: Annotated[Number, Field(gt=0, description="stiffness of the ground")] = 10.0
@@ -187,47 +189,7 @@ class RopePendulumTable(RopeTable):
 LoadModel = Annotated[TorqueLoad | StaticTorqueTable | RopeTable | RopePendulumTable, Field(discriminator="model")]
 
 
-class SimulationTable(Table):
-    """Time integration and output."""
-
-    end_s: Annotated[Number, Field(gt=0, le=3600, description="simulated time")]
-    output_rate_Hz: Annotated[
-        Number, Field(gt=0, le=200000, description="sampling rate of the results, after the anti-alias filter")
-    ] = 10000.0
-    step_us: Annotated[
-        Number,
-        Field(
-            gt=0, le=1000, description="time step, which is rounded down to a whole fraction of the sampling interval"
-        ),
-    ] = 33.4
-    start: Annotated[
-        Whole,
-        Field(
-            ge=0,
-            le=1_000_000,
-            description="0: start at rest in equilibrium; 1, 2, ...: other starts, each with all modal "
-            "displacements changed by about 1e-4 of themselves, to show how much a chaotic motion "
-            "varies",
-        ),
-    ] = 0
-    band_Hz: Annotated[
-        Number,
-        Field(
-            ge=1000,
-            description="modes of the whole machine above this frequency are kept by their static response only",
-        ),
-    ] = 20000.0
-    integrator: Annotated[
-        Literal["exponential", "trapezoidal", "generalised-alpha"],
-        Field(description="time integration method, see docs/choosing-a-model.md"),
-    ] = "exponential"
-
-    @model_validator(mode="after")
-    def _one_sample(self) -> SimulationTable:
-        if self.end_s * self.output_rate_Hz < 1.0:
-            raise ValueError(
-                f"end_s = {self.end_s:g} is shorter than one sample at output_rate_Hz = {self.output_rate_Hz:g}. Set "
-                "at "
-                f"least {1.0 / self.output_rate_Hz:g}, or raise output_rate_Hz"
-            )
-        return self
+if TYPE_CHECKING:
+    SimulationTable = Any
+else:
+    SimulationTable = table(MotionSettings)

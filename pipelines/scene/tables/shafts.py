@@ -86,7 +86,7 @@ class ShaftModel(Table):
         Field(description="torsion: only torsion is elastic; timoshenko: Timoshenko beam elements"),
     ] = "timoshenko"
     element_length_mm: Annotated[Number, Field(gt=0, description="longest beam element")] = 40.0
-    damping_time_us: Annotated[Number, Field(ge=0, le=1000, description="material damping over stiffness")] = 0.5
+    damping_time_us: Annotated[Number, Field(ge=0, le=1000, description="material damping divided by stiffness")] = 0.5
     gyroscopic: Annotated[
         Flag, Field(description="true: with gyroscopic moments of shafts and disks at the current speed")
     ] = False

@@ -1,0 +1,189 @@
+"""BEARINGS: the models of bearings by name, each a frozen class of options that makes a bearing of the machine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from typing import Any, Literal
+
+from fem.named_classes import named_class
+from fem.options import check_options, option
+from mbd.parts.bearings import BearingSpec, rigid_bearing
+from mbd.parts.checks import MachineError
+from mbd.parts.rolling_catalogue import by_designation
+from mbd.parts.rolling_elements import RollingElements
+
+BEARINGS = {
+    "rigid": ("mbd.forces.bearing_models", "RigidBearings"),
+    "linear": ("mbd.forces.bearing_models", "LinearBearings"),
+    "hertz": ("mbd.forces.bearing_models", "HertzBearings"),
+}
+Support = Literal["casing", "ground"]
+Station = tuple[str, float]  # name of a shaft, and y on it (m)
+
+
+def bearing_model(name: str) -> type[BearingModel]:
+    """The class of that name. MachineError if there is none."""
+    found: type[BearingModel] = named_class(BEARINGS, name, "bearing model", MachineError)
+    return found
+
+
+@dataclass(frozen=True, kw_only=True)
+class BearingModel:
+    """Options of a bearing; `elements` and `cage_slip` of those whose rolling elements are known."""
+
+    cage_slip = 0.0
+
+    def __post_init__(self) -> None:
+        check_options(self, MachineError)
+
+    @property
+    def elements(self) -> RollingElements | None:
+        """The rolling elements; None where they are not known. MachineError if they do not fit."""
+        return None
+
+    def spec(self, name: str, at: Station, support: Support) -> BearingSpec:
+        """The bearing of a name, at a shaft and y (m) on it; `support` carries it.
+
+        Raises
+        ------
+        MachineError : its values do not fit together
+        """
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigidBearings(BearingModel):
+    """Bearings that hold all displacements and leave tilting free."""
+
+    model: Literal["rigid"] = "rigid"
+
+    def spec(self, name: str, at: Station, support: Support) -> BearingSpec:
+        """Stiff springs."""
+        return rigid_bearing(name, *at, support)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinearBearings(BearingModel):
+    """Linear springs and dampers between a shaft and its support."""
+
+    model: Literal["linear"] = "linear"
+    radial_stiffness: float = option(1e8, unit="N/um", ge=0.01, le=1e6, text="radial stiffness along x and z")
+    vertical_stiffness: float | None = option(
+        None, unit="N/um", ge=0.01, le=1e6, text="radial stiffness along z, where it differs from that along x"
+    )
+    cross_stiffness: float = option(
+        0.0, unit="N/um", ge=-1e6, le=1e6, text="symmetric coupling stiffness between x and z"
+    )
+    axial_stiffness: float = option(5e7, unit="N/um", ge=0.01, le=1e6, text="stiffness along the shaft")
+    tilt_stiffness: float = option(1e4, unit="N m/rad", ge=0, le=1e9, text="tilting stiffness about x and z")
+    damping_time: float = option(5e-6, unit="us", ge=0, le=1e4, text="damping matrix divided by stiffness matrix")
+
+    def spec(self, name: str, at: Station, support: Support) -> BearingSpec:
+        """Springs and dampers."""
+        return BearingSpec(
+            name=name,
+            shaft=at[0],
+            y=at[1],
+            stiffness_x=self.radial_stiffness,
+            stiffness_z=self.radial_stiffness if self.vertical_stiffness is None else self.vertical_stiffness,
+            stiffness_axial=self.axial_stiffness,
+            stiffness_tilt_x=self.tilt_stiffness,
+            stiffness_tilt_z=self.tilt_stiffness,
+            cross=(("ux", "uz", self.cross_stiffness),) if self.cross_stiffness else (),
+            damping_time=self.damping_time,
+            support=support,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class HertzBearings(BearingModel):
+    """Rolling bearings: Hertz contact of every rolling element, clearance or preload, rotating cage."""
+
+    model: Literal["hertz"] = "hertz"
+    designation: str | None = option(
+        None,
+        text='bearing of the built-in catalogue, e.g. "6208"; without it give kind, elements, element_diameter_mm and '
+        "pitch_diameter_mm",
+    )
+    kind: Literal["ball", "roller"] | None = option(None, text="shape of the rolling elements")
+    count: int | None = option(None, key="elements", ge=3, le=100, text="number of rolling elements")
+    diameter: float | None = option(
+        None, unit="mm", key="element_diameter_mm", gt=0, text="diameter of a ball or roller"
+    )
+    pitch_diameter: float | None = option(
+        None, unit="mm", gt=0, text="diameter of the circle through the centres of the elements"
+    )
+    contact_angle: float | None = option(
+        None,
+        unit="deg",
+        ge=-60,
+        le=60,
+        text="contact angle without load; positive: the bearing supports the shaft against +y",
+    )
+    length: float | None = option(
+        None, unit="mm", key="roller_length_mm", gt=0, text="effective contact length of a roller"
+    )
+    inner_conformity: float | None = option(
+        None, gt=0.5, le=0.6, text="groove radius of the inner race over ball diameter"
+    )
+    outer_conformity: float | None = option(
+        None, gt=0.5, le=0.6, text="groove radius of the outer race over ball diameter"
+    )
+    clearance: float = option(
+        0.0,
+        unit="um",
+        key="radial_clearance_um",
+        ge=-100,
+        le=1000,
+        text="clearance on the diameter; negative: interference",
+    )
+    preload: float = option(
+        0.0,
+        unit="um",
+        key="axial_preload_um",
+        ge=-1000,
+        le=1000,
+        text="axial displacement of the inner ring relative to the outer one at assembly",
+    )
+    damping_time: float = option(5e-6, unit="us", ge=0, le=1e4, text="damping divided by tangent stiffness")
+    cage_start: float = option(0.0, unit="deg", ge=-360, le=360, text="angle of the first rolling element at t = 0")
+    cage_slip: float = option(
+        0.0,
+        ge=0,
+        le=0.05,
+        text="standard deviation of the cage slip as a share of the cage speed; a new random value from "
+        "deviations.seed at every passage of an element; 0: no slip",
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        needed = {
+            "kind": self.kind,
+            "elements": self.count,
+            "element_diameter_mm": self.diameter,
+            "pitch_diameter_mm": self.pitch_diameter,
+        }
+        given = [key for key, value in needed.items() if value is not None]
+        if self.designation is None and len(given) < len(needed):
+            missing = ", ".join(key for key in needed if key not in given)
+            raise MachineError(f"{missing}: missing. Set them, or designation for a bearing of the catalogue")
+        if self.designation is not None and given:
+            raise MachineError(
+                f'designation = "{self.designation}" already determines {", ".join(given)}. Delete one or the other'
+            )
+
+    @property
+    def elements(self) -> RollingElements:
+        """From the catalogue or as given. MachineError if they do not fit."""
+        known = {field.name for field in fields(RollingElements)}
+        values: dict[str, Any] = {name: value for name, value in vars(self).items() if name in known}
+        values = {name: value for name, value in values.items() if value is not None}
+        if self.designation is not None:
+            return replace(by_designation(self.designation), **values)
+        return RollingElements(**values)
+
+    def spec(self, name: str, at: Station, support: Support) -> BearingSpec:
+        """Contacts of the rolling elements."""
+        from mbd.forces.rolling_bearing import hertz_bearing
+
+        return hertz_bearing(name, *at, self.elements, self.damping_time, support)

@@ -1,0 +1,87 @@
+"""Settings of a simulation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from fem.options import check_options, option
+from mbd.integrators.methods import METHODS
+from mbd.parts.checks import positive
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """Length (s) and output rate (Hz) of a run; ``step`` (s) is rounded down to a whole part of the output interval.
+
+    ``step`` None takes 3 steps per period of the highest mesh mode. ``integrator`` is a name of METHODS.
+    """
+
+    end: float
+    output_rate: float = 10e3
+    step: float | None = None
+    integrator: str = "exponential"
+
+    def __post_init__(self) -> None:
+        positive("settings end", self.end)
+        positive("settings output_rate", self.output_rate)
+        if self.step is not None:
+            positive("settings step", self.step)
+        if self.integrator not in METHODS:
+            raise ValueError(f"integrator {self.integrator!r} is unknown; known: {', '.join(METHODS)}.")
+        if self.end * self.output_rate < 1:
+            raise ValueError(
+                f"end_s = {self.end:g} is shorter than one sample at output_rate_Hz = {self.output_rate:g}. Set at "
+                f"least {1.0 / self.output_rate:g}, or raise output_rate_Hz"
+            )
+
+    @property
+    def n_samples(self) -> int:
+        """Samples at 0, 1/output_rate, ... before ``end``."""
+        return round(self.end * self.output_rate)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionSettings(Settings):
+    """Time integration and output."""
+
+    end: float = option(unit="s", gt=0, le=3600, text="simulated time")
+    output_rate: float = option(
+        10e3,
+        unit="Hz",
+        gt=0,
+        le=200000,
+        text="sampling rate of the results, after the anti-alias filter",
+    )
+    step: float = option(
+        33.4e-6,
+        unit="us",
+        gt=0,
+        le=1000,
+        text="time step, which is rounded down to a whole fraction of the sampling interval",
+    )
+    start: int = option(
+        0,
+        ge=0,
+        le=1_000_000,
+        text="0: start at rest in static equilibrium; 1, 2, ...: other initial states, with all modal displacements "
+        "changed by about 0.01 %, to show how much a chaotic motion depends on them",
+    )
+    band: float = option(
+        20e3,
+        unit="Hz",
+        ge=1000,
+        text="modes of the whole machine above this frequency are represented by their static response only",
+    )
+    integrator: Literal["exponential", "trapezoidal", "generalised-alpha"] = option(
+        "exponential", text="time integration method, see docs/choosing-a-model.md"
+    )
+
+    def __post_init__(self) -> None:
+        check_options(self, ValueError)
+        super().__post_init__()
+
+    @property
+    def steps(self) -> float:
+        """Number of time steps, as far as none is cut."""
+        return self.end / self.step
