@@ -216,7 +216,7 @@ def test_what_is_no_housing_is_refused_in_a_sentence(tmp_path, monkeypatch, caps
     for name, words in (
         ("a.step", "is no STEP file or is cut off"),
         ("a.op4", "cannot be read"),
-        ("a.txt", "are read from"),
+        ("a.txt", "a mesh file must end in one of"),
     ):
         assert main(["housing", name]) == 2
         assert words in capsys.readouterr().err
