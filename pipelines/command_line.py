@@ -158,7 +158,7 @@ def _run(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--one-load",
         action="store_true",
-        help="for a load on a rope: do not simulate it again with the equivalent constant torque",
+        help="do not simulate a hanging load again with the equivalent constant torque",
     )
     sub.add_argument(
         "--seeds",
@@ -352,7 +352,7 @@ COMMANDS = (  # in the order a user needs them: name, of the module too; one lin
     ),
     (
         "verify",
-        "check the claims of the published study of the hoist rig",
+        "check the claims of a published study against simulations",
         "gearcase verify rig --out claims",
         verify_arguments,
     ),
