@@ -123,9 +123,9 @@ def test_a_casing_without_a_mirror_plane_stays_in_one_piece(mesh):
 
 def test_functions_of_two_kinds_at_one_place_are_told_apart():
     """In the rig functions of edges lie at the middles of sides, where cubic ones are."""
-    part = make_plant(load_scene("rig-healthy").scene).casing
-    mesh = mesh_geometry(replace(part.geometry, sensors=()), part.sizes, part.element)
-    added = added_functions(mesh, part.material, held=mesh.patches("ground_"))
+    plant = make_plant(load_scene("rig-healthy").scene)
+    mesh = plant.casing.meshed(plant.structure).stage.build()
+    added = added_functions(mesh, plant.structure.material, held=mesh.patches("ground_"))
     places = np.round(added.places, 9)
     assert len(np.unique(places, axis=0)) < len(np.unique(np.column_stack([places, added.numbers // 100]), axis=0))
     assert len(np.unique(np.column_stack([places, added.numbers]), axis=0)) == len(added)

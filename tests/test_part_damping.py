@@ -151,9 +151,9 @@ def test_damped_parts_of_a_scene_in_si():
         {"name": "wall", "loss_factor": 0.3, "box_mm": [[-80.0, -90.0, -70.0], [-50.0, 90.0, 60.0]]},
     ]
     scene = load_scene("minimal", ELASTIC | {"casing.ground": "springs", "casing.damped_parts": parts}).scene
-    found = make_plant(scene).casing
-    assert found.loss_factors == {"cover": 0.02, "mounts": 0.1, "wall": 0.3}
-    cover, wall = found.model.regions
+    plant = make_plant(scene)
+    assert plant.casing.recovery(plant.structure).loss_factors == {"cover": 0.02, "mounts": 0.1, "wall": 0.3}
+    cover, wall = plant.casing.regions(plant.structure)
     assert (cover.name, cover.low[2]) == ("cover", pytest.approx(0.07))  # the top of the cavity
     assert (wall.low, wall.high) == ((-0.08, -0.09, -0.07), (-0.05, 0.09, 0.06))
 
