@@ -334,7 +334,7 @@ COMMANDS = (  # in the order a user needs them: name, of the module too; one lin
     ),
     (
         "detect",
-        "simulate the probability of detection over damage size and noise",
+        "estimate the probability of detection over damage size and noise",
         "gearcase detect bench --over faults.1.depth_mm=0.5:3:0.5 --dry-run",
         detect_arguments,
     ),

@@ -132,7 +132,7 @@ def test_missing_and_double_pulses_are_mended_and_named():
     bounce = np.flatnonzero((angle / (2 * np.pi)) % 1.0 > 0.1)
     pulses[bounce[np.searchsorted(turn[bounce], 70)] :][:3] = 0.0
     found = rotation_of(signal, PAIR)
-    assert "3 missing and 1 double mended" in found.source
+    assert "3 missing and 1 double pulses corrected" in found.source
     assert abs(relative_error(found, angle)) < 3e-5
 
 

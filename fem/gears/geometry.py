@@ -144,7 +144,7 @@ class GearPair:
                 depth <= limit,
                 f"{self.label}: interference at the root of the {name}: the tip of the {other} would touch it at roll "
                 f"length {1000 * lowest:.6g} mm, but the involute starts at {1000 * form:.6g} mm, and the tip cuts "
-                f"{1e6 * depth:.4g} um into the fillet (limit {1e6 * limit:.2g} um). Raise {name}_profile_shift, or "
+                f"{1e6 * depth:.4g} um into the fillet (limit {1e6 * limit:.2g} um). Correct {name}_profile_shift, or "
                 "set "
                 f"a negative {other}.tip_alteration_mm",
             )

@@ -80,7 +80,7 @@ def _from_pulses(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
     words = f"tachometer on {shown(name)}, {per_turn:g} pulse{'' if per_turn == 1.0 else 's'} per turn"
     return Rotation(
         angle=turning.angle / known[name].ratio,
-        source=words + (f"; {' and '.join(mended)} mended" if mended else ""),
+        source=words + (f"; {' and '.join(mended)} pulses corrected" if mended else ""),
         error=turning.error / float(turning.angle[-1] - turning.angle[0]),
         absolute=per_turn == 1.0,
         mark=name,

@@ -28,7 +28,7 @@ class MeasuredFlanksTable(Table):
 
 
 class GearDeviationsTable(EccentricTable):
-    """Given deviations of a gear, added to those of deviations.seed; none with deviations.enabled = false."""
+    """Given deviations of a gear, added to those of deviations.seed; deviations.enabled = false ignores them, too."""
 
     waves: Annotated[tuple[WaveTable, ...], Field(max_length=100, description="waviness")] = ()
     teeth: Annotated[tuple[ToothErrorTable, ...], Field(max_length=1000, description="deviations of single teeth")] = ()

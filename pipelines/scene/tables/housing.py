@@ -271,7 +271,7 @@ class NodeSeatTable(Table):
 
 
 class NodeGroundTable(Table):
-    """A foot of a housing of matrices."""
+    """A foot of a housing that is given as matrices."""
 
     nodes: Nodes
 
