@@ -20,6 +20,25 @@ _OVER = {"mm": 1000, "um": 1_000_000, "us": 1_000_000, "mrad": 1000, "mPa s": 10
 _TIMES = {"N/um": 1e6, "GPa": 1e9, "deg": math.radians(1.0), "rpm": math.tau / 60}
 
 
+UNITS = (*_OVER, *_TIMES)  # those that are not SI already
+
+
+def key_suffix(unit: str) -> str:
+    """The end of a key for a unit: N_per_um of N/um."""
+    return unit.replace("/", "_per_").replace(" ", "_")
+
+
+def in_si(value: Any, unit: str) -> Any:
+    """A number or array in a unit, in SI; each of a tuple, at any depth; None stays."""
+    if isinstance(value, tuple):
+        return tuple(in_si(item, unit) for item in value)
+    if value is None:
+        return None
+    if unit == "deg":
+        return math.radians(value)
+    return value / _OVER[unit] if unit in _OVER else value * _TIMES.get(unit, 1)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Option:
     """What a scene may give for a field: `text` describes it, `key` replaces the name of the field in it."""
@@ -37,9 +56,7 @@ class Option:
 
     def si(self, value: float) -> float:
         """A value in the unit of the option, in SI."""
-        if self.unit == "deg":
-            return math.radians(value)
-        return value / _OVER[self.unit] if self.unit in _OVER else value * _TIMES.get(self.unit, 1)
+        return in_si(value, self.unit)
 
     def given(self, value: float) -> float:
         """A value in SI in the unit of the option, as a user would write it."""

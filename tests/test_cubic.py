@@ -21,7 +21,7 @@ from fem.elements.materials import CAST_IRON, Material
 from fem.elements.solid_elements import SOLIDS, rule, shapes
 from fem.elements.solids import assemble, lame, rigid_body_modes
 
-UNIT = Material(name="unit", elastic_modulus=1.0, poisson_ratio=0.3, density=1.0)
+UNIT = Material(name="unit", elastic_modulus=1e6, poisson_ratio=0.3, density=1.0)
 FREE = np.zeros((0, 6), int)
 KINDS = [SOLIDS["tetrahedron-20"], SOLIDS["hexahedron-32"]]
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+
+from fem.options import check_options, option
 
 
 class MaterialError(ValueError):
@@ -12,26 +13,18 @@ class MaterialError(ValueError):
 
 @dataclass(frozen=True, kw_only=True)
 class Material:
-    """A linear isotropic material.
+    """An isotropic linear elastic material.
 
-    elastic_modulus E (Pa), poisson_ratio nu (1), density rho (kg/m3).
-    Raises MaterialError unless E > 0, -1 < nu < 0.5, rho > 0.
+    MaterialError for a constant outside its range.
     """
 
     name: str
-    elastic_modulus: float
-    poisson_ratio: float
-    density: float
+    elastic_modulus: float = option(text="Young's modulus; steel: 206", unit="GPa", ge=1e-3, le=1e6)
+    poisson_ratio: float = option(text="Poisson's ratio", ge=0, lt=0.5)
+    density: float = option(text="density; steel: 7850", unit="kg/m3", key="density_kg_m3", ge=1, le=1e5)
 
     def __post_init__(self) -> None:
-        for field in ("elastic_modulus", "density"):
-            value = getattr(self, field)
-            if not (math.isfinite(value) and value > 0.0):
-                raise MaterialError(f"material {self.name!r}: {field} is {value!r}; give a finite value above 0 (SI)")
-        if not -1.0 < self.poisson_ratio < 0.5:
-            raise MaterialError(
-                f"material {self.name!r}: poisson_ratio is {self.poisson_ratio!r}; give a value in (-1, 0.5)"
-            )
+        check_options(self, MaterialError)
 
     @property
     def plane_strain_modulus(self) -> float:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from fem.options import check_options, option
 from mbd.elements.component import Component, Place
 from mbd.elements.reading import Reading
 from mbd.parts.bearings import DIRECTIONS
-from mbd.parts.checks import finite
+from mbd.parts.checks import MachineError
 
 if TYPE_CHECKING:
     from mbd.elements.coordinates import Coordinates
@@ -23,14 +24,14 @@ def probe_channel(probe: str, axis: str) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Probe(Component):
-    """At ``y`` (m) of ``shaft``."""
+    """A proximity probe on the ground: displacement of the axis of a shaft along x, y and z."""
 
-    name: str
+    name: str = option(text="letters, digits, _ and -, at most 40", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$")
     shaft: str
-    y: float
+    y: float = option(text="y of the probe", unit="mm", key="position_mm")
 
     def __post_init__(self) -> None:
-        finite(f"probe {self.name} y", self.y)
+        check_options(self, MachineError)
 
     @property
     def places(self) -> tuple[Place, ...]:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from fem.options import check_options, option
 from mbd.elements.component import Component
 from mbd.elements.linear import LinearElement, Part
 from mbd.elements.mode_words import ModeWords
@@ -39,38 +40,41 @@ def shaft_channels(shaft: str) -> tuple[str, str]:
 
 @dataclass(frozen=True, kw_only=True)
 class Section:
-    """A length of shaft with constant diameters (m)."""
+    """A stretch of a shaft with constant diameters.
 
-    y_start: float
-    y_end: float
-    outer_diameter: float
-    inner_diameter: float = 0.0
+    MachineError if they do not fit together.
+    """
+
+    y_start: float = option(text="y of the -y end", unit="mm", key="start_mm", ge=-1e5, le=1e5)
+    y_end: float = option(text="y of the +y end", unit="mm", key="end_mm", ge=-1e5, le=1e5)
+    outer_diameter: float = option(text="outer diameter", unit="mm", key="diameter_mm", ge=0.1, le=1e5)
+    inner_diameter: float = option(0.0, text="inner diameter", unit="mm", key="bore_mm", ge=0)
 
     def __post_init__(self) -> None:
-        positive("section length", self.y_end - self.y_start, "Let y_end exceed y_start.")
-        positive("section outer_diameter", self.outer_diameter)
-        not_negative("section inner_diameter", self.inner_diameter)
+        check_options(self, MachineError)
+        if self.y_end <= self.y_start:
+            raise MachineError(
+                f"end_mm = {1000 * self.y_end:g} must be greater than start_mm = {1000 * self.y_start:g}. Correct them"
+            )
         if self.inner_diameter >= self.outer_diameter:
             raise MachineError(
-                f"section: inner diameter {self.inner_diameter} m is not below the outer {self.outer_diameter} m."
+                f"bore_mm = {1000 * self.inner_diameter:g} must be smaller than diameter_mm = "
+                f"{1000 * self.outer_diameter:g}. Correct them"
             )
 
 
 @dataclass(frozen=True, kw_only=True)
 class Disk:
-    """A rigid disk on a shaft: gear body, drum or coupling half (kg, kg m2)."""
+    """A rigid disk on a shaft, besides gears and drums: half of a coupling, brake disk, flywheel."""
 
     name: str
-    y: float
-    mass: float
-    polar_inertia: float
-    diametral_inertia: float
+    y: float = option(text="y of the disk", unit="mm", key="position_mm")
+    mass: float = option(text="mass of the disk", unit="kg", ge=0)
+    polar_inertia: float = option(text="moment of inertia about the shaft", unit="kg m2", ge=0)
+    diametral_inertia: float = option(text="moment of inertia about a diameter", unit="kg m2", ge=0)
 
     def __post_init__(self) -> None:
-        finite(f"disk {self.name} y", self.y)
-        not_negative(f"disk {self.name} mass", self.mass)
-        not_negative(f"disk {self.name} polar_inertia", self.polar_inertia)
-        not_negative(f"disk {self.name} diametral_inertia", self.diametral_inertia)
+        check_options(self, MachineError)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,7 +15,7 @@ from mbd.parts.bearings import BEARING_AXES, BearingSpec
 from pipelines.border.errors import Problem, SceneError
 from pipelines.plant.bearings import bearing_points
 from pipelines.plant.housing import housing
-from pipelines.plant.layout import Layout, material
+from pipelines.plant.layout import Layout
 from pipelines.plant.parts import MachineParts
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.casing import ElasticBase, FlexibleBase
@@ -67,7 +67,7 @@ def shaped(table: FlexibleBase, made: Geometry, source: str) -> Structure:
         from pipelines.plant.joint import bolted_joint  # late, like all that only elastic ones need
 
         joint = bolted_joint(bolts, made, source)
-    return Structure(housing=made, material=material("casing", table.material), joint=joint, wall=thinnest)
+    return Structure(housing=made, material=table.material.made(name="casing"), joint=joint, wall=thinnest)
 
 
 def forced_points(machine: MachineParts, sensors: Sequence[Sensor]) -> tuple[ForcedPoint, ...]:

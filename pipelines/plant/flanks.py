@@ -59,13 +59,13 @@ def flanks_spec(pair: GearPair, modifications: PairModifications, faults: Sequen
 
 def modifications(stage: StageTable, sense: int) -> PairModifications:
     """Modifications and misalignment of a stage in the face coordinate of its mesh law."""
-    width = stage.face_width_mm / 1000
+    width = stage.si.face_width
     return PairModifications(
         pinion=_gear_flanks(stage.pinion, sense),
         wheel=_gear_flanks(stage.wheel, sense),
         misalignment=Misalignment(
-            in_plane=sense * stage.misalignment.in_plane_um / 1_000_000 / width,
-            out_of_plane=sense * stage.misalignment.out_of_plane_um / 1_000_000 / width,
+            in_plane=sense * stage.misalignment.si.in_plane / width,
+            out_of_plane=sense * stage.misalignment.si.out_of_plane / width,
         ),
     )
 
@@ -77,11 +77,11 @@ def _gear_flanks(table: GearTable, sense: int) -> FlankModifications:
     return FlankModifications(
         tip_relief=table.tip_relief and table.tip_relief.made(),
         root_relief=table.root_relief and table.root_relief.made(),
-        profile_crowning=table.profile_crowning_um / 1_000_000,
-        lead_crowning=table.lead_crowning_um / 1_000_000,
+        profile_crowning=table.si.profile_crowning,
+        lead_crowning=table.si.lead_crowning,
         end_relief_low=low and low.made(),
         end_relief_high=high and high.made(),
-        helix_slope=sense * table.helix_slope_um / 1_000_000,
+        helix_slope=sense * table.si.helix_slope,
     )
 
 

@@ -33,7 +33,7 @@ def bores(table: HousingTable, layout: Layout) -> tuple[Bore, ...]:
             side=side,
             diameter=bore / 1000,
             boss_diameter=boss / 1000,
-            boss_length=table.boss_length_mm / 1000,
+            boss_length=table.si.boss_length,
         )
         for number, ((x, z), bore, boss) in enumerate(
             zip(layout.axes, table.bore_diameters_mm, table.boss_diameters_mm, strict=True)
@@ -44,21 +44,21 @@ def bores(table: HousingTable, layout: Layout) -> tuple[Bore, ...]:
 
 def feet(table: HousingTable) -> Feet:
     """Feet evenly spread between the ends of the box: three a side, or as many as their largest distance asks for."""
-    length, left, side = table.length_mm / 1000, table.left_end_mm / 1000, table.foot_length_mm / 1000
+    length, left, side = table.si.length, table.si.left_end, table.si.foot_length
     first, last = left + END_DISTANCE * length + side / 2, left + (1 - END_DISTANCE) * length - side / 2
     if table.foot_pitch_mm is None:
         places = (first, (first + last) / 2, last)
     else:
-        count = max(2, math.ceil((last - first) / (table.foot_pitch_mm / 1000) - 1e-9) + 1)
+        count = max(2, math.ceil((last - first) / (table.si.foot_pitch) - 1e-9) + 1)
         places = tuple(np.linspace(first, last, count).tolist())
     return Feet(
         x=places,
         length=side,
-        height=table.foot_height_mm / 1000,
-        overhang=table.foot_overhang_mm / 1000,
-        pad_diameter=table.pad_diameter_mm / 1000,
-        pad_height=table.pad_height_mm / 1000,
-        bolt_diameter=table.bolt_diameter_mm / 1000,
+        height=table.si.foot_height,
+        overhang=table.si.foot_overhang,
+        pad_diameter=table.si.pad_diameter,
+        pad_height=table.si.pad_height,
+        bolt_diameter=table.si.bolt_diameter,
     )
 
 
@@ -106,12 +106,12 @@ def sensors(tables: Sequence[SensorTable]) -> tuple[Sensor, ...]:
 
 def _parametric(table: HousingTable, layout: Layout, placed: tuple[Sensor, ...]) -> Housing:
     return Housing(
-        length=table.length_mm / 1000,
-        width=table.width_mm / 1000,
-        height=table.height_mm / 1000,
-        wall_thickness=table.wall_thickness_mm / 1000,
-        left=table.left_end_mm / 1000,
-        axis_height=table.shaft_height_mm / 1000,
+        length=table.si.length,
+        width=table.si.width,
+        height=table.si.height,
+        wall_thickness=table.si.wall_thickness,
+        left=table.si.left_end,
+        axis_height=table.si.shaft_height,
         bores=bores(table, layout),
         feet=feet(table),
         sensors=placed,
@@ -123,7 +123,7 @@ def _parametric(table: HousingTable, layout: Layout, placed: tuple[Sensor, ...])
         ),
         flange=table.flange and table.flange.made(),
         ribs=table.ribs and table.ribs.made(),
-        fillets=Fillets(foot=table.foot_fillet_mm / 1000, inner=table.inner_fillet_mm / 1000),
+        fillets=Fillets(foot=table.si.foot_fillet, inner=table.si.inner_fillet),
         bolted=table.joint is not None,
     )
 
@@ -168,7 +168,7 @@ def seat_problems(given: Sequence[str], bearings: int) -> Iterator[Problem]:
 def _seat(table: SeatTable) -> Locator:
     if table.through_mm is None or table.diameter_mm is None:
         return ByGroup(group=table.group or "")
-    return ByCylinder(through=_metres(table.through_mm), diameter=table.diameter_mm / 1000, axis=table.axis)
+    return ByCylinder(through=_metres(table.through_mm), diameter=table.si.diameter, axis=table.axis)
 
 
 def _ground(table: GroundTable) -> Locator:

@@ -82,7 +82,7 @@ def _of_cover(table: CoverJointTable, housing: Housing) -> BoltedJoint:
         )
     places = [(x / 1000, y / 1000) for x, y in table.positions_mm]
     if table.pitch_mm is not None:
-        places += cover_bolts(housing, bolt, table.pitch_mm / 1000)
+        places += cover_bolts(housing, bolt, table.si.pitch)
     return BoltedJoint(
         plane=Plane(through=(0.0, 0.0, z), normal=(0.0, 0.0, 1.0)),
         bolt=bolt,
@@ -134,7 +134,7 @@ def _evenly(start: float, end: float, pitch: float) -> list[float]:
 
 
 def _outer(table: CoverJointTable | PlaneJointTable) -> float | None:
-    return None if table.outer_diameter_mm is None else table.outer_diameter_mm / 1000
+    return table.si.outer_diameter
 
 
 def _stiffness(table: CoverJointTable | PlaneJointTable) -> tuple[float, float] | None:

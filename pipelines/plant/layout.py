@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 from fem.elements.materials import Material
@@ -14,7 +13,6 @@ from pipelines.plant.torques.drives import highest_rpm
 from pipelines.plant.torques.loads import load_torque, loaded_shaft
 from pipelines.scene.phases import mesh_cycles
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.base import MaterialTable
 from pipelines.scene.tables.forces import TorqueTable
 from pipelines.scene.tables.gear_details import GearTable
 from pipelines.scene.tables.gears import StageTable
@@ -22,16 +20,6 @@ from pipelines.scene.train import place_shafts, shaft_senses, stage_shafts
 
 USUAL_BORE = 0.5  # of the root circle, where a scene gives no bore
 USUAL_BACKLASH_UM = 80.0  # where a scene says nothing of centre distance, allowances or backlash
-
-
-def material(name: str, table: MaterialTable) -> Material:
-    """The material of a table, in SI."""
-    return Material(
-        name=name,
-        elastic_modulus=table.elastic_modulus_GPa * 1e9,
-        poisson_ratio=table.poisson_ratio,
-        density=table.density_kg_m3,
-    )
 
 
 def gear_pair(stage: StageTable, steel: Material, sense: int = 1) -> GearPair:
@@ -48,7 +36,7 @@ def gear_pair(stage: StageTable, steel: Material, sense: int = 1) -> GearPair:
     pair = GearPair(
         pinion=_named_gear(stage, "pinion", pinion_hand, sense),
         wheel=_named_gear(stage, "wheel", "left" if pinion_hand == "right" else "right", sense),
-        centre_distance=None if stage.centre_distance_mm is None else stage.centre_distance_mm / 1000,
+        centre_distance=stage.si.centre_distance,
         pinion_material=steel,
         wheel_material=steel,
     )
@@ -86,24 +74,24 @@ def _gear(stage: StageTable, name: str, hand: str, sense: int) -> Gear:
         addendum=rack_value("rack_addendum"),
         dedendum=rack_value("rack_dedendum"),
         tip_radius=rack_value("rack_tip_radius"),
-        pressure_angle=math.radians(stage.pressure_angle_deg),
+        pressure_angle=stage.si.pressure_angle,
     )
     solid = Gear(
         teeth=getattr(stage, f"{name}_teeth"),
-        normal_module=stage.module_mm / 1000,
-        helix_angle=math.radians(stage.helix_angle_deg),
-        face_width=stage.face_width_mm / 1000,
+        normal_module=stage.si.module,
+        helix_angle=stage.si.helix_angle,
+        face_width=stage.si.face_width,
         profile_shift=getattr(stage, f"{name}_profile_shift"),
         rack=rack,
-        bore_radius=1e-6 * stage.module_mm / 1000,
-        tip_alteration=table.tip_alteration_mm / 1000,
+        bore_radius=1e-6 * stage.si.module,
+        tip_alteration=table.si.tip_alteration,
         hand=hand,
-        thickness_allowance=table.thickness_allowance_um / 1_000_000,
-        tip_chamfer=table.tip_chamfer_mm / 1000,
-        tip_rounding=table.tip_rounding_mm / 1000,
-        rim_thickness=None if table.rim_thickness_mm is None else table.rim_thickness_mm / 1000,
-        web_thickness=None if table.web_thickness_mm is None else table.web_thickness_mm / 1000,
-        web_offset=sense * table.web_offset_mm / 1000 + 0.0,  # no -0: equal pairs share a law
+        thickness_allowance=table.si.thickness_allowance,
+        tip_chamfer=table.si.tip_chamfer,
+        tip_rounding=table.si.tip_rounding,
+        rim_thickness=table.si.rim_thickness,
+        web_thickness=table.si.web_thickness,
+        web_offset=sense * table.si.web_offset + 0.0,  # no -0: equal pairs share a law
     )
     bore: float | None = getattr(stage, f"{name}_bore_mm")
     if bore is None:
@@ -161,7 +149,7 @@ def lay_out(scene: Scene, source: str = "scene") -> Layout:
     ------
     SceneError : gears that do not work, a train that does not hang together, all of it listed
     """
-    steel = material("gear steel", scene.gear_material)
+    steel = scene.gear_material.made(name="gear steel")
     pairs, flanks, problems = [], [], []
     pair_shafts = stage_shafts(scene.stages)
     senses = shaft_senses(len(scene.shafts), scene.stages, scene.couplings)

@@ -8,11 +8,10 @@ from typing import Any
 
 from fem.gears.geometry import Gear, GearPair
 from fem.gears.prescribed import PrescribedDeviations
-from mbd.coordinates.probe import Probe
 from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.film import Film
 from mbd.parts.losses import Brake
-from mbd.parts.shafts import Disk, Section, ShaftSpec
+from mbd.parts.shafts import Disk, ShaftSpec
 from pipelines.plant.bearings import bearing_specs, with_bearing_faults
 from pipelines.plant.flanks import GEARS, Fault, damaged_teeth, prescribed_deviations
 from pipelines.plant.layout import Layout
@@ -57,7 +56,7 @@ def _disks(scene: Scene, layout: Layout, shaft: int) -> list[Disk]:
     density = scene.gear_material.density_kg_m3
     found: list[Disk] = []
     for number, (stage, pair) in enumerate(zip(scene.stages, layout.pairs, strict=True)):
-        y = stage.position_mm / 1000
+        y = stage.si.position
         for name, gear, place in zip(
             ("pinion", "wheel"), (pair.pinion, pair.wheel), layout.pair_shafts[number], strict=True
         ):
@@ -65,18 +64,10 @@ def _disks(scene: Scene, layout: Layout, shaft: int) -> list[Disk]:
                 found.append(gear_disk(f"{name}_{number + 1}", y, gear, density))
     for number, table in enumerate(scene.disks, 1):
         if table.shaft == shaft + 1:
-            found.append(
-                Disk(
-                    name=f"disk_{number}",
-                    y=table.position_mm / 1000,
-                    mass=table.mass_kg,
-                    polar_inertia=table.polar_inertia_kg_m2,
-                    diametral_inertia=table.diametral_inertia_kg_m2,
-                )
-            )
+            found.append(table.made(name=f"disk_{number}"))
     load = scene.load
     if shaft == layout.loaded and isinstance(load, LoadBase):
-        radius = load.drum_radius_mm / 1000
+        radius = load.si.drum_radius
         for number, y in enumerate(drums(load, scene.shafts[layout.loaded]), 1):
             # a drum is a thin shell: diametral inertia half the polar one, its length neglected
             found.append(
@@ -102,21 +93,13 @@ def shaft_specs(scene: Scene, layout: Layout) -> tuple[ShaftSpec, ...]:
                 x=x,
                 z=z,
                 sense=layout.senses[number],
-                sections=tuple(
-                    Section(
-                        y_start=section.start_mm / 1000,
-                        y_end=section.end_mm / 1000,
-                        outer_diameter=section.diameter_mm / 1000,
-                        inner_diameter=section.bore_mm / 1000,
-                    )
-                    for section in table.sections
-                ),
+                sections=tuple(section.made() for section in table.sections),
                 disks=tuple(_disks(scene, layout, number)),
-                elastic_modulus=steel.elastic_modulus_GPa * 1e9,
+                elastic_modulus=steel.si.elastic_modulus,
                 poisson_ratio=steel.poisson_ratio,
                 density=steel.density_kg_m3,
-                damping_time=scene.shaft_model.damping_time_us / 1_000_000,
-                element_length=scene.shaft_model.element_length_mm / 1000,
+                damping_time=scene.shaft_model.si.damping_time,
+                element_length=scene.shaft_model.si.element_length,
                 model=scene.shaft_model.model,
             )
         )
@@ -129,29 +112,29 @@ def coupling_specs(tables: Sequence[CouplingTable]) -> tuple[ShaftCoupling, ...]
 
 
 def _coupling(number: int, table: CouplingTable) -> ShaftCoupling:
-    radial, tilt = table.radial_stiffness_N_per_um, table.tilt_stiffness_N_m_per_rad
+    radial, tilt = table.si.radial_stiffness, table.tilt_stiffness_N_m_per_rad
     common: dict[str, Any] = {
         "name": f"coupling_{number}",
         "shafts": (f"shaft_{table.shafts[0]}", f"shaft_{table.shafts[1]}"),
-        "y": (table.positions_mm[0] / 1000, table.positions_mm[1] / 1000),
+        "y": table.si.positions,
         "torsional_stiffness": table.torsional_stiffness_N_m_per_rad,
-        "radial_stiffness": radial * 1e6,
-        "axial_stiffness": table.axial_stiffness_N_per_um * 1e6,
+        "radial_stiffness": radial,
+        "axial_stiffness": table.si.axial_stiffness,
         "tilt_stiffness": tilt,
-        "damping_time": table.damping_time_us / 1_000_000,
+        "damping_time": table.si.damping_time,
     }
     if not table.turns:
         return ShaftCoupling(**common)
     from mbd.excitations.misaligned_coupling import MisalignedCoupling
 
-    across = table.radial_stiffness_across_N_per_um, table.tilt_stiffness_across_N_m_per_rad
+    across = table.si.radial_stiffness_across, table.tilt_stiffness_across_N_m_per_rad
     return MisalignedCoupling(
         **common,
-        radial_stiffness_across=(radial if across[0] is None else across[0]) * 1e6,
+        radial_stiffness_across=radial if across[0] is None else across[0],
         tilt_stiffness_across=tilt if across[1] is None else across[1],
-        offset=(table.offset_um[0] / 1_000_000, table.offset_um[1] / 1_000_000),
-        tilt=(table.tilt_mrad[0] / 1000, table.tilt_mrad[1] / 1000),
-        angle=math.radians(table.stiff_axis_deg),
+        offset=table.si.offset,
+        tilt=table.si.tilt,
+        angle=table.si.stiff_axis,
         joint=table.universal_joint,
     )
 
@@ -188,7 +171,7 @@ def gear_meshes(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> tuple[
             name=f"mesh_{number}",
             driving=f"shaft_{driving + 1}",
             driven=f"shaft_{driven + 1}",
-            y=stage.position_mm / 1000,
+            y=stage.si.position,
             pair=pair,
             pinion=gear_teeth(
                 scene.deviations, prescribed_deviations(stage, number, "pinion", sense), faults, number, "pinion"
@@ -196,7 +179,7 @@ def gear_meshes(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> tuple[
             wheel=gear_teeth(
                 scene.deviations, prescribed_deviations(stage, number, "wheel", sense), faults, number, "wheel"
             ),
-            damping_time=stage.mesh_damping_time_us / 1_000_000,
+            damping_time=stage.si.mesh_damping_time,
             cycle_at_start=layout.cycles_at_start[number - 1],
             film=film_spec(scene.film, pair),
         )
@@ -242,7 +225,5 @@ def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> Mach
         losses=scene.losses.made(),
         brake=Brake(shaft=driven, y=ends[0], torque=brake) if brake else None,
         gyroscopic=scene.shaft_model.gyroscopic,
-        probes=tuple(
-            Probe(name=table.name, shaft=f"shaft_{table.shaft}", y=table.position_mm / 1000) for table in scene.probes
-        ),
+        probes=tuple(table.made(shaft=f"shaft_{table.shaft}") for table in scene.probes),
     )

@@ -195,6 +195,6 @@ def _geometric_orders(table: BearingTable) -> dict[str, float]:
             count=table.elements or 0,
             diameter=(table.element_diameter_mm or 0.0) / 1000,
             pitch_diameter=(table.pitch_diameter_mm or 0.0) / 1000,
-            contact_angle=math.radians(table.contact_angle_deg),
+            contact_angle=table.si.contact_angle,
         )
     )

@@ -67,7 +67,7 @@ def _teeth(
     stage: StageTable, pair: GearPair, shafts: tuple[int, int], senses: Sequence[int]
 ) -> Iterator[tuple[Gear, float]]:
     """T - c of both gears."""
-    direction, pitch = math.radians(stage.direction_deg), 2 * math.pi
+    direction, pitch = stage.si.direction, 2 * math.pi
     thicknesses = (thickness / pair.working_pitch for thickness in pair.working_thicknesses)
     sides = ((pair.pinion, direction, -1), (pair.wheel, direction + math.pi, 1))
     for (gear, towards, side), shaft, thickness in zip(sides, shafts, thicknesses, strict=True):

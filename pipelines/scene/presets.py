@@ -119,7 +119,7 @@ def preset_settings(scene: Scene, preset: str) -> Settings:
 
 def _overlap_ratio(stage: StageTable) -> float:
     """eps_beta (ISO 21771)."""
-    return stage.face_width_mm * math.sin(math.radians(stage.helix_angle_deg)) / (math.pi * stage.module_mm)
+    return stage.face_width_mm * math.sin(stage.si.helix_angle) / (math.pi * stage.module_mm)
 
 
 def _casing_mesh(scene: Scene, casing: ElasticBase, level: Level) -> Settings:
@@ -170,7 +170,7 @@ def _bosses_apart(stages: Sequence[StageTable], boss_diameters: Sequence[float])
     from pipelines.scene.train import stage_shafts
 
     for stage, (pinion, wheel) in zip(stages, stage_shafts(stages), strict=True):
-        helix, direction = math.radians(stage.helix_angle_deg), math.radians(stage.direction_deg)
+        helix, direction = stage.si.helix_angle, stage.si.direction
         distance = stage.module_mm * (stage.pinion_teeth + stage.wheel_teeth) / (2.0 * math.cos(helix))
         seen = distance * max(abs(math.cos(direction)), abs(math.sin(direction)))
         if seen < BETWEEN_BOSSES * (boss_diameters[pinion] + boss_diameters[wheel]) / 2.0:

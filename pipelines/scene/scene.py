@@ -15,11 +15,12 @@ from mbd.forces.bearing_models import LinearBearings
 from mbd.parts.losses import NoLosses
 from pipelines.border.shown import shown_value
 from pipelines.scene.tables.analysis import DiagnosisTable
-from pipelines.scene.tables.base import MaterialTable, Table
+from pipelines.scene.tables.base import Table
 from pipelines.scene.tables.bearings import BearingModel
 from pipelines.scene.tables.casing import (
     CasingModel,
     FlexibleBase,
+    MaterialTable,
     SensorTable,
 )
 from pipelines.scene.tables.derived import table

@@ -124,7 +124,7 @@ def _beside_one_another(places: Sequence[Place], couplings: Sequence[CouplingTab
 
 
 def _stage_step(number: int, stage: StageTable, pair: GearPair, shafts: tuple[int, int]) -> _Step:
-    angle = math.radians(stage.direction_deg)
+    angle = stage.si.direction
     x, z = pair.axis_distance * math.cos(angle), pair.axis_distance * math.sin(angle)
     return _Step(f"stages.{number + 1}", *shafts, x, z, -1, 1 / pair.ratio)
 

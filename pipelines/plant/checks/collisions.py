@@ -51,7 +51,7 @@ def gears(scene: Scene, layout: Layout) -> list[Cylinder]:
     """Tip cylinders of all gears, pinion and wheel of stage 1 first."""
     found = []
     for number, (stage, pair) in enumerate(zip(scene.stages, layout.pairs, strict=True)):
-        middle, half = stage.position_mm / 1000, stage.face_width_mm / 2000
+        middle, half = stage.si.position, stage.si.face_width / 2
         places = layout.pair_shafts[number]
         for shaft, gear, name in ((places[0], pair.pinion, "pinion"), (places[1], pair.wheel, "wheel")):
             label = f"tip circle of the stage {number + 1} {name}"
@@ -67,9 +67,9 @@ def shafts(scene: Scene) -> list[Cylinder]:
             f"section of shaft {number}",
             f"shafts.{number}",
             number - 1,
-            section.diameter_mm / 2000,
-            section.start_mm / 1000,
-            section.end_mm / 1000,
+            section.si.diameter / 2,
+            section.si.start,
+            section.si.end,
         )
         for number, shaft in enumerate(scene.shafts, 1)
         for section in shaft.sections
@@ -78,7 +78,7 @@ def shafts(scene: Scene) -> list[Cylinder]:
 
 def bosses(housing: HousingTable) -> list[Cylinder]:
     """Bearing bosses inside both side walls."""
-    outer, length = housing.width_mm / 2000, housing.boss_length_mm / 1000
+    outer, length = housing.si.width / 2, housing.si.boss_length
     found = []
     for index, diameter in enumerate(housing.boss_diameters_mm):
         for number, start in ((2 * index + 1, -outer), (2 * index + 2, outer - length)):
@@ -132,11 +132,11 @@ def _body(gear: Cylinder) -> tuple[int, float, float, float]:
 def _wall_clashes(scene: Scene, layout: Layout, housing: HousingTable) -> Iterator[Problem]:
     common = housing.wall_thickness_mm
     end = (housing.end_wall_thickness_mm or common) / 1000
-    left = housing.left_end_mm / 1000 + end
+    left = housing.si.left_end + end
     right = (housing.left_end_mm + housing.length_mm) / 1000 - end
     floor = (-housing.shaft_height_mm + (housing.floor_thickness_mm or common)) / 1000
     cover = (housing.height_mm - housing.shaft_height_mm - (housing.cover_thickness_mm or common)) / 1000
-    side = housing.width_mm / 2000 - (housing.side_wall_thickness_mm or common) / 1000
+    side = housing.si.width / 2 - (housing.side_wall_thickness_mm or common) / 1000
     for body in gears(scene, layout):
         x, z = layout.axes[body.shaft]
         rooms = {

@@ -69,7 +69,7 @@ def _springs(scene: Scene, layout: Layout) -> Iterator[np.ndarray]:
         line = layout.axes[driven][0] - layout.axes[driving][0], layout.axes[driven][1] - layout.axes[driving][1]
         radii = pair.pinion.base_radius, pair.wheel.base_radius
         lead = pair.pinion.hand_sign * math.tan(pair.base_helix_angle)
-        y = stage.position_mm / 1000
+        y = stage.si.position
         flank = contact_rows(line, radii, pair.working_pressure_angle, lead, layout.senses[driving])
         for contact in flank[: 2 if stage.mesh.slices > 1 else 1]:
             yield row(driving, y, contact[:6]) + row(driven, y, contact[6:])

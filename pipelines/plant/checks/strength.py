@@ -79,7 +79,7 @@ def torques_along(scene: Scene, layout: Layout) -> list[list[tuple[float, float]
 
     flows = power_flows(layout)
     for stage, (pinion, wheel), power in zip(scene.stages, layout.pair_shafts, flows, strict=False):
-        y = stage.position_mm / 1000
+        y = stage.si.position
         flow((pinion, y), (wheel, y), power)
     turning = [coupling for coupling in scene.couplings if coupling.turns_both]
     for coupling, power in zip(turning, flows[len(scene.stages) :], strict=True):
@@ -90,7 +90,7 @@ def torques_along(scene: Scene, layout: Layout) -> list[list[tuple[float, float]
     for number, force in enumerate(scene.forces, 1):
         if isinstance(force, TorqueTable):
             largest = sum(force.spec(number).largest_torques(0.0).values())
-            entering[force.shaft - 1].append((force.position_mm / 1000, largest))
+            entering[force.shaft - 1].append((force.si.position, largest))
     places = load_places(scene.load, scene.shafts[layout.loaded])
     torque = load_torque(scene.load, layout.loaded)
     entering[layout.loaded] += [(y, -torque / len(places)) for y in places]
@@ -105,10 +105,10 @@ def torsions(scene: Scene, layout: Layout) -> list[Torsion]:
         inside = np.cumsum(torques)[:-1]
         worst: Torsion | None = None
         for place, section in enumerate(shaft.sections, 1):
-            start, end = section.start_mm / 1000, section.end_mm / 1000
+            start, end = section.si.start, section.si.end
             crossed = (places[:-1] < end - 1e-9) & (places[1:] > start + 1e-9) & (np.diff(places) > 0)
             torque = float(abs(inside[crossed]).max(initial=0.0))
-            outer, inner = section.diameter_mm / 1000, section.bore_mm / 1000
+            outer, inner = section.si.diameter, section.si.bore
             resistance = math.pi / 16 * outer**3 * (1 - (inner / outer) ** 4)
             stress = torque / resistance if resistance else math.inf
             if torque and (worst is None or stress > worst.stress):

@@ -19,7 +19,7 @@ from pipelines.scene.tables.torques import RPM
 def motor_places(drive: DriveModel, shaft: ShaftTable) -> tuple[float, ...]:
     """y of the motors (m) on their shaft."""
     if not isinstance(drive, SpeedDrive) and drive.position_mm is not None:
-        return (drive.position_mm / 1000,)
+        return (drive.si.position,)
     return shaft_ends(shaft)[: drive.motors]
 
 

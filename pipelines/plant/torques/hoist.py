@@ -55,7 +55,7 @@ def hoist(table: LoadModel) -> Hoist | None:
         return None
     common = {
         "mass": table.container_kg,
-        "drum_radius": table.drum_radius_mm / 1000,
+        "drum_radius": table.si.drum_radius,
         "reeving": table.reeving_ratio,
     }
     if not isinstance(table, RopeTable) or table.container_kg == 0:
@@ -66,13 +66,13 @@ def hoist(table: LoadModel) -> Hoist | None:
 
 def output_torque(load: LoadBase) -> float:
     """Torque of the hanging weight on the shaft of the drums (N m): m g R / reeving."""
-    return load.container_kg * STANDARD_GRAVITY * load.drum_radius_mm / 1000 / load.reeving_ratio
+    return load.container_kg * STANDARD_GRAVITY * load.si.drum_radius / load.reeving_ratio
 
 
 def _rope_strength(load: RopeTable) -> float:
     """Axial stiffness EA of one fall (N), A the metallic area."""
-    area = load.rope_fill_factor * math.pi / 4 * (load.rope_diameter_mm / 1000) ** 2
-    return load.rope_modulus_GPa * 1e9 * area
+    area = load.rope_fill_factor * math.pi / 4 * (load.si.rope_diameter) ** 2
+    return load.si.rope_modulus * area
 
 
 def drums(load: LoadBase, shaft: ShaftTable) -> tuple[float, ...]:
@@ -83,8 +83,8 @@ def drums(load: LoadBase, shaft: ShaftTable) -> tuple[float, ...]:
 
 def load_spec(table: LoadBase, shaft: str, places: tuple[float, ...]) -> Load:
     """The load on the drums at `places` (m) of a shaft."""
-    radius = table.drum_radius_mm / 1000
-    direction = None if table.rope_direction_deg is None else math.radians(table.rope_direction_deg)
+    radius = table.si.drum_radius
+    direction = table.si.rope_direction
     if not isinstance(table, RopeTable) or table.container_kg == 0:
         torque = output_torque(table) / len(places)
         return StaticTorque(shaft=shaft, drums=places, torque=torque, direction=direction, drum_radius=radius)
@@ -92,7 +92,7 @@ def load_spec(table: LoadBase, shaft: str, places: tuple[float, ...]) -> Load:
     if table.ground_level_m is not None:
         ground = Ground(
             level=table.ground_level_m,
-            stiffness=table.ground_stiffness_N_per_um * 1e6,
+            stiffness=table.si.ground_stiffness,
             damping_ratio=table.ground_damping_ratio,
         )
     common: dict[str, Any] = {
@@ -109,5 +109,5 @@ def load_spec(table: LoadBase, shaft: str, places: tuple[float, ...]) -> Load:
         "ground": ground,
     }
     if isinstance(table, RopePendulumTable):
-        return RopePendulum(**common, sway=(math.radians(table.sway_x_deg), math.radians(table.sway_y_deg)))
+        return RopePendulum(**common, sway=(table.si.sway_x, table.si.sway_y))
     return Rope(**common)

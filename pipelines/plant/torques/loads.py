@@ -20,7 +20,7 @@ def load_places(table: LoadModel, shaft: ShaftTable) -> tuple[float, ...]:
     """y (m) where the load acts on its shaft: the drums, or the place of the torque (left out: the +y end)."""
     if isinstance(table, LoadBase):
         return drums(table, shaft)
-    return (shaft_ends(shaft)[1] if table.position_mm is None else table.position_mm / 1000,)
+    return (shaft_ends(shaft)[1] if table.position_mm is None else table.si.position,)
 
 
 def load_torque(table: LoadModel, shaft: int) -> float:

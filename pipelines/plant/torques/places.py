@@ -7,4 +7,4 @@ from pipelines.scene.tables.shafts import ShaftTable
 
 def shaft_ends(shaft: ShaftTable) -> tuple[float, float]:
     """y of the two ends of a shaft (m)."""
-    return shaft.sections[0].start_mm / 1000, shaft.sections[-1].end_mm / 1000
+    return shaft.sections[0].si.start, shaft.sections[-1].si.end

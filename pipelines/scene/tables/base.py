@@ -1,10 +1,12 @@
-"""What every table of a scene is made of: strict numbers, refused unknown keys, and materials."""
+"""What every table of a scene is made of: strict numbers, refused unknown keys, values in SI."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field
+
+from fem.options import UNITS, in_si, key_suffix
 
 # as written: text is no number, true is not 1
 Number = Annotated[float, Field(strict=True)]
@@ -12,6 +14,7 @@ Whole = Annotated[int, Field(strict=True)]
 Flag = Annotated[bool, Field(strict=True)]
 Positive = Annotated[Number, Field(gt=0)]
 NotNegative = Annotated[Number, Field(ge=0)]
+SUFFIXES = {key_suffix(unit): unit for unit in UNITS}
 Window = Annotated[tuple[Number, Number], Field(description="start and end of the window")]
 
 
@@ -20,10 +23,20 @@ class Table(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
+    @property
+    def si(self) -> SIValues:
+        """Values of keys that end in a unit that is not SI, by key without unit: `si.length` of length_mm, in m."""
+        return SIValues(self)
 
-class MaterialTable(Table):
-    """An isotropic linear elastic material."""
 
-    elastic_modulus_GPa: Annotated[Number, Field(ge=1e-3, le=1e6, description="Young's modulus; steel: 206")]
-    poisson_ratio: Annotated[Number, Field(ge=0, lt=0.5, description="Poisson's ratio")]
-    density_kg_m3: Annotated[Number, Field(ge=1, le=1e5, description="density; steel: 7850")]
+class SIValues:
+    """Values of a table in SI."""
+
+    def __init__(self, table: Table) -> None:
+        self._table = table
+
+    def __getattr__(self, name: str) -> Any:
+        for suffix, unit in SUFFIXES.items():
+            if f"{name}_{suffix}" in type(self._table).model_fields:
+                return in_si(getattr(self._table, f"{name}_{suffix}"), unit)
+        raise AttributeError(f"{type(self._table).__name__} has no key {name} with a unit that is not SI")

@@ -11,7 +11,8 @@ from fem.casing.models.casing import HousingCasing
 from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.models.registry import CASINGS, casing_class
 from fem.casing.parts.names import COVER, FEET, JOINTS, MOUNTS
-from pipelines.scene.tables.base import MaterialTable, Number, Table
+from fem.elements.materials import Material
+from pipelines.scene.tables.base import Number, Table
 from pipelines.scene.tables.derived import DerivedTable, choice, table
 from pipelines.scene.tables.housing import (
     Axes,
@@ -21,6 +22,10 @@ from pipelines.scene.tables.housing import (
     MeshHousingTable,
 )
 
+if TYPE_CHECKING:
+    MaterialTable = Any
+else:
+    MaterialTable = table(Material)
 POINTS = re.compile(
     r"(bearing|ground)_|(bearing|ground|casing|shaft|mesh|motor|load|rope|container)(_[0-9]+)?$|(origin|[xyz])$"
 )

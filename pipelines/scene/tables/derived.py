@@ -12,11 +12,10 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, create_model, model_validator
 
-from fem.options import Option, options_of
+from fem.options import Option, key_suffix, options_of
 from pipelines.scene.tables.base import Flag, Number, Table, Whole
 
 _STRICT = {float: Number, int: Whole, bool: Flag}
-_SUFFIXES = {"N/um": "N_per_um", "N m/rad": "N_m_per_rad"}  # where it is not the unit with underscores
 
 
 class DerivedTable(Table):
@@ -82,7 +81,7 @@ def choice(tables: Iterable[Any], key: str) -> Any:
 
 def key_of(name: str, one: Option) -> str:
     """The key of a scene for the field of that name."""
-    suffix = _SUFFIXES.get(one.unit, one.unit.replace(" ", "_"))
+    suffix = key_suffix(one.unit)
     return one.key or (f"{name}_{suffix}" if suffix else name)
 
 

@@ -6,7 +6,6 @@ kinds.
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, model_validator
@@ -33,11 +32,11 @@ class PlacedTable(Table):
 
     def place(self, number: int) -> dict[str, Any]:
         """Name, shaft and y (m) of the force with a number in the scene."""
-        return {"name": f"force_{number}", "shaft": f"shaft_{self.shaft}", "y": self.position_mm / 1000}
+        return {"name": f"force_{number}", "shaft": f"shaft_{self.shaft}", "y": self.si.position}
 
     def source(self, number: int) -> tuple[str, int, float]:
         """Name, shaft (from 0) and y (m) of the torque source with a number in the scene."""
-        return f"force_{number}", self.shaft - 1, self.position_mm / 1000
+        return f"force_{number}", self.shaft - 1, self.si.position
 
 
 class SweepTable(Table):
@@ -176,7 +175,7 @@ class UnbalanceTable(PlacedTable):
         """The force in SI."""
         from mbd.excitations.unbalance import Unbalance
 
-        return Unbalance(**self.place(number), size=self.unbalance_g_mm / 1_000_000, angle=math.radians(self.angle_deg))
+        return Unbalance(**self.place(number), size=self.unbalance_g_mm / 1_000_000, angle=self.si.angle)
 
 
 class TorqueRippleTable(PlacedTable):
@@ -191,7 +190,7 @@ class TorqueRippleTable(PlacedTable):
         """The torque in SI."""
         from mbd.excitations.ripple import TorqueRipple
 
-        phase = math.radians(self.phase_deg)
+        phase = self.si.phase
         return TorqueRipple(**self.place(number), amplitude=self.amplitude_N_m, order=self.order, angle=phase)
 
 
@@ -225,9 +224,9 @@ class BentShaftTable(PlacedTable):
 
         return BentShaft(
             **self.place(number),
-            bow=self.bow_um / 1_000_000,
+            bow=self.si.bow,
             straight=(self.straight_at_mm[0] / 1000, self.straight_at_mm[1] / 1000),
-            angle=math.radians(self.angle_deg),
+            angle=self.si.angle,
         )
 
 

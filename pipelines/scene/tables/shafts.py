@@ -2,38 +2,27 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
+from mbd.coordinates.probe import Probe
+from mbd.parts.shafts import Disk, Section
 from pipelines.scene.tables.base import Flag, NotNegative, Number, Table, Whole
 from pipelines.scene.tables.bearings import BearingModel
+from pipelines.scene.tables.derived import DerivedTable, table
 
 if TYPE_CHECKING:
     from mbd.parts.load import OutsideForce
 
 
-class SectionTable(Table):
-    """A stretch of a shaft with constant diameters."""
-
-    start_mm: Annotated[Number, Field(ge=-1e5, le=1e5, description="y of the -y end")]
-    end_mm: Annotated[Number, Field(ge=-1e5, le=1e5, description="y of the +y end")]
-    diameter_mm: Annotated[Number, Field(ge=0.1, le=1e5, description="outer diameter")]
-    bore_mm: Annotated[Number, Field(ge=0, description="inner diameter")] = 0.0
-
-    @model_validator(mode="after")
-    def _ordered(self) -> SectionTable:
-        if self.end_mm <= self.start_mm:
-            raise ValueError(
-                f"end_mm = {self.end_mm:g} must be greater than start_mm = {self.start_mm:g}. Correct them"
-            )
-        if self.bore_mm >= self.diameter_mm:
-            raise ValueError(
-                f"bore_mm = {self.bore_mm:g} must be smaller than diameter_mm = {self.diameter_mm:g}. Correct them"
-            )
-        return self
+if TYPE_CHECKING:
+    SectionTable = Any
+    DiskTable = Any
+    ProbeTable = Any
+else:
+    SectionTable = table(Section)
 
 
 class ShaftTable(Table):
@@ -92,24 +81,15 @@ class ShaftModel(Table):
     ] = False
 
 
-class ProbeTable(Table):
-    """A proximity probe on the ground: displacement of the axis of a shaft along x, y and z."""
-
-    name: Annotated[
-        str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="letters, digits, _ and -, at most 40")
-    ]
-    shaft: Annotated[Whole, Field(ge=1, description="number of the shaft")]
-    position_mm: Annotated[Number, Field(description="y of the probe")]
-
-
-class DiskTable(Table):
-    """A rigid disk on a shaft, besides gears and drums: half of a coupling, brake disk, flywheel."""
+class _OnShaft(DerivedTable):
+    """What is on a shaft."""
 
     shaft: Annotated[Whole, Field(ge=1, description="number of the shaft")]
-    position_mm: Annotated[Number, Field(description="y of the disk")]
-    mass_kg: Annotated[Number, Field(ge=0, description="mass of the disk")]
-    polar_inertia_kg_m2: Annotated[Number, Field(ge=0, description="moment of inertia about the shaft")]
-    diametral_inertia_kg_m2: Annotated[Number, Field(ge=0, description="moment of inertia about a diameter")]
+
+
+class EccentricBase(_OnShaft):
+    """What a scene gives of a disk besides the disk itself: an unbalance."""
+
     eccentricity_um: Annotated[
         Number, Field(ge=0, le=1e5, description="distance of its centre of mass from the axis, an unbalance")
     ] = 0.0
@@ -118,7 +98,7 @@ class DiskTable(Table):
     ] = 0.0
 
     @model_validator(mode="after")
-    def _heavy(self) -> DiskTable:
+    def _heavy(self) -> EccentricBase:
         if self.eccentricity_um and not self.mass_kg:
             raise ValueError(
                 "eccentricity_um has no effect on a disk with mass_kg = 0. Set mass_kg, or delete eccentricity_um"
@@ -133,12 +113,14 @@ class DiskTable(Table):
             yield Unbalance(
                 name=f"disk_{number} eccentricity",
                 shaft=f"shaft_{self.shaft}",
-                y=self.position_mm / 1000,
-                size=self.mass_kg * self.eccentricity_um / 1_000_000,
-                angle=math.radians(self.eccentricity_angle_deg),
+                y=self.si.position,
+                size=self.mass_kg * self.si.eccentricity,
+                angle=self.si.eccentricity_angle,
             )
 
 
+if not TYPE_CHECKING:
+    DiskTable, ProbeTable = table(Disk, EccentricBase), table(Probe, _OnShaft)
 Small = Annotated[Number, Field(ge=-70, le=70)]
 
 

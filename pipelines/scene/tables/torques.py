@@ -137,7 +137,7 @@ class InductionTable(SourceTable):
         slip = breakdown_slip(1.0 - self.rated_rpm / self.synchronous_rpm, self.breakdown_ratio)
         return InductionMotor(
             **where,
-            synchronous_speed=self.synchronous_rpm * RPM,
+            synchronous_speed=self.si.synchronous,
             breakdown_torque=self.breakdown_ratio * self.rated_torque_N_m,
             breakdown_slip=slip,
         )
