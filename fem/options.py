@@ -94,6 +94,18 @@ def option(default: Any = MISSING, *, text: str, unit: str = "", key: str = "", 
     return dataclasses.field(default=default, metadata={"option": given})
 
 
+def inline(default: Any = MISSING) -> Any:
+    """A field of a dataclass whose options a scene gives beside those of its owner, without a table of their own."""
+    return dataclasses.field(default=default, metadata={"inline": True})
+
+
+def inlined(owner: Any) -> Iterator[tuple[str, type]]:
+    """Names and classes of the fields of a dataclass that are `inline`."""
+    names = [field.name for field in dataclasses.fields(owner) if "inline" in field.metadata]
+    hints = typing.get_type_hints(owner) if names else {}
+    return ((name, hints[name]) for name in names)
+
+
 def options_of(owner: Any) -> Iterator[tuple[dataclasses.Field, Option]]:
     """The fields of a dataclass, or of one of its objects, that are options."""
     return ((field, field.metadata["option"]) for field in dataclasses.fields(owner) if "option" in field.metadata)

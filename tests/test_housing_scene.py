@@ -14,7 +14,6 @@ from pipelines.border.errors import SceneError
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph
-from pipelines.plant.layout import material
 from pipelines.plant.plant import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.steps.graph import casing_step, plant_steps
@@ -69,10 +68,10 @@ def test_element_size_from_the_bending_wavelength():
         for n in (3, 8)
     }
     scene = load_scene("rig-healthy").scene
-    wave = bending_wavelength(material("casing", scene.casing.material), 0.010, scene.casing.band_Hz)
+    wave = bending_wavelength(scene.casing.material.made(name="casing"), 0.010, scene.casing.band_Hz)
     assert size[3] == 0.028  # no larger than casing.element_size_mm
     assert size[8] == pytest.approx(wave / 8)
-    wave = bending_wavelength(material("casing", scene.casing.material), 0.008, 2000.0)  # its cover
+    wave = bending_wavelength(scene.casing.material.made(name="casing"), 0.008, 2000.0)  # its cover
     found = stages("rig-step", {"casing.elements_per_wavelength": 8})["casing mesh"].spec.sizes.element
     assert found == pytest.approx(wave / 8)
 
@@ -134,7 +133,7 @@ def test_a_file_lies_beside_its_scene(tmp_path):
         (["casing.housing.grounds=[{normal=[0, 0, 1]}]"], "is located by normal. Set point_mm, or box_mm"),
         (["casing.housing.axes=[[1, 0, 0], [0.5, 1, 0], [0, 0, 1]]"], "not orthogonal"),
         (["casing.housing.length_mm=600"], "length_mm"),
-        (["sensors.1.axes=[[1, 0, 0], [1, 1, 0], [0, 0, 1]]"], "sensor_1: the axes .* are not orthogonal"),
+        (["sensors.1.axes=[[1, 0, 0], [1, 1, 0], [0, 0, 1]]"], "sensors.1: axes = .* they are not orthogonal"),
     ],
 )  # fmt: skip
 def test_what_does_not_fit_is_refused_with_its_path(settings, message):

@@ -19,7 +19,7 @@ def shaft_places(scene: Scene, source: str) -> tuple[ShaftPlace, ...]:
     found: dict[int, list[tuple[str, float]]] = {}
     for name, shaft, place in bearing_names(scene.shafts):
         if name.startswith("bearing"):
-            found.setdefault(shaft, []).append((name, scene.shafts[shaft].bearing_positions_mm[place] / 1000))
+            found.setdefault(shaft, []).append((name, scene.shafts[shaft].si.bearing_positions[place]))
     return tuple(
         ShaftPlace(
             x=layout.axes[shaft][0],
@@ -33,8 +33,8 @@ def shaft_places(scene: Scene, source: str) -> tuple[ShaftPlace, ...]:
 
 def _diameter(scene: Scene, shaft: int, y: float) -> float:
     """Of the shaft at a bearing (m)."""
-    at = [one.diameter_mm for one in scene.shafts[shaft].sections if one.start_mm <= 1000 * y <= one.end_mm]
-    return min(at) / 1000
+    sections = (one.made() for one in scene.shafts[shaft].sections)
+    return min(one.outer_diameter for one in sections if one.y_start <= y <= one.y_end)
 
 
 def fitting_units(contents: Contents, shafts: Sequence[ShaftPlace]) -> dict[str, ShaftFit]:

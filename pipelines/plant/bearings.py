@@ -60,7 +60,7 @@ def bearing_names(shafts: Sequence[ShaftTable]) -> list[tuple[str, int, int]]:
 def bearing_points(shafts: Sequence[ShaftTable], layout: Layout) -> tuple[tuple[float, float, float], ...]:
     """(x, y, z) of bearing_1, bearing_2, ... (m), those that the casing carries."""
     return tuple(
-        (layout.axes[shaft][0], shafts[shaft].bearing_positions_mm[place] / 1000, layout.axes[shaft][1])
+        (layout.axes[shaft][0], shafts[shaft].si.bearing_positions[place], layout.axes[shaft][1])
         for name, shaft, place in bearing_names(shafts)
         if not name.startswith("ground")
     )
@@ -81,7 +81,7 @@ def bearing_specs(shafts: Sequence[ShaftTable], usual: BearingModel) -> tuple[Be
     """All bearings in shaft order, from -y; `usual` where a shaft names none."""
     specs = []
     for name, number, place in bearing_names(shafts):
-        model, y = bearing_table(shafts[number], usual, place).made(), shafts[number].bearing_positions_mm[place] / 1000
+        model, y = bearing_table(shafts[number], usual, place).made(), shafts[number].si.bearing_positions[place]
         support = "ground" if name.startswith("ground") else "casing"
         specs.append(model.spec(name, (f"shaft_{number + 1}", y), support))
     return tuple(specs)

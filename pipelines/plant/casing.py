@@ -37,13 +37,14 @@ def casing(scene: Scene, layout: Layout, machine: MachineParts, source: str) -> 
     model: Casing = table.made()
     if not isinstance(table, FlexibleBase):
         return model, Structure(bearings={f"bearing_{number}": point for number, point in enumerate(points, 1)})
+    sensors: tuple[Sensor, ...] = tuple(sensor.made() for sensor in scene.sensors)
     if isinstance(table.housing, MatricesHousingTable):
         from pipelines.plant.foreign_housing import foreign_housing
 
         model = casing_class("matrices")(of=model)
-        found = Structure(housing=foreign_housing(table.housing, scene.sensors, points, source))
+        found = Structure(housing=foreign_housing(table.housing, sensors, points, source))
     else:
-        found = shaped(table, housing(table.housing, scene.sensors, layout, points, source), source)
+        found = shaped(table, housing(table.housing, sensors, layout, points, source), source)
     loads, forced = loaded_axes(machine.bearings), forced_points(machine, found.sensors)
     return model, replace(found, interfaces=loads, forced=forced)
 
@@ -55,8 +56,7 @@ def shaped(table: FlexibleBase, made: Geometry, source: str) -> Structure:
     ------
     SceneError : bolts that do not fit, elements by the wavelength in a wall whose thickness is not known
     """
-    wall = getattr(table.housing, "wall_thickness_mm", None)
-    thinnest = made.thinnest_wall if isinstance(made, Housing) else None if wall is None else wall / 1000
+    thinnest = made.thinnest_wall if isinstance(made, Housing) else table.housing.si.wall_thickness
     if thinnest is None and getattr(table, "elements_per_wavelength", None) is not None:
         problem = "is needed for casing.elements_per_wavelength of a housing from a file"
         raise SceneError(

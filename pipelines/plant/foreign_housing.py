@@ -8,24 +8,23 @@ from dataclasses import replace
 from fem.casing.foreign.body import ForeignError
 from fem.casing.foreign.casing import ForeignHousing, file_digests
 from fem.casing.foreign.files import MatrixFiles
-from fem.casing.geometry.dimensions import HousingError
+from fem.casing.geometry.dimensions import HousingError, Sensor
 from fem.casing.meshing.locate import Point
 from pipelines.border.errors import InputError, Problem, SceneError
-from pipelines.plant.housing import seat_problems, sensors
+from pipelines.plant.housing import seat_problems
 from pipelines.scene.shipped_files import find_file
-from pipelines.scene.tables.casing import SensorTable
 from pipelines.scene.tables.housing import MatricesHousingTable
 
 
 def foreign_housing(
-    table: MatricesHousingTable, on_it: Sequence[SensorTable], points: Sequence[Point], source: str
+    table: MatricesHousingTable, sensors: tuple[Sensor, ...], points: Sequence[Point], source: str
 ) -> ForeignHousing:
     """The housing with the sensors on it.
 
     Parameters
     ----------
     table : of the housing
-    on_it : tables of the sensors
+    sensors : on it
     points : (x, y, z) of the bearings that it carries, m
     source : of the scene, for messages
 
@@ -44,13 +43,12 @@ def foreign_housing(
         files = MatrixFiles(
             stiffness=str(found[0]), mass=found[1], nodes=found[2], equations=found[3], system=table.units
         )
-        x, y, z = table.origin_mm
         return ForeignHousing(
             files=replace(files, digests=file_digests(files)),
             seats=tuple((f"bearing_{n}", nodes[f"bearing_{n}"], point) for n, point in enumerate(points, 1)),
             grounds=tuple(ground.nodes for ground in table.grounds),
-            origin=(x / 1000, y / 1000, z / 1000),
-            sensors=sensors(on_it),
+            origin=table.si.origin,
+            sensors=sensors,
         )
     except (ForeignError, HousingError, InputError) as error:
         raise SceneError(source, [Problem("casing.housing", str(error))]) from error

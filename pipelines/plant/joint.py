@@ -56,15 +56,15 @@ def joint_words(joint: BoltedJoint, material: Material) -> str:
 
 
 def _across_plane(table: PlaneJointTable) -> BoltedJoint:
-    through, normal = np.array(table.through_mm) / 1000, np.array(table.normal) / np.linalg.norm(table.normal)
-    above, beyond = (value / 1000 for value in table.clamped_mm)
-    places = np.array(table.positions_mm) / 1000
+    through, normal = np.array(table.si.through), np.array(table.normal) / np.linalg.norm(table.normal)
+    above, beyond = table.si.clamped
+    places = np.array(table.si.positions)
     on_plane = places - np.outer((places - through) @ normal, normal)
     return BoltedJoint(
         plane=Plane(through=_point(through), normal=_point(normal)),
-        bolt=Bolt.of_size(table.bolt, clamped=(above, beyond), tapped=table.tapped, outer=_outer(table)),
+        bolt=Bolt.of_size(table.bolt, clamped=(above, beyond), tapped=table.tapped, outer=table.si.outer_diameter),
         places=tuple(_point(place) for place in on_plane),
-        stiffness=_stiffness(table),
+        stiffness=table.si.stiffness,
     )
 
 
@@ -74,20 +74,20 @@ def _of_cover(table: CoverJointTable, housing: Housing) -> BoltedJoint:
         clamped = housing.wall("cover"), housing.height - housing.wall("cover")
     else:
         clamped = flange.height / 2, flange.height / 2
-    bolt = Bolt.of_size(table.bolt, clamped=clamped, tapped=flange is None, outer=_outer(table))
+    bolt = Bolt.of_size(table.bolt, clamped=clamped, tapped=flange is None, outer=table.si.outer_diameter)
     if flange is not None and bolt.head > flange.width:
         raise HousingError(
             f"the bolt heads of {1000 * bolt.head:.4g} mm do not fit on the flange of {1000 * flange.width:.4g} mm. "
             "Set a smaller bolt, or raise flange.width_mm"
         )
-    places = [(x / 1000, y / 1000) for x, y in table.positions_mm]
+    places = [*table.si.positions]
     if table.pitch_mm is not None:
         places += cover_bolts(housing, bolt, table.si.pitch)
     return BoltedJoint(
         plane=Plane(through=(0.0, 0.0, z), normal=(0.0, 0.0, 1.0)),
         bolt=bolt,
         places=tuple((x, y, z) for x, y in places),
-        stiffness=_stiffness(table),
+        stiffness=table.si.stiffness,
     )
 
 
@@ -131,17 +131,6 @@ def _evenly(start: float, end: float, pitch: float) -> list[float]:
     if end - start < pitch / 4:
         return [(start + end) / 2]
     return np.linspace(start, end, math.ceil((end - start) / pitch - 1e-9) + 1).tolist()
-
-
-def _outer(table: CoverJointTable | PlaneJointTable) -> float | None:
-    return table.si.outer_diameter
-
-
-def _stiffness(table: CoverJointTable | PlaneJointTable) -> tuple[float, float] | None:
-    if table.stiffness_N_per_um is None:
-        return None
-    along, across = table.stiffness_N_per_um
-    return along * 1e6, across * 1e6
 
 
 def _point(values: np.ndarray) -> Point:

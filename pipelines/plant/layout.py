@@ -19,7 +19,7 @@ from pipelines.scene.tables.gears import StageTable
 from pipelines.scene.train import place_shafts, shaft_senses, stage_shafts
 
 USUAL_BORE = 0.5  # of the root circle, where a scene gives no bore
-USUAL_BACKLASH_UM = 80.0  # where a scene says nothing of centre distance, allowances or backlash
+USUAL_BACKLASH = 80e-6  # m, where a scene says nothing of centre distance, allowances or backlash
 
 
 def gear_pair(stage: StageTable, steel: Material, sense: int = 1) -> GearPair:
@@ -42,18 +42,17 @@ def gear_pair(stage: StageTable, steel: Material, sense: int = 1) -> GearPair:
     )
     allowances = stage.pinion.thickness_allowance_um, stage.wheel.thickness_allowance_um
     given = stage.centre_distance_mm is not None or any(allowances)
-    wanted = stage.backlash_um if stage.backlash_um is not None else None if given else USUAL_BACKLASH_UM
-    if wanted is None:
+    backlash = stage.si.backlash if stage.backlash_um is not None else None if given else USUAL_BACKLASH
+    if backlash is None:
         return pair
     if not given:  # exactly, without the rounding of the centre distance
-        return replace(pair, centre_distance=None, backlash_allowance=wanted / 1_000_000)
-    if wanted / 1_000_000 < pair.backlash - 1e-9:
+        return replace(pair, centre_distance=None, backlash_allowance=backlash)
+    if backlash < pair.backlash - 1e-9:
         raise GeometryError(
-            f"{pair.label}: backlash_um = {wanted:g} is less than the {pair.backlash * 1e6:.1f} um of centre distance "
-            "and "
-            "thickness allowances. Raise it, delete it, or reduce centre_distance_mm"
+            f"{pair.label}: backlash_um = {stage.backlash_um:g} is less than the {pair.backlash * 1e6:.1f} um of "
+            "centre distance and thickness allowances. Raise it, delete it, or reduce centre_distance_mm"
         )
-    return replace(pair, backlash_allowance=wanted / 1_000_000 - pair.backlash)
+    return replace(pair, backlash_allowance=backlash - pair.backlash)
 
 
 def _named_gear(stage: StageTable, name: str, hand: str, sense: int) -> Gear:
@@ -93,15 +92,15 @@ def _gear(stage: StageTable, name: str, hand: str, sense: int) -> Gear:
         web_thickness=table.si.web_thickness,
         web_offset=sense * table.si.web_offset + 0.0,  # no -0: equal pairs share a law
     )
-    bore: float | None = getattr(stage, f"{name}_bore_mm")
+    bore: float | None = getattr(stage.si, f"{name}_bore")
     if bore is None:
         return replace(solid, bore_radius=solid.root_radius * USUAL_BORE)
-    if bore / 2000 >= solid.root_radius:
+    if bore / 2 >= solid.root_radius:
         raise GeometryError(
-            f"{name}_bore_mm = {bore:g} reaches the root circle, diameter {2000 * solid.root_radius:.6g} mm. Reduce "
-            "it, or delete it: the bore is then half the root circle"
+            f"{name}_bore_mm = {1000 * bore:g} reaches the root circle, diameter {2000 * solid.root_radius:.6g} mm. "
+            "Reduce it, or delete it: the bore is then half the root circle"
         )
-    return replace(solid, bore_radius=bore / 2000)
+    return replace(solid, bore_radius=bore / 2)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,7 +13,7 @@ from typing import Any
 from fem.gears.body import THINNEST_RIM
 from fem.gears.geometry import Gear as Body
 from fem.gears.geometry import GearPair, GeometryError, Rack
-from pipelines.plant.layout import USUAL_BACKLASH_UM
+from pipelines.plant.layout import USUAL_BACKLASH
 from pipelines.rexs.document import RexsError
 from pipelines.rexs.gear_unit import Gear, GearUnit, Note, Shaft, Stage
 
@@ -76,13 +76,13 @@ def stage_table(unit: GearUnit, number: int) -> StageTable:
         values |= {f"{name}_bore_mm": bore, name: details}
         notes += more + bores
     pair = _pair(unit, stage, values)
-    if pair.backlash * 1e6 < USUAL_BACKLASH_UM:
-        values["backlash_um"] = USUAL_BACKLASH_UM
+    if pair.backlash < USUAL_BACKLASH:
+        values["backlash_um"] = 1e6 * USUAL_BACKLASH
         reason = (
             f"tooth thickness allowances are not read; the centre distance alone leaves {pair.backlash * 1e6:.2f} um"
         )
         notes.append(
-            Note(kind="assumed", where=f"stages.{number}.backlash_um", value=f"{USUAL_BACKLASH_UM:g}", reason=reason)
+            Note(kind="assumed", where=f"stages.{number}.backlash_um", value=f"{1e6 * USUAL_BACKLASH:g}", reason=reason)
         )
     return StageTable(values, pair, tuple(notes))
 

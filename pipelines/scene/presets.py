@@ -124,7 +124,7 @@ def _overlap_ratio(stage: StageTable) -> float:
 
 def _casing_mesh(scene: Scene, casing: ElasticBase, level: Level) -> Settings:
     """Hexahedra of a plain parametric housing, unless its scene asks for tetrahedra: then cubic ones."""
-    from pipelines.scene.tables.housing import HousingTable, MatricesHousingTable, MeshHousingTable
+    from pipelines.scene.tables.housing import HousingBase, MatricesHousingTable, MeshHousingTable
 
     housing, coarser = casing.housing, COARSER.get(casing.element, 1.0)
 
@@ -134,7 +134,7 @@ def _casing_mesh(scene: Scene, casing: ElasticBase, level: Level) -> Settings:
 
     if isinstance(housing, MatricesHousingTable):
         return {}
-    hexahedra = isinstance(housing, HousingTable) and (
+    hexahedra = isinstance(housing, HousingBase) and (
         casing.element.startswith("hexahedron")
         or (
             housing.plain

@@ -27,7 +27,7 @@ from pipelines.scene.tables.derived import table
 from pipelines.scene.tables.faults import AnyFaultTable, BearingSpallTable, FaultBase, FaultTable
 from pipelines.scene.tables.forces import CasingForceTable, ForceModel, PlacedTable
 from pipelines.scene.tables.gears import DeviationTable, StageTable
-from pipelines.scene.tables.housing import HousingTable
+from pipelines.scene.tables.housing import HousingBase
 from pipelines.scene.tables.losses import FilmModel, LossModel, NoFilm
 from pipelines.scene.tables.motion import DriveModel, LoadModel, SimulationTable
 from pipelines.scene.tables.shafts import CouplingTable, DiskTable, ProbeTable, ShaftModel, ShaftTable
@@ -105,7 +105,7 @@ class Scene(Table):
             )
         else:
             yield from self._shaft_numbers()
-        if isinstance(self.casing, FlexibleBase) and isinstance(self.casing.housing, HousingTable):
+        if isinstance(self.casing, FlexibleBase) and isinstance(self.casing.housing, HousingBase):
             for key in ("bore_diameters_mm", "boss_diameters_mm"):
                 count = len(getattr(self.casing.housing, key))
                 if count != len(self.shafts):

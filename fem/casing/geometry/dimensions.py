@@ -15,9 +15,13 @@ from typing import Self
 
 import numpy as np
 
-from fem.casing.geometry.features import Feet, Fillets, Flange, Ribs, Walls
+from fem.casing.geometry.features import LARGEST, Feet, Fillets, Flange, Ribs, Walls
+from fem.options import inline, option
 
 Box = tuple[np.ndarray, np.ndarray]  # lower and upper corner (3,), m
+Vector = tuple[float, float, float]
+Axes = tuple[Vector, Vector, Vector]
+SKEW = 1e-3  # largest cosine between two axes of a sensor or a file, which are then made orthogonal
 GLOBAL_AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
@@ -40,42 +44,67 @@ class Bore:
 
 @dataclass(frozen=True, kw_only=True)
 class Sensor:
-    """A tri-axial sensor at the point of the surface nearest to `position` (m).
+    """A triaxial accelerometer on the casing.
 
-    `axes` are the directions of its three channels in global coordinates, one per row: orthogonal unit vectors, the
-    global axes by default.
+    HousingError for axes that are not orthogonal; they get unit length.
     """
 
-    name: str
-    position: tuple[float, float, float]
-    axes: tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]] = GLOBAL_AXES
+    name: str = option(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", text="letters, digits, _ and -, at most 40")
+    position: Vector = option(
+        unit="mm", text="x, y, z of the sensor, which is moved to the nearest point of the surface"
+    )
+    axes: Axes = option(GLOBAL_AXES, text="directions of its channels x, y, z in the coordinate system of the scene")
 
     def __post_init__(self) -> None:
-        axes = np.array(self.axes, float)
-        if axes.shape != (3, 3) or not np.allclose(axes @ axes.T, np.eye(3), atol=1e-6):
-            raise HousingError(
-                f"{self.name}: its axes {self.axes} are not three orthogonal unit vectors (limit 1e-6); give their "
-                "directions in global coordinates"
-            )
+        object.__setattr__(self, "axes", orthonormal(self.axes))
+
+
+def orthonormal(axes: Axes) -> Axes:
+    """Three directions with unit length. HousingError unless they are orthogonal."""
+    rows = np.array(axes, float)
+    sizes = np.linalg.norm(rows, axis=-1)
+    if rows.shape != (3, 3) or not sizes.all():
+        raise HousingError(f"axes = {axes}: not three directions. Set three orthogonal directions")
+    rows = rows / sizes[:, None]
+    skew = np.abs(rows @ rows.T - np.eye(3)).max()
+    if skew > SKEW:
+        raise HousingError(
+            f"axes = {axes}: they are not orthogonal (cosine {skew:.3g}, limit {SKEW:g}). Correct one of them"
+        )
+    u, _, v = np.linalg.svd(rows)
+    first, second, third = np.where(np.abs(rows - u @ v) < 1e-12, rows, u @ v).tolist()
+    return tuple(first), tuple(second), tuple(third)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Dimensions:
     """The dimensions of a parametric housing (m) and the places that follow from them."""
 
-    length: float  # outside, x
-    width: float  # outside, y
-    height: float  # outside, z, without the feet
-    wall_thickness: float  # of every wall that `walls` does not name
-    left: float  # x of the outer face of the wall at -x; negative when shaft 1 lies inside
-    axis_height: float  # height of z = 0 above the underside of the floor
+    length: float = option(unit="mm", gt=0, le=LARGEST, text="outer length along x")
+    width: float = option(unit="mm", gt=0, le=LARGEST, text="outer width along y; the middle is y = 0")
+    height: float = option(unit="mm", gt=0, le=LARGEST, text="outer height along z without feet")
+    wall_thickness: float = option(unit="mm", gt=0, le=LARGEST, text="thickness of all walls, floor and cover")
+    walls: Walls = inline(Walls())
+    left: float = option(
+        unit="mm",
+        key="left_end_mm",
+        ge=-LARGEST,
+        le=LARGEST,
+        text="x of the outer face of the left end wall; shaft 1 is at x = 0",
+    )
+    axis_height: float = option(
+        unit="mm",
+        key="shaft_height_mm",
+        gt=0,
+        le=LARGEST,
+        text="height of shaft 1 over the underside of the floor",
+    )
     bores: tuple[Bore, ...]
-    feet: Feet
+    feet: Feet = inline()
     sensors: tuple[Sensor, ...] = ()
-    walls: Walls = Walls()
-    flange: Flange | None = None
-    ribs: Ribs | None = None
-    fillets: Fillets = Fillets()
+    flange: Flange | None = option(None, text="flange at the split plane; without it: none")
+    ribs: Ribs | None = option(None, text="ribs; without it: none")
+    fillets: Fillets = inline(Fillets())
     bolted: bool = False  # cover and lower part are two bodies that touch at `cover_start`
 
     def wall(self, name: str) -> float:

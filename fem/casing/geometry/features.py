@@ -3,20 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from fem.options import option
 
 LARGEST = 1e5  # mm; beyond it products of lengths lose all digits
 
 
+def _wall(key: str) -> Any:
+    text = "thickness where it differs from wall_thickness_mm"
+    return option(None, unit="mm", key=key, gt=0, le=LARGEST, text=text)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Walls:
-    """Thicknesses that differ from the common one of the housing (None: the common one)."""
+    """Thicknesses that differ from the common one of the housing (None: the common one).
 
-    side: float | None = None  # the two walls at -y and +y that carry the bearings
-    end: float | None = None  # the two walls at -x and +x
-    floor: float | None = None
-    cover: float | None = None
+    `side` are the two walls at -y and +y that carry the bearings, `end` those at -x and +x.
+    """
+
+    side: float | None = _wall("side_wall_thickness_mm")
+    end: float | None = _wall("end_wall_thickness_mm")
+    floor: float | None = _wall("floor_thickness_mm")
+    cover: float | None = _wall("cover_thickness_mm")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,12 +38,25 @@ class Feet:
     """
 
     x: tuple[float, ...]
-    length: float = 0.060  # side of the square
-    height: float = 0.015  # below the underside of the floor
-    overhang: float = 0.0  # beyond the outer face of the side wall
-    pad_diameter: float = 0.0  # 0: no pads
-    pad_height: float = 0.0
-    bolt_diameter: float = 0.0  # 0: no holes
+    length: float = option(0.060, unit="mm", key="foot_length_mm", gt=0, le=LARGEST, text="side of the square feet")
+    height: float = option(
+        0.015, unit="mm", key="foot_height_mm", gt=0, le=LARGEST, text="height of the feet below the floor"
+    )
+    overhang: float = option(
+        0.0,
+        unit="mm",
+        key="foot_overhang_mm",
+        ge=0,
+        le=LARGEST,
+        text="distance by which the feet extend beyond the side walls",
+    )
+    pad_diameter: float = option(
+        0.0, unit="mm", ge=0, le=LARGEST, text="diameter of round bolt pads under the feet; 0: none"
+    )
+    pad_height: float = option(0.0, unit="mm", ge=0, le=LARGEST, text="height of the bolt pads below the feet")
+    bolt_diameter: float = option(
+        0.0, unit="mm", ge=0, le=LARGEST, text="diameter of the holes through pads and feet; 0: none"
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,5 +98,9 @@ class Ribs:
 class Fillets:
     """Radii of the rounded edges; 0 leaves them sharp."""
 
-    foot: float = 0.0  # where feet meet the floor and the side wall
-    inner: float = 0.0  # the twelve edges of the cavity
+    foot: float = option(
+        0.0, unit="mm", key="foot_fillet_mm", ge=0, le=LARGEST, text="radius where feet meet floor or wall; 0: sharp"
+    )
+    inner: float = option(
+        0.0, unit="mm", key="inner_fillet_mm", ge=0, le=LARGEST, text="radius of the edges of the cavity; 0: sharp"
+    )

@@ -10,7 +10,10 @@ from fem.casing.geometry.soundness import housing_problems
 
 @dataclass(frozen=True, kw_only=True)
 class Housing(Dimensions):
-    """Dimensions (m) that are checked when it is made; `HousingError` lists everything that is wrong at once."""
+    """The parametric housing: a closed box with bearing bosses in its two side walls, and feet.
+
+    HousingError lists everything that is wrong with its dimensions (m) at once.
+    """
 
     def __post_init__(self) -> None:
         if problems := housing_problems(self):

@@ -14,7 +14,7 @@ from pipelines.border.errors import Problem
 from pipelines.plant.layout import Layout
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.casing import FlexibleBase
-from pipelines.scene.tables.housing import HousingTable
+from pipelines.scene.tables.housing import HousingBase
 
 _WAYS_OUT = {  # what makes room at a wall
     "left end wall": "Reduce casing.housing.left_end_mm",
@@ -76,16 +76,14 @@ def shafts(scene: Scene) -> list[Cylinder]:
     ]
 
 
-def bosses(housing: HousingTable) -> list[Cylinder]:
+def bosses(housing: HousingBase) -> list[Cylinder]:
     """Bearing bosses inside both side walls."""
     outer, length = housing.si.width / 2, housing.si.boss_length
     found = []
-    for index, diameter in enumerate(housing.boss_diameters_mm):
+    for index, diameter in enumerate(housing.si.boss_diameters):
         for number, start in ((2 * index + 1, -outer), (2 * index + 2, outer - length)):
             name = f"boss of bearing {number}"
-            found.append(
-                Cylinder(name, "casing.housing.boss_diameters_mm", index, diameter / 2000, start, start + length)
-            )
+            found.append(Cylinder(name, "casing.housing.boss_diameters_mm", index, diameter / 2, start, start + length))
     return found
 
 
@@ -129,14 +127,14 @@ def _body(gear: Cylinder) -> tuple[int, float, float, float]:
     return gear.shaft, round(gear.radius, 9), round(gear.start, 9), round(gear.end, 9)
 
 
-def _wall_clashes(scene: Scene, layout: Layout, housing: HousingTable) -> Iterator[Problem]:
-    common = housing.wall_thickness_mm
-    end = (housing.end_wall_thickness_mm or common) / 1000
-    left = housing.si.left_end + end
-    right = (housing.left_end_mm + housing.length_mm) / 1000 - end
-    floor = (-housing.shaft_height_mm + (housing.floor_thickness_mm or common)) / 1000
-    cover = (housing.height_mm - housing.shaft_height_mm - (housing.cover_thickness_mm or common)) / 1000
-    side = housing.si.width / 2 - (housing.side_wall_thickness_mm or common) / 1000
+def _wall_clashes(scene: Scene, layout: Layout, housing: HousingBase) -> Iterator[Problem]:
+    box, common = housing.si, housing.si.wall_thickness
+    end = box.end_wall_thickness or common
+    left = box.left_end + end
+    right = box.left_end + box.length - end
+    floor = -box.shaft_height + (box.floor_thickness or common)
+    cover = box.height - box.shaft_height - (box.cover_thickness or common)
+    side = box.width / 2 - (box.side_wall_thickness or common)
     for body in gears(scene, layout):
         x, z = layout.axes[body.shaft]
         rooms = {
@@ -175,7 +173,7 @@ def _wall_clashes(scene: Scene, layout: Layout, housing: HousingTable) -> Iterat
 def find_collisions(scene: Scene, layout: Layout) -> list[Problem]:
     """Everything that touches what it must not touch."""
     problems = [*_mates(scene, layout), *_clashes(gears(scene, layout), shafts(scene), layout)]
-    if isinstance(scene.casing, FlexibleBase) and isinstance(scene.casing.housing, HousingTable):
+    if isinstance(scene.casing, FlexibleBase) and isinstance(scene.casing.housing, HousingBase):
         housing = scene.casing.housing
         problems += _clashes(gears(scene, layout), bosses(housing), layout)
         problems += _wall_clashes(scene, layout, housing)

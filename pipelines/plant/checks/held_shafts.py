@@ -58,13 +58,13 @@ def _springs(scene: Scene, layout: Layout) -> Iterator[np.ndarray]:
                 yield row(shaft, bearing.y, np.eye(6)[_AXES.index(axis)])
     yield row(layout.driven, 0.0, np.eye(6)[4])
     for coupling in scene.couplings:
-        (one, other), (first, second) = coupling.shafts, coupling.positions_mm
+        (one, other), (first, second) = coupling.shafts, coupling.si.positions
         radial, axial = coupling.radial_stiffness_N_per_um, coupling.axial_stiffness_N_per_um
         tilt, torsional = coupling.tilt_stiffness_N_m_per_rad, coupling.torsional_stiffness_N_m_per_rad
         strengths = radial, axial, radial, tilt, torsional, tilt
         for direction, strength in zip(np.eye(6), strengths, strict=True):
             if strength:
-                yield row(one - 1, first / 1000, direction) - row(other - 1, second / 1000, direction)
+                yield row(one - 1, first, direction) - row(other - 1, second, direction)
     for stage, pair, (driving, driven) in zip(scene.stages, layout.pairs, layout.pair_shafts, strict=True):
         line = layout.axes[driven][0] - layout.axes[driving][0], layout.axes[driven][1] - layout.axes[driving][1]
         radii = pair.pinion.base_radius, pair.wheel.base_radius

@@ -130,8 +130,8 @@ def _bad_shafts(scene: Scene, layout: Layout) -> Iterator[Problem]:
 
 
 def _stations(scene: Scene, layout: Layout, shaft: int) -> tuple[float, ...]:
-    stages = [s.position_mm for s, pair in zip(scene.stages, layout.pair_shafts, strict=True) if shaft in pair]
-    return tuple(y / 1000 for y in (*scene.shafts[shaft].bearing_positions_mm, *stages))
+    stages = [s.si.position for s, pair in zip(scene.stages, layout.pair_shafts, strict=True) if shaft in pair]
+    return (*scene.shafts[shaft].si.bearing_positions, *stages)
 
 
 def _bad_load(scene: Scene, layout: Layout) -> Iterator[Problem]:

@@ -83,8 +83,8 @@ def torques_along(scene: Scene, layout: Layout) -> list[list[tuple[float, float]
         flow((pinion, y), (wheel, y), power)
     turning = [coupling for coupling in scene.couplings if coupling.turns_both]
     for coupling, power in zip(turning, flows[len(scene.stages) :], strict=True):
-        one, other = zip(coupling.shafts, coupling.positions_mm, strict=True)
-        flow((one[0] - 1, one[1] / 1000), (other[0] - 1, other[1] / 1000), power)
+        one, other = zip(coupling.shafts, coupling.si.positions, strict=True)
+        flow((one[0] - 1, one[1]), (other[0] - 1, other[1]), power)
     motors = motor_places(scene.drive, scene.shafts[layout.driven])
     entering[layout.driven] += [(y, torque / len(motors)) for y in motors]
     for number, force in enumerate(scene.forces, 1):

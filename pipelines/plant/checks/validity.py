@@ -18,7 +18,7 @@ from pipelines.plant.layout import Layout, lay_out
 from pipelines.plant.plant import Plant, make_plant
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.casing import FlexibleBase
-from pipelines.scene.tables.housing import HousingModel, HousingTable, MatricesHousingTable
+from pipelines.scene.tables.housing import HousingBase, HousingModel, MatricesHousingTable
 
 FARTHEST_SENSOR_MM = 50.0  # a sensor farther from the housing is a mistake in the scene
 
@@ -54,23 +54,24 @@ def _bad_housing(scene: Scene, table: HousingModel, layout: Layout, source: str)
     from pipelines.plant.checks.casing_checks import bad_casing
     from pipelines.plant.housing import housing
 
-    if isinstance(table, HousingTable):
+    if isinstance(table, HousingBase):
         yield from _far_sensors(scene, table)
+    sensors = tuple(sensor.made() for sensor in scene.sensors)
     try:
         points = bearing_points(scene.shafts, layout)
         if isinstance(table, MatricesHousingTable):
             from pipelines.plant.foreign_housing import foreign_housing
 
-            foreign_housing(table, scene.sensors, points, source)
+            foreign_housing(table, sensors, points, source)
             return
-        made = housing(table, scene.sensors, layout, points, source)
+        made = housing(table, sensors, layout, points, source)
     except SceneError as error:
         yield from error.problems
     else:
         yield from bad_casing(scene, layout, made, source)
 
 
-def _far_sensors(scene: Scene, box: HousingTable) -> Iterator[Problem]:
+def _far_sensors(scene: Scene, box: HousingBase) -> Iterator[Problem]:
     """Sensors outside the box around the housing and its feet by more than the limit."""
     low = (box.left_end_mm, -box.width_mm / 2, -box.shaft_height_mm - box.foot_height_mm - box.pad_height_mm)
     high = (box.left_end_mm + box.length_mm, box.width_mm / 2, box.height_mm - box.shaft_height_mm)

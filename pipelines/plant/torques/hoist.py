@@ -77,7 +77,7 @@ def _rope_strength(load: RopeTable) -> float:
 
 def drums(load: LoadBase, shaft: ShaftTable) -> tuple[float, ...]:
     """y of the drums (m) on their shaft."""
-    given = tuple(y / 1000 for y in load.drum_positions_mm)
+    given: tuple[float, ...] = load.si.drum_positions
     return given or shaft_ends(shaft)
 
 

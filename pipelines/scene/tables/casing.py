@@ -7,17 +7,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field, field_validator, model_validator
 
+from fem.casing.geometry.dimensions import Sensor
 from fem.casing.models.casing import HousingCasing
 from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.models.registry import CASINGS, casing_class
 from fem.casing.parts.names import COVER, FEET, JOINTS, MOUNTS
 from fem.elements.materials import Material
-from pipelines.scene.tables.base import Number, Table
 from pipelines.scene.tables.derived import DerivedTable, choice, table
 from pipelines.scene.tables.housing import (
-    Axes,
+    HousingBase,
     HousingModel,
-    HousingTable,
     MatricesHousingTable,
     MeshHousingTable,
 )
@@ -39,7 +38,7 @@ class FlexibleBase(DerivedTable):
 
     @model_validator(mode="after")
     def _hexahedra(self) -> FlexibleBase:
-        of_hexahedra, parametric = self.element.startswith("hexahedron"), isinstance(self.housing, HousingTable)
+        of_hexahedra, parametric = self.element.startswith("hexahedron"), isinstance(self.housing, HousingBase)
         if of_hexahedra and not parametric and not isinstance(self.housing, MeshHousingTable):
             raise ValueError(
                 f'element = "{self.element}": a STEP file is meshed with tetrahedra only; hexahedra need a parametric '
@@ -86,7 +85,7 @@ class ElasticBase(FlexibleBase):
             )
         if isinstance(self.housing, MatricesHousingTable) and names - {MOUNTS}:
             raise ValueError("damped_parts: of matrices only the part mounts is known. Delete the other parts")
-        if not isinstance(self.housing, HousingTable) and (unknown := {COVER, FEET} & names):
+        if not isinstance(self.housing, HousingBase) and (unknown := {COVER, FEET} & names):
             raise ValueError(
                 f"damped_parts: {sorted(unknown)[0]} is known of a parametric housing only. Set box_mm and another name"
             )
@@ -108,28 +107,18 @@ else:
     CasingModel = choice(CASING_TABLES, "model")
 
 
-class SensorTable(Table):
-    """A triaxial accelerometer on the casing."""
+class _SensorBase(DerivedTable):
+    """What a scene asks of the name of a sensor."""
 
-    name: Annotated[
-        str,
-        Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description="letters, digits, _ and -, at most 40"),
-    ]
-    position_mm: Annotated[
-        tuple[Number, Number, Number],
-        Field(description="x, y, z of the sensor, which is moved to the nearest point of the surface"),
-    ]
-    axes: Annotated[
-        Axes, Field(description="directions of its channels x, y, z in the coordinate system of the scene")
-    ] = (
-        (1.0, 0.0, 0.0),
-        (0.0, 1.0, 0.0),
-        (0.0, 0.0, 1.0),
-    )
-
-    @field_validator("name")
+    @field_validator("name", check_fields=False)
     @classmethod
     def _not_another_point(cls, name: str) -> str:
         if POINTS.match(name):
             raise ValueError(f"{name} is already the name of another point of the machine. Set another name")
         return name
+
+
+if TYPE_CHECKING:
+    SensorTable = Any
+else:
+    SensorTable = table(Sensor, _SensorBase)

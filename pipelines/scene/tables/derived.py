@@ -7,12 +7,12 @@ import functools
 import operator
 import types
 import typing
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, create_model, model_validator
 
-from fem.options import Option, key_suffix, options_of
+from fem.options import Option, inlined, key_suffix, options_of
 from pipelines.scene.tables.base import Flag, Number, Table, Whole
 
 _STRICT = {float: Number, int: Whole, bool: Flag}
@@ -38,10 +38,13 @@ class DerivedTable(Table):
 
     def made(self, **others: Any) -> Any:
         """An object of the class in SI, with values for further fields."""
-        given = {
-            field.name: _si(getattr(self, key_of(field.name, one)), one) for field, one in options_of(self.made_of)
-        }
-        return self.made_of(**given, **others)
+        return self.made_part(self.made_of, **others)
+
+    def made_part(self, part: type, **others: Any) -> Any:
+        """An object of a class whose options are among the keys, with values for further fields."""
+        given = {field.name: _si(getattr(self, key_of(field.name, one)), one) for field, one in options_of(part)}
+        parts = {name: self.made_part(of) for name, of in inlined(part) if name not in others}
+        return part(**given, **parts, **others)
 
 
 @functools.cache
@@ -60,9 +63,9 @@ def table(made_of: type, base: type[DerivedTable] = DerivedTable, **tag: tuple[s
     }
     if typing.get_origin(hints.get("model")) is Literal:
         keys["model"] = (hints["model"], typing.get_args(hints["model"])[0])
-    for field, one in options_of(made_of):
+    for field, hint, one in _options(made_of):
         given = Field(description=one.text, min_length=one.least, max_length=one.most, pattern=one.pattern)
-        annotation: Any = Annotated[_strict(hints[field.name], one), given]
+        annotation: Any = Annotated[_strict(hint, one), given]
         default = ... if field.default is dataclasses.MISSING else _given(field.default, one)
         keys[key_of(field.name, one)] = (annotation, default)
     doc = (made_of.__doc__ or "").split("\n\n")[0]
@@ -72,6 +75,14 @@ def table(made_of: type, base: type[DerivedTable] = DerivedTable, **tag: tuple[s
         "option" in f.metadata or f.default is not dataclasses.MISSING for f in dataclasses.fields(made_of)
     )
     return made
+
+
+def _options(made_of: type) -> Iterator[tuple[dataclasses.Field, Any, Option]]:
+    """The options of a class and of its inlined parts, with their types."""
+    hints = typing.get_type_hints(made_of, include_extras=True)
+    yield from ((field, hints[field.name], one) for field, one in options_of(made_of))
+    for _, part in inlined(made_of):
+        yield from _options(part)
 
 
 def choice(tables: Iterable[Any], key: str) -> Any:

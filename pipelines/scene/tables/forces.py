@@ -175,7 +175,7 @@ class UnbalanceTable(PlacedTable):
         """The force in SI."""
         from mbd.excitations.unbalance import Unbalance
 
-        return Unbalance(**self.place(number), size=self.unbalance_g_mm / 1_000_000, angle=self.si.angle)
+        return Unbalance(**self.place(number), size=self.si.unbalance, angle=self.si.angle)
 
 
 class TorqueRippleTable(PlacedTable):
@@ -225,7 +225,7 @@ class BentShaftTable(PlacedTable):
         return BentShaft(
             **self.place(number),
             bow=self.si.bow,
-            straight=(self.straight_at_mm[0] / 1000, self.straight_at_mm[1] / 1000),
+            straight=self.si.straight_at,
             angle=self.si.angle,
         )
 

@@ -8,26 +8,18 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from fem.casing.geometry.features import LARGEST, Flange, Ribs
+from fem.casing.geometry.features import LARGEST
+from fem.casing.geometry.housing import Housing
 from fem.casing.parts.bolts import Size
 from pipelines.scene.tables.base import Flag, Number, Positive, Table, Whole
-from pipelines.scene.tables.derived import table
+from pipelines.scene.tables.derived import DerivedTable, table
 
 Vector = tuple[Number, Number, Number]
 Axes = tuple[Vector, Vector, Vector]
 Unit = Literal["m", "cm", "mm", "um", "inch"]
 Length = Annotated[Number, Field(gt=0, le=LARGEST)]
-Depth = Annotated[Number, Field(ge=0, le=LARGEST)]
 Place = Annotated[Number, Field(ge=-LARGEST, le=LARGEST)]
 Stiffness = Annotated[Number, Field(gt=0, le=1e9)]
-OptionalWall = Annotated[Length | None, Field(description="thickness where it differs from wall_thickness_mm")]
-
-
-if TYPE_CHECKING:
-    RibTable = Any
-    FlangeTable = Any
-else:
-    RibTable, FlangeTable = table(Ribs), table(Flange)
 
 
 class JointTable(Table):
@@ -94,20 +86,10 @@ class PlaneJointTable(JointTable):
         return self
 
 
-class HousingTable(Table):
-    """The parametric housing: a closed box with bearing bosses in its two side walls, and feet."""
+class HousingBase(DerivedTable):
+    """What a scene gives of a parametric housing besides its dimensions."""
 
     model: Literal["parametric"] = "parametric"
-    length_mm: Annotated[Length, Field(description="outer length along x")]
-    width_mm: Annotated[Length, Field(description="outer width along y; the middle is y = 0")]
-    height_mm: Annotated[Length, Field(description="outer height along z without feet")]
-    wall_thickness_mm: Annotated[Length, Field(description="thickness of all walls, floor and cover")]
-    side_wall_thickness_mm: OptionalWall = None
-    end_wall_thickness_mm: OptionalWall = None
-    floor_thickness_mm: OptionalWall = None
-    cover_thickness_mm: OptionalWall = None
-    left_end_mm: Annotated[Place, Field(description="x of the outer face of the left end wall; shaft 1 is at x = 0")]
-    shaft_height_mm: Annotated[Length, Field(description="height of shaft 1 over the underside of the floor")]
     bore_diameters_mm: Annotated[
         tuple[Length, ...], Field(description="diameters of the bearing bores, one per shaft, for both of its bearings")
     ]
@@ -115,27 +97,15 @@ class HousingTable(Table):
     boss_length_mm: Annotated[
         Length, Field(description="length of the bosses along y, inwards from the outer wall face")
     ]
-    foot_length_mm: Annotated[Length, Field(description="side of the square feet")] = 60.0
-    foot_height_mm: Annotated[Length, Field(description="height of the feet below the floor")] = 15.0
     foot_pitch_mm: Annotated[
         Length | None,
         Field(
             description="largest distance of neighbouring feet, which sets their number; without it: three on each side"
         ),
     ] = None
-    foot_overhang_mm: Annotated[Depth, Field(description="distance by which the feet extend beyond the side walls")] = (
-        0.0
-    )
-    pad_diameter_mm: Annotated[Depth, Field(description="diameter of round bolt pads under the feet; 0: none")] = 0.0
-    pad_height_mm: Annotated[Depth, Field(description="height of the bolt pads below the feet")] = 0.0
-    bolt_diameter_mm: Annotated[Depth, Field(description="diameter of the holes through pads and feet; 0: none")] = 0.0
-    foot_fillet_mm: Annotated[Depth, Field(description="radius where feet meet floor or wall; 0: sharp")] = 0.0
-    inner_fillet_mm: Annotated[Depth, Field(description="radius of the edges of the cavity; 0: sharp")] = 0.0
-    flange: Annotated[FlangeTable | None, Field(description="flange at the split plane; without it: none")] = None
     joint: Annotated[
         CoverJointTable | None, Field(description="bolts of the cover; without it: cover and lower part are bonded")
     ] = None
-    ribs: Annotated[RibTable | None, Field(description="ribs; without it: none")] = None
 
     @property
     def plain(self) -> bool:
@@ -314,10 +284,13 @@ def _model_of(value: Any) -> str:
     return value.get("model", "parametric") if isinstance(value, dict) else getattr(value, "model", "parametric")
 
 
-HousingModel = Annotated[
-    Annotated[HousingTable, Tag("parametric")]
-    | Annotated[StepHousingTable, Tag("step")]
-    | Annotated[MeshHousingTable, Tag("mesh")]
-    | Annotated[MatricesHousingTable, Tag("matrices")],
-    Discriminator(_model_of),
-]
+if TYPE_CHECKING:
+    HousingModel = Any
+else:
+    HousingModel = Annotated[
+        Annotated[table(Housing, HousingBase), Tag("parametric")]
+        | Annotated[StepHousingTable, Tag("step")]
+        | Annotated[MeshHousingTable, Tag("mesh")]
+        | Annotated[MatricesHousingTable, Tag("matrices")],
+        Discriminator(_model_of),
+    ]
