@@ -4,8 +4,7 @@ import pytest
 
 from pipelines.engine.storage import digest
 from pipelines.plant.checks.design_warnings import design_warnings
-from pipelines.plant.layout import lay_out
-from pipelines.plant.plant import make_plant
+from pipelines.plant.plant import make_drivetrain, make_plant
 from pipelines.scene.file import load_scene
 from pipelines.steps.study import plan_study
 
@@ -116,9 +115,11 @@ def test_a_window_too_short_for_the_diagnosis_is_told_beforehand():
     fault = 'faults=[{kind="missing-tooth", stage=1, gear="wheel", tooth=0}]'
     short = load_scene("minimal", (fault,)).scene
     told = [
-        warning for warning in design_warnings(short, lay_out(short)) if "revolutions of the stage 1 wheel" in warning
+        warning
+        for warning in design_warnings(short, make_drivetrain(short))
+        if "revolutions of the stage 1 wheel" in warning
     ]
     assert len(told) == 1
     assert "4.9" in told[0]
     long = load_scene("rig-missing-tooth").scene
-    assert not [text for text in design_warnings(long, lay_out(long)) if "revolutions" in text]
+    assert not [text for text in design_warnings(long, make_drivetrain(long)) if "revolutions" in text]

@@ -14,7 +14,7 @@ from fem.storage.cache_folder import cache_root
 from mbd.coordinates.channels import channel_names, mesh_channels, motor_channels, shaft_channels
 from mbd.parts.checks import MachineError
 from mbd.system.system import assemble
-from pipelines.border.errors import SceneError
+from pipelines.border.errors import Problems, SceneError
 from pipelines.cli import main
 from pipelines.plant.bearings import bearing_points, bearing_specs
 from pipelines.plant.checks import cost
@@ -22,6 +22,7 @@ from pipelines.plant.checks.design_warnings import design_warnings
 from pipelines.plant.checks.strength import STATIC_STRENGTH, TORSION_STRENGTH, contact_pressure, torques_along, torsions
 from pipelines.plant.checks.validity import checked_plant
 from pipelines.plant.layout import lay_out
+from pipelines.plant.plant import make_drivetrain
 from pipelines.plant.torques.hoist import load_spec
 from pipelines.scene.file import load_scene
 from pipelines.steps.study import plan_study
@@ -260,7 +261,7 @@ def test_the_channels_counted_are_those_recorded(scene):
     others = SimpleNamespace(channel_names=(*motors, *shafts, *meshes))
     drums = (0.0,) * len(loaded.load.drum_positions_mm or (0, 0))
     load = load_spec(loaded.load, "shaft_2", drums)
-    recorded = SimpleNamespace(components=(others, *bearing_specs(loaded.shafts, loaded.bearings), load))
+    recorded = SimpleNamespace(components=(others, *bearing_specs(loaded, Problems()), load))
     names = channel_names(recorded, tuple(sensor.name for sensor in loaded.sensors))
     assert cost.cost(loaded).channels == len(names)
 
@@ -268,14 +269,14 @@ def test_the_channels_counted_are_those_recorded(scene):
 def test_the_output_rate_is_held_against_the_fastest_mesh():
     settings = {"stages.2.pinion_teeth": 150, "stages.2.wheel_teeth": 160, "simulation.output_rate_Hz": 7500.0}
     scene = load_scene("rig-healthy", settings).scene
-    told = [text for text in design_warnings(scene, lay_out(scene)) if "output_rate_Hz" in text]
+    told = [text for text in design_warnings(scene, make_drivetrain(scene)) if "output_rate_Hz" in text]
     assert [("stage 2, 818.2 Hz" in text) for text in told] == [True]
 
 
 def test_a_window_in_the_run_up_is_a_warning_where_nothing_is_compared():
     settings = {"faults": FAULT["faults"], **SLOW, "diagnosis.windows_s": {"start": [0.0, 2.0]}}
     scene = load_scene("minimal", settings).scene
-    assert any("the mean speed of the motors is" in text for text in design_warnings(scene, lay_out(scene)))
+    assert any("the mean speed of the motors is" in text for text in design_warnings(scene, make_drivetrain(scene)))
 
 
 def test_contact_pressure_of_spur_gears_is_that_of_two_cylinders():

@@ -11,6 +11,7 @@ from pipelines.border.errors import SceneError
 from pipelines.cli import main
 from pipelines.plant.checks.design_warnings import design_warnings
 from pipelines.plant.layout import lay_out
+from pipelines.plant.plant import make_drivetrain
 from pipelines.runs import inspect_gears
 from pipelines.runs.checked import check_scene
 from pipelines.scene.file import load_scene
@@ -95,7 +96,7 @@ def test_gears_takes_torques_and_writes_its_plot(tmp_path, monkeypatch, capsys):
 def test_a_shaft_thicker_than_the_bores_on_it_is_warned_of():
     def warned(**settings):
         scene = load_scene("bench", settings).scene
-        return [text for text in design_warnings(scene, lay_out(scene)) if "the bore of" in text]
+        return [text for text in design_warnings(scene, make_drivetrain(scene)) if "the bore of" in text]
 
     balls = {"model": "hertz", "designation": "6208"}
     assert warned(bearings=balls) == []

@@ -19,7 +19,7 @@ from mbd.simulate import simulate
 from mbd.system.system import assemble
 from mbd.torques.torque import Torque
 from pipelines.border.errors import SceneError
-from pipelines.plant.machine import coupling_specs
+from pipelines.plant.machine import coupling_spec
 from pipelines.scene.file import load_scene
 
 SPEED = 60.0  # rad/s, far below all modes
@@ -159,7 +159,7 @@ TABLE = {"shafts": [1, 2], "positions_mm": [100.0, 100.0], "torsional_stiffness_
 def tables(**changes):
     scene = load_scene("minimal", {"couplings": [TABLE | changes], "stages.1.pinion_shaft": 1,
                                    "stages.1.wheel_shaft": 2}).scene  # fmt: skip
-    return coupling_specs(scene.couplings)
+    return [coupling_spec(number, table) for number, table in enumerate(scene.couplings, 1)]
 
 
 def test_couplings_of_a_scene_in_si():

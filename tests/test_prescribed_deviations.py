@@ -31,8 +31,7 @@ from pipelines.plant.assembly import assemble_machine
 from pipelines.plant.checks.design_warnings import design_warnings
 from pipelines.plant.checks.validity import checked_plant
 from pipelines.plant.flanks import prescribed_deviations
-from pipelines.plant.layout import lay_out
-from pipelines.plant.plant import make_plant
+from pipelines.plant.plant import make_drivetrain, make_plant
 from pipelines.scene.file import control_of, load_scene
 from pipelines.scene.measured_flanks import measured_flanks
 
@@ -301,7 +300,7 @@ def test_stated_deviations_stay_in_the_healthy_control_and_leave_with_all_others
     assert control.scene.stages[0].wheel.deviations.eccentricity_um == 20
     off = load_scene("bench", (*STATED[:1], "deviations.enabled=false")).scene
     assert make_plant(off).machine.meshes[0].wheel.prescribed is None
-    assert any("have no effect" in text for text in design_warnings(off, lay_out(off)))
+    assert any("have no effect" in text for text in design_warnings(off, make_drivetrain(off)))
 
 
 def test_what_no_gear_has_is_refused_or_questioned_with_its_place():
@@ -310,7 +309,7 @@ def test_what_no_gear_has_is_refused_or_questioned_with_its_place():
     with pytest.raises(SceneError, match=r"stages\.1\.pinion\.deviations\.flanks\.file.*no such file"):
         checked_plant(load_scene("minimal", ('stages.1.pinion.deviations.flanks.file="none.csv"',)).scene, "minimal")
     rough = load_scene("minimal", ("stages.1.wheel.deviations.eccentricity_um=190",)).scene
-    assert any("if the unit is wrong" in text for text in design_warnings(rough, lay_out(rough)))
+    assert any("if the unit is wrong" in text for text in design_warnings(rough, make_drivetrain(rough)))
 
 
 def test_a_cracked_tooth_of_an_eccentric_gear_keeps_the_modes_of_its_crack(laws):

@@ -189,7 +189,7 @@ def test_a_value_that_is_needed_and_missing_is_named(imported, kind, key):
 
 def test_a_bearing_in_the_catalogue_has_its_rolling_elements(imported):
     _, scene = imported(unit())
-    found = rolling_bearings(scene.shafts, scene.bearings)
+    found = rolling_bearings(scene)
     assert len(found) == 6
     assert {bearing.elements.count for bearing in found} == {9}
     assert {round(bearing.elements.diameter * 1000, 3) for bearing in found} == {7.94}
@@ -202,7 +202,7 @@ def test_balls_estimated_from_dimensions_and_rating_are_those_of_the_catalogue(i
     size = {"inner_diameter": (float(size), "mm"), "outer_diameter": (float(outside), "mm")}
     size |= {"catalogue_designation": "unknown", "radial_static_load_rating": (rating / 1000, "kN")}
     _, scene = imported(unit().changed(CATALOGUE, size))
-    found, known = rolling_bearings(scene.shafts, scene.bearings)[0].elements, by_designation(name)
+    found, known = rolling_bearings(scene)[0].elements, by_designation(name)
     assert found.diameter == pytest.approx(known.diameter, rel=0.021)
     assert found.pitch_diameter == pytest.approx(known.pitch_diameter, rel=0.015)
     assert abs(found.count - known.count) <= 1

@@ -15,7 +15,7 @@ from pipelines.plant.assembly import clearances, mesh_faults
 from pipelines.plant.checks.design_warnings import design_warnings
 from pipelines.plant.checks.validity import checked_plant
 from pipelines.plant.layout import lay_out
-from pipelines.plant.plant import make_plant
+from pipelines.plant.plant import make_drivetrain, make_plant
 from pipelines.scene.file import load_scene
 from pipelines.steps.graph import plant_steps
 
@@ -185,9 +185,9 @@ def test_a_crack_through_the_tooth_is_refused_with_its_place(tmp_path):
 
 def test_warnings_of_a_designer():
     scene = minimal("stages.1.pinion_teeth=12", "stages.1.pinion_bore_mm=14", "stages.1.mesh.slices=5")
-    undercut = design_warnings(scene, lay_out(scene))
+    undercut = design_warnings(scene, make_drivetrain(scene))
     assert any("undercut" in text and "eps_alpha" in text for text in undercut)
     faulty = load_scene("rig-missing-tooth", ("deviations.iso_grade=9", "faults.1.kind=missing-tooth")).scene
-    assert any("may hide the fault" in text for text in design_warnings(faulty, lay_out(faulty)))
+    assert any("may hide the fault" in text for text in design_warnings(faulty, make_drivetrain(faulty)))
     shipped = load_scene("rig-missing-tooth").scene
-    assert not any("may hide the fault" in text for text in design_warnings(shipped, lay_out(shipped)))
+    assert not any("may hide the fault" in text for text in design_warnings(shipped, make_drivetrain(shipped)))

@@ -23,8 +23,7 @@ from fem.contact.wheels.contact import solve
 from fem.gears.gear import GeometryError
 from pipelines.border.errors import SceneError
 from pipelines.plant.checks.design_warnings import design_warnings
-from pipelines.plant.layout import lay_out
-from pipelines.plant.plant import make_plant
+from pipelines.plant.plant import make_drivetrain, make_plant
 from pipelines.scene.file import control_of, load_scene
 
 HELICAL = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))
@@ -209,7 +208,8 @@ def test_a_spall_of_a_scene_lies_at_its_place_in_both_senses_and_leaves_the_cont
 def test_a_spall_narrower_than_two_slices_is_questioned():
     scene = load_scene("minimal", {"faults": [SCENE_SPALL | {"stage": 1, "length_mm": 1.0}]}).scene
     assert any(
-        "length_mm = 1 is resolved coarsely by slices" in text for text in design_warnings(scene, lay_out(scene))
+        "length_mm = 1 is resolved coarsely by slices" in text
+        for text in design_warnings(scene, make_drivetrain(scene))
     )
 
 

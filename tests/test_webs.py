@@ -24,7 +24,7 @@ from fem.elements.prisms import axial_matrices, slice_means
 from fem.gears.sector import sector_mesh
 from fem.numerics.linear_solver import factorize
 from pipelines.plant.checks.design_warnings import design_warnings
-from pipelines.plant.layout import lay_out
+from pipelines.plant.plant import make_drivetrain
 from pipelines.scene.file import load_scene
 
 YOUNG, POISSON = 206e9, 0.3
@@ -208,4 +208,4 @@ def test_models_of_the_plane_say_that_they_ignore_the_offset():
     settings = tuple(f"stages.1.wheel.{key}" for key in web)
     for model, told in (("plane", True), ("solid", False)):
         scene = load_scene("minimal", (*settings, f"stages.1.mesh.model={model}")).scene
-        assert any("web_offset_mm" in text for text in design_warnings(scene, lay_out(scene))) == told
+        assert any("web_offset_mm" in text for text in design_warnings(scene, make_drivetrain(scene))) == told

@@ -186,4 +186,6 @@ class HertzBearings(BearingModel):
         """Contacts of the rolling elements."""
         from mbd.forces.rolling_bearing import hertz_bearing
 
+        if not self.elements.stiffness > 0.0:
+            raise MachineError("the rolling elements have no stiffness. Raise element_diameter_mm")
         return hertz_bearing(name, *at, self.elements, self.damping_time, support)

@@ -8,6 +8,7 @@ the maker's geometry where pass frequencies must match to better than some per c
 
 from __future__ import annotations
 
+import difflib
 import math
 
 from mbd.parts.checks import MachineError
@@ -76,6 +77,11 @@ def by_designation(name: str) -> RollingElements:
             kind="roller", count=count, diameter=diameter / 1000, pitch_diameter=pitch / 1000,
             contact_angle=math.radians(angle), length=length / 1000,
         )  # fmt: skip
+    wanted, known = name.replace(" ", "").upper(), designations()
+    near = [one for one in known if wanted.startswith(one)]
+    near += [one for one in difflib.get_close_matches(wanted, known, n=4) if one not in near]
+    hint = f"Similar: {', '.join(near)}. " if near else ""
     raise MachineError(
-        f"bearing designation {name!r}: not in the catalogue ({', '.join(designations())}). Give its geometry instead."
+        f'designation = "{name}": is not in the catalogue ({", ".join(known)}). {hint}Set one of these, or instead of '
+        "designation the geometry (kind, elements, element_diameter_mm, pitch_diameter_mm)"
     )

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from fem.storage.cache_folder import CacheWarning as CacheWarning
 from pipelines.border.shown import MOST_LINES, shown
@@ -40,6 +42,15 @@ class Problem:
         return text
 
 
+def problem_of(path: str, line: str) -> Problem:
+    """What a part refuses in one line, at the path of its table; "key = value: ..." is a problem of that key."""
+    found = re.match(r'([a-z]\w*) = (".*?"|\S+): (.+)', line)
+    if found is None:
+        return Problem(path, line)
+    key, value, message = found.groups()
+    return Problem(f"{path}.{key}" if path else key, message, shown=value)
+
+
 class SceneError(InputError):
     """A scene is not valid. `problems` lists what was found, not only the first; `unlisted` counts the others."""
 
@@ -57,3 +68,31 @@ class SceneError(InputError):
 
     def __reduce__(self) -> tuple:
         return type(self), (self.source, self.problems, self.unlisted)
+
+
+class Problems(list[Problem]):
+    """Problems of a scene, collected while its parts are made; `refusals` are the errors by which parts refuse values.
+
+    Parameters
+    ----------
+    *refusals : classes of errors
+    """
+
+    def __init__(self, *refusals: type[Exception]) -> None:
+        super().__init__()
+        self._refusals = refusals
+
+    def made(self, path: str, make: Callable[..., Any], *arguments: Any) -> Any:
+        """What a function makes of its arguments; None where it refuses, a problem of the table at a path."""
+        try:
+            return make(*arguments)
+        except SceneError as error:
+            self += error.problems
+        except self._refusals as error:
+            self.append(problem_of(path, str(error)))
+        return None
+
+    def stop(self, source: str) -> None:
+        """Raise a SceneError with all problems of the scene called `source`, if there are any."""
+        if self:
+            raise SceneError(source, list(dict.fromkeys(self)))

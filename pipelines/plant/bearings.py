@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from mbd.bearing_faults.cage_slip import CageSlip
 from mbd.bearing_faults.faulty_bearing import with_faults
 from mbd.bearing_faults.spall import Spall
+from mbd.forces.bearing_models import Support
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.rolling_elements import RollingElements
+from pipelines.border.errors import Problems
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.bearings import BearingModel
 from pipelines.scene.tables.shafts import ShaftTable
@@ -66,57 +68,84 @@ def bearing_points(shafts: Sequence[ShaftTable], layout: Layout) -> tuple[tuple[
     )
 
 
-def rolling_bearings(shafts: Sequence[ShaftTable], usual: BearingModel) -> tuple[RollingBearing, ...]:
-    """The bearings whose rolling elements are known, in shaft order; `usual` where a shaft names none.
+@dataclass(frozen=True, kw_only=True)
+class _Placed:
+    """A bearing of a scene: shaft and place on it from 0, y in m, its options, the path of its table."""
 
-    MachineError if its elements do not fit."""
+    name: str
+    shaft: int
+    place: int
+    y: float
+    model: Any
+    path: str
+
+    @property
+    def support(self) -> Support:
+        """What carries it."""
+        return "ground" if self.name.startswith("ground") else "casing"
+
+
+def _placed(scene: Scene) -> list[_Placed]:
     found = []
-    for name, number, place in bearing_names(shafts):
-        if elements := bearing_table(shafts[number], usual, place).made().elements:
-            found.append(RollingBearing(name=name, shaft=number, elements=elements))
-    return tuple(found)
+    for name, shaft, place in bearing_names(scene.shafts):
+        table = scene.shafts[shaft]
+        found.append(
+            _Placed(
+                name=name,
+                shaft=shaft,
+                place=place,
+                y=table.si.bearing_positions[place],
+                model=bearing_table(table, scene.bearings, place).made(),
+                path=f"shafts.{shaft + 1}.bearings.{place + 1}" if table.bearings else "bearings",
+            )
+        )
+    return found
 
 
-def bearing_specs(shafts: Sequence[ShaftTable], usual: BearingModel) -> tuple[BearingSpec, ...]:
-    """All bearings in shaft order, from -y; `usual` where a shaft names none."""
-    specs = []
-    for name, number, place in bearing_names(shafts):
-        model, y = bearing_table(shafts[number], usual, place).made(), shafts[number].si.bearing_positions[place]
-        support = "ground" if name.startswith("ground") else "casing"
-        specs.append(model.spec(name, (f"shaft_{number + 1}", y), support))
-    return tuple(specs)
+def rolling_bearings(scene: Scene) -> tuple[RollingBearing, ...]:
+    """The bearings whose rolling elements are known, in shaft order."""
+    return tuple(
+        RollingBearing(name=one.name, shaft=one.shaft, elements=one.model.elements)
+        for one in _placed(scene)
+        if one.model.elements is not None
+    )
 
 
-def bearing_faults(scene: Scene) -> tuple[BearingFault, ...]:
-    """All spalls of the bearings. MachineError for one that does not fit."""
-    return tuple(fault for _, fault in numbered_bearing_faults(scene))
-
-
-def numbered_bearing_faults(scene: Scene) -> Iterator[tuple[int, BearingFault]]:
-    """The spalls with their numbers in the scene, from 1."""
-    names = {(shaft, place): name for name, shaft, place in bearing_names(scene.shafts)}
+def bearing_faults(scene: Scene) -> dict[int, BearingFault]:
+    """The spalls of the bearings by their numbers in the scene, from 1."""
+    placed = {(one.shaft, one.place): one for one in _placed(scene)}
+    found = {}
     for number, fault in scene.spalls.items():
-        shaft, place = fault.shaft - 1, fault.bearing - 1
-        table = bearing_table(scene.shafts[shaft], scene.bearings, place)
-        slip = table.made().cage_slip
-        yield number, BearingFault(bearing=names[shaft, place], shaft=shaft, spall=fault.made(), slip=slip)
+        one = placed[fault.shaft - 1, fault.bearing - 1]
+        found[number] = BearingFault(bearing=one.name, shaft=one.shaft, spall=fault.made(), slip=one.model.cage_slip)
+    return found
 
 
-def with_bearing_faults(scene: Scene, specs: Sequence[BearingSpec]) -> tuple[BearingSpec, ...]:
-    """The bearings of a scene with their spalls and slipping cages; each cage has a sequence of its own.
+def bearing_specs(scene: Scene, problems: Problems) -> tuple[BearingSpec, ...]:
+    """All bearings in shaft order, from -y, with their spalls and slipping cages; each cage has a sequence of its own.
 
-    Raises
-    ------
-    MachineError : a spall that does not fit
+    Parameters
+    ----------
+    scene : the scene
+    problems : take the bearings and spalls that do not fit
     """
-    spalls = bearing_faults(scene)
+    faults = bearing_faults(scene)
     found = []
-    for spec, (name, shaft, place) in zip(specs, bearing_names(scene.shafts), strict=True):
-        table = bearing_table(scene.shafts[shaft], scene.bearings, place)
-        share, slip = table.made().cage_slip, None
-        if share:
-            slip = CageSlip(share=share, seed=(scene.deviations.seed, zlib.crc32(name.encode())))
-        found.append(with_faults(spec, [fault.spall for fault in spalls if fault.bearing == name], slip))
+    for one in _placed(scene):
+        at = (f"shaft_{one.shaft + 1}", one.y)
+        spec: BearingSpec | None = problems.made(one.path, one.model.spec, one.name, at, one.support)
+        if spec is None:
+            continue
+        spalls: list[Spall] = []
+        for number, fault in faults.items():
+            if fault.bearing == one.name:
+                path = f"faults.{number}"
+                if problems.made(path, with_faults, spec, [*spalls, fault.spall]) is not None:
+                    spalls.append(fault.spall)
+        slip = None
+        if one.model.cage_slip:
+            slip = CageSlip(share=one.model.cage_slip, seed=(scene.deviations.seed, zlib.crc32(one.name.encode())))
+        found.append(with_faults(spec, spalls, slip))
     return tuple(found)
 
 

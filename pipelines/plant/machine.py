@@ -12,7 +12,8 @@ from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.film import Film
 from mbd.parts.losses import Brake
 from mbd.parts.shafts import Disk, ShaftSpec
-from pipelines.plant.bearings import bearing_specs, with_bearing_faults
+from pipelines.border.errors import Problems
+from pipelines.plant.bearings import bearing_specs
 from pipelines.plant.flanks import GEARS, Fault, damaged_teeth, prescribed_deviations
 from pipelines.plant.layout import Layout
 from pipelines.plant.parts import GearMesh, GearTeeth, MachineParts, ToothDeviations
@@ -106,12 +107,8 @@ def shaft_specs(scene: Scene, layout: Layout) -> tuple[ShaftSpec, ...]:
     return tuple(specs)
 
 
-def coupling_specs(tables: Sequence[CouplingTable]) -> tuple[ShaftCoupling, ...]:
-    """Couplings between shafts."""
-    return tuple(_coupling(number, table) for number, table in enumerate(tables, 1))
-
-
-def _coupling(number: int, table: CouplingTable) -> ShaftCoupling:
+def coupling_spec(number: int, table: CouplingTable) -> ShaftCoupling:
+    """The coupling between two shafts with a number in the scene."""
     radial, tilt = table.si.radial_stiffness, table.tilt_stiffness_N_m_per_rad
     common: dict[str, Any] = {
         "name": f"coupling_{number}",
@@ -201,25 +198,38 @@ def film_spec(table: FilmModel, pair: GearPair) -> Film | None:
     return found
 
 
-def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> MachineParts:
-    """All parts of the machine of a scene. `MachineError` names what does not fit."""
+def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault], problems: Problems) -> MachineParts:
+    """All parts of the machine of a scene.
+
+    Parameters
+    ----------
+    scene, layout : the scene, and where its shafts are
+    faults : of the teeth
+    problems : take what the parts refuse; with any, the parts are not complete
+    """
     drive, driven = scene.drive, f"shaft_{layout.driven + 1}"
     ends = motor_places(drive, scene.shafts[layout.driven])
     places = load_places(scene.load, scene.shafts[layout.loaded])
     brake = drive.brake_torque_N_m if isinstance(drive, SpeedDrive) else 0.0
+    profile, load = speed_profile(drive), problems.made("load", hanging_load, scene.load, layout.loaded, places)
+    if load is not None and isinstance(drive, SpeedDrive):
+        problems.made("load", load.check_run, profile, layout.shaft_ratios[layout.loaded], scene.simulation.end_s)
     return MachineParts(
-        shafts=shaft_specs(scene, layout),
-        bearings=with_bearing_faults(scene, bearing_specs(scene.shafts, scene.bearings)),
+        shafts=problems.made("shafts", shaft_specs, scene, layout) or (),
+        bearings=bearing_specs(scene, problems),
         meshes=gear_meshes(scene, layout, faults),
         motors=motor_couplings(drive, layout.driven, ends),
         driven=driven,
-        drive=speed_profile(drive),
-        load=hanging_load(scene.load, layout.loaded, places),
-        couplings=coupling_specs(scene.couplings),
+        drive=profile,
+        load=load,
+        couplings=tuple(
+            problems.made(f"couplings.{number}", coupling_spec, number, table)
+            for number, table in enumerate(scene.couplings, 1)
+        ),
         forces=(
-            *motor_torques(drive, layout.driven, ends),
-            *torque_load(scene.load, layout.loaded, places),
-            *(table.spec(number) for number, table in enumerate(scene.forces, 1)),
+            *(problems.made("drive", motor_torques, drive, layout.driven, ends) or ()),
+            *(problems.made("load", torque_load, scene.load, layout.loaded, places) or ()),
+            *(problems.made(f"forces.{n}", table.spec, n) for n, table in enumerate(scene.forces, 1)),
             *(force for number, table in enumerate(scene.disks, 1) for force in table.unbalances(number)),
         ),
         losses=scene.losses.made(),

@@ -5,6 +5,7 @@ The scene stays what users wrote, in their units; it is read here, and by the ch
 
 from __future__ import annotations
 
+import functools
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -12,9 +13,13 @@ from typing import Any
 
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.models.casing import Casing, Structure
+from fem.contact.frame import ModelError
 from fem.contact.models.mesh_model import LawSpec
 from fem.contact.models.registry import loaded_model
+from fem.gears.geometry import GeometryError
 from mbd.integrators.settings import MotionSettings
+from mbd.parts.checks import MachineError
+from pipelines.border.errors import Problem, Problems
 from pipelines.plant.bearings import BearingFault, RollingBearing, bearing_faults, bearing_points, rolling_bearings
 from pipelines.plant.casing import casing
 from pipelines.plant.facts import Facts, derive, stage_facts
@@ -31,6 +36,8 @@ from pipelines.scene.tables.analysis import DiagnosisTable
 from pipelines.scene.tables.casing import FlexibleBase, SensorTable
 from pipelines.scene.tables.motion import DriveModel, SpeedDrive
 from pipelines.signals.analysis import DiagnosisSettings
+
+REFUSALS = (MachineError, GeometryError, ModelError)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -116,18 +123,28 @@ def make_plant(scene: Scene, source: str = "scene", layout: Layout | None = None
 
     Raises
     ------
-    SceneError : gears that do not work, a housing that does not fit; `source` names the scene in it
-    MachineError : a part of the machine refuses its values
+    SceneError : all that its parts refuse, at once; `source` names the scene in it
     """
     layout = layout or lay_out(scene, source)
-    drivetrain = make_drivetrain(scene, source, layout)
-    model, structure = casing(scene, layout, drivetrain.machine, source)
-    return Plant(**vars(drivetrain), casing=model, structure=structure)
+    problems = Problems(*REFUSALS)
+    train = _drivetrain(scene, layout, problems)
+    made = problems.made("casing", casing, scene, layout, train.machine, source)
+    for number, spec in enumerate(train.laws, 1):
+        if reason := _law_refusal(spec):
+            problems.append(Problem(f"stages.{number}.mesh", reason))
+    problems.stop(source)
+    return Plant(**vars(train), casing=made[0], structure=made[1])
 
 
 def make_drivetrain(scene: Scene, source: str = "scene", layout: Layout | None = None) -> Drivetrain:
-    """Everything but the casing. SceneError and MachineError as `make_plant`."""
-    layout = layout or lay_out(scene, source)
+    """Everything but the casing. SceneError as `make_plant`."""
+    problems = Problems(*REFUSALS)
+    train = _drivetrain(scene, layout or lay_out(scene, source), problems)
+    problems.stop(source)
+    return train
+
+
+def _drivetrain(scene: Scene, layout: Layout, problems: Problems) -> Drivetrain:
     faults = tooth_faults(scene.tooth_faults.values(), layout.pinion_senses)
     return Drivetrain(
         title=scene.title,
@@ -139,11 +156,11 @@ def make_drivetrain(scene: Scene, source: str = "scene", layout: Layout | None =
             flanks_spec(pair, modifications, faults, number)
             for number, (pair, modifications) in enumerate(zip(layout.pairs, layout.modifications, strict=True), 1)
         ),
-        machine=machine_parts(scene, layout, faults),
+        machine=machine_parts(scene, layout, faults, problems),
         hoist=hoist(scene.load),
-        rolling=rolling_bearings(scene.shafts, scene.bearings),
+        rolling=() if problems else rolling_bearings(scene),
         faults=faults,
-        spalls=bearing_faults(scene),
+        spalls=tuple(bearing_faults(scene).values()),
         shaft_faults=shaft_faults(scene),
         bearing_points=bearing_points(scene.shafts, layout),
         recorded=Recorded(
@@ -165,6 +182,16 @@ def law_specs(scene: Scene, layout: Layout) -> list[LawSpec]:
         )
         for stage, pair, load in zip(scene.stages, layout.pairs, loads, strict=True)
     ]
+
+
+@functools.lru_cache(maxsize=64)
+def _law_refusal(spec: LawSpec) -> str:
+    """Why a law cannot be built, by its settings and path of contact; "" where nothing is known against it."""
+    try:
+        spec.mesh.check(spec.pair)
+    except (ModelError, GeometryError) as error:
+        return str(error)
+    return ""
 
 
 def looked_for(table: DiagnosisTable, sensors: Sequence[SensorTable], drive: DriveModel) -> LookedFor:

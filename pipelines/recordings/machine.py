@@ -85,9 +85,7 @@ def _of_scene(source: str | Path) -> Machine:
 
     loaded = load_scene(source)
     layout = lay_out(loaded.scene, loaded.source.shown)
-    return Machine(
-        name=loaded.name, kinematics=kinematics_of(layout, rolling_bearings(loaded.scene.shafts, loaded.scene.bearings))
-    )
+    return Machine(name=loaded.name, kinematics=kinematics_of(layout, rolling_bearings(loaded.scene)))
 
 
 def _of_table(table: MachineTable, shafts: Sequence[Shaft], bearings: Sequence[Bearing], name: str) -> Machine:

@@ -64,7 +64,7 @@ def check_scene(loaded: LoadedScene) -> Checked:
     from pipelines.steps.study import plan_study
 
     study = plan_study(loaded)
-    warnings = list(design_warnings(loaded.scene, study.plant.layout))
+    warnings = list(design_warnings(loaded.scene, study.plant))
     if study.control is not None:
         lines = control_differences(loaded, study.control)
         head = f"the control {study.control.name} differs in more than the fault"

@@ -14,7 +14,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from pipelines.border.errors import Problem
+from pipelines.border.errors import Problem, problem_of
 from pipelines.border.shown import MOST_CHARACTERS, nearest_name, shown_value
 
 UNITS = {  # by the suffix of a key, longer suffixes first
@@ -71,7 +71,7 @@ def _own_words(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths
     if item["type"] != "value_error":
         return [_problem(item, model, tree, paths)]
     where = ".".join(user_path(item["loc"], model, tree))
-    return [Problem(where, line) for line in str(item["ctx"]["error"]).splitlines()]
+    return [problem_of(where, line) for line in str(item["ctx"]["error"]).splitlines()]
 
 
 def user_path(location: Iterable[int | str], model: Any, tree: Any, *, missing: bool = False) -> tuple[str, ...]:

@@ -124,7 +124,7 @@ def _report_step(loaded: LoadedScene, study: Study, known: dict[str, Step]) -> S
             responses=(kinds[0].replace("-", " "), "healthy") if compared else (kinds[0].replace("-", " "),),
             baseline=bool(study.baseline),
             warnings=(
-                *design_warnings(loaded.scene, plant.layout),
+                *design_warnings(loaded.scene, plant),
                 *(f"the control differs in more than the fault: {line}" for line in unlike),
             ),
         ),

@@ -14,12 +14,12 @@ from fem.casing.meshing.imported import ALONG_Y, OFF_AXIS, ImportedHousing
 from fem.casing.meshing.locate import ByCylinder, ByGroup, ByPlane
 from fem.casing.meshing.mesh import MeshError
 from fem.casing.meshing.sizes import Sizes
-from fem.casing.meshing.source import Geometry
+from fem.casing.models.casing import HousingCasing
 from mbd.coordinates.layout import BEARING_PLACE_TOLERANCE
-from pipelines.border.errors import Problem, SceneError
+from pipelines.border.errors import Problem
 from pipelines.plant.bearings import bearing_names, bearing_points
-from pipelines.plant.casing import shaped
 from pipelines.plant.layout import Layout
+from pipelines.plant.plant import Plant
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.casing import FlexibleBase
 from pipelines.scene.tables.housing import ImportedTable
@@ -30,17 +30,11 @@ OR_BAND = ", or a lower casing.band_Hz if elements_per_wavelength is set"
 LARGEST_LOOK = 10e6  # bytes of a housing file that is looked into without being asked for its mesh
 
 
-def bad_casing(scene: Scene, layout: Layout, made: Geometry, source: str) -> Iterator[Problem]:
-    """Everything that the casing's mesh would refuse and can be known without it.
-
-    Parameters
-    ----------
-    scene, layout : the scene and where its shafts are
-    made : its housing
-    source : of the scene, for messages
-    """
-    table = scene.casing
-    if not isinstance(table, FlexibleBase):
+def bad_casing(scene: Scene, plant: Plant) -> Iterator[Problem]:
+    """Everything that the casing's mesh would refuse and can be known without it."""
+    table, layout, structure, casing = scene.casing, plant.layout, plant.structure, plant.casing
+    made = structure.housing
+    if not isinstance(casing, HousingCasing) or not isinstance(made, Housing | ImportedHousing):
         return
     if isinstance(made, Housing):
         yield from _off_middle(scene, layout, {bore.name: made.bore_centre(bore) for bore in made.bores}, "boss")
@@ -49,11 +43,6 @@ def bad_casing(scene: Scene, layout: Layout, made: Geometry, source: str) -> Ite
         yield from cheap
         if not cheap:
             yield from _seats_in_file(scene, layout, made)
-    try:
-        structure, casing = shaped(table, made, source), table.made()
-    except SceneError as error:
-        yield from error.problems
-        return
     if isinstance(made, Housing) and casing.needs_mesh(structure):
         from fem.casing.meshing.mesher import check_element_size
 

@@ -12,6 +12,7 @@ from pipelines.plant.checks.strength import strength_warnings
 from pipelines.plant.checks.window_checks import bad_windows
 from pipelines.plant.facts import StageFacts, input_torque, stage_facts
 from pipelines.plant.layout import Layout
+from pipelines.plant.plant import Drivetrain
 from pipelines.plant.torques.drives import motor_places, motor_torques
 from pipelines.scene.problems import other_unit
 from pipelines.scene.scene import Scene
@@ -21,8 +22,9 @@ from pipelines.scene.tables.motion import LoadBase
 HARMONICS = 5  # of the fastest mesh that a good record holds
 
 
-def design_warnings(scene: Scene, layout: Layout) -> tuple[str, ...]:
+def design_warnings(scene: Scene, plant: Drivetrain) -> tuple[str, ...]:
     """All warnings, in the order of the scene's tables."""
+    layout = plant.layout
     stages = stage_facts(layout)
     return (
         *_materials(scene),
@@ -32,7 +34,7 @@ def design_warnings(scene: Scene, layout: Layout) -> tuple[str, ...]:
         *_fits(scene, layout),
         *_drive(scene, layout),
         *_record(scene, layout, stages),
-        *_diagnosis(scene, layout),
+        *_diagnosis(scene, plant),
     )
 
 
@@ -140,7 +142,7 @@ def _record(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterator[
         yield f"{key}: without load the teeth lose contact and rattle in their backlash. Raise the load"
 
 
-def _diagnosis(scene: Scene, layout: Layout) -> Iterator[str]:
+def _diagnosis(scene: Scene, plant: Drivetrain) -> Iterator[str]:
     looked_at, on_teeth = (scene.diagnosis.stage, scene.diagnosis.gear), scene.tooth_faults.values()
     if on_teeth and scene.diagnosis.windows_s and looked_at not in {(f.stage, f.gear) for f in on_teeth}:
         yield (
@@ -150,7 +152,7 @@ def _diagnosis(scene: Scene, layout: Layout) -> Iterator[str]:
         )
     faulty = bool(scene.faults or shaft_faults(scene))
     if faulty and scene.control is None:
-        for problem in bad_windows(scene, layout):
+        for problem in bad_windows(scene, plant):
             yield f"{problem}"
     if faulty and not (scene.control and scene.diagnosis.windows_s):
         missing = "control" if not scene.control else "diagnosis.windows_s"

@@ -10,8 +10,7 @@ import numpy as np
 from mbd.parts.bearings import BEARING_AXES
 from mbd.parts.gear_mesh import contact_rows
 from pipelines.border.errors import Problem
-from pipelines.plant.bearings import bearing_names, bearing_specs
-from pipelines.plant.layout import Layout
+from pipelines.plant.plant import Plant
 from pipelines.scene.scene import Scene
 
 _AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
@@ -21,9 +20,9 @@ _TAKES_PART = 0.25  # share of a direction of a shaft in free motions from which
 _FREE = 1e-9  # singular value over the largest, below which nothing holds a motion
 
 
-def unheld(scene: Scene, layout: Layout) -> Iterator[Problem]:
+def unheld(scene: Scene, plant: Plant) -> Iterator[Problem]:
     """The shafts that take part in motions that nothing holds, each with the direction in which it moves most."""
-    rows = np.array(list(_springs(scene, layout)))
+    rows = np.array(list(_springs(scene, plant)))
     scaled = rows * np.tile([1.0, 1.0, 1.0, 1 / _ARM, 1 / _ARM, 1 / _ARM], len(scene.shafts))
     scaled /= np.linalg.norm(scaled, axis=1)[:, None]
     _, sizes, motions = np.linalg.svd(scaled)
@@ -42,7 +41,7 @@ def unheld(scene: Scene, layout: Layout) -> Iterator[Problem]:
         )
 
 
-def _springs(scene: Scene, layout: Layout) -> Iterator[np.ndarray]:
+def _springs(scene: Scene, plant: Plant) -> Iterator[np.ndarray]:
     """Rows (6 shafts) of everything that has stiffness, on the displacements and rotations of rigid shafts at y = 0."""
 
     def row(shaft: int, y: float, coefficients: np.ndarray) -> np.ndarray:
@@ -51,8 +50,9 @@ def _springs(scene: Scene, layout: Layout) -> Iterator[np.ndarray]:
         found[6 * shaft : 6 * shaft + 6] = coefficients + [0.0, 0.0, 0.0, y * z, 0.0, -y * x]
         return found
 
-    shafts = (shaft for _, shaft, _ in bearing_names(scene.shafts))
-    for shaft, bearing in zip(shafts, bearing_specs(scene.shafts, scene.bearings), strict=True):
+    layout = plant.layout
+    for bearing in plant.machine.bearings:
+        shaft = int(bearing.shaft.removeprefix("shaft_")) - 1
         for axis, stiffness in zip(BEARING_AXES, bearing.stiffness, strict=True):
             if stiffness > 0.0:
                 yield row(shaft, bearing.y, np.eye(6)[_AXES.index(axis)])

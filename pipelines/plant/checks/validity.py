@@ -6,19 +6,19 @@ import math
 from collections.abc import Iterator
 
 from pipelines.border.errors import Problem, SceneError
-from pipelines.plant.bearings import bearing_points
 from pipelines.plant.checks.bursting import bursting
 from pipelines.plant.checks.collisions import find_collisions
 from pipelines.plant.checks.cost import too_long
 from pipelines.plant.checks.flank_checks import bad_flanks
-from pipelines.plant.checks.machine_checks import bad_laws, bad_machine
+from pipelines.plant.checks.held_shafts import unheld
+from pipelines.plant.checks.machine_checks import long_shafts, off_shaft
 from pipelines.plant.checks.strength import overloaded
 from pipelines.plant.checks.window_checks import bad_windows
-from pipelines.plant.layout import Layout, lay_out
+from pipelines.plant.layout import lay_out
 from pipelines.plant.plant import Plant, make_plant
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.casing import FlexibleBase
-from pipelines.scene.tables.housing import HousingBase, HousingModel, MatricesHousingTable
+from pipelines.scene.tables.housing import HousingBase
 
 FARTHEST_SENSOR_MM = 50.0  # a sensor farther from the housing is a mistake in the scene
 
@@ -31,44 +31,33 @@ def checked_plant(scene: Scene, source: str) -> Plant:
     SceneError : everything that does not fit, at once
     """
     layout = lay_out(scene, source)
-    machine = list(bad_machine(scene, layout))
-    problems: list[Problem] = [
+    places = [*off_shaft(scene, layout)]
+    problems = [
         *find_collisions(scene, layout),
         *bad_flanks(scene, layout),
         *overloaded(scene, layout),
         *bursting(scene, layout),
-        *bad_laws(scene, layout),
-        *machine,
         *too_long(scene),
+        *places,
     ]
+    if isinstance(scene.casing, FlexibleBase) and isinstance(scene.casing.housing, HousingBase):
+        problems += _far_sensors(scene, scene.casing.housing)
+    try:
+        plant = make_plant(scene, source, layout)
+    except SceneError as error:
+        raise SceneError(source, [*problems, *error.problems]) from error
+    if not places:
+        problems += long_shafts(scene, plant.machine)
+    problems += unheld(scene, plant)
     if isinstance(scene.casing, FlexibleBase):
-        problems += _bad_housing(scene, scene.casing.housing, layout, source)
-    if scene.control is not None and not machine:  # without a control there is no diagnosis
-        problems += bad_windows(scene, layout)
+        from pipelines.plant.checks.casing_checks import bad_casing
+
+        problems += bad_casing(scene, plant)
+    if scene.control is not None:  # without a control there is no diagnosis
+        problems += bad_windows(scene, plant)
     if problems:
         raise SceneError(source, problems)
-    return make_plant(scene, source, layout)
-
-
-def _bad_housing(scene: Scene, table: HousingModel, layout: Layout, source: str) -> Iterator[Problem]:
-    from pipelines.plant.checks.casing_checks import bad_casing
-    from pipelines.plant.housing import housing
-
-    if isinstance(table, HousingBase):
-        yield from _far_sensors(scene, table)
-    sensors = tuple(sensor.made() for sensor in scene.sensors)
-    try:
-        points = bearing_points(scene.shafts, layout)
-        if isinstance(table, MatricesHousingTable):
-            from pipelines.plant.foreign_housing import foreign_housing
-
-            foreign_housing(table, sensors, points, source)
-            return
-        made = housing(table, sensors, layout, points, source)
-    except SceneError as error:
-        yield from error.problems
-    else:
-        yield from bad_casing(scene, layout, made, source)
+    return plant
 
 
 def _far_sensors(scene: Scene, box: HousingBase) -> Iterator[Problem]:

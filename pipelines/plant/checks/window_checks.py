@@ -9,26 +9,19 @@ import numpy as np
 
 from mbd.parts.drive import SpeedProfile
 from pipelines.border.errors import Problem
-from pipelines.plant.bearings import bearing_faults, rolling_bearings
-from pipelines.plant.flanks import tooth_faults
-from pipelines.plant.layout import Layout
-from pipelines.plant.looked_for import diagnosis_settings
-from pipelines.plant.plant import looked_for
-from pipelines.plant.torques.drives import speed_profile
-from pipelines.plant.torques.hoist import hoist
+from pipelines.plant.plant import Drivetrain
 from pipelines.scene.scene import Scene
-from pipelines.scene.shaft_faults import shaft_faults
 from pipelines.scene.tables.motion import SpeedDrive
 from pipelines.scene.tables.torques import RPM
 from pipelines.signals.analysis import SPEED_TOLERANCE, DiagnosisError, DiagnosisSettings, envelope_band
 from pipelines.signals.spectrum import FEWEST_REVOLUTIONS, SpectrumError, whole_revolutions
 
 
-def bad_windows(scene: Scene, layout: Layout) -> Iterator[Problem]:
+def bad_windows(scene: Scene, plant: Drivetrain) -> Iterator[Problem]:
     """Why the diagnosis that a scene asks for could not be made; nothing where it asks for none."""
     if not scene.diagnosis.windows_s or not scene.sensors:
         return
-    known = isinstance(scene.drive, SpeedDrive)
+    layout, known = plant.layout, isinstance(scene.drive, SpeedDrive)
     if layout.turns == 0.0 and not known:
         yield Problem(
             "diagnosis.windows_s",
@@ -41,13 +34,7 @@ def bad_windows(scene: Scene, layout: Layout) -> Iterator[Problem]:
             "drive.speeds_rpm", "all speeds are 0, so that there is nothing to diagnose", "Set a speed above 0"
         )
         return
-    rate, drive = scene.simulation.output_rate_Hz, speed_profile(scene.drive)
-    rolling = rolling_bearings(scene.shafts, scene.bearings)
-    faults = tooth_faults(scene.tooth_faults.values(), layout.pinion_senses)
-    settings = diagnosis_settings(
-        looked_for(scene.diagnosis, scene.sensors, scene.drive), layout, hoist(scene.load), drive, rolling, faults,
-        bearing_faults(scene), shaft_faults(scene),
-    )  # fmt: skip
+    rate, drive, settings = scene.simulation.output_rate_Hz, plant.machine.drive, plant.diagnosis
     if settings is None:
         return
     profile = SpeedProfile(times=drive.times, speeds=drive.speeds / RPM, smooth=drive.smooth)
