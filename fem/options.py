@@ -95,7 +95,7 @@ def option(default: Any = MISSING, *, text: str, unit: str = "", key: str = "", 
 
 
 def inline(default: Any = MISSING) -> Any:
-    """A field of a dataclass whose options a scene gives beside those of its owner, without a table of their own."""
+    """A field of a dataclass whose options a scene gives in the table of its owner."""
     return dataclasses.field(default=default, metadata={"inline": True})
 
 

@@ -121,9 +121,9 @@ def runs_arguments(sub: argparse.ArgumentParser) -> None:
     action("open", "open the report of a run in the browser").add_argument(
         "run", metavar="RUN", type=path, help=RUN_HELP
     )
-    action("compare", "compare verdicts, settings and sensor levels of runs").add_argument(
-        "runs", metavar="RUN", type=path, nargs="+", help=RUN_HELP
-    )
+    compared = action("compare", "compare verdicts, settings and sensor levels of runs")
+    compared.add_argument("runs", metavar="RUN", type=path, nargs="+", help=RUN_HELP)
+    compared.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print the table as JSON")
     clean = action("clean", "show which runs would be removed; with --yes remove them")
     clean.add_argument("runs", metavar="RUN", type=path, nargs="*", help=RUN_HELP)
     clean.add_argument("--older-than", metavar="DAYS", type=days, help="remove only runs older than this, days")

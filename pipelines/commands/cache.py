@@ -9,8 +9,11 @@ from collections import defaultdict
 
 def main(options: argparse.Namespace) -> int:
     """info: sizes by kind; verify: check every entry, 1 if one was damaged; clear: remove."""
+    from pipelines.border.errors import InputError
     from pipelines.engine.cache import Cache
 
+    if options.older_than and options.action != "clear":
+        raise InputError(f"cache {options.action}: --older-than is an option of cache clear only. Delete it.")
     cache = Cache()
     if options.action == "clear":
         count, size = cache.clear(options.older_than)

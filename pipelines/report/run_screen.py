@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 
 IN_MESH = 1.0  # pitches to either side of the pitch point, about what a tooth is in mesh
 CONTROL = (
-    "Compared with the control, which is the same simulation without the fault and with the same tooth deviations: "
-    "every difference comes from the fault. A single control gives no rate of false alarms."
+    "Compared with the control: the same machine with the same tooth deviations, but without the fault. Except for the "
+    "sensor noise, every difference comes from the fault. A single control gives no rate of false alarms."
 )
 
 
@@ -267,6 +267,6 @@ def _envelope(
         band=f"band {own.band_low:.4g} to {own.band_high:.4g} Hz",
         caption=(
             f"Envelope spectrum of {settings.sensor} ({settings.axis}) in the window {window}. "
-            f"A damaged tooth raises the harmonics of f_r = {f_r:.4f} Hz."
+            f"Marked: harmonics of the shaft frequency f_r = {f_r:.4f} Hz, at which a damaged tooth shows."
         ),
     )

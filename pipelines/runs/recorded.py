@@ -184,13 +184,18 @@ def read_features(path: Path, machine: Machine, windows: Windows | None, stream:
 
     settings = FeatureSettings(kinematics=machine.kinematics, windows=windows or {})
     with read_recording(path, machine) as recording:
-        warnings = tuple(told(recording.attrs).values())
+        warnings, time = tuple(told(recording.attrs).values()), recording.time.values
+        for name, (start, end) in (windows or {}).items():
+            if start < time[0] or end > 2 * time[-1] - time[-2]:
+                raise InputError(
+                    f"{shown(path)}: {name} from {start:g} to {end:g} s is not within the recording, {time[0]:.6g} to "
+                    f"{time[-1]:.6g} s. Set a window within it."
+                )
         try:
             rotation = rotation_of(recording, machine.kinematics)
             table = run_features(recording, settings, stream, rotation)
         except (FeatureError, RotationError) as error:
             raise InputError(f"{shown(path)}: {error}") from error
-        time = recording.time.values
     turning, frequency = _turning(rotation, time, machine.kinematics, windows)
     return Recorded(name=path.name, table=table, frequency=frequency, turning=turning, warnings=warnings)
 

@@ -239,6 +239,8 @@ def read_tree(source: Source, seen: tuple[str, ...] = ()) -> Merged:
         raise InputError(f"{source.shown}: extends forms a circle ({shown(circle)}). Delete one of these extends.")
     if len(chain) > LONGEST_CHAIN:
         raise InputError(f"{source.shown}: more than {LONGEST_CHAIN} scenes extend one another. Join some of them.")
+    if "faults" in tree:  # the title of the other scene may name its fault
+        tree.setdefault("title", f"{source.name}, which extends {below.name}")
     return shortened(read_tree(below, chain), tree, source.shown)
 
 

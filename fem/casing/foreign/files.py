@@ -84,7 +84,8 @@ def read_body(files: MatrixFiles) -> ForeignBody:
     second = first if files.mass is None else read_matrices(Path(files.mass))
     for name in sorted(_UNUSED.keys() & {*first.matrices, *second.matrices}):
         _log.warning("%s: the matrix %s is not used. %s", path.name, name, _UNUSED[name])
-    nodes, frames = (first.nodes, None) if files.nodes is None else _nodes(Path(files.nodes))
+    given = files.nodes or (files.stiffness if _holds_grid(path) else None)
+    nodes, frames = (first.nodes, None) if given is None else _nodes(Path(given))
     equations = first.equations if files.equations is None else _equations(Path(files.equations))
     return foreign_body(
         path.name,
@@ -219,6 +220,11 @@ def _hdf5(path: Path) -> Found:
             elif item.ndim == 2:
                 square = item.shape[0] == item.shape[1]  # such a matrix may leave out blocks of zeros
                 arrays[name.lower()] = item[:] if square else _complete(item, path)
+    if "ground_inertia" in arrays:
+        raise ForeignError(
+            f"{path.name} is a casing on its ground, which cannot be imported. Export the free body instead: gearcase "
+            "casing SCENE --export casing.npz (or .mtx, .op4, .pch)"
+        )
     return _of_arrays(arrays)
 
 
@@ -247,6 +253,14 @@ def _nodes(path: Path) -> tuple[np.ndarray, np.ndarray | None]:
         return _table(path, "nodes", (3, 4)), None
     with _in_our_words(path):
         return (_abaqus_nodes(path), None) if path.suffix.lower() == ".inp" else grid_points(path)
+
+
+def _holds_grid(path: Path) -> bool:
+    """Whether a punch file holds its nodes, too."""
+    if path.suffix.lower() != ".pch":
+        return False
+    with path.open(encoding="latin-1") as lines:
+        return any(line.startswith("GRID") for line in lines)
 
 
 def _abaqus_nodes(path: Path) -> np.ndarray:

@@ -59,9 +59,14 @@ def _open(options: argparse.Namespace) -> int:
 
 
 def _compare(options: argparse.Namespace) -> int:
+    from pipelines.border.json_text import json_text
     from pipelines.runs.listed.side_by_side import compared_runs
 
-    sys.stdout.write(compared_runs([_kept(name) for name in options.runs]).to_text() + "\n")
+    found = compared_runs([_kept(name) for name in options.runs])
+    if options.json:
+        sys.stdout.write(json_text([dict(zip(("key", *found.headers[1:]), row, strict=True)) for row in found.rows]))
+        return 0
+    sys.stdout.write(found.to_text() + "\n")
     sys.stdout.write(f"To compare spectra and features: gearcase compare {' '.join(options.runs)}\n")
     return 0
 

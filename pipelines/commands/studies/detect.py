@@ -9,6 +9,7 @@ from pathlib import Path
 
 def main(options: argparse.Namespace) -> int:
     """Simulate what is missing; print the probabilities and write them with their figure."""
+    from pipelines.border.errors import InputError
     from pipelines.border.user_files import write_whole
     from pipelines.campaign.campaign import planned, run_campaign
     from pipelines.campaign.estimate import estimate
@@ -36,7 +37,9 @@ def main(options: argparse.Namespace) -> int:
     if options.dry_run:
         expected = estimate(plan, planned(plan))
         sys.stdout.write(expected.to_text())
-        return 2 if expected.refused else 0
+        if expected.refused:
+            raise InputError(f"detect: {expected.refused} scenes cannot be run; the first: {expected.first_refusal}")
+        return 0
     folder = Path(options.out or f"campaigns/{plan.name}")
     work = Work(processes=options.processes, quiet=options.quiet)
     with shown_campaign(quiet=options.quiet) as shown:

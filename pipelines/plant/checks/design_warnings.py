@@ -155,5 +155,5 @@ def _diagnosis(scene: Scene, plant: Drivetrain) -> Iterator[str]:
         for problem in bad_windows(scene, plant):
             yield f"{problem}"
     if faulty and not (scene.control and scene.diagnosis.windows_s):
-        missing = "control" if not scene.control else "diagnosis.windows_s"
-        yield f"{missing} is missing, so that the run has signals but no diagnosis. Set {missing}"
+        lacking = "no control" if not scene.control else "no window in diagnosis.windows_s"
+        yield f"the run has signals but no diagnosis, because the scene has {lacking}. Set it"
