@@ -16,6 +16,7 @@ import scipy.sparse as sp
 from housings import small_housing
 from scipy.sparse.linalg import eigsh
 
+from fem.casing.foreign.body import ForeignError
 from fem.casing.foreign.checks import check_foreign
 from fem.casing.foreign.files import MatrixFiles, read_body
 from fem.casing.meshing.mesher import mesh_housing
@@ -143,7 +144,7 @@ def test_what_is_exported_is_read_again_with_the_same_frequencies_in_its_ground(
     files = MatrixFiles(
         stiffness=str(written[0]),
         mass=further.get("c-mass.mtx"),
-        nodes=str(written[0]) if ending == ".pch" else further.get("c-nodes.csv"),
+        nodes=further.get("c-nodes.csv"),  # .pch holds its nodes
         equations=further.get("c-equations.csv"),
     )
     body = read_body(files)
@@ -158,6 +159,12 @@ def test_what_is_exported_is_read_again_with_the_same_frequencies_in_its_ground(
     free = body.node != len(body.numbers)  # its last node is the ground
     K, M = (matrix.toarray()[np.ix_(free, free)] for matrix in (body.stiffness, body.mass))
     assert hertz(K, M) == pytest.approx(casing.frequencies[:12], rel=precision)
+
+
+def test_a_casing_on_its_ground_is_refused_with_what_can_be_imported(casing, tmp_path):
+    (written,) = write_casing(casing, "a casing", tmp_path / "c.h5")
+    with pytest.raises(ForeignError, match=r"a casing on its ground.*--export casing\.npz"):
+        read_body(MatrixFiles(stiffness=str(written)))
 
 
 def test_a_rigid_casing_is_no_free_body_of_finite_elements(full, tmp_path):

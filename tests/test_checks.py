@@ -56,7 +56,14 @@ def refusal(scene, settings):
     return {problem.path: str(problem) for problem in refused.value.problems}
 
 
+LOST_FILE = {"model": "table", "times_s": {"file": "lost.csv", "column": "t"}, "forces_N": [1.0]}
 REFUSED = [
+    (
+        "rig-healthy",
+        {"forces": [{"model": "casing-force", "point": "sensor_1", "axis": "z", "force": LOST_FILE}]},
+        "force_1 ([[forces]]).times_s.file",
+        "there is no such file",
+    ),
     # bearings
     ("minimal", {"bearings": {"model": "hertz", "designation": "6206-2RS"}}, "bearings.designation", "Similar: 6206"),
     ("minimal", {"bearings": {"model": "hertz", "designation": "nu 208"}}, "bearings.designation", "Similar: NU208"),

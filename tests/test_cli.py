@@ -119,6 +119,8 @@ def test_an_example_prints_what_its_help_shows(capsys, here, own_cache, command)
         (["explain", "minimal", "--set", "x"], "has no value"),
         (["export", "minimal", "--to", "csv"], "First: gearcase run minimal"),
         (["diagnose", "nowhere"], "no result here"),
+        (["cache", "verify", "--older-than", "3"], "--older-than is an option of cache clear only"),
+        (["detect", "bench", "--over", "faults.1.depth_um=1", "--dry-run"], "scenes cannot be run; the first: "),
         (["new", "my.txt"], "must end in .toml"),
         (["run", "minimal", "--processes", "0"], "whole number from 1"),
         (

@@ -142,6 +142,9 @@ def test_real_runs_are_compared_opened_diagnosed_and_exported_by_number(tmp_path
     (row,) = [line for line in out.splitlines() if line.startswith("load.container_kg")]
     assert row.split()[1:] == ["120.0", "80.0"]
     assert "sensor_3, m/s2 rms" in out
+    assert main(["runs", "compare", "1", "2", "--json"]) == 0
+    (row,) = [row for row in json.loads(capsys.readouterr().out) if row["key"] == "load.container_kg"]
+    assert [*row.values()][1:] == ["120.0", "80.0"]
     assert main(["diagnose", "2", "--json"]) == 0
     lines = json.loads(capsys.readouterr().out)["lines"]
     assert {line["kind"] for line in lines} == {"envelope", "mesh", "sideband"}
@@ -149,6 +152,8 @@ def test_real_runs_are_compared_opened_diagnosed_and_exported_by_number(tmp_path
     found = json.loads(capsys.readouterr().out)
     assert found["verdict"] is None
     assert all(one["value"] > 0 for one in found["features"])
+    assert main(["diagnose", "2", "--window", "0.005", "9"]) == 2
+    assert "the window from 0.005 to 9 s is not within the recording" in capsys.readouterr().err
     assert main(["export", "2", "--to", "csv"]) == 0
     assert len(list(tmp_path.glob("runs/minimal/*/response.csv"))) == 1
     assert main(["runs", "open", "1"]) == 2

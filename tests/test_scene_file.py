@@ -49,6 +49,11 @@ def test_extends_is_relative_to_the_file_that_says_it(tmp_path):
     assert (loaded.scene.title, loaded.scene.load.container_kg) == ("base", 90.0)
 
 
+def test_a_title_is_not_inherited_with_other_faults(tmp_path):
+    assert load_scene(write(tmp_path, 'extends = "bench"\nfaults = []\n')).scene.title == "my, which extends bench"
+    assert "chipped" in load_scene(write(tmp_path, 'extends = "bench"\n[load]\nposition_mm = 0\n')).scene.title
+
+
 def test_one_item_of_an_array_is_changed_by_its_number(tmp_path):
     path = write(tmp_path, 'extends = "rig-healthy"\n[stages.2]\nface_width_mm = 19.0\n')
     for loaded in (load_scene(path), load_scene("rig-healthy", ["stages.2.face_width_mm=19"])):

@@ -15,7 +15,7 @@ class MaterialError(ValueError):
 class Material:
     """An isotropic linear elastic material.
 
-    MaterialError for a constant outside its range.
+    elastic_modulus E (Pa), poisson_ratio nu (1), density rho (kg/m3). MaterialError for one outside its range.
     """
 
     name: str

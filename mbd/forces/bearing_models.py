@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields, replace
 from typing import Any, Literal
 
@@ -28,7 +29,7 @@ def bearing_model(name: str) -> type[BearingModel]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class BearingModel:
+class BearingModel(ABC):
     """Options of a bearing; `elements` and `cage_slip` of those whose rolling elements are known."""
 
     cage_slip = 0.0
@@ -41,6 +42,7 @@ class BearingModel:
         """The rolling elements; None where they are not known. MachineError if they do not fit."""
         return None
 
+    @abstractmethod
     def spec(self, name: str, at: Station, support: Support) -> BearingSpec:
         """The bearing of a name, at a shaft and y (m) on it; `support` carries it.
 
@@ -48,7 +50,6 @@ class BearingModel:
         ------
         MachineError : its values do not fit together
         """
-        raise NotImplementedError
 
 
 @dataclass(frozen=True, kw_only=True)

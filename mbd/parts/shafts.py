@@ -42,7 +42,7 @@ def shaft_channels(shaft: str) -> tuple[str, str]:
 class Section:
     """A stretch of a shaft with constant diameters.
 
-    MachineError if they do not fit together.
+    In m. MachineError if they do not fit together.
     """
 
     y_start: float = option(text="y of the -y end", unit="mm", key="start_mm", ge=-1e5, le=1e5)
@@ -65,7 +65,10 @@ class Section:
 
 @dataclass(frozen=True, kw_only=True)
 class Disk:
-    """A rigid disk on a shaft, besides gears and drums: half of a coupling, brake disk, flywheel."""
+    """A rigid disk on a shaft, besides gears and drums: half of a coupling, brake disk, flywheel.
+
+    In m, kg and kg m2. The bodies of gears and drums are disks, too, which the program makes.
+    """
 
     name: str
     y: float = option(text="y of the disk", unit="mm", key="position_mm")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -91,6 +91,11 @@ class Problems(list[Problem]):
         except self._refusals as error:
             self.append(problem_of(path, str(error)))
         return None
+
+    def each(self, path: str, makes: Iterable[Callable[[], Any]]) -> tuple[Any, ...]:
+        """What functions make, one for each table of a list at a path, without what is refused."""
+        found = [self.made(f"{path}.{number}", make) for number, make in enumerate(makes, 1)]
+        return tuple(one for one in found if one is not None)
 
     def stop(self, source: str) -> None:
         """Raise a SceneError with all problems of the scene called `source`, if there are any."""

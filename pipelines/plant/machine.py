@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 from fem.gears.geometry import Gear, GearPair
@@ -222,14 +223,11 @@ def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault], problem
         driven=driven,
         drive=profile,
         load=load,
-        couplings=tuple(
-            problems.made(f"couplings.{number}", coupling_spec, number, table)
-            for number, table in enumerate(scene.couplings, 1)
-        ),
+        couplings=problems.each("couplings", (partial(coupling_spec, *one) for one in enumerate(scene.couplings, 1))),
         forces=(
             *(problems.made("drive", motor_torques, drive, layout.driven, ends) or ()),
             *(problems.made("load", torque_load, scene.load, layout.loaded, places) or ()),
-            *(problems.made(f"forces.{n}", table.spec, n) for n, table in enumerate(scene.forces, 1)),
+            *problems.each("forces", (partial(table.spec, n) for n, table in enumerate(scene.forces, 1))),
             *(force for number, table in enumerate(scene.disks, 1) for force in table.unbalances(number)),
         ),
         losses=scene.losses.made(),

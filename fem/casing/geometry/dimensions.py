@@ -62,15 +62,14 @@ class Sensor:
 def orthonormal(axes: Axes) -> Axes:
     """Three directions with unit length. HousingError unless they are orthogonal."""
     rows = np.array(axes, float)
+    given = f"axes = {rows.tolist()}"
     sizes = np.linalg.norm(rows, axis=-1)
     if rows.shape != (3, 3) or not sizes.all():
-        raise HousingError(f"axes = {axes}: not three directions. Set three orthogonal directions")
+        raise HousingError(f"{given}: not three directions. Set three orthogonal directions")
     rows = rows / sizes[:, None]
     skew = np.abs(rows @ rows.T - np.eye(3)).max()
     if skew > SKEW:
-        raise HousingError(
-            f"axes = {axes}: they are not orthogonal (cosine {skew:.3g}, limit {SKEW:g}). Correct one of them"
-        )
+        raise HousingError(f"{given}: they are not orthogonal (cosine {skew:.3g}, limit {SKEW:g}). Correct one of them")
     u, _, v = np.linalg.svd(rows)
     first, second, third = np.where(np.abs(rows - u @ v) < 1e-12, rows, u @ v).tolist()
     return tuple(first), tuple(second), tuple(third)

@@ -36,9 +36,9 @@ def main(options: argparse.Namespace) -> int:
     plan = detection_plan(loaded, plant, design)
     if options.dry_run:
         expected = estimate(plan, planned(plan))
-        sys.stdout.write(expected.to_text())
         if expected.refused:
             raise InputError(f"detect: {expected.refused} scenes cannot be run; the first: {expected.first_refusal}")
+        sys.stdout.write(expected.to_text())
         return 0
     folder = Path(options.out or f"campaigns/{plan.name}")
     work = Work(processes=options.processes, quiet=options.quiet)

@@ -45,7 +45,9 @@ def checked_plant(scene: Scene, source: str) -> Plant:
     try:
         plant = make_plant(scene, source, layout)
     except SceneError as error:
-        raise SceneError(source, [*problems, *error.problems]) from error
+        # what is off its shaft is listed by its key already
+        more = [one for one in error.problems if not (places and one.path == "shafts")]
+        raise SceneError(source, [*problems, *more]) from error
     if not places:
         problems += long_shafts(scene, plant.machine)
     problems += unheld(scene, plant)

@@ -71,7 +71,7 @@ def output_torque(load: LoadBase) -> float:
 
 def _rope_strength(load: RopeTable) -> float:
     """Axial stiffness EA of one fall (N), A the metallic area."""
-    area = load.rope_fill_factor * math.pi / 4 * (load.si.rope_diameter) ** 2
+    area = load.rope_fill_factor * math.pi / 4 * load.si.rope_diameter**2
     return load.si.rope_modulus * area
 
 

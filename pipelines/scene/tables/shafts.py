@@ -17,12 +17,50 @@ if TYPE_CHECKING:
     from mbd.parts.load import OutsideForce
 
 
+class _OnShaft(DerivedTable):
+    """What is on a shaft."""
+
+    shaft: Annotated[Whole, Field(ge=1, description="number of the shaft")]
+
+
+class EccentricBase(_OnShaft):
+    """What a scene gives of a disk besides the disk itself: an unbalance."""
+
+    eccentricity_um: Annotated[
+        Number, Field(ge=0, le=1e5, description="distance of its centre of mass from the axis, an unbalance")
+    ] = 0.0
+    eccentricity_angle_deg: Annotated[
+        Number, Field(description="angle of its centre of mass at t = 0, from +x towards +z")
+    ] = 0.0
+
+    @model_validator(mode="after")
+    def _heavy(self) -> EccentricBase:
+        if self.eccentricity_um and not self.mass_kg:
+            raise ValueError(
+                "eccentricity_um has no effect on a disk with mass_kg = 0. Set mass_kg, or delete eccentricity_um"
+            )
+        return self
+
+    def unbalances(self, number: int) -> Iterator[OutsideForce]:
+        """The unbalance m e of the disk with a number in the scene, if it is eccentric."""
+        if self.eccentricity_um:
+            from mbd.excitations.unbalance import Unbalance
+
+            yield Unbalance(
+                name=f"disk_{number} eccentricity",
+                shaft=f"shaft_{self.shaft}",
+                y=self.si.position,
+                size=self.mass_kg * self.si.eccentricity,
+                angle=self.si.eccentricity_angle,
+            )
+
+
 if TYPE_CHECKING:
     SectionTable = Any
     DiskTable = Any
     ProbeTable = Any
 else:
-    SectionTable = table(Section)
+    SectionTable, DiskTable, ProbeTable = table(Section), table(Disk, EccentricBase), table(Probe, _OnShaft)
 
 
 class ShaftTable(Table):
@@ -81,46 +119,6 @@ class ShaftModel(Table):
     ] = False
 
 
-class _OnShaft(DerivedTable):
-    """What is on a shaft."""
-
-    shaft: Annotated[Whole, Field(ge=1, description="number of the shaft")]
-
-
-class EccentricBase(_OnShaft):
-    """What a scene gives of a disk besides the disk itself: an unbalance."""
-
-    eccentricity_um: Annotated[
-        Number, Field(ge=0, le=1e5, description="distance of its centre of mass from the axis, an unbalance")
-    ] = 0.0
-    eccentricity_angle_deg: Annotated[
-        Number, Field(description="angle of its centre of mass at t = 0, from +x towards +z")
-    ] = 0.0
-
-    @model_validator(mode="after")
-    def _heavy(self) -> EccentricBase:
-        if self.eccentricity_um and not self.mass_kg:
-            raise ValueError(
-                "eccentricity_um has no effect on a disk with mass_kg = 0. Set mass_kg, or delete eccentricity_um"
-            )
-        return self
-
-    def unbalances(self, number: int) -> Iterator[OutsideForce]:
-        """The unbalance m e of the disk with a number in the scene, if it is eccentric."""
-        if self.eccentricity_um:
-            from mbd.excitations.unbalance import Unbalance
-
-            yield Unbalance(
-                name=f"disk_{number} eccentricity",
-                shaft=f"shaft_{self.shaft}",
-                y=self.si.position,
-                size=self.mass_kg * self.si.eccentricity,
-                angle=self.si.eccentricity_angle,
-            )
-
-
-if not TYPE_CHECKING:
-    DiskTable, ProbeTable = table(Disk, EccentricBase), table(Probe, _OnShaft)
 Small = Annotated[Number, Field(ge=-70, le=70)]
 
 
