@@ -130,7 +130,7 @@ def _own_cluster(distributed: Any, processes: int | None) -> Iterator[Any]:
             host="127.0.0.1",
             dashboard_address="127.0.0.1:0",
         ) as cluster,
-        distributed.Client(cluster, security=security) as client,
+        distributed.Client(cluster, security=security, set_as_default=False) as client,
     ):
         yield client
 
@@ -141,7 +141,7 @@ def _client(distributed: Any, scheduler: str) -> Any:
     try:
         if in_file:
             regular_file(Path(scheduler))  # Dask would wait for it without end
-        return distributed.Client(**given, timeout=_CONNECT_SECONDS)
+        return distributed.Client(**given, timeout=_CONNECT_SECONDS, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:
         raise InputError(
             f"--scheduler {scheduler}: no scheduler answers ({error}). Correct the address, or start a scheduler there."
