@@ -6,6 +6,36 @@ import argparse
 import sys
 from collections import defaultdict
 
+from pipelines.io.argument_types import days
+
+HELP = """\
+Show the size of the cache, verify its checksums, or clear it. The cache stores the results of computed steps, which
+all scenes reuse. After clearing, runs compute these steps again. Takes seconds."""
+EXAMPLE = """\
+gearcase cache info
+...
+  casing               1 entries        0.0 MB
+...
+  all                  6 stored         6.2 MB"""
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """What is done, and with which entries."""
+    sub.add_argument(
+        "action",
+        choices=("info", "verify", "clear"),
+        nargs="?",
+        default="info",
+        help="info: sizes by kind of step; verify: check and remove damaged entries; clear: remove (default info)",
+    )
+    sub.add_argument(
+        "--older-than",
+        metavar="DAYS",
+        type=days,
+        default=0.0,
+        help="with clear: remove only entries that were not used for this number of days (default 0: all)",
+    )
+
 
 def main(options: argparse.Namespace) -> int:
     """info: sizes by kind; verify: check every entry, 1 if one was damaged; clear: remove."""

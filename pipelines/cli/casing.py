@@ -8,6 +8,9 @@ import warnings
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from pipelines.cli.command_line import json_argument, work_arguments
+from pipelines.io.argument_types import count, path
+
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -17,6 +20,52 @@ if TYPE_CHECKING:
     from fem.casing.reduced.modes import CasingModes, NaturalModes
     from fem.casing.uncertainty.frequency_limits import FrequencyLimits
     from pipelines.runs.single_results import Casing
+
+HELP = """\
+Mesh the casing of a scene and reduce it to its bearing points and modes. Print these points, natural frequencies with
+error bands, and weight. --response writes frequency responses, --export the matrices or mode shapes. Takes seconds to
+minutes."""
+EXAMPLE = """\
+gearcase casing minimal
+casing rigid: 6 coordinates, 23 output channels
+...
+  bearing_1  x     0.00  y   -65.00  z     0.00 mm
+..."""
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """Of `gearcase casing`."""
+    work_arguments(sub)
+    sub.add_argument(
+        "--error-check",
+        action="store_true",
+        help="compare frequencies and responses with the model before reduction; takes about as long as the reduction",
+    )
+    sub.add_argument(
+        "--export",
+        metavar="FILE",
+        type=path,
+        action="append",
+        default=[],
+        help="write the reduced matrices as .h5, .mat, .npz, .mtx, .op4 or .pch, a modal model as .uff, or the "
+        "modes on the mesh as .vtu; repeatable",
+    )
+    sub.add_argument(
+        "--response",
+        metavar="POINT",
+        nargs="+",
+        default=[],
+        help="write frequency responses (m/s2/N, CSV and PNG). The force acts at the first POINT in its axis, as in "
+        "bearing_1:z; the others respond (default: all sensors)",
+    )
+    sub.add_argument(
+        "--out",
+        metavar="FOLDER",
+        type=path,
+        help="folder for the frequency responses of --response (default: the working folder)",
+    )
+    sub.add_argument("--modes", metavar="N", type=count, default=20, help="number of modes in the table (default 20)")
+    json_argument(sub)
 
 
 def main(options: argparse.Namespace) -> int:

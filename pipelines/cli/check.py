@@ -6,9 +6,27 @@ import argparse
 import sys
 from typing import TYPE_CHECKING, Any
 
+from pipelines.cli.command_line import json_argument, scene_arguments
+
 if TYPE_CHECKING:
     from pipelines.runs.checked import Checked
     from pipelines.scene.file import LoadedScene
+
+HELP = """\
+Check a scene file. Print ratios, frequencies, tooth forces, bearing positions, the shortest usable time windows, and
+time, memory and disk space of a run. Nothing is simulated and no file is written. Takes seconds."""
+EXAMPLE = """\
+gearcase check rig-missing-tooth
+Quay-crane hoist rig, one tooth of the stage 1 wheel missing, container on rope
+...
+  control: rig-healthy
+..."""
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """A scene."""
+    scene_arguments(sub)
+    json_argument(sub)
 
 
 def main(options: argparse.Namespace) -> int:

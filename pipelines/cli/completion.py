@@ -5,6 +5,21 @@ from __future__ import annotations
 import argparse
 import sys
 
+SHELLS = ("bash", "zsh", "tcsh")  # that can be completed
+HELP = """\
+Print the script by which a shell completes commands, options and file names. For bash, write it to
+~/.local/share/bash-completion/completions/gearcase; for zsh, to a file _gearcase in a folder of `fpath`."""
+EXAMPLE = """\
+gearcase completion bash
+...
+_shtab_gearcase_runs_subparsers=(list open compare clean)
+..."""
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """A shell."""
+    sub.add_argument("shell", metavar="SHELL", choices=SHELLS, help=f"shell: {', '.join(SHELLS)}")
+
 
 def main(options: argparse.Namespace) -> int:
     """Print the script for a shell.
@@ -14,7 +29,9 @@ def main(options: argparse.Namespace) -> int:
     """
     import shtab
 
-    top = options.whole_parser()
+    from pipelines.cli.command_line import parser
+
+    top = parser()
     _complete_files(top, shtab.FILE)
     sys.stdout.write(shtab.complete(top, shell=options.shell) + "\n")
     return 0

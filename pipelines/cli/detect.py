@@ -6,6 +6,61 @@ import argparse
 import sys
 from pathlib import Path
 
+from pipelines.cli.command_line import scene_arguments
+from pipelines.io.argument_types import count, from_zero, path
+
+HELP = """\
+Simulate healthy and damaged machines with different gear deviations. Print and write the probability of detection and
+the rate of false alarms over damage size, sensor noise and sensors. Takes minutes to hours: use --dry-run first."""
+EXAMPLE = """\
+gearcase detect bench --over faults.1.depth_mm=0.5:3:0.5 --dry-run
+scenes      88
+labels      60 chipped-tooth, 28 healthy
+...
+time        about 4 minutes on 2 cores: ...
+disk        about 335 MB in 88 files per signal"""
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """Damage, noise, and how many machines."""
+    scene_arguments(sub)
+    sub.add_argument(
+        "--over",
+        metavar="KEY=VALUES",
+        action="append",
+        default=[],
+        help="values of a key of the scene, as KEY=from:to:step or KEY=a,b,c; repeatable (default: the fault as in the "
+        "scene)",
+    )
+    sub.add_argument(
+        "--seeds", metavar="N", type=count, default=10, help="damaged machines for each value (default 10)"
+    )
+    sub.add_argument(
+        "--baseline", metavar="N", type=count, default=8, help="healthy machines to compare with (default 8)"
+    )
+    sub.add_argument(
+        "--healthy",
+        metavar="N",
+        type=count,
+        default=20,
+        help="further healthy machines, for the rate of false alarms (default 20)",
+    )
+    sub.add_argument(
+        "--noise",
+        metavar="RMS",
+        type=from_zero,
+        nargs="+",
+        default=[],
+        help="sensor noise, m/s2 rms; several values need no further simulations (default: that of the scene)",
+    )
+    sub.add_argument("--out", metavar="FOLDER", type=path, help="result folder (default: ./campaigns/detect-<scene>)")
+    sub.add_argument(
+        "--dry-run", action="store_true", help="print number of runs, time and disk space, and simulate nothing"
+    )
+    sub.add_argument(
+        "--processes", type=count, metavar="N", help="scenes simulated at the same time (default: number of cores)"
+    )
+
 
 def main(options: argparse.Namespace) -> int:
     """Simulate what is missing; print the probabilities and write them with their figure."""

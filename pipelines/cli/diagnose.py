@@ -5,6 +5,61 @@ from __future__ import annotations
 import argparse
 import sys
 
+from pipelines.cli.command_line import RUN_HELP, json_argument
+from pipelines.io.argument_types import number, path
+
+HELP = """\
+Print which component is damaged. A measured recording is compared with recordings of healthy machines (--baseline).
+A finished run is compared with its healthy control. Nothing is simulated and no file is written. Takes seconds."""
+EXAMPLE = """\
+gearcase diagnose bench
+One tooth of the stage 1 wheel chipped: seen at motor_side (axis z) in the one analysed window.
+...
+line                  Hz  faulty m/s²  healthy m/s²  difference dB  over floor dB  healthy over floor dB  verdict
+...
+envelope f_r      10.081       0.0224       0.00656          +10.7          +28.7                  +22.8  detected
+..."""
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """A recording, its machine, healthy ones."""
+    sub.add_argument(
+        "run",
+        metavar="RECORD",
+        type=path,
+        help=f"recording file, {RUN_HELP}",
+    )
+    sub.add_argument(
+        "--machine",
+        metavar="FILE",
+        type=path,
+        help="machine of the recording: a file with teeth, speed and sensors, or a scene",
+    )
+    sub.add_argument(
+        "--baseline",
+        metavar="RECORD",
+        type=path,
+        nargs="+",
+        default=[],
+        help="recordings of healthy machines to compare with; p-values need 5 or more",
+    )
+    sub.add_argument(
+        "--window",
+        metavar=("START", "END"),
+        type=number,
+        nargs=2,
+        help="time window to analyse, s (default: the windows of the scene, or all)",
+    )
+    sub.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        dest="settings",
+        action="append",
+        default=[],
+        help="change a setting of the diagnosis of a run, as in --set diagnosis.sensor=sensor_5; repeatable",
+    )
+    json_argument(sub)
+
 
 def main(options: argparse.Namespace) -> int:
     """Print verdict and tables: of a file, or of a run against its control; nothing is simulated."""

@@ -5,6 +5,25 @@ from __future__ import annotations
 import argparse
 import sys
 
+from pipelines.cli.command_line import scene_arguments
+
+HELP = """\
+Print which steps of a run would be reused from the cache, which would be computed, and which changed setting is the
+reason.
+Nothing is computed and no file is written. Takes seconds."""
+EXAMPLE = """\
+gearcase explain bench
+First run: the cache holds no results of a similar scene to compare with.
+...
+compute  law_1
+..."""
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """A scene."""
+    scene_arguments(sub)
+
+
 _WORDS = {"reuse": "reuse", "build": "compute", "follow": "perhaps"}
 
 

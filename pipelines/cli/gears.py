@@ -6,11 +6,65 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
+from pipelines.cli.command_line import json_argument, work_arguments
+from pipelines.io.argument_types import path, picture, positive, tilt
+
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from pipelines.runs.gear_numbers import MeshState
     from pipelines.steps.pair_curves import PairLaws
+
+HELP = """\
+Compute the mesh stiffness, transmission error and load sharing of every gear pair, healthy and faulty, over one passage
+of a tooth. Print tables and a proposal for tip relief. --plot plots the transmission error, --out writes the curves.
+Takes seconds, and up to a minute for each pair with the mesh model `solid`."""
+EXAMPLE = """\
+gearcase gears pair --torque 50 100 --plot te.png
+...
+stage  torque N m  flanks      order 1 um  order 2 um  order 3 um  order 4 um  order 5 um
+-----  ----------  ----------  ----------  ----------  ----------  ----------  ----------
+    1          50  unmodified      0.9229      0.6531      0.4129      0.1859    0.009963
+...
+stage 1: usual tip relief of both gears: length_mm = 2.07 (short) or 4.14 (long)
+...
+te.png"""
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """Of `gearcase gears`."""
+    work_arguments(sub)
+    sub.add_argument(
+        "--torque",
+        metavar="N_M",
+        type=positive,
+        nargs="+",
+        help="torques on the pinion of each pair, N m, as in --torque 50 100 200 (default: of the scene)",
+    )
+    sub.add_argument(
+        "--tilt",
+        metavar="UM",
+        type=tilt,
+        default=0.0,
+        help="misalignment of the flanks over the face width, um, positive if they are closer at the +y end; or "
+        "balanced: the misalignment that centres the load; or machine: that in the loaded machine (default 0)",
+    )
+    sub.add_argument(
+        "--out",
+        metavar="FILE",
+        type=path,
+        help="write the curves to this file, .csv or .nc: a row for each state and position; position 0 is contact of "
+        "the tooth at the pitch point; stiffness, transmission error at the force and without load (no_load_error), "
+        "tilt; load share and largest Hertz pressure of each tooth pair, +0 that of the tooth, +1 the next one",
+    )
+    sub.add_argument(
+        "--plot",
+        metavar="FILE",
+        type=picture,
+        help="plot the transmission error over the mesh cycle and its orders, with and without modifications, and "
+        "while damaged teeth are in mesh, to this file: .png, .svg or .pdf",
+    )
+    json_argument(sub)
 
 
 def main(options: argparse.Namespace) -> int:

@@ -8,9 +8,96 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pipelines.io.argument_types import count, path, positive
+
 if TYPE_CHECKING:
     from fem.casing.recognition.contents import Contents
     from fem.casing.recognition.shaft_fit import ShaftFit
+
+HELP = """\
+Read a housing from a CAD file, a mesh, or stiffness and mass matrices. Print its solids and bores, or a check of the
+matrices. Write a picture and an HTML page of the solids and bores. With --scene, choose the bores that hold the
+bearings (bearing seats), and write them to housing.toml. Takes seconds."""
+EXAMPLE = """\
+gearcase housing rig-housing.step --scene rig-healthy
+...
+bore  solid  diameter mm  length mm         middle mm     axis  of 360 deg
+----  -----  -----------  ---------  ----------------  -------  ----------
+   1      1      95.0000     30.000  315.686, -135, 0  0, 1, 0         360
+...
+rig-housing-housing/housing.toml
+..."""
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """Of `gearcase housing`."""
+    sub.add_argument(
+        "file",
+        metavar="FILE",
+        type=path,
+        help="CAD file (STEP, BREP, IGES, STL), mesh, or matrices (.op4 .pch .mtx .sti .npz .h5)",
+    )
+    sub.add_argument(
+        "--scene",
+        metavar="SCENE",
+        type=path,
+        help="choose the bores for the bearings of this scene, and write the table [casing.housing] for it",
+    )
+    sub.add_argument(
+        "--unit",
+        choices=("m", "cm", "mm", "um", "inch"),
+        help="unit of length of the file (default: the declared one, or mm)",
+    )
+    sub.add_argument(
+        "--solids",
+        metavar="N",
+        type=count,
+        nargs="+",
+        default=[],
+        help="numbers of the solids whose bores may be chosen (default: all)",
+    )
+    sub.add_argument("--out", metavar="FOLDER", type=path, help="result folder (default: ./<file>-housing)")
+    matrices = sub.add_argument_group("matrices of another program")
+    matrices.add_argument(
+        "--mass", metavar="FILE", type=path, help="mass matrix, if FILE holds the stiffness matrix only"
+    )
+    matrices.add_argument(
+        "--nodes",
+        metavar="FILE",
+        type=path,
+        help="file with the node coordinates: rows of number, x, y, z; GRID cards of Nastran; *NODE of Abaqus",
+    )
+    matrices.add_argument(
+        "--equations",
+        metavar="FILE",
+        type=path,
+        help="file with the order of the equations: rows of node and axis (1 to 6; 0: modal); .mapping of Ansys; EXTRN "
+        "cards of Nastran",
+    )
+    matrices.add_argument(
+        "--units",
+        choices=("kg-m-s", "t-mm-s", "kg-mm-ms", "kg-mm-s", "lbf-in-s"),
+        default="kg-m-s",
+        help="units in the matrices: mass (lbf: force), length and time (default kg-m-s)",
+    )
+    matrices.add_argument(
+        "--keep",
+        metavar="NODE",
+        type=count,
+        nargs="+",
+        default=[],
+        help="reduce the matrices to these nodes, and write the reduced matrices",
+    )
+    matrices.add_argument(
+        "--hold", metavar="NODE", type=count, nargs="+", default=[], help="nodes that are fixed to the ground"
+    )
+    matrices.add_argument(
+        "--band",
+        metavar="HZ",
+        type=positive,
+        default=2000.0,
+        help="upper frequency of the reduced matrices, Hz (default 2000)",
+    )
 
 
 def main(options: argparse.Namespace) -> int:

@@ -8,7 +8,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipelines.report.figures.views import LeftOut
+from pipelines.cli.command_line import work_arguments
+from pipelines.io.argument_types import count, mode_number, number, path, positive
 
 if TYPE_CHECKING:
     import numpy as np
@@ -17,7 +18,57 @@ if TYPE_CHECKING:
     from pipelines.engine.step import Graph
     from pipelines.engine.working import Work
     from pipelines.machine.plant import Plant
+    from pipelines.report.figures.views import LeftOut
     from pipelines.runs.inspect_gears import InspectedStage
+
+HELP = """\
+Write pictures of a gear pair in mesh with its stiffness curve and contact pattern, and of the casing mesh.
+--stress, --mesh and --casing-mode write other pictures or files instead. Takes seconds, and up to minutes with the
+mesh model `solid`."""
+EXAMPLE = """\
+gearcase inspect minimal --position 0
+gears_1.png
+mesh_1.png
+pattern_1.png
+casing rigid: no mesh to show"""
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """Of `gearcase inspect`."""
+    work_arguments(sub)
+    sub.add_argument(
+        "--out", metavar="FOLDER", type=path, default=".", help="folder for the pictures (default: the working folder)"
+    )
+    sub.add_argument("--stage", type=count, metavar="N", default=1, help="gear stage to show (default 1)")
+    sub.add_argument(
+        "--torque", metavar="N_M", type=positive, help="torque on the pinion of this stage, N m (default: of the scene)"
+    )
+    sub.add_argument(
+        "--position",
+        type=number,
+        metavar="C",
+        help="show one position in mesh, in mesh cycles (default: a film over one mesh cycle)",
+    )
+    sub.add_argument(
+        "--frames", type=count, metavar="N", default=17, help="pictures in the film; 1 gives a still (default 17)"
+    )
+    sub.add_argument(
+        "--stress", action="store_true", help="show the von Mises stress of the loaded teeth instead (PNG)"
+    )
+    sub.add_argument(
+        "--mesh",
+        metavar="FILE",
+        type=path,
+        help="write the hexahedral mesh of the loaded teeth instead, .vtu, .inp, .msh or .bdf",
+    )
+    sub.add_argument("--screen", action="store_true", help="open a window with a slider for the position instead")
+    sub.add_argument(
+        "--casing-mode",
+        type=mode_number,
+        metavar="N",
+        help="show natural mode N of the casing instead (PNG, GIF and HTML); all: one PNG of all modes "
+        "up to casing.band_Hz",
+    )
 
 
 def main(options: argparse.Namespace) -> int:
@@ -90,6 +141,7 @@ def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, 
 def _write_casing(graph: Graph, plant: Plant, folder: Path, work: Work) -> None:
     from pipelines.report.figures.callouts import casing_figure
     from pipelines.report.figures.film import save_figure
+    from pipelines.report.figures.views import LeftOut
     from pipelines.steps.pictures import rendered_casing
 
     if "casing mesh" not in graph.steps:
@@ -124,6 +176,8 @@ def _tell(found: Path | list[Path] | LeftOut) -> None:
 
 
 def _listed(found: list[Path] | LeftOut) -> str:
+    from pipelines.report.figures.views import LeftOut
+
     return f"{found.reason}\n" if isinstance(found, LeftOut) else "".join(f"{path}\n" for path in found)
 
 

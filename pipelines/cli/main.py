@@ -30,8 +30,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # a console without some letter must not stop a run
-    top = parser()
-    options, unknown = top.parse_known_args(arguments)
+    given = sys.argv[1:] if arguments is None else arguments
+    top = parser(given)
+    options, unknown = top.parse_known_args(given)
     if unknown:
         command_parser(top, options.command).error(f"unrecognized arguments: {' '.join(unknown)}")
     if options.version:

@@ -5,6 +5,28 @@ from __future__ import annotations
 import argparse
 import sys
 
+from pipelines.io.argument_types import path
+
+HELP = """\
+Write a commented scene file as a start for your own. The source is a shipped scene, your own scene, or a gear unit
+in REXS. An existing file is never overwritten. Takes seconds."""
+EXAMPLE = """\
+gearcase new my.toml --from bench
+my.toml written from bench. Change it, then: gearcase check my.toml"""
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """The file, and what it is copied from."""
+    sub.add_argument("file", metavar="FILE", type=path, help="scene file to write, ending in .toml; it must not exist")
+    sub.add_argument(
+        "--from",
+        metavar="SOURCE",
+        type=path,
+        dest="source",
+        default="bench",
+        help="scene to copy, or gear unit in REXS: .rexs, .rexsj or .rexsz (default: bench)",
+    )
+
 
 def main(options: argparse.Namespace) -> int:
     """Write the file and say what to do next; of a gear unit in REXS also what it does not take as it is."""

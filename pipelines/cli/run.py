@@ -7,6 +7,53 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from pipelines.cli.command_line import out_argument, work_arguments
+from pipelines.io.argument_types import count
+
+HELP = """\
+Simulate the machine and its healthy control, diagnose the fault from the signals and write a report.
+The result folder holds report.html, response.nc (the signals), the diagnosis and the settings.
+Takes under a minute for the scenes `minimal` and `bench`, and minutes for the scenes `rig-...`. The first run after
+installation also compiles code for a minute or two. Results of earlier runs are reused from the cache."""
+EXAMPLE = """\
+gearcase run bench
+One tooth of the stage 1 wheel chipped: seen at motor_side (axis z) in the one analysed window.
+...
+report: runs/bench/2026-11-25_01-02-13/report.html
+..."""
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """A scene, its result folder, and what else is simulated."""
+    work_arguments(sub)
+    out_argument(sub)
+    sub.add_argument(
+        "--no-control",
+        action="store_true",
+        help="do not simulate the healthy control; there is no diagnosis without it",
+    )
+    sub.add_argument(
+        "--one-load",
+        action="store_true",
+        help="do not simulate a hanging load again with the equivalent constant torque",
+    )
+    sub.add_argument(
+        "--seeds",
+        metavar="N",
+        type=count,
+        default=0,
+        help="simulate also with the seeds 1 to N of the gear deviations, and with gears without deviations (default: "
+        "only the seed of the scene)",
+    )
+    sub.add_argument(
+        "--baseline",
+        metavar="N",
+        type=count,
+        default=0,
+        help="simulate also N healthy machines with other gear deviations, and compare the machine with them; p-values "
+        "need 5 or more (default 0)",
+    )
+
 
 def main(options: argparse.Namespace) -> int:
     """Run the scene; print the verdict and where the report is."""

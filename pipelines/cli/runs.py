@@ -7,15 +7,87 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
+from pipelines.cli.command_line import RUN_HELP, action_parsers, json_argument, run_argument
+from pipelines.io.argument_types import count, days, path
+
 if TYPE_CHECKING:
     from pipelines.runs.kept_runs import KeptRun
+
+HELP = (
+    "List the finished runs under ./runs, open the report of one, compare several, or remove old ones. Takes seconds."
+)
+EXAMPLE = """\
+gearcase runs clean --keep 1
+Runs, newest first
+run  scene                 folder     age   MB  differs in  verdict
+---  -------  -------------------  ------  ---  ----------  -------------
+  4  bench    2026-11-25_01-01-40  28 min  3.5  -           not diagnosed
+  5  minimal  2026-11-25_00-50-21  40 min  5.6  -           not diagnosed
+Nothing was removed. To remove these runs, repeat the command with --yes."""
+ACTIONS = {  # one line; text; example with what it prints
+    "list": (
+        "list the runs under ./runs, newest first",
+        "List the finished runs under ./runs, newest first, with the settings in which they differ.",
+        """\
+gearcase runs list minimal
+Runs, newest first
+run  scene                 folder     age   MB  differs in               verdict
+---  -------  -------------------  ------  ---  -----------------------  -------------
+  1  minimal  2026-11-25_01-27-24   2 min  1.1  load.container_kg=80.0   not diagnosed
+  5  minimal  2026-11-25_00-50-21  40 min  5.6  load.container_kg=114.0  not diagnosed""",
+    ),
+    "open": (
+        "open the report of a run in the browser",
+        "Open the report of a run in the browser, and print its path.",
+        """\
+gearcase runs open bench
+runs/bench/2026-11-25_01-02-13/report.html""",
+    ),
+    "compare": (
+        "compare verdicts, settings and sensor levels of runs",
+        "Print the verdicts, the settings that differ and the sensor levels of several runs in one table.",
+        """\
+gearcase runs compare 1 5
+Runs side by side; all other settings are the same. rms: all axes of a sensor, over the whole run
+                    run 1: minimal  run 5: minimal
+------------------  --------------  --------------
+...
+load.container_kg   80.0            114.0
+sensor_3, m/s2 rms  1.227           1.538
+...""",
+    ),
+    "clean": (
+        "show which runs would be removed; with --yes remove them",
+        "Show which runs would be removed. With --yes, remove them with all their files.",
+        """\
+gearcase runs clean 5 --yes
+1 run removed, 5.6 MB freed""",
+    ),
+}
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """list, open, compare and clean; list without any."""
+    json_argument(sub)
+    sub.set_defaults(scene=None)
+    listing, opened, compared, clean = action_parsers(sub, ACTIONS, title="actions (default: list)")
+    listing.add_argument("scene", metavar="SCENE", nargs="?", help="list only the runs of this scene")
+    listing.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print the list as JSON")
+    run_argument(opened)
+    compared.add_argument("runs", metavar="RUN", type=path, nargs="+", help=RUN_HELP)
+    compared.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print the table as JSON")
+    clean.add_argument("runs", metavar="RUN", type=path, nargs="*", help=RUN_HELP)
+    clean.add_argument("--older-than", metavar="DAYS", type=days, help="remove only runs older than this, days")
+    clean.add_argument("--keep", metavar="N", type=count, help="keep the newest N runs of each scene")
+    clean.add_argument("--yes", action="store_true", help="remove the runs (default: only list them)")
+
 
 DAY = 86400.0  # s
 
 
 def main(options: argparse.Namespace) -> int:
     """Do what is asked with the runs below ./runs."""
-    return ACTIONS[options.action or "list"](options)
+    return {"list": _list, "open": _open, "compare": _compare, "clean": _clean}[options.action or "list"](options)
 
 
 def _list(options: argparse.Namespace) -> int:
@@ -102,6 +174,3 @@ def _kept(name: str) -> KeptRun:
     known = [path.resolve() for path in finished_runs(ROOT)]
     number = known.index(folder.resolve()) + 1 if folder.resolve() in known else 0
     return kept_run(number, folder, time.time())
-
-
-ACTIONS = {"list": _list, "open": _open, "compare": _compare, "clean": _clean}

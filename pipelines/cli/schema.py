@@ -5,6 +5,20 @@ from __future__ import annotations
 import argparse
 import sys
 
+from pipelines.io.argument_types import path
+
+HELP = (
+    "Print the JSON schema of scene files, with which an editor completes and checks keys and values. Takes a second."
+)
+EXAMPLE = """\
+gearcase schema --out scene.schema.json
+scene.schema.json"""
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """The file."""
+    sub.add_argument("--out", metavar="FILE", type=path, help="file to write (default: print the schema)")
+
 
 def main(options: argparse.Namespace) -> int:
     """Print the schema, or write it to a file."""

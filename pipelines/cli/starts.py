@@ -5,6 +5,28 @@ from __future__ import annotations
 import argparse
 import sys
 
+from pipelines.cli.command_line import work_arguments
+from pipelines.io.argument_types import several
+
+HELP = """\
+Simulate a scene from several slightly different initial states. Print mean and spread of the level of each sensor.
+Use it where a motion is chaotic, so that levels depend on the initial state. Takes one simulation for each start."""
+EXAMPLE = """\
+gearcase starts minimal --starts 8
+8 initial states
+...
+level                        mean  95 % interval of the mean +/-  standard deviation  lowest  highest
+...
+sensor_3 rms, lifting, m/s2  1.55                      4.696e-07           5.617e-07    1.55     1.55"""
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """How many motions."""
+    work_arguments(sub)
+    sub.add_argument(
+        "--starts", type=several, metavar="N", default=8, help="number of initial states, 2 or more (default 8)"
+    )
+
 
 def main(options: argparse.Namespace) -> int:
     """Run the machine from slightly different states of rest; print what a level is worth."""

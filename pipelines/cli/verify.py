@@ -5,6 +5,43 @@ from __future__ import annotations
 import argparse
 import sys
 
+from pipelines.cli.command_line import quiet_argument
+from pipelines.io.argument_types import count, path, several
+from pipelines.scene.presets import PRESETS
+
+HELP = """\
+Check the claims of a published study of a quay-crane hoist with a missing tooth. Print each claim with its limit,
+simulate the 8 scenes of the study with each seed, and print whether each claim holds.
+With --out, write claims.md and claims.json. Takes about 5 minutes on two cores, and longer with an empty cache."""
+EXAMPLE = """\
+gearcase verify rig --out claims
+...
+claims/claims.md
+claims/claims.json"""
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """Which claims, over how many seeds."""
+    sub.add_argument(
+        "what", metavar="WHAT", choices=("rig",), help="rig: the study of the quay-crane hoist rig; there is no other"
+    )
+    sub.add_argument(
+        "--seeds", type=several, metavar="N", default=5, help="seeds of the gear deviations, 2 or more (default 5)"
+    )
+    sub.add_argument(
+        "--preset",
+        choices=PRESETS,
+        default="standard",
+        help="accuracy of meshes and time step, from coarse (draft) to fine (reference) (default standard)",
+    )
+    sub.add_argument(
+        "--out", metavar="FOLDER", type=path, help="folder for claims.md and claims.json (default: print only)"
+    )
+    sub.add_argument(
+        "--processes", type=count, metavar="N", help="number of steps that are computed at the same time (default 2)"
+    )
+    quiet_argument(sub)
+
 
 def main(options: argparse.Namespace) -> int:
     """Print the measures, simulate the cases, print the verdicts; write them if a folder is given."""
