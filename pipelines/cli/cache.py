@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections import defaultdict
 
+from pipelines.cli.command_line import Printed
 from pipelines.io.argument_types import days
 
 HELP = """\
@@ -37,7 +37,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     )
 
 
-def main(options: argparse.Namespace) -> int:
+def main(options: argparse.Namespace) -> Printed:
     """info: sizes by kind; verify: check every entry, 1 if one was damaged; clear: remove."""
     from pipelines.engine.cache import Cache
     from pipelines.io.errors import InputError
@@ -47,22 +47,22 @@ def main(options: argparse.Namespace) -> int:
     cache = Cache()
     if options.action == "clear":
         count, size = cache.clear(options.older_than)
-        sys.stdout.write(f"{count} entries removed, {size / 1e6:.1f} MB freed in {cache.folder}\n")
+        yield f"{count} entries removed, {size / 1e6:.1f} MB freed in {cache.folder}"
         return 0
     if options.action == "verify":
         intact, removed = cache.verify()
-        sys.stdout.write("".join(f"removed {line}\n" for line in removed))
-        sys.stdout.write(f"{intact} entries are intact; {len(removed)} damaged ones removed\n")
+        yield from (f"removed {line}" for line in removed)
+        yield f"{intact} entries are intact; {len(removed)} damaged ones removed"
         return 1 if removed else 0
     sizes: dict[str, list[int]] = defaultdict(list)
     for entry in cache.entries():
         sizes[entry.facts["kind"]].append(entry.bytes)
-    sys.stdout.write(f"{cache.folder}\n")
+    yield str(cache.folder)
     for kind, found in sorted(sizes.items()):
-        sys.stdout.write(f"  {kind:16} {len(found):5} entries {sum(found) / 1e6:10.1f} MB\n")
+        yield f"  {kind:16} {len(found):5} entries {sum(found) / 1e6:10.1f} MB"
     code = [path.stat().st_size for path in cache.compiled()]
     if code:
-        sys.stdout.write(f"  {'compiled code':16} {len(code):5} files   {sum(code) / 1e6:10.1f} MB\n")
+        yield f"  {'compiled code':16} {len(code):5} files   {sum(code) / 1e6:10.1f} MB"
     total = sum(sum(found) for found in sizes.values()) + sum(code)
-    sys.stdout.write(f"  {'all':16} {sum(map(len, sizes.values())) + len(code):5} stored  {total / 1e6:10.1f} MB\n")
+    yield f"  {'all':16} {sum(map(len, sizes.values())) + len(code):5} stored  {total / 1e6:10.1f} MB"
     return 0

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import argparse
-import sys
 
-from pipelines.cli.command_line import quiet_argument
+from pipelines.cli.command_line import Printed, quiet_argument, work_of
 from pipelines.io.argument_types import count, path
 
 HELP = """\
@@ -39,18 +38,17 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     quiet_argument(sub)
 
 
-def main(options: argparse.Namespace) -> int:
+def main(options: argparse.Namespace) -> Printed:
     """Simulate what is missing and say how fast it went; 1 if every scene failed."""
     from pipelines.datasets.campaign import planned, run_campaign
     from pipelines.datasets.estimate import estimate
     from pipelines.datasets.plan import load_plan
     from pipelines.datasets.shown_progress import shown_campaign
     from pipelines.datasets.workers import dask_workers, local_workers
-    from pipelines.engine.working import Work
 
     plan = load_plan(options.plan)
     if options.dry_run:
-        sys.stdout.write(estimate(plan, planned(plan)).to_text())
+        yield estimate(plan, planned(plan)).to_text()
         return 0
     if options.cluster or options.scheduler:
         workers = dask_workers(options.scheduler, options.processes)
@@ -61,10 +59,10 @@ def main(options: argparse.Namespace) -> int:
             plan,
             options.out or f"campaigns/{plan.name}",
             workers,
-            Work(processes=options.processes, quiet=options.quiet),
+            work_of(options),
             retry=options.retry_failed,
             begun=shown.begun,
             told=shown.told,
         )
-    sys.stdout.write("".join(f"{line}\n" for line in finished.lines()))
-    return 1 if finished.simulated and finished.failed == finished.simulated else 0
+    yield from finished.lines()
+    return int(finished.simulated > 0 and finished.failed == finished.simulated)

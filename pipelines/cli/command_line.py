@@ -12,10 +12,16 @@ import importlib
 import re
 import sys
 import textwrap
-from collections.abc import Container, Iterable, Mapping
-from typing import Any, NoReturn
+from collections.abc import Container, Generator, Iterable, Mapping
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from pipelines.io.argument_types import count, path
+
+if TYPE_CHECKING:
+    from pipelines.engine.working import Work
+    from pipelines.scene.file import LoadedScene
+
+Printed = Generator[str, None, int | None]  # the lines that a command prints, and its exit code if it is not 0
 
 COMMANDS = {  # in the order a user needs them: name, of the module too; one line
     "new": "write a commented scene file to change",
@@ -200,6 +206,28 @@ def out_argument(sub: argparse.ArgumentParser) -> None:
 def run_argument(sub: argparse.ArgumentParser) -> None:
     """A finished run."""
     sub.add_argument("run", metavar="RUN", type=path, help=RUN_HELP)
+
+
+def scene_and_work(options: argparse.Namespace) -> tuple[LoadedScene, Work]:
+    """The scene that is requested with its changes, and how its steps are built."""
+    from pipelines.scene.presets import load_asked
+
+    return load_asked(options), work_of(options)
+
+
+def work_of(options: argparse.Namespace) -> Work:
+    """How steps are built."""
+    from pipelines.engine.working import Work
+
+    return Work(processes=options.processes, quiet=options.quiet)
+
+
+def announce(options: argparse.Namespace) -> None:
+    """Name command and scene on standard error, before the imports, which take a while."""
+    from pipelines.io.shown import shown
+
+    if not options.quiet:
+        sys.stderr.write(f"gearcase {options.command} {shown(str(options.scene))}\n")
 
 
 def json_argument(sub: argparse.ArgumentParser) -> None:

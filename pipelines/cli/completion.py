@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Iterator
 
 SHELLS = ("bash", "zsh", "tcsh")  # that can be completed
 HELP = """\
@@ -21,7 +21,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("shell", metavar="SHELL", choices=SHELLS, help=f"shell: {', '.join(SHELLS)}")
 
 
-def main(options: argparse.Namespace) -> int:
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Print the script for a shell.
 
     In bash: ``gearcase completion bash > ~/.local/share/bash-completion/completions/gearcase``; in zsh: into a file
@@ -33,8 +33,7 @@ def main(options: argparse.Namespace) -> int:
 
     top = parser()
     _complete_files(top, shtab.FILE)
-    sys.stdout.write(shtab.complete(top, shell=options.shell) + "\n")
-    return 0
+    yield shtab.complete(top, shell=options.shell) + "\n"
 
 
 def _complete_files(parser: argparse.ArgumentParser, files: object) -> None:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Iterator
 from pathlib import Path
 
-from pipelines.cli.command_line import action_parsers, quiet_argument
+from pipelines.cli.command_line import Printed, action_parsers, quiet_argument
 from pipelines.io.argument_types import count, from_zero, part, path, positive, whole
 
 HELP = (
@@ -130,28 +130,27 @@ def _export_arguments(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--seed", metavar="N", type=whole, default=0, help="seed of the noise (default 0)")
 
 
-def main(options: argparse.Namespace) -> int:
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Do what is asked with a data set; 1 if the check finds anything wrong."""
     return {"info": _info, "check": _check, "features": _features, "export": _export}[options.action](options)
 
 
-def _info(options: argparse.Namespace) -> int:
+def _info(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.datasets.summary import summarised
 
-    sys.stdout.write(summarised(Path(options.folder)).to_text())
-    return 0
+    yield summarised(Path(options.folder)).to_text()
 
 
-def _check(options: argparse.Namespace) -> int:
+def _check(options: argparse.Namespace) -> Printed:
     from pipelines.datasets.check import check_dataset
     from pipelines.datasets.shown_progress import lines_now_and_then
 
     found = check_dataset(Path(options.folder), lines_now_and_then(quiet=options.quiet))
-    sys.stdout.write(found.to_text())
-    return 1 if found.wrong else 0
+    yield found.to_text()
+    return int(bool(found.wrong))
 
 
-def _features(options: argparse.Namespace) -> int:
+def _features(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.datasets.feature_pass import FEATURES, make_features
     from pipelines.datasets.shown_progress import lines_now_and_then
     from pipelines.datasets.workers import local_workers
@@ -159,11 +158,10 @@ def _features(options: argparse.Namespace) -> int:
     folder, told = Path(options.folder), lines_now_and_then(quiet=options.quiet)
     with local_workers(options.processes) as workers:
         made, lines = make_features(folder, workers.executor, options.start, options.noise, told)
-    sys.stdout.write(f"features of {made} runs computed now\n{folder / FEATURES}: {lines} lines\n")
-    return 0
+    yield f"features of {made} runs computed now\n{folder / FEATURES}: {lines} lines"
 
 
-def _export(options: argparse.Namespace) -> int:
+def _export(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.datasets.export import Wanted, export_dataset
 
     wanted = Wanted(
@@ -177,5 +175,4 @@ def _export(options: argparse.Namespace) -> int:
         seed=options.seed,
     )
     target, count = export_dataset(Path(options.folder), options.form, wanted, options.out)
-    sys.stdout.write(f"{count} pieces\n{target}\n")
-    return 0
+    yield f"{count} pieces\n{target}"

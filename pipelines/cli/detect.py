@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Iterator
 from pathlib import Path
 
-from pipelines.cli.command_line import scene_arguments
+from pipelines.cli.command_line import scene_arguments, work_of
 from pipelines.io.argument_types import count, from_zero, path
 
 HELP = """\
@@ -62,13 +62,12 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     )
 
 
-def main(options: argparse.Namespace) -> int:
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Simulate what is missing; print the probabilities and write them with their figure."""
     from pipelines.datasets.campaign import planned, run_campaign
     from pipelines.datasets.estimate import estimate
     from pipelines.datasets.shown_progress import lines_now_and_then, shown_campaign
     from pipelines.datasets.workers import local_workers
-    from pipelines.engine.working import Work
     from pipelines.io.errors import InputError
     from pipelines.io.user_files import write_whole
     from pipelines.machine.checks.validity import checked_plant
@@ -93,13 +92,12 @@ def main(options: argparse.Namespace) -> int:
         expected = estimate(plan, planned(plan))
         if expected.refused:
             raise InputError(f"detect: {expected.refused} scenes cannot be run; the first: {expected.first_refusal}")
-        sys.stdout.write(expected.to_text())
-        return 0
+        yield expected.to_text()
+        return
     folder = Path(options.out or f"campaigns/{plan.name}")
-    work = Work(processes=options.processes, quiet=options.quiet)
     with shown_campaign(quiet=options.quiet) as shown:
         finished = run_campaign(
-            plan, folder, local_workers(options.processes), work, begun=shown.begun, told=shown.told
+            plan, folder, local_workers(options.processes), work_of(options), begun=shown.begun, told=shown.told
         )
     looked_for = plant.looked_for
     noises = tuple(dict.fromkeys(options.noise)) or (looked_for.noise,)
@@ -111,7 +109,6 @@ def main(options: argparse.Namespace) -> int:
     write_whole(folder / "detectability.txt", words)
     write_json(folder / "detectability.json", plain(found))
     save_figure(figure(found), folder / "detectability.png", dpi=130)
-    sys.stdout.write(words)
-    sys.stdout.write("".join(f"{line}\n" for line in finished.lines()))
-    sys.stdout.write(f"figure: {folder / 'detectability.png'}\n")
-    return 0
+    yield words
+    yield from finished.lines()
+    yield f"figure: {folder / 'detectability.png'}"

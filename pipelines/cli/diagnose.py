@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Iterator
 
 from pipelines.cli.command_line import RUN_HELP, json_argument
 from pipelines.io.argument_types import number, path
@@ -61,7 +61,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     json_argument(sub)
 
 
-def main(options: argparse.Namespace) -> int:
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Print verdict and tables: of a file, or of a run against its control; nothing is simulated."""
     from pipelines.io.errors import InputError
     from pipelines.io.json_text import json_text
@@ -75,8 +75,8 @@ def main(options: argparse.Namespace) -> int:
             raise InputError("--set changes the scene of a run and does not apply to a recording. Leave it out.")
         window = tuple(options.window) if options.window else None
         judged = judge_file(path, options.baseline, options.machine, window)
-        sys.stdout.write(json_text(file_facts(judged)) if options.json else file_words(judged))
-        return 0
+        yield json_text(file_facts(judged)) if options.json else file_words(judged)
+        return
     from pipelines.diagnosis.export import diagnosis_facts
     from pipelines.diagnosis.uncertainty.words import bars_words
     from pipelines.engine.working import Work
@@ -87,7 +87,6 @@ def main(options: argparse.Namespace) -> int:
     bars = folder_bars(path.parent, found, options.settings, Work())
     if options.json:
         facts = bars if isinstance(bars, str) else bars.to_dict()
-        sys.stdout.write(json_text(diagnosis_facts([found]) | {"error_bars": facts}))
+        yield json_text(diagnosis_facts([found]) | {"error_bars": facts})
     else:
-        sys.stdout.write(f"{words([found], [found])}\n{bars_words(bars)}")
-    return 0
+        yield f"{words([found], [found])}\n{bars_words(bars)}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Iterator
 
 from pipelines.cli.command_line import run_argument
 from pipelines.io.argument_types import path
@@ -28,7 +28,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     )
 
 
-def main(options: argparse.Namespace) -> int:
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Write response.csv, response.mat or response.uff."""
     from pipelines.diagnosis.export import export
     from pipelines.io.errors import InputError
@@ -46,5 +46,4 @@ def main(options: argparse.Namespace) -> int:
                 export(run, partial, options.form)
         except OSError as error:
             raise InputError(f"{target}: cannot be written ({error.strerror}). Choose another --out.") from error
-    sys.stdout.write(f"{target}\n")
-    return 0
+    yield str(target)

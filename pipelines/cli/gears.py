@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from typing import TYPE_CHECKING
 
-from pipelines.cli.command_line import json_argument, work_arguments
+from pipelines.cli.command_line import json_argument, scene_and_work, work_arguments
 from pipelines.io.argument_types import path, picture, positive, tilt
 
 if TYPE_CHECKING:
@@ -67,9 +66,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     json_argument(sub)
 
 
-def main(options: argparse.Namespace) -> int:
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Build the laws; print stiffness, transmission error, share and pressure of each pair, healthy and faulty."""
-    from pipelines.engine.working import Work
     from pipelines.io.errors import InputError
     from pipelines.io.json_text import json_text
     from pipelines.io.user_files import writable_file
@@ -85,7 +83,6 @@ def main(options: argparse.Namespace) -> int:
         write_curves,
     )
     from pipelines.runs.single_results import build_pairs
-    from pipelines.scene.presets import load_asked
 
     target = None if options.out is None else checked_curve_file(options.out)
     picture = None if options.plot is None else writable_file(options.plot)
@@ -93,7 +90,7 @@ def main(options: argparse.Namespace) -> int:
         raise InputError(
             "--tilt machine takes the torque of the loaded machine. Delete --torque, or give the tilt in um."
         )
-    loaded, work = load_asked(options), Work(processes=options.processes, quiet=options.quiet)
+    loaded, work = scene_and_work(options)
     pairs = build_pairs(loaded, work)
     if options.tilt == "machine":
         cases = list(zip(pairs, machine_states(loaded, work), strict=True))
@@ -109,17 +106,14 @@ def main(options: argparse.Namespace) -> int:
         save_figure(transmission_error_figure(loaded.scene.title, errors), picture, dpi=115)
     if options.json:
         found = {"pairs": rows, "orders": orders, "notes": notes(cases), "curves": target, "plot": picture}
-        sys.stdout.write(json_text(found))
-        return 0
+        yield json_text(found)
+        return
     title = "Drive flanks without deviations, along the transverse line of action, compliance counted from the bores"
-    sys.stdout.write(grid(title, rows).to_text() + "\n")
+    yield grid(title, rows).to_text()
     if orders:
-        sys.stdout.write(
-            grid("Transmission error of the healthy pair, amplitudes of its orders", orders).to_text() + "\n"
-        )
-    sys.stdout.write("".join(f"{line}\n" for line in notes(cases)))
-    sys.stdout.write("".join(f"{path}\n" for path in (target, picture) if path is not None))
-    return 0
+        yield grid("Transmission error of the healthy pair, amplitudes of its orders", orders).to_text()
+    yield from notes(cases)
+    yield from (str(path) for path in (target, picture) if path is not None)
 
 
 def _states(found: PairLaws, options: argparse.Namespace) -> list[MeshState]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -100,18 +100,16 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     )
 
 
-def main(options: argparse.Namespace) -> int:
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Print the listing, the seats and the block; write the picture, the page and the block."""
     from fem.casing.imported.files import SUFFIXES
     from pipelines.scene.shipped_files import find_file
 
     path = find_file(options.file)
-    if path.suffix.lower() in SUFFIXES:
-        return _matrices(path, options)
-    return _geometry(path, options)
+    return (_matrices if path.suffix.lower() in SUFFIXES else _geometry)(path, options)
 
 
-def _geometry(path: Path, options: argparse.Namespace) -> int:
+def _geometry(path: Path, options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.user_files import writable_folder, write_whole
     from pipelines.report.figures.film import save_figure
     from pipelines.studies.housings.listing import fitted, listing
@@ -121,7 +119,7 @@ def _geometry(path: Path, options: argparse.Namespace) -> int:
     folder = writable_folder(options.out or f"{path.stem}-housing")
     contents, fit, block, words = _surveyed(path, options)
     text = "\n".join([*listing(contents), *words, *([fitted(fit)] if fit is not None else [])])
-    sys.stdout.write(f"{text}\n")
+    yield text
     seats = {} if fit is None else {seat.bore.number: seat.bearing for seat in fit.seats}
     folder.mkdir(parents=True, exist_ok=True)
     picture, page = folder / f"{path.stem}.png", folder / f"{path.stem}.html"
@@ -129,12 +127,11 @@ def _geometry(path: Path, options: argparse.Namespace) -> int:
     write_whole(page, housing_page(contents, seats, f"{text}\n\n{block}"))
     if block:
         write_whole(folder / "housing.toml", block)
-        sys.stdout.write(f"\n{block}\n{folder / 'housing.toml'}\n")
-    sys.stdout.write(f"{picture}\n{page}\n")
-    return 0
+        yield f"\n{block}\n{folder / 'housing.toml'}"
+    yield f"{picture}\n{page}"
 
 
-def _matrices(path: Path, options: argparse.Namespace) -> int:
+def _matrices(path: Path, options: argparse.Namespace) -> Iterator[str]:
     """The check-up of matrices; with points, the reduced body in a file."""
     from fem.casing.imported.checks import check_foreign
     from fem.casing.imported.files import MatrixFiles, read_body
@@ -149,19 +146,17 @@ def _matrices(path: Path, options: argparse.Namespace) -> int:
             system=options.units,
         )
     )
-    check = check_foreign(body)
-    sys.stdout.write(f"{check.report()}\n")
+    yield check_foreign(body).report()
     from pipelines.studies.housings.reduced_matrices import held_text, reduced_text, write_reduced
 
     if options.hold:
-        sys.stdout.write(f"{held_text(body, options.hold)}\n")
+        yield held_text(body, options.hold)
     if not options.keep:
-        return 0
+        return
     folder = writable_folder(options.out or f"{path.stem}-housing")
     target = folder / f"{path.stem}-reduced.h5"
     reduced = write_reduced(body, options.keep, options.hold, options.band, target)
-    sys.stdout.write(f"{reduced_text(body, reduced, options.band)}\n{target}\n")
-    return 0
+    yield f"{reduced_text(body, reduced, options.band)}\n{target}"
 
 
 def _surveyed(path: Path, options: argparse.Namespace) -> tuple[Contents, ShaftFit | None, str, list[str]]:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 import math
-import sys
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from pipelines.cli.command_line import json_argument, work_arguments
+from pipelines.cli.command_line import json_argument, scene_and_work, work_arguments
 from pipelines.io.argument_types import number, positive
 
 if TYPE_CHECKING:
@@ -52,17 +52,15 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 KINDS = {"shaft": "shafts", "bearing": "bearings", "casing": "casing", "rope": "rope", "drive": "drive"}
 
 
-def main(options: argparse.Namespace) -> int:
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Build laws and casing, linearise the machine at rest under its load, print its modes."""
-    from pipelines.engine.working import Work
     from pipelines.io.json_text import json_text
     from pipelines.runs.single_results import build_machine_modes, scene_graph
-    from pipelines.scene.presets import load_asked
 
-    loaded = load_asked(options)
+    loaded, work = scene_and_work(options)
     modes, cycle = build_machine_modes(
         loaded,
-        Work(processes=options.processes, quiet=options.quiet),
+        work,
         up_to=options.up_to,
         cycle=options.cycle,
         speed=options.speed / 60 * 2 * math.pi,
@@ -76,12 +74,11 @@ def main(options: argparse.Namespace) -> int:
             "foot_forces_N": dict(zip(modes.foot_names, modes.foot_forces.tolist(), strict=True)),
             "notes": notes(plant, modes, options.up_to),
         }
-        sys.stdout.write(json_text(found))
-        return 0
+        yield json_text(found)
+        return
     title = f"{loaded.name}: small vibrations about the loaded static equilibrium, stage 1 at mesh cycle {cycle:.4g}"
-    sys.stdout.write(mode_table(title, modes).to_text() + "\n")
-    sys.stdout.write("".join(f"{line}\n" for line in notes(plant, modes, options.up_to)))
-    return 0
+    yield mode_table(title, modes).to_text()
+    yield from notes(plant, modes, options.up_to)
 
 
 def mode_rows(modes: LinearModes) -> list[dict[str, Any]]:

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from pipelines.cli.command_line import out_argument, work_arguments
+from pipelines.cli.command_line import announce, out_argument, scene_and_work, work_arguments
 from pipelines.io.argument_types import count
 
 HELP = """\
@@ -55,40 +55,35 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     )
 
 
-def main(options: argparse.Namespace) -> int:
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Run the scene; print the verdict and where the report is."""
-    if not options.quiet:
-        from pipelines.io.shown import shown
-
-        sys.stderr.write(f"gearcase run {shown(str(options.scene))}\n")  # before the imports, which take a while
-    from pipelines.engine.working import Work
+    announce(options)
     from pipelines.runs.run import Options, run_scene
     from pipelines.runs.run_folder import REPORT
-    from pipelines.scene.presets import load_asked
 
+    loaded, work = scene_and_work(options)
     finished = run_scene(
-        load_asked(options),
+        loaded,
         Options(
             out=options.out,
             with_control=not options.no_control,
             both_loads=not options.one_load,
             seeds=options.seeds,
             baseline=options.baseline,
-            work=Work(processes=options.processes, quiet=options.quiet),
+            work=work,
         ),
     )
     built = [record for record in finished.records if not record.reused]
     seconds = sum(record.seconds for record in built)
     if finished.words:
-        sys.stdout.write(finished.words.partition("\n\n")[0] + "\n")
-    for reason in finished.left_out:
-        sys.stdout.write(f"{reason}\n")
-    sys.stdout.write(
+        yield finished.words.partition("\n\n")[0]
+    yield from finished.left_out
+    yield (
         f"{len(built)} steps computed in {seconds:.1f} s of processing, {len(finished.records) - len(built)} reused.\n"
         f"report: {finished.folder / REPORT}\n"
+        "next:"
     )
-    sys.stdout.write("next:\n" + "".join(f"  {command}\n      {what}\n" for command, what in _next(options)))
-    return 0
+    yield from (f"  {command}\n      {what}" for command, what in _next(options))
 
 
 def _next(options: argparse.Namespace) -> Iterator[tuple[str, str]]:

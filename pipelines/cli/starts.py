@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Iterator
 
-from pipelines.cli.command_line import work_arguments
+from pipelines.cli.command_line import scene_and_work, work_arguments
 from pipelines.io.argument_types import several
 
 HELP = """\
@@ -28,16 +28,13 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     )
 
 
-def main(options: argparse.Namespace) -> int:
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Run the machine from slightly different states of rest; print what a level is worth."""
-    from pipelines.engine.working import Work
     from pipelines.scene.file import changed
-    from pipelines.scene.presets import load_asked
     from pipelines.studies.trade.spread import spread_table
     from pipelines.studies.trade.variants import measure
 
-    loaded = load_asked(options)
+    loaded, work = scene_and_work(options)
     scenes = {f"start {n}": changed(loaded, {"simulation.start": n}) for n in range(1, options.starts + 1)}
-    found = measure(scenes, ("signals", "lines"), Work(processes=options.processes, quiet=options.quiet))
-    sys.stdout.write(spread_table([one.values for one in found.values()]).to_text() + "\n")
-    return 0
+    found = measure(scenes, ("signals", "lines"), work)
+    yield spread_table([one.values for one in found.values()]).to_text()

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Iterator
 
-from pipelines.cli.command_line import work_arguments
+from pipelines.cli.command_line import scene_and_work, work_arguments
 from pipelines.io.argument_types import picture, seconds, share
 
 HELP = """\
@@ -42,20 +42,17 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     )
 
 
-def main(options: argparse.Namespace) -> int:
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Measure every choice against the reference; print the table and the answers, write the plot."""
-    from pipelines.engine.working import Work
     from pipelines.io.user_files import writable_file
     from pipelines.report.figures.film import save_figure
-    from pipelines.scene.presets import load_asked
     from pipelines.studies.trade.tradeoff import trade
     from pipelines.studies.trade.tradeoff_page import answers, trade_figure, trade_table
 
-    loaded = load_asked(options)
+    loaded, work = scene_and_work(options)
     path = writable_file(options.out or f"tradeoff-{loaded.name}.png")
-    found = trade(loaded, Work(processes=options.processes, quiet=options.quiet))
-    sys.stdout.write(trade_table(found).to_text() + "\n")
-    sys.stdout.write("".join(f"{line}\n" for line in answers(found, options.error, options.time)))
+    found = trade(loaded, work)
+    yield trade_table(found).to_text()
+    yield from answers(found, options.error, options.time)
     save_figure(trade_figure(found), path, dpi=130)
-    sys.stdout.write(f"plot: {path}\n")
-    return 0
+    yield f"plot: {path}"
