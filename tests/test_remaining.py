@@ -10,7 +10,7 @@ import pytest
 from pipelines.cli import run
 from pipelines.engine.build_step import Result
 from pipelines.engine.cache import Cache
-from pipelines.engine.progress import Lines, Several, Timing
+from pipelines.engine.progress import Lines, Several, Timing, step_words
 from pipelines.engine.remaining import Remaining, Task, expected
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, Step, StepRecord
@@ -133,6 +133,22 @@ def test_lines_for_a_pipe():
         "   2 s  law_1: 2.0 s; about 17 s left",
         "  13 s  casing: 90 %; about 11 s left",
     ]
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("simulate", "motion of the machine"),
+        ("features healthy simulate", "features of the healthy machine"),
+        ("torque healthy simulate", "motion of the healthy machine (load as a torque)"),
+        ("torque seed 3 simulate", "motion of the machine (load as a torque, deviations of seed 3)"),
+        ("features healthy seed 12 simulate", "features of the healthy machine (deviations of seed 12)"),
+        ("error-free healthy simulate", "motion of the healthy machine (no deviations)"),
+        ("casing modes", "casing modes"),
+    ],
+)
+def test_motions_and_their_features_are_named_in_words(name, words):
+    assert step_words(name) == words
 
 
 def test_lengths_of_time_in_words():
