@@ -167,7 +167,7 @@ def test_in_a_pipe_a_run_writes_no_control_characters(tmp_path):
     first, second, *lines = done.stderr.decode().splitlines()
     assert first == "gearcase run minimal"
     assert "to compute, about " in second
-    assert any(" simulate: " in line for line in lines)
+    assert any(" motion of the machine: " in line for line in lines)
     said = done.stdout.decode().splitlines()
     assert f"report: {tmp_path / 'out' / 'report.html'}" in said
     assert said[said.index("next:") + 1].strip() == f"gearcase runs open {tmp_path / 'out'}"
