@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from pipelines.cli.command_line import json_argument, scene_and_work, work_arguments
@@ -31,6 +31,7 @@ casing rigid: 6 coordinates, 23 output channels
 ...
   bearing_1  x     0.00  y   -65.00  z     0.00 mm
 ..."""
+_SENSOR_OFF = 0.005  # m: how far from its position a sensor may measure without a warning
 
 
 def arguments(sub: argparse.ArgumentParser) -> None:
@@ -93,6 +94,8 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     casing = build_casing(loaded, work, error_check=options.error_check)
     if missed := missed_error(casing):
         warnings.warn(missed, SceneWarning, stacklevel=1)
+    for words in misread_sensors(casing.body, {sensor.name: sensor.position for sensor in plant.sensors}):
+        warnings.warn(words, SceneWarning, stacklevel=1)
     if options.json:
         yield json_text(casing_facts(casing, loaded.name))
     else:
@@ -105,6 +108,25 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         sys.stderr.write("".join(f"{path}\n" for path in written))
     else:
         yield from map(str, written)
+
+
+def misread_sensors(body: ReducedBody, positions: Mapping[str, tuple[float, float, float]]) -> Iterator[str]:
+    """Sensors of a casing that measure elsewhere than stated in the scene (`positions` in m), or not along all axes."""
+    import numpy as np
+
+    places = dict(zip(body.point_names, body.point_positions, strict=True))
+    moving = dict(zip(body.row_names, np.abs(body.rows).max(axis=1) > 0.0, strict=True))
+    for name, position in positions.items():
+        if name in places and (distance := float(np.linalg.norm(places[name] - np.array(position)))) > _SENSOR_OFF:
+            yield (
+                f"{name} measures at the nearest point of the casing, {1000 * distance:.3g} mm from its position_mm. "
+                "Correct the position, or, for matrices of another program, add a node there"
+            )
+        if still := [axis for axis in "xyz" if not moving.get(f"{name}:u{axis}", True)]:
+            yield (
+                f"{name} reads 0 along {' and '.join(still)}: its node has no equation for them. Add these equations "
+                "to the matrices; for an export of gearcase set a casing-force of 0 N along x, y and z"
+            )
 
 
 def _texts(casing: Casing, count: int) -> Iterator[str]:

@@ -93,6 +93,9 @@ class Parser(argparse.ArgumentParser):
         if len(tail) > _MESSAGE_END:
             tail = f"...{tail[-_MESSAGE_END:]}"
         self.print_usage(sys.stderr)
+        if "arguments are required: ACTION" in message:
+            names = next(a.choices for a in self._actions if isinstance(a, argparse._SubParsersAction))
+            tail += f". Give one of {', '.join(names)}"
         help_of = f"{self.prog} COMMAND" if self.prog == "gearcase" else self.prog
         hint = f"{_nearest(message, self._option_string_actions)}Help: {help_of} --help"
         self.exit(2, f"{self.prog}: error: {shown(head)}{shown(tail)}".rstrip(".") + f". {hint}\n")
