@@ -77,7 +77,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         yield json_text(found)
         return
     title = f"{loaded.name}: small vibrations about the loaded static equilibrium, stage 1 at mesh cycle {cycle:.4g}"
-    yield mode_table(title, modes).to_text()
+    yield mode_table(title, modes).to_text() + "\n"  # a table without modes ends in an empty line
     yield from notes(plant, modes, options.up_to)
 
 

@@ -108,7 +108,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     target.mkdir(parents=True, exist_ok=True)
     for name, figure in figures.items():
         figure.savefig(target / f"{name}.png", dpi=110)
-    yield words
+    yield words + "\n"  # a table without orders ends in an empty line
     yield from (str(target / f"{name}.png") for name in figures)
 
 
