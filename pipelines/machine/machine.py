@@ -185,11 +185,13 @@ def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault], problem
         shafts=problems.made("shafts", shaft_specs, scene, layout) or (),
         bearings=bearing_specs(scene, problems),
         meshes=gear_meshes(scene, layout, faults),
-        motors=motor_couplings(drive, layout.driven, ends),
-        driven=driven,
-        drive=profile,
+        couplings=motor_couplings(drive, layout.driven, ends),
+        input_shaft=driven,
+        profile=profile,
         load=load,
-        couplings=problems.each("couplings", (partial(table.spec, n) for n, table in enumerate(scene.couplings, 1))),
+        shaft_couplings=problems.each(
+            "couplings", (partial(table.spec, n) for n, table in enumerate(scene.couplings, 1))
+        ),
         forces=(
             *(problems.made("drive", motor_torques, drive, layout.driven, ends) or ()),
             *(problems.made("load", torque_load, scene.load, layout.loaded, places) or ()),
