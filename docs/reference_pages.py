@@ -1,5 +1,6 @@
 """Pages of the site that are made from the code: every public name of Python, every command."""
 
+import importlib
 import inspect
 import re
 from pathlib import Path
@@ -64,16 +65,16 @@ def command_pages() -> dict[str, str]:
     top = parser()
     below = _actions(top)
     pages = {}
-    for name, words, example, _ in COMMANDS:
+    for name, words in COMMANDS.items():
+        example = importlib.import_module(f"pipelines.cli.{name}").EXAMPLE.partition("\n")[0]
         helps = [_help(below[name]), *map(_help, _actions(below[name]).values())]
         blocks = "\n".join(f"```text\n{text.rstrip()}\n```\n" for text in helps)
         pages[f"commands/{name}.md"] = (
             f"{HEAD}# gearcase {name}\n\n{words[0].upper()}{words[1:]}.\n\n```sh\n{example}\n```\n\n{blocks}"
         )
-    names = [name for name, *_ in COMMANDS]
-    rows = "\n".join(f"| [{name}]({name}.md) | {words} |" for name, words, *_ in COMMANDS)
+    rows = "\n".join(f"| [{name}]({name}.md) | {words} |" for name, words in COMMANDS.items())
     table = f"\n| command | does |\n| --- | --- |\n{rows}\n"
-    pages["commands/index.md"] = listing("Commands", names, table)
+    pages["commands/index.md"] = listing("Commands", list(COMMANDS), table)
     return pages
 
 

@@ -26,7 +26,7 @@ from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
-from pipelines.cli.casing import casing_facts, modal_ratios
+from pipelines.cli.casing import casing_facts, misread_sensors, modal_ratios
 from pipelines.cli.main import main
 from pipelines.io.errors import InputError
 from pipelines.runs.single_results import Casing
@@ -248,6 +248,20 @@ def test_the_facts_of_a_casing_hold_every_frequency(casing):
     assert len(facts["damping_ratio"]) == len(facts["frequency_Hz"])
     assert facts["extrapolation"] is None
     assert facts["coordinates"] == casing.body.coordinate_names
+
+
+def test_a_sensor_is_reported_that_measures_elsewhere_or_not_along_every_axis():
+    body = SimpleNamespace(
+        point_names=("near", "far"),
+        point_positions=np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0]]),
+        row_names=("near:ux", "near:uy", "near:uz", "far:ux", "far:uy", "far:uz"),
+        rows=np.array([[1.0], [0.0], [0.0], [1.0], [1.0], [1.0]]),
+    )
+    still, distant = misread_sensors(body, {"near": (0.004, 0.0, 0.0), "far": (0.106, 0.0, 0.0)})
+    assert still.startswith("near reads 0 along y and z")
+    assert "casing-force of 0 N" in still
+    assert distant.startswith("far measures")
+    assert "6 mm from its position_mm. Correct" in distant
 
 
 def test_the_number_of_a_mode_is_a_number_or_all():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +16,8 @@ from fem.casing.uncertainty.frequency_limits import EDGE_ORDER, frequency_limits
 from pipelines.cli.command_line import parser
 from pipelines.engine.working import Work
 from pipelines.scene.file import load_scene
+from pipelines.scene.tables.casing import ElasticBase
+from pipelines.scene.tables.housing import MatricesHousingTable
 from pipelines.studies.trade.axes import AXES, AxisError
 from pipelines.studies.trade.convergence import CAUTION, ConvergenceError, study
 from pipelines.studies.trade.probes import Value
@@ -117,6 +120,13 @@ def test_the_tone_of_the_slices_is_the_largest_line_above_the_orders_of_the_mesh
 def test_an_axis_that_a_scene_does_not_have_is_refused_with_the_remedy():
     with pytest.raises(AxisError, match=r"casing\.model = 'rigid'.*craig-bampton"):
         refine(load_scene("minimal"), "casing-mesh", 3, Work())
+
+
+def test_imported_matrices_have_no_mesh_that_could_be_refined():
+    housing = MatricesHousingTable.model_construct(model="matrices")
+    casing = ElasticBase.model_construct(housing=housing)
+    with pytest.raises(AxisError, match=r"housing\.model = 'matrices'.*Refine the mesh in the program"):
+        AXES["casing-mesh"].settings(SimpleNamespace(casing=casing), 1.0)
 
 
 def test_the_command_offers_the_axes_that_exist():

@@ -115,3 +115,10 @@ def test_the_parser_imports_nothing_heavy():
     code = "import sys, pipelines.cli.main\npipelines.cli.main.parser().format_help()\n"
     done = run_python(code + f"print(sorted(set(sys.modules) & {HEAVY!r}))")
     assert done.stdout.strip() == "[]", done.stderr
+
+
+def test_the_file_of_a_command_is_imported_for_that_command_alone():
+    code = "import sys\nfrom pipelines.cli.command_line import COMMANDS, parser\nparser(%s).format_help()\n"
+    code += "print([name for name in COMMANDS if f'pipelines.cli.{name}' in sys.modules])"
+    assert run_python(code % "()").stdout.strip() == "[]"
+    assert run_python(code % "['modes', 'minimal']").stdout.strip() == "['modes']"

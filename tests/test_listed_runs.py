@@ -8,9 +8,9 @@ import subprocess
 import pytest
 
 from pipelines.cli.main import main
+from pipelines.cli.runs import chosen
 from pipelines.engine.working import Work
 from pipelines.io.errors import InputError
-from pipelines.runs.cleaning import chosen
 from pipelines.runs.kept_runs import kept_runs
 from pipelines.runs.run import Options, run_scene
 from pipelines.runs.run_folder import find_run, note_latest

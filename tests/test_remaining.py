@@ -10,7 +10,7 @@ import pytest
 from pipelines.cli import run
 from pipelines.engine.build_step import Result
 from pipelines.engine.cache import Cache
-from pipelines.engine.progress import Lines, Several, Timing
+from pipelines.engine.progress import Lines, Several, Timing, step_words
 from pipelines.engine.remaining import Remaining, Task, expected
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, Step, StepRecord
@@ -135,6 +135,22 @@ def test_lines_for_a_pipe():
     ]
 
 
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("simulate", "motion of the machine"),
+        ("features healthy simulate", "features of the healthy machine"),
+        ("torque healthy simulate", "motion of the healthy machine (load as a torque)"),
+        ("torque seed 3 simulate", "motion of the machine (load as a torque, deviations of seed 3)"),
+        ("features healthy seed 12 simulate", "features of the healthy machine (deviations of seed 12)"),
+        ("error-free healthy simulate", "motion of the healthy machine (no deviations)"),
+        ("casing modes", "casing modes"),
+    ],
+)
+def test_motions_and_their_features_are_named_in_words(name, words):
+    assert step_words(name) == words
+
+
 def test_lengths_of_time_in_words():
     assert [duration(s) for s in (0, 0.2, 40.4, 150, 9000)] == ["0 s", "1 s", "40 s", "2 minutes", "2.5 hours"]
 
@@ -151,7 +167,7 @@ def test_in_a_pipe_a_run_writes_no_control_characters(tmp_path):
     first, second, *lines = done.stderr.decode().splitlines()
     assert first == "gearcase run minimal"
     assert "to compute, about " in second
-    assert any(" simulate: " in line for line in lines)
+    assert any(" motion of the machine: " in line for line in lines)
     said = done.stdout.decode().splitlines()
     assert f"report: {tmp_path / 'out' / 'report.html'}" in said
     assert said[said.index("next:") + 1].strip() == f"gearcase runs open {tmp_path / 'out'}"

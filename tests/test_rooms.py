@@ -108,3 +108,12 @@ def test_no_circle_of_imports():
         tuple(TopologicalSorter({name: imported(name) for name in FILES}).static_order())
     except CycleError as circle:
         pytest.fail(" -> ".join(circle.args[1]))
+
+
+def test_the_architecture_page_lists_the_folders_in_the_order_of_their_imports():
+    page = (sources.ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    listed = [
+        line.split("`")[1] for line in page.splitlines() if line.startswith(("| `fem/", "| `mbd/", "| `pipelines/"))
+    ]
+    folders = [name.split(".")[:2] for name in ROOMS if "." in name]
+    assert listed == list(dict.fromkeys("/".join(folder) for folder in folders))

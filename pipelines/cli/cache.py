@@ -3,11 +3,41 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections import defaultdict
 
+from pipelines.cli.command_line import Printed
+from pipelines.io.argument_types import days
 
-def main(options: argparse.Namespace) -> int:
+HELP = """\
+Show the size of the cache, verify its checksums, or clear it. The cache stores the results of computed steps, which
+all scenes reuse. After clearing, runs compute these steps again. Takes seconds."""
+EXAMPLE = """\
+gearcase cache info
+...
+  casing               1 entries        0.0 MB
+...
+  all                  6 stored         6.2 MB"""
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """What is done, and with which entries."""
+    sub.add_argument(
+        "action",
+        choices=("info", "verify", "clear"),
+        nargs="?",
+        default="info",
+        help="info: sizes by kind of step; verify: check and remove damaged entries; clear: remove (default info)",
+    )
+    sub.add_argument(
+        "--older-than",
+        metavar="DAYS",
+        type=days,
+        default=0.0,
+        help="with clear: remove only entries that were not used for this number of days (default 0: all)",
+    )
+
+
+def main(options: argparse.Namespace) -> Printed:
     """info: sizes by kind; verify: check every entry, 1 if one was damaged; clear: remove."""
     from pipelines.engine.cache import Cache
     from pipelines.io.errors import InputError
@@ -17,22 +47,22 @@ def main(options: argparse.Namespace) -> int:
     cache = Cache()
     if options.action == "clear":
         count, size = cache.clear(options.older_than)
-        sys.stdout.write(f"{count} entries removed, {size / 1e6:.1f} MB freed in {cache.folder}\n")
+        yield f"{count} entries removed, {size / 1e6:.1f} MB freed in {cache.folder}"
         return 0
     if options.action == "verify":
         intact, removed = cache.verify()
-        sys.stdout.write("".join(f"removed {line}\n" for line in removed))
-        sys.stdout.write(f"{intact} entries are intact; {len(removed)} damaged ones removed\n")
+        yield from (f"removed {line}" for line in removed)
+        yield f"{intact} entries are intact; {len(removed)} damaged ones removed"
         return 1 if removed else 0
     sizes: dict[str, list[int]] = defaultdict(list)
     for entry in cache.entries():
         sizes[entry.facts["kind"]].append(entry.bytes)
-    sys.stdout.write(f"{cache.folder}\n")
+    yield str(cache.folder)
     for kind, found in sorted(sizes.items()):
-        sys.stdout.write(f"  {kind:16} {len(found):5} entries {sum(found) / 1e6:10.1f} MB\n")
+        yield f"  {kind:16} {len(found):5} entries {sum(found) / 1e6:10.1f} MB"
     code = [path.stat().st_size for path in cache.compiled()]
     if code:
-        sys.stdout.write(f"  {'compiled code':16} {len(code):5} files   {sum(code) / 1e6:10.1f} MB\n")
+        yield f"  {'compiled code':16} {len(code):5} files   {sum(code) / 1e6:10.1f} MB"
     total = sum(sum(found) for found in sizes.values()) + sum(code)
-    sys.stdout.write(f"  {'all':16} {sum(map(len, sizes.values())) + len(code):5} stored  {total / 1e6:10.1f} MB\n")
+    yield f"  {'all':16} {sum(map(len, sizes.values())) + len(code):5} stored  {total / 1e6:10.1f} MB"
     return 0

@@ -5,8 +5,11 @@ from __future__ import annotations
 import argparse
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
+
+from pipelines.cli.command_line import json_argument, scene_and_work, work_arguments
+from pipelines.io.argument_types import count, path
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -18,15 +21,60 @@ if TYPE_CHECKING:
     from fem.casing.uncertainty.frequency_limits import FrequencyLimits
     from pipelines.runs.single_results import Casing
 
+HELP = """\
+Mesh the casing of a scene and reduce it to its bearing points and modes. Print these points, natural frequencies with
+error bands, and weight. --response writes frequency responses, --export the matrices or mode shapes. Takes seconds to
+minutes."""
+EXAMPLE = """\
+gearcase casing minimal
+casing rigid: 6 coordinates, 23 output channels
+...
+  bearing_1  x     0.00  y   -65.00  z     0.00 mm
+..."""
+_SENSOR_OFF = 0.005  # m: how far from its position a sensor may measure without a warning
 
-def main(options: argparse.Namespace) -> int:
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """Of `gearcase casing`."""
+    work_arguments(sub)
+    sub.add_argument(
+        "--error-check",
+        action="store_true",
+        help="compare frequencies and responses with the model before reduction; takes about as long as the reduction",
+    )
+    sub.add_argument(
+        "--export",
+        metavar="FILE",
+        type=path,
+        action="append",
+        default=[],
+        help="write the reduced matrices as .h5, .mat, .npz, .mtx, .op4 or .pch, a modal model as .uff, or the "
+        "modes on the mesh as .vtu; repeatable",
+    )
+    sub.add_argument(
+        "--response",
+        metavar="POINT",
+        nargs="+",
+        default=[],
+        help="write frequency responses (m/s2/N, CSV and PNG). The force acts at the first POINT in its axis, as in "
+        "bearing_1:z; the others respond (default: all sensors)",
+    )
+    sub.add_argument(
+        "--out",
+        metavar="FOLDER",
+        type=path,
+        help="folder for the frequency responses of --response (default: the working folder)",
+    )
+    sub.add_argument("--modes", metavar="N", type=count, default=20, help="number of modes in the table (default 20)")
+    json_argument(sub)
+
+
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Build the casing; print check-up, modes with error bands and coordinates; write the requested files."""
-    from pipelines.engine.working import Work
     from pipelines.io.errors import InputError, SceneWarning
     from pipelines.io.json_text import json_text
     from pipelines.io.user_files import writable_folder
     from pipelines.runs.single_results import build_casing, scene_graph
-    from pipelines.scene.presets import load_asked
     from pipelines.studies.housings.casing_export import checked_target, write_casing
     from pipelines.studies.housings.responses import checked_names
 
@@ -34,7 +82,7 @@ def main(options: argparse.Namespace) -> int:
         raise InputError("--out is the folder of --response. Add --response, or delete --out.")
     folder = writable_folder(options.out or ".")
     targets = [checked_target(name) for name in options.export]
-    loaded = load_asked(options)
+    loaded, work = scene_and_work(options)
     graph, plant = scene_graph(loaded)
     if "casing mesh" not in graph.steps and any(t.suffix == ".vtu" for t in targets):
         raise InputError(plant.casing.no_full_model)
@@ -43,20 +91,42 @@ def main(options: argparse.Namespace) -> int:
             raise InputError("--response: casing.model = 'none' has no motion. Set casing.model to craig-bampton.")
         bearings = [f"bearing_{number}" for number in range(1, len(plant.bearing_points) + 1)]
         checked_names(options.response, bearings, [sensor.name for sensor in plant.sensors])
-    work = Work(processes=options.processes, quiet=options.quiet)
     casing = build_casing(loaded, work, error_check=options.error_check)
     if missed := missed_error(casing):
         warnings.warn(missed, SceneWarning, stacklevel=1)
+    for words in misread_sensors(casing.body, {sensor.name: sensor.position for sensor in plant.sensors}):
+        warnings.warn(words, SceneWarning, stacklevel=1)
     if options.json:
-        sys.stdout.write(json_text(casing_facts(casing, loaded.name)))
+        yield json_text(casing_facts(casing, loaded.name))
     else:
-        sys.stdout.write("".join(f"{text}\n" for text in _texts(casing, options.modes)))
+        yield from _texts(casing, options.modes)
     written = [path for target in targets for path in write_casing(casing, plant.title, target)]
     if options.response:
         folder.mkdir(parents=True, exist_ok=True)
         written += _write_response(casing, options.response, loaded.name, plant.title, folder)
-    (sys.stderr if options.json else sys.stdout).write("".join(f"{path}\n" for path in written))
-    return 0
+    if options.json:
+        sys.stderr.write("".join(f"{path}\n" for path in written))
+    else:
+        yield from map(str, written)
+
+
+def misread_sensors(body: ReducedBody, positions: Mapping[str, tuple[float, float, float]]) -> Iterator[str]:
+    """Sensors of a casing that measure elsewhere than stated in the scene (`positions` in m), or not along all axes."""
+    import numpy as np
+
+    places = dict(zip(body.point_names, body.point_positions, strict=True))
+    moving = dict(zip(body.row_names, np.abs(body.rows).max(axis=1) > 0.0, strict=True))
+    for name, position in positions.items():
+        if name in places and (distance := float(np.linalg.norm(places[name] - np.array(position)))) > _SENSOR_OFF:
+            yield (
+                f"{name} measures at the nearest point of the casing, {1000 * distance:.3g} mm from its position_mm. "
+                "Correct the position, or, for matrices of another program, add a node there"
+            )
+        if still := [axis for axis in "xyz" if not moving.get(f"{name}:u{axis}", True)]:
+            yield (
+                f"{name} reads 0 along {' and '.join(still)}: its node has no equation for them. Add these equations "
+                "to the matrices; for an export of gearcase set a casing-force of 0 N along x, y and z"
+            )
 
 
 def _texts(casing: Casing, count: int) -> Iterator[str]:
@@ -99,7 +169,7 @@ def _texts(casing: Casing, count: int) -> Iterator[str]:
     for name, (x, y, z) in zip(body.point_names, body.point_positions * 1000, strict=True):
         yield f"  {name:10} x {x:8.2f}  y {y:8.2f}  z {z:8.2f} mm"
     if body.feet:
-        yield weight_lines(body).rstrip("\n")
+        yield weight_lines(body)
     for record in casing.records:
         reused = ", taken from the cache" if record.reused else ""
         yield f"  {record.name:19} {record.seconds:7.1f} s {record.peak_bytes / 1e6:6.0f} MB{reused}"

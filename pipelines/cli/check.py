@@ -3,15 +3,33 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
+
+from pipelines.cli.command_line import json_argument, scene_arguments
 
 if TYPE_CHECKING:
     from pipelines.runs.checked import Checked
     from pipelines.scene.file import LoadedScene
 
+HELP = """\
+Check a scene file. Print ratios, frequencies, tooth forces, bearing positions, the shortest usable time windows, and
+time, memory and disk space of a run. Nothing is simulated and no file is written. Takes seconds."""
+EXAMPLE = """\
+gearcase check rig-missing-tooth
+Quay-crane hoist rig, one tooth of the stage 1 wheel missing, container on rope
+...
+  control: rig-healthy
+..."""
 
-def main(options: argparse.Namespace) -> int:
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """A scene."""
+    scene_arguments(sub)
+    json_argument(sub)
+
+
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Print ratios, frequencies, torques, cost and warnings; SceneError lists everything that does not fit."""
     from pipelines.io.json_text import json_text
     from pipelines.runs.checked import check_scene
@@ -19,11 +37,7 @@ def main(options: argparse.Namespace) -> int:
 
     loaded = load_asked(options)
     found = check_scene(loaded)
-    if options.json:
-        sys.stdout.write(json_text(_facts(loaded, found)))
-        return 0
-    sys.stdout.write(f"{found}\n")
-    return 0
+    yield json_text(_facts(loaded, found)) if options.json else str(found)
 
 
 def _facts(loaded: LoadedScene, found: Checked) -> dict[str, Any]:

@@ -3,16 +3,200 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pipelines.io.argument_types import count, path
+from pipelines.io.errors import InputError
+from pipelines.io.shown import shown
+from pipelines.io.user_files import is_regular_file, writable_folder, write_whole
+from pipelines.runs import run_folder
+from pipelines.runs.recorded import machine_of, recording_path
+
+if TYPE_CHECKING:
+    from pipelines.diagnosis.comparison.curves import Curves
+    from pipelines.diagnosis.comparison.features import Features
+    from pipelines.diagnosis.comparison.part import Channel, Part
+    from pipelines.runs.recorded import Windows
+
+MOST_NAME = 60  # characters of the name of a recording in a table
+FOLDER = "comparison"
+HELP = """\
+Compare recordings, measured or simulated. Print a table of features; write it as CSV, and figures of order spectra,
+envelope spectra and time-synchronous averages. The first recording is the reference. Takes seconds."""
+EXAMPLE = """\
+gearcase compare bench@0.5:0.9 bench@0.9:1.3
+   recording               s  turns   rpm  f_m Hz  samples/s  speed from
+-  -------------  ----------  -----  ----  ------  ---------  -------------------------
+A  bench@0.5:0.9  0.5 to 0.9   10.0  1500     625      12800  recorded angle of shaft_1
+B  bench@0.9:1.3  0.9 to 1.3   10.0  1500     625      12800  recorded angle of shaft_1
+...
+comparison/features.csv"""
 
 
-def main(options: argparse.Namespace) -> int:
-    """Print the speeds and the table of features; write that as CSV, and the figures."""
-    from pipelines.runs.compared import CompareOptions, compare_files
-
-    wanted = CompareOptions(
-        machine=options.machine, sensor=options.sensor, axis=options.axis, shaft=options.shaft, out=options.out
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """Recordings, and what of them is shown."""
+    sub.add_argument(
+        "recordings",
+        metavar="RECORD",
+        type=path,
+        nargs="+",
+        help="2 to 10 recording files, or runs by folder, scene name or number; add a time window by its name or in s, "
+        "as in bench@steady or bench@0.5:2.5",
     )
-    words, files = compare_files(options.recordings, wanted)
-    sys.stdout.write(words + "\n" + "".join(f"{file}\n" for file in files))
-    return 0
+    sub.add_argument(
+        "--machine",
+        metavar="FILE",
+        type=path,
+        help="machine of the recordings: a file with teeth, speed and sensors, or a scene",
+    )
+    sub.add_argument("--sensor", metavar="NAME", help="sensor in the figures (default: that with the highest level)")
+    sub.add_argument(
+        "--axis", choices=("x", "y", "z"), help="axis of the sensor (default: that with the highest level)"
+    )
+    sub.add_argument(
+        "--shaft",
+        metavar="N",
+        type=count,
+        help="number of the shaft of the time-synchronous averages (default: that whose features differ most)",
+    )
+    sub.add_argument("--out", metavar="FOLDER", type=path, help="folder for figures and CSV (default: ./comparison)")
+
+
+def main(options: argparse.Namespace) -> Iterator[str]:
+    """Print the speeds and the table of features; write that as CSV, and the figures.
+
+    Raises
+    ------
+    InputError : a recording or its machine cannot be used, or they have nothing in common
+    """
+    from pipelines.diagnosis.comparison.curves import curves
+    from pipelines.diagnosis.comparison.features import features_of
+    from pipelines.diagnosis.comparison.part import brought_together
+    from pipelines.diagnosis.comparison.words import LETTERS, features_csv, features_grid, recordings_grid, remarks
+    from pipelines.signals.features.recorded import FeatureError
+
+    sources = options.recordings
+    if not 2 <= len(sources) <= len(LETTERS):
+        raise InputError(f"{len(sources)} recording{'' if len(sources) == 1 else 's'} given. Give 2 to {len(LETTERS)}.")
+    target = writable_folder(options.out or FOLDER)
+    recorded = _read(sources, options.machine)
+    try:
+        parts = brought_together(recorded)
+        found = features_of(parts)
+        drawn = curves(parts, _channel(parts, options), _shaft(parts, found, options.shaft))
+    except FeatureError as error:
+        raise InputError(str(error)) from error
+    files = _write(target, drawn, found, parts)
+    write_whole(target / "features.csv", features_csv(found))
+    texts = [recordings_grid(recorded).to_text(), *remarks(recorded, parts, found), features_grid(found).to_text()]
+    if any(len(part.windows) > 1 for part in parts):
+        texts.append("Features are means over the windows, figures show the first. Select a window with RECORD@WINDOW.")
+    yield from (f"{text}\n\n" for text in texts)
+    yield from map(str, [*files, target / "features.csv"])
+
+
+def _read(sources: Sequence[str], machine: str | Path | None) -> list[Part]:
+    """Every recording with its machine: the one that is given, its own scene, or that of the first that has one."""
+    from pipelines.diagnosis.comparison.part import part_of
+    from pipelines.recordings.recording import read_recording
+    from pipelines.signals.features.recorded import FeatureError
+    from pipelines.signals.orders.rotation import RotationError
+
+    split = [_split(source) for source in sources]
+    scenes = [file.parent / run_folder.RESOLVED for file, _ in split]
+    other = next((scene for scene in scenes if is_regular_file(scene)), None)
+    parts = []
+    for number, (source, (file, window), scene) in enumerate(zip(sources, split, scenes, strict=True), 1):
+        known, windows = machine_of(file, machine or (None if is_regular_file(scene) else other))
+        name = shown(source) if len(source) <= MOST_NAME else f"...{shown(source[3 - MOST_NAME :])}"
+        with read_recording(file, known) as recording:
+            try:
+                parts.append(part_of(name, recording, known.kinematics, _windows(source, window, windows), number))
+            except (FeatureError, RotationError) as error:
+                raise InputError(f"{shown(source)}: {error}") from error
+    return parts
+
+
+def _split(source: str) -> tuple[Path, str]:
+    """The file of a recording, and the words behind the last "@", "" without."""
+    name, at, window = source.rpartition("@")
+    if not at or Path(source).exists():
+        return recording_path(source), ""
+    return recording_path(name), window
+
+
+def _windows(source: str, asked: str, windows: Windows | None) -> Windows | None:
+    """The window that is requested: by its name in the scene, or start and end in s; all of the scene if none is."""
+    if not asked:
+        return windows
+    if windows and asked in windows:
+        return {asked: windows[asked]}
+    start, colon, end = asked.partition(":")
+    try:
+        if colon:
+            return {asked: (float(start), float(end))}
+    except ValueError:
+        pass
+    names = f", or {', '.join(shown(name) for name in windows)}" if windows else ""
+    raise InputError(
+        f"{shown(source)}: {shown(asked)} is not a window. Give start and end in seconds, for example @0.5:2.5{names}."
+    )
+
+
+def _channel(parts: Sequence[Part], options: argparse.Namespace) -> Channel:
+    """The channel of the figures: of those that are requested the one with the highest rms in the first recording."""
+    first = parts[0]
+    levels = dict(zip(first.channels, first.acceleration.std(axis=-1), strict=True))
+    fitting = [
+        (sensor, axis)
+        for sensor, axis in first.channels
+        if options.sensor in (None, sensor) and options.axis in (None, axis)
+    ]
+    if not fitting:
+        there = ", ".join(" ".join(map(shown, channel)) for channel in first.channels)
+        asked = " ".join(shown(one) for one in (options.sensor, options.axis) if one is not None)
+        raise InputError(f"{asked}: not a channel of all recordings. Set --sensor and --axis to one of {there}.")
+    return max(fitting, key=lambda channel: float(levels[channel]))
+
+
+def _shaft(parts: Sequence[Part], found: Features, number: int | None) -> str:
+    """The shaft whose turns are averaged."""
+    from pipelines.diagnosis.comparison.features import most_different_shaft
+
+    there = [
+        shaft.name
+        for shaft in parts[0].kinematics.shafts
+        if all(shaft.name in table.component for table in found.tables)
+    ]
+    if number is None:
+        return most_different_shaft(found, parts[0].kinematics, there)
+    shafts = parts[0].kinematics.shafts
+    if number > len(shafts) or shafts[number - 1].name not in there:
+        raise InputError(
+            f"--shaft {number}: no shaft with enough revolutions in all recordings. Give one of {', '.join(there)}, or "
+            "longer windows."
+        )
+    return shafts[number - 1].name
+
+
+def _write(target: Path, drawn: Curves, found: Features, parts: Sequence[Part]) -> list[Path]:
+    """The figures as SVG."""
+    from pipelines.diagnosis.comparison.words import LETTERS
+    from pipelines.report.figures import comparison_plots as figures
+    from pipelines.report.figures.film import save_figure
+
+    names = [f"{letter}  {part.name}" for letter, part in zip(LETTERS, parts, strict=False)]
+    kinematics = parts[0].kinematics
+    pictures = {
+        "orders": figures.spectra_figure(drawn, names, kinematics),
+        "envelope-orders": figures.envelopes_figure(drawn, names, kinematics),
+        "average": figures.averages_figure(drawn, names),
+        "rms": figures.rms_figure(found.rms, found.tables[0].sensor, names),
+    }
+    target.mkdir(parents=True, exist_ok=True)
+    files = [target / f"{name}.svg" for name in pictures]
+    for file, figure in zip(files, pictures.values(), strict=True):
+        save_figure(figure, file, dpi=110)
+    return files

@@ -3,10 +3,25 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Iterator
+
+SHELLS = ("bash", "zsh", "tcsh")  # that can be completed
+HELP = """\
+Print the script by which a shell completes commands, options and file names. For bash, write it to
+~/.local/share/bash-completion/completions/gearcase; for zsh, to a file _gearcase in a folder of `fpath`."""
+EXAMPLE = """\
+gearcase completion bash
+...
+_shtab_gearcase_runs_subparsers=(list open compare clean)
+..."""
 
 
-def main(options: argparse.Namespace) -> int:
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """A shell."""
+    sub.add_argument("shell", metavar="SHELL", choices=SHELLS, help=f"shell: {', '.join(SHELLS)}")
+
+
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Print the script for a shell.
 
     In bash: ``gearcase completion bash > ~/.local/share/bash-completion/completions/gearcase``; in zsh: into a file
@@ -14,10 +29,11 @@ def main(options: argparse.Namespace) -> int:
     """
     import shtab
 
-    top = options.whole_parser()
+    from pipelines.cli.command_line import parser
+
+    top = parser()
     _complete_files(top, shtab.FILE)
-    sys.stdout.write(shtab.complete(top, shell=options.shell) + "\n")
-    return 0
+    yield shtab.complete(top, shell=options.shell) + "\n"
 
 
 def _complete_files(parser: argparse.ArgumentParser, files: object) -> None:

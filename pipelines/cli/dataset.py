@@ -3,32 +3,154 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Iterator
 from pathlib import Path
 
+from pipelines.cli.command_line import Printed, action_parsers, quiet_argument
+from pipelines.io.argument_types import count, from_zero, part, path, positive, whole
 
-def main(options: argparse.Namespace) -> int:
+HELP = (
+    "Summarise, check or export a data set of `gearcase campaign`, or compute its features. Takes seconds to minutes."
+)
+EXAMPLE = """\
+gearcase dataset info campaigns/plan
+...
+  labels   6 healthy
+  split    4 train, 2 test; 6 groups
+..."""
+ACTIONS = {  # one line; text; example with what it prints
+    "info": (
+        "print runs, labels, split and variables",
+        """\
+Print the numbers of runs by label and by part of the split (train, validation, test), and the range of each variable.
+Can be used while the campaign is running. Takes seconds.""",
+        """\
+gearcase dataset info campaigns/plan
+...
+  runs     6: 6 done
+...
+  labels   6 healthy
+  split    4 train, 2 test; 6 groups
+...""",
+    ),
+    "check": (
+        "check that signals, labels and table agree",
+        """\
+Check the signals against their checksums, and the table of runs and labels against the plan. Print what is wrong and
+what to do; the exit code is then 1. Takes seconds to minutes.""",
+        """\
+gearcase dataset check campaigns/plan
+6 rows of 6 runs checked: 0 errors, 0 warnings""",
+    ),
+    "features": (
+        "compute the features of every run",
+        """\
+Compute statistical and order features of every run, and write them to features.parquet in the data set.
+Repeat the command to continue after an interruption. Takes seconds to minutes.""",
+        """\
+gearcase dataset features campaigns/plan --start 0.3
+...
+campaigns/plan/features.parquet: 18 lines""",
+    ),
+    "export": (
+        "write runs, or pieces of them, with labels for other programs",
+        """\
+Write runs, or pieces of them of equal length, with their labels to a file for other programs. The data set itself is
+not changed. Takes seconds to minutes.""",
+        """\
+gearcase dataset export campaigns/plan --to npz --split train --seconds 0.25 --noise 0.01
+16 pieces
+...""",
+    ),
+}
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """info, check, features and export."""
+    actions = action_parsers(sub, ACTIONS, title="actions", required=True)
+    for action in actions:
+        action.add_argument("folder", metavar="FOLDER", type=path, help="folder of the data set, as in campaigns/plan")
+    _, check, features, export = actions
+    quiet_argument(check)
+    features.add_argument(
+        "--start", type=from_zero, metavar="T", default=0.0, help="ignore the signals before this time, s (default 0)"
+    )
+    features.add_argument(
+        "--noise", metavar="RMS", type=from_zero, default=0.0, help="add white sensor noise, m/s2 rms (default 0)"
+    )
+    features.add_argument(
+        "--processes", type=count, metavar="N", help="runs processed at the same time (default: number of cores)"
+    )
+    quiet_argument(features)
+    _export_arguments(export)
+
+
+def _export_arguments(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument(
+        "--to",
+        dest="form",
+        choices=("csv", "mat", "npz", "hdf5"),
+        required=True,
+        help="file format; npz and hdf5 write one file, csv and mat one file for each run and labels.csv",
+    )
+    sub.add_argument(
+        "--out", metavar="PATH", type=path, help="file, or folder for csv and mat (default: in the data set)"
+    )
+    sub.add_argument(
+        "--split",
+        metavar="PART",
+        nargs="+",
+        default=[],
+        help="parts of the split to write: train, validation or test (default: all)",
+    )
+    sub.add_argument(
+        "--label",
+        metavar="LABEL",
+        nargs="+",
+        default=[],
+        help="labels whose runs are written, as in healthy (default: all)",
+    )
+    sub.add_argument("--sensors", metavar="NAME", nargs="+", default=[], help="sensors to write (default: all)")
+    sub.add_argument(
+        "--start", type=from_zero, metavar="T", default=0.0, help="ignore the signals before this time, s (default 0)"
+    )
+    sub.add_argument(
+        "--seconds", metavar="T", type=positive, help="length of a piece, s (default: the whole run after --start)"
+    )
+    sub.add_argument(
+        "--overlap",
+        metavar="S",
+        type=part,
+        default=0.0,
+        help="overlap of neighbouring pieces: 0 to below 1, or as in 50%% (default 0)",
+    )
+    sub.add_argument(
+        "--noise", metavar="RMS", type=from_zero, default=0.0, help="add white sensor noise, m/s2 rms (default 0)"
+    )
+    sub.add_argument("--seed", metavar="N", type=whole, default=0, help="seed of the noise (default 0)")
+
+
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Do what is asked with a data set; 1 if the check finds anything wrong."""
-    return ACTIONS[options.action](options)
+    return {"info": _info, "check": _check, "features": _features, "export": _export}[options.action](options)
 
 
-def _info(options: argparse.Namespace) -> int:
+def _info(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.datasets.summary import summarised
 
-    sys.stdout.write(summarised(Path(options.folder)).to_text())
-    return 0
+    yield summarised(Path(options.folder)).to_text()
 
 
-def _check(options: argparse.Namespace) -> int:
+def _check(options: argparse.Namespace) -> Printed:
     from pipelines.datasets.check import check_dataset
     from pipelines.datasets.shown_progress import lines_now_and_then
 
     found = check_dataset(Path(options.folder), lines_now_and_then(quiet=options.quiet))
-    sys.stdout.write(found.to_text())
-    return 1 if found.wrong else 0
+    yield found.to_text()
+    return int(bool(found.wrong))
 
 
-def _features(options: argparse.Namespace) -> int:
+def _features(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.datasets.feature_pass import FEATURES, make_features
     from pipelines.datasets.shown_progress import lines_now_and_then
     from pipelines.datasets.workers import local_workers
@@ -36,11 +158,10 @@ def _features(options: argparse.Namespace) -> int:
     folder, told = Path(options.folder), lines_now_and_then(quiet=options.quiet)
     with local_workers(options.processes) as workers:
         made, lines = make_features(folder, workers.executor, options.start, options.noise, told)
-    sys.stdout.write(f"features of {made} runs computed now\n{folder / FEATURES}: {lines} lines\n")
-    return 0
+    yield f"features of {made} runs computed now\n{folder / FEATURES}: {lines} lines"
 
 
-def _export(options: argparse.Namespace) -> int:
+def _export(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.datasets.export import Wanted, export_dataset
 
     wanted = Wanted(
@@ -54,8 +175,4 @@ def _export(options: argparse.Namespace) -> int:
         seed=options.seed,
     )
     target, count = export_dataset(Path(options.folder), options.form, wanted, options.out)
-    sys.stdout.write(f"{count} pieces\n{target}\n")
-    return 0
-
-
-ACTIONS = {"info": _info, "check": _check, "features": _features, "export": _export}
+    yield f"{count} pieces\n{target}"

@@ -3,10 +3,65 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Iterator
+
+from pipelines.cli.command_line import RUN_HELP, json_argument
+from pipelines.io.argument_types import number, path
+
+HELP = """\
+Print which component is damaged. A measured recording is compared with recordings of healthy machines (--baseline).
+A finished run is compared with its healthy control. Nothing is simulated and no file is written. Takes seconds."""
+EXAMPLE = """\
+gearcase diagnose bench
+One tooth of the stage 1 wheel chipped: seen at motor_side (axis z) in the one analysed window.
+...
+line                  Hz  faulty m/s²  healthy m/s²  difference dB  over floor dB  healthy over floor dB  verdict
+...
+envelope f_r      10.081       0.0224       0.00656          +10.7          +28.7                  +22.8  detected
+..."""
 
 
-def main(options: argparse.Namespace) -> int:
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """A recording, its machine, healthy ones."""
+    sub.add_argument(
+        "run",
+        metavar="RECORD",
+        type=path,
+        help=f"recording file, {RUN_HELP}",
+    )
+    sub.add_argument(
+        "--machine",
+        metavar="FILE",
+        type=path,
+        help="machine of the recording: a file with teeth, speed and sensors, or a scene",
+    )
+    sub.add_argument(
+        "--baseline",
+        metavar="RECORD",
+        type=path,
+        nargs="+",
+        default=[],
+        help="recordings of healthy machines to compare with; p-values need 5 or more",
+    )
+    sub.add_argument(
+        "--window",
+        metavar=("START", "END"),
+        type=number,
+        nargs=2,
+        help="time window to analyse, s (default: the windows of the scene, or all)",
+    )
+    sub.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        dest="settings",
+        action="append",
+        default=[],
+        help="change a setting of the diagnosis of a run, as in --set diagnosis.sensor=sensor_5; repeatable",
+    )
+    json_argument(sub)
+
+
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Print verdict and tables: of a file, or of a run against its control; nothing is simulated."""
     from pipelines.io.errors import InputError
     from pipelines.io.json_text import json_text
@@ -20,8 +75,8 @@ def main(options: argparse.Namespace) -> int:
             raise InputError("--set changes the scene of a run and does not apply to a recording. Leave it out.")
         window = tuple(options.window) if options.window else None
         judged = judge_file(path, options.baseline, options.machine, window)
-        sys.stdout.write(json_text(file_facts(judged)) if options.json else file_words(judged))
-        return 0
+        yield json_text(file_facts(judged)) if options.json else file_words(judged)
+        return
     from pipelines.diagnosis.export import diagnosis_facts
     from pipelines.diagnosis.uncertainty.words import bars_words
     from pipelines.engine.working import Work
@@ -32,7 +87,6 @@ def main(options: argparse.Namespace) -> int:
     bars = folder_bars(path.parent, found, options.settings, Work())
     if options.json:
         facts = bars if isinstance(bars, str) else bars.to_dict()
-        sys.stdout.write(json_text(diagnosis_facts([found]) | {"error_bars": facts}))
+        yield json_text(diagnosis_facts([found]) | {"error_bars": facts})
     else:
-        sys.stdout.write(f"{words([found], [found])}\n{bars_words(bars)}")
-    return 0
+        yield f"{words([found], [found])}\n{bars_words(bars)}"

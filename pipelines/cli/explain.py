@@ -3,12 +3,31 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Iterator
+
+from pipelines.cli.command_line import scene_arguments
+
+HELP = """\
+Print which steps of a run would be reused from the cache, which would be computed, and which changed setting is the
+reason.
+Nothing is computed and no file is written. Takes seconds."""
+EXAMPLE = """\
+gearcase explain bench
+First run: the cache holds no results of a similar scene to compare with.
+...
+compute  law_1
+..."""
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """A scene."""
+    scene_arguments(sub)
+
 
 _WORDS = {"reuse": "reuse", "build": "compute", "follow": "perhaps"}
 
 
-def main(options: argparse.Namespace) -> int:
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Print one line per step, with what changed since a scene like this one was run; nothing is built."""
     from pipelines.engine.cache import Cache
     from pipelines.engine.step import explain
@@ -20,16 +39,14 @@ def main(options: argparse.Namespace) -> int:
     ends = graph.steps.keys() - {name for step in graph for name in step.inputs}
     first = all(status.first for status in found if status.name in ends)
     if first:
-        sys.stdout.write("First run: the cache holds no results of a similar scene to compare with.\n")
+        yield "First run: the cache holds no results of a similar scene to compare with."
     width = max(len(status.name) for status in found)
     for status in found:
         reason = "" if first and status.action != "reuse" else status.reason
-        line = f"{_WORDS[status.action]:8} {status.name:{width}}  {reason}".rstrip()
-        sys.stdout.write(f"{line}\n")
+        yield f"{_WORDS[status.action]:8} {status.name:{width}}  {reason}".rstrip()
     actions = [status.action for status in found]
-    sys.stdout.write(
+    yield (
         f"{actions.count('build')} steps to compute, {actions.count('reuse')} to reuse, "
         f"{actions.count('follow')} not decided yet: they are reused if their new input is unchanged. "
-        "Diagnosis and report follow and take seconds.\n"
+        "Diagnosis and report follow and take seconds."
     )
-    return 0

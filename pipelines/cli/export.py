@@ -3,10 +3,32 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Iterator
+
+from pipelines.cli.command_line import run_argument
+from pipelines.io.argument_types import path
+
+HELP = (
+    "Write the signals of a finished run as a CSV, MATLAB or universal file (UFF 58) for other programs. Takes seconds."
+)
+EXAMPLE = """\
+gearcase export minimal --to mat
+runs/minimal/2026-11-25_00-50-21/response.mat"""
 
 
-def main(options: argparse.Namespace) -> int:
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """A run and the format of the file."""
+    run_argument(sub)
+    sub.add_argument("--to", dest="form", choices=("csv", "mat", "uff"), required=True, help="file format")
+    sub.add_argument(
+        "--out",
+        metavar="FILE",
+        type=path,
+        help="file to write (default: response.csv, .mat or .uff in the result folder)",
+    )
+
+
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Write response.csv, response.mat or response.uff."""
     from pipelines.diagnosis.export import export
     from pipelines.io.errors import InputError
@@ -24,5 +46,4 @@ def main(options: argparse.Namespace) -> int:
                 export(run, partial, options.form)
         except OSError as error:
             raise InputError(f"{target}: cannot be written ({error.strerror}). Choose another --out.") from error
-    sys.stdout.write(f"{target}\n")
-    return 0
+    yield str(target)

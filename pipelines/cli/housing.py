@@ -3,28 +3,113 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from pipelines.io.argument_types import count, path, positive
 
 if TYPE_CHECKING:
     from fem.casing.recognition.contents import Contents
     from fem.casing.recognition.shaft_fit import ShaftFit
 
+HELP = """\
+Read a housing from a CAD file, a mesh, or stiffness and mass matrices. Print its solids and bores, or a check of the
+matrices. Write a picture and an HTML page of the solids and bores. With --scene, choose the bores that hold the
+bearings (bearing seats), and write them to housing.toml. Takes seconds."""
+EXAMPLE = """\
+gearcase housing rig-housing.step --scene rig-healthy
+...
+bore  solid  diameter mm  length mm         middle mm     axis  of 360 deg
+----  -----  -----------  ---------  ----------------  -------  ----------
+   1      1      95.0000     30.000  315.686, -135, 0  0, 1, 0         360
+...
+rig-housing-housing/housing.toml
+..."""
 
-def main(options: argparse.Namespace) -> int:
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """Of `gearcase housing`."""
+    sub.add_argument(
+        "file",
+        metavar="FILE",
+        type=path,
+        help="CAD file (STEP, BREP, IGES, STL), mesh, or matrices (.op4 .pch .mtx .sti .npz .h5)",
+    )
+    sub.add_argument(
+        "--scene",
+        metavar="SCENE",
+        type=path,
+        help="choose the bores for the bearings of this scene, and write the table [casing.housing] for it",
+    )
+    sub.add_argument(
+        "--unit",
+        choices=("m", "cm", "mm", "um", "inch"),
+        help="unit of length of the file (default: the declared one, or mm)",
+    )
+    sub.add_argument(
+        "--solids",
+        metavar="N",
+        type=count,
+        nargs="+",
+        default=[],
+        help="numbers of the solids whose bores may be chosen (default: all)",
+    )
+    sub.add_argument("--out", metavar="FOLDER", type=path, help="result folder (default: ./<file>-housing)")
+    matrices = sub.add_argument_group("matrices of another program")
+    matrices.add_argument(
+        "--mass", metavar="FILE", type=path, help="mass matrix, if FILE holds the stiffness matrix only"
+    )
+    matrices.add_argument(
+        "--nodes",
+        metavar="FILE",
+        type=path,
+        help="file with the node coordinates: rows of number, x, y, z; GRID cards of Nastran; *NODE of Abaqus",
+    )
+    matrices.add_argument(
+        "--equations",
+        metavar="FILE",
+        type=path,
+        help="file with the order of the equations: rows of node and axis (1 to 6; 0: modal); .mapping of Ansys; EXTRN "
+        "cards of Nastran",
+    )
+    matrices.add_argument(
+        "--units",
+        choices=("kg-m-s", "t-mm-s", "kg-mm-ms", "kg-mm-s", "lbf-in-s"),
+        default="kg-m-s",
+        help="units in the matrices: mass (lbf: force), length and time (default kg-m-s)",
+    )
+    matrices.add_argument(
+        "--keep",
+        metavar="NODE",
+        type=count,
+        nargs="+",
+        default=[],
+        help="reduce the matrices to these nodes, and write the reduced matrices",
+    )
+    matrices.add_argument(
+        "--hold", metavar="NODE", type=count, nargs="+", default=[], help="nodes that are fixed to the ground"
+    )
+    matrices.add_argument(
+        "--band",
+        metavar="HZ",
+        type=positive,
+        default=2000.0,
+        help="upper frequency of the reduced matrices, Hz (default 2000)",
+    )
+
+
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Print the listing, the seats and the block; write the picture, the page and the block."""
     from fem.casing.imported.files import SUFFIXES
     from pipelines.scene.shipped_files import find_file
 
     path = find_file(options.file)
-    if path.suffix.lower() in SUFFIXES:
-        return _matrices(path, options)
-    return _geometry(path, options)
+    return (_matrices if path.suffix.lower() in SUFFIXES else _geometry)(path, options)
 
 
-def _geometry(path: Path, options: argparse.Namespace) -> int:
+def _geometry(path: Path, options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.user_files import writable_folder, write_whole
     from pipelines.report.figures.film import save_figure
     from pipelines.studies.housings.listing import fitted, listing
@@ -34,7 +119,7 @@ def _geometry(path: Path, options: argparse.Namespace) -> int:
     folder = writable_folder(options.out or f"{path.stem}-housing")
     contents, fit, block, words = _surveyed(path, options)
     text = "\n".join([*listing(contents), *words, *([fitted(fit)] if fit is not None else [])])
-    sys.stdout.write(f"{text}\n")
+    yield text
     seats = {} if fit is None else {seat.bore.number: seat.bearing for seat in fit.seats}
     folder.mkdir(parents=True, exist_ok=True)
     picture, page = folder / f"{path.stem}.png", folder / f"{path.stem}.html"
@@ -42,12 +127,11 @@ def _geometry(path: Path, options: argparse.Namespace) -> int:
     write_whole(page, housing_page(contents, seats, f"{text}\n\n{block}"))
     if block:
         write_whole(folder / "housing.toml", block)
-        sys.stdout.write(f"\n{block}\n{folder / 'housing.toml'}\n")
-    sys.stdout.write(f"{picture}\n{page}\n")
-    return 0
+        yield f"\n{block}\n{folder / 'housing.toml'}"
+    yield f"{picture}\n{page}"
 
 
-def _matrices(path: Path, options: argparse.Namespace) -> int:
+def _matrices(path: Path, options: argparse.Namespace) -> Iterator[str]:
     """The check-up of matrices; with points, the reduced body in a file."""
     from fem.casing.imported.checks import check_foreign
     from fem.casing.imported.files import MatrixFiles, read_body
@@ -62,19 +146,17 @@ def _matrices(path: Path, options: argparse.Namespace) -> int:
             system=options.units,
         )
     )
-    check = check_foreign(body)
-    sys.stdout.write(f"{check.report()}\n")
+    yield check_foreign(body).report()
     from pipelines.studies.housings.reduced_matrices import held_text, reduced_text, write_reduced
 
     if options.hold:
-        sys.stdout.write(f"{held_text(body, options.hold)}\n")
+        yield held_text(body, options.hold)
     if not options.keep:
-        return 0
+        return
     folder = writable_folder(options.out or f"{path.stem}-housing")
     target = folder / f"{path.stem}-reduced.h5"
     reduced = write_reduced(body, options.keep, options.hold, options.band, target)
-    sys.stdout.write(f"{reduced_text(body, reduced, options.band)}\n{target}\n")
-    return 0
+    yield f"{reduced_text(body, reduced, options.band)}\n{target}"
 
 
 def _surveyed(path: Path, options: argparse.Namespace) -> tuple[Contents, ShaftFit | None, str, list[str]]:

@@ -5,10 +5,12 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipelines.report.figures.views import LeftOut
+from pipelines.cli.command_line import scene_and_work, work_arguments
+from pipelines.io.argument_types import count, mode_number, number, path, positive
 
 if TYPE_CHECKING:
     import numpy as np
@@ -17,34 +19,82 @@ if TYPE_CHECKING:
     from pipelines.engine.step import Graph
     from pipelines.engine.working import Work
     from pipelines.machine.plant import Plant
+    from pipelines.report.figures.views import LeftOut
     from pipelines.runs.inspect_gears import InspectedStage
 
+HELP = """\
+Write pictures of a gear pair in mesh with its stiffness curve and contact pattern, and of the casing mesh.
+--stress, --mesh and --casing-mode write other pictures or files instead. Takes seconds, and up to minutes with the
+mesh model `solid`."""
+EXAMPLE = """\
+gearcase inspect minimal --position 0
+gears_1.png
+mesh_1.png
+pattern_1.png
+casing rigid: no mesh to show"""
 
-def main(options: argparse.Namespace) -> int:
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """Of `gearcase inspect`."""
+    work_arguments(sub)
+    sub.add_argument(
+        "--out", metavar="FOLDER", type=path, default=".", help="folder for the pictures (default: the working folder)"
+    )
+    sub.add_argument("--stage", type=count, metavar="N", default=1, help="gear stage to show (default 1)")
+    sub.add_argument(
+        "--torque", metavar="N_M", type=positive, help="torque on the pinion of this stage, N m (default: of the scene)"
+    )
+    sub.add_argument(
+        "--position",
+        type=number,
+        metavar="C",
+        help="show one position in mesh, in mesh cycles (default: a film over one mesh cycle)",
+    )
+    sub.add_argument(
+        "--frames", type=count, metavar="N", default=17, help="pictures in the film; 1 gives a still (default 17)"
+    )
+    sub.add_argument(
+        "--stress", action="store_true", help="show the von Mises stress of the loaded teeth instead (PNG)"
+    )
+    sub.add_argument(
+        "--mesh",
+        metavar="FILE",
+        type=path,
+        help="write the hexahedral mesh of the loaded teeth instead, .vtu, .inp, .msh or .bdf",
+    )
+    sub.add_argument("--screen", action="store_true", help="open a window with a slider for the position instead")
+    sub.add_argument(
+        "--casing-mode",
+        type=mode_number,
+        metavar="N",
+        help="show natural mode N of the casing instead (PNG, GIF and HTML); all: one PNG of all modes "
+        "up to casing.band_Hz",
+    )
+
+
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Write the pictures of a stage and, of a meshed casing, casing.png; say what could not be rendered."""
-    from pipelines.engine.working import Work
     from pipelines.io.errors import InputError
     from pipelines.io.user_files import writable_folder
     from pipelines.report.figures.mesh_pictures import show_mesh
     from pipelines.runs.inspect_gears import InspectedStage
     from pipelines.runs.single_results import scene_graph
-    from pipelines.scene.presets import load_asked
     from pipelines.steps.pair_curves import law_names, pair_laws
 
     folder = writable_folder(options.out)
-    loaded, stage = load_asked(options), options.stage
+    (loaded, work), stage = scene_and_work(options), options.stage
     if stage > len(loaded.scene.stages):
         raise InputError(f"--stage {stage}: there is no such stage. Set a number from 1 to {len(loaded.scene.stages)}.")
-    (graph, plant), work = scene_graph(loaded), Work(processes=options.processes, quiet=options.quiet)
+    graph, plant = scene_graph(loaded)
     if options.stress or options.mesh is not None:
         from pipelines.runs.inspect_stress import stress_files
 
-        stressed = stress_files(plant, graph, options, work)
-        sys.stdout.write(_listed(stressed))
-        return 0
+        yield from _listed(stress_files(plant, graph, options, work))
+        return
     folder.mkdir(parents=True, exist_ok=True)
     if options.casing_mode:
-        return _casing_mode(graph, plant, options.casing_mode, folder, work)
+        yield from _casing_mode(graph, plant, options.casing_mode, folder, work)
+        return
     outcome = work.build(graph, law_names(plant))
     pairs = pair_laws(plant, {name: outcome.value(name) for name in law_names(plant)})
     laws = pairs[stage - 1]
@@ -54,12 +104,11 @@ def main(options: argparse.Namespace) -> int:
     frames = options.frames if options.position is None else 1
     if options.screen:
         show_mesh(shown.mesh_view(_cycles(shown, options)))
-        return 0
-    _tell(shown.write_overview(folder / f"gears_{stage}.png"))
-    _write_mesh(shown, folder / f"mesh_{stage}", options, frames)
-    _tell(shown.write_pattern(folder / f"pattern_{stage}.png"))
-    _write_casing(graph, plant, folder, work)
-    return 0
+        return
+    yield from _listed(shown.write_overview(folder / f"gears_{stage}.png"))
+    yield from _write_mesh(shown, folder / f"mesh_{stage}", options, frames)
+    yield from _listed(shown.write_pattern(folder / f"pattern_{stage}.png"))
+    yield from _write_casing(graph, plant, folder, work)
 
 
 def _cycles(shown: InspectedStage, options: argparse.Namespace) -> np.ndarray:
@@ -68,14 +117,14 @@ def _cycles(shown: InspectedStage, options: argparse.Namespace) -> np.ndarray:
     return shown.film_cycles(options.frames) if options.position is None else np.array([options.position])
 
 
-def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, frames: int) -> None:
+def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, frames: int) -> Iterator[str]:
     """A still where the damage acts, or at the position asked for; with more than one frame the film, too."""
     import numpy as np
 
     from pipelines.report.figures.mesh_pictures import write_film, write_still
 
     cycle = shown.still_cycle() if options.position is None else options.position
-    _tell(write_still(shown.mesh_view(np.array([cycle])), stem))
+    yield from _listed(write_still(shown.mesh_view(np.array([cycle])), stem))
     if frames == 1:
         return
 
@@ -84,27 +133,28 @@ def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, 
             sys.stderr.write(f"\rfilm {stem.name}: {100 * part:.0f} %" + "\n" * (part >= 1.0))
             sys.stderr.flush()
 
-    _tell(write_film(shown.mesh_view(_cycles(shown, options)), stem, progress))
+    yield from _listed(write_film(shown.mesh_view(_cycles(shown, options)), stem, progress))
 
 
-def _write_casing(graph: Graph, plant: Plant, folder: Path, work: Work) -> None:
+def _write_casing(graph: Graph, plant: Plant, folder: Path, work: Work) -> Iterator[str]:
     from pipelines.report.figures.callouts import casing_figure
     from pipelines.report.figures.film import save_figure
+    from pipelines.report.figures.views import LeftOut
     from pipelines.steps.pictures import rendered_casing
 
     if "casing mesh" not in graph.steps:
-        sys.stdout.write(f"casing {plant.models['casing']}: no mesh to show\n")
+        yield f"casing {plant.models['casing']}: no mesh to show"
         return
     mesh = work.build(graph, ["casing mesh"]).value("casing mesh")
     picture = rendered_casing(mesh, plant.sensors)
     if isinstance(picture, LeftOut):
-        sys.stdout.write(f"casing.png: {picture.reason}\n")
+        yield f"casing.png: {picture.reason}"
         return
     save_figure(casing_figure(picture, f"Casing and key points of {plant.title}"), folder / "casing.png", dpi=115)
-    _tell(folder / "casing.png")
+    yield str(folder / "casing.png")
 
 
-def _casing_mode(graph: Graph, plant: Plant, number: int | str, folder: Path, work: Work) -> int:
+def _casing_mode(graph: Graph, plant: Plant, number: int | str, folder: Path, work: Work) -> Iterator[str]:
     from pipelines.io.errors import InputError
 
     if "casing mesh" not in graph.steps or "casing modes" not in graph.steps:
@@ -113,18 +163,15 @@ def _casing_mode(graph: Graph, plant: Plant, number: int | str, folder: Path, wo
             "craig-bampton, and casing.housing to a shape, a CAD file or a mesh."
         )
     outcome = work.build(graph, ["casing", "casing modes"])
-    sys.stdout.write(_listed(_casing_mode_files(outcome, graph, plant.title, number, folder)))
-    return 0
+    return _listed(_casing_mode_files(outcome, graph, plant.title, number, folder))
 
 
-def _tell(found: Path | list[Path] | LeftOut) -> None:
-    """Name the files as soon as they are there."""
-    sys.stdout.write(_listed([found] if isinstance(found, Path) else found))
-    sys.stdout.flush()
+def _listed(found: Path | list[Path] | LeftOut) -> Iterator[str]:
+    """The names of files, or why there are none."""
+    from pipelines.report.figures.views import LeftOut
 
-
-def _listed(found: list[Path] | LeftOut) -> str:
-    return f"{found.reason}\n" if isinstance(found, LeftOut) else "".join(f"{path}\n" for path in found)
+    names = found if isinstance(found, list) else [found]
+    return (one.reason if isinstance(one, LeftOut) else str(one) for one in names)
 
 
 def _casing_mode_files(

@@ -17,7 +17,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, TextIO
 
-from pipelines.cli.command_line import command_parser, parser
+from pipelines.cli.command_line import Printed, command_parser, parser
 
 if TYPE_CHECKING:
     import argparse
@@ -30,8 +30,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # a console without some letter must not stop a run
-    top = parser()
-    options, unknown = top.parse_known_args(arguments)
+    given = sys.argv[1:] if arguments is None else arguments
+    top = parser(given)
+    options, unknown = top.parse_known_args(given)
     if unknown:
         command_parser(top, options.command).error(f"unrecognized arguments: {' '.join(unknown)}")
     if options.version:
@@ -80,9 +81,7 @@ def _guarded(options: argparse.Namespace) -> int:
             warnings.simplefilter("always", CacheWarning)
             warnings.simplefilter("always", SceneWarning)
             warnings.showwarning = _show_warning
-            code = importlib.import_module(f"pipelines.cli.{options.command}").main(options)
-        sys.stdout.flush()  # a full disk or a reader that is gone shows here, not when the interpreter ends
-        return code
+            return _printed(importlib.import_module(f"pipelines.cli.{options.command}").main(options))
     except KeyboardInterrupt:
         sys.stderr.write("gearcase: interrupted. Finished steps are kept; repeat the command to continue from there.\n")
         return 130
@@ -97,6 +96,17 @@ def _guarded(options: argparse.Namespace) -> int:
         if options.verbose:
             sys.stderr.write("".join(f"{shown(line, 500)}\n" for line in traceback.format_exc().splitlines()))
         return _report(error, verbose=options.verbose)
+
+
+def _printed(lines: Printed) -> int:
+    """Print the lines of a command as they come; its exit code."""
+    while True:
+        try:
+            line = next(lines)
+        except StopIteration as end:
+            return end.value or 0
+        sys.stdout.write(line if line.endswith("\n") else f"{line}\n")
+        sys.stdout.flush()  # a full disk or a reader that is gone shows here, not when the interpreter ends
 
 
 def _to_nowhere(*streams: TextIO) -> None:

@@ -4,28 +4,63 @@ from __future__ import annotations
 
 import argparse
 import math
-import sys
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
+
+from pipelines.cli.command_line import json_argument, scene_and_work, work_arguments
+from pipelines.io.argument_types import number, positive
 
 if TYPE_CHECKING:
     from mbd.system.linearised import LinearModes
     from pipelines.io.grid import Grid
     from pipelines.machine.plant import Plant
 
+HELP = """\
+Linearise the loaded machine about its static equilibrium. Print natural frequencies, damping and the share of each
+part in the energy of each mode. No motion is simulated. Takes seconds if the cache holds mesh stiffness and casing."""
+EXAMPLE = """\
+gearcase modes minimal
+minimal: small vibrations about the loaded static equilibrium, stage 1 at mesh cycle 0
+mode  frequency Hz  damping ratio %  shafts %  bearings %  casing %  drive %  mesh 1 %  dominant
+...
+   1        112.84            6.186      58.1         4.3       0.3     34.8       2.5  motor coupling
+...
+mesh 1: force 1061 N, tangent stiffness 146.9 N/um
+..."""
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """A scene, and the state about which it is linearised."""
+    work_arguments(sub)
+    sub.add_argument("--up-to", metavar="HZ", type=positive, default=10e3, help="highest frequency, Hz (default 10000)")
+    sub.add_argument(
+        "--cycle",
+        metavar="C",
+        type=number,
+        help="position of stage 1 in its mesh cycle, 0 to 1 (default: that at the start of the simulation)",
+    )
+    sub.add_argument(
+        "--speed",
+        type=number,
+        default=0.0,
+        metavar="RPM",
+        help="motor speed for losses and gyroscopic moments, rpm (default 0)",
+    )
+    json_argument(sub)
+
+
 KINDS = {"shaft": "shafts", "bearing": "bearings", "casing": "casing", "rope": "rope", "drive": "drive"}
 
 
-def main(options: argparse.Namespace) -> int:
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Build laws and casing, linearise the machine at rest under its load, print its modes."""
-    from pipelines.engine.working import Work
     from pipelines.io.json_text import json_text
     from pipelines.runs.single_results import build_machine_modes, scene_graph
-    from pipelines.scene.presets import load_asked
 
-    loaded = load_asked(options)
+    loaded, work = scene_and_work(options)
     modes, cycle = build_machine_modes(
         loaded,
-        Work(processes=options.processes, quiet=options.quiet),
+        work,
         up_to=options.up_to,
         cycle=options.cycle,
         speed=options.speed / 60 * 2 * math.pi,
@@ -39,12 +74,11 @@ def main(options: argparse.Namespace) -> int:
             "foot_forces_N": dict(zip(modes.foot_names, modes.foot_forces.tolist(), strict=True)),
             "notes": notes(plant, modes, options.up_to),
         }
-        sys.stdout.write(json_text(found))
-        return 0
+        yield json_text(found)
+        return
     title = f"{loaded.name}: small vibrations about the loaded static equilibrium, stage 1 at mesh cycle {cycle:.4g}"
-    sys.stdout.write(mode_table(title, modes).to_text() + "\n")
-    sys.stdout.write("".join(f"{line}\n" for line in notes(plant, modes, options.up_to)))
-    return 0
+    yield mode_table(title, modes).to_text()
+    yield from notes(plant, modes, options.up_to)
 
 
 def mode_rows(modes: LinearModes) -> list[dict[str, Any]]:

@@ -3,30 +3,50 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Iterator
+
+from pipelines.io.argument_types import path
+
+HELP = """\
+Write a commented scene file as a start for your own. The source is a shipped scene, your own scene, or a gear unit
+in REXS. An existing file is never overwritten. Takes seconds."""
+EXAMPLE = """\
+gearcase new my.toml --from bench
+my.toml written from bench. Change it, then: gearcase check my.toml"""
 
 
-def main(options: argparse.Namespace) -> int:
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """The file, and what it is copied from."""
+    sub.add_argument("file", metavar="FILE", type=path, help="scene file to write, ending in .toml; it must not exist")
+    sub.add_argument(
+        "--from",
+        metavar="SOURCE",
+        type=path,
+        dest="source",
+        default="bench",
+        help="scene to copy, or gear unit in REXS: .rexs, .rexsj or .rexsz (default: bench)",
+    )
+
+
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Write the file and say what to do next; of a gear unit in REXS also what it does not take as it is."""
     from pipelines.rexs.files import is_rexs
 
     return _from_rexs(options) if is_rexs(options.source) else _from_scene(options)
 
 
-def _from_scene(options: argparse.Namespace) -> int:
+def _from_scene(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.scene.new import new_scene
 
     path = new_scene(options.file, options.source)
-    sys.stdout.write(f"{path} written from {options.source}. Change it, then: gearcase check {path}\n")
-    return 0
+    yield f"{path} written from {options.source}. Change it, then: gearcase check {path}"
 
 
-def _from_rexs(options: argparse.Namespace) -> int:
+def _from_rexs(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.rexs.new import new_scene_from_rexs
 
     made = new_scene_from_rexs(options.file, options.source)
-    sys.stdout.write("".join(f"{note}\n" for note in made.notes))
-    sys.stdout.write("".join(f"still to be set: {path}: {words}\n" for path, words in made.missing.items()))
+    yield from map(str, made.notes)
+    yield from (f"still to be set: {path}: {words}" for path, words in made.missing.items())
     step = "Set the missing keys" if made.missing else "Check what was assumed, set a housing"
-    sys.stdout.write(f"{made.path} written from {options.source}. {step}, then: gearcase check {made.path}\n")
-    return 0
+    yield f"{made.path} written from {options.source}. {step}, then: gearcase check {made.path}"

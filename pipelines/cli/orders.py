@@ -3,19 +3,210 @@
 from __future__ import annotations
 
 import argparse
-import sys
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
 
+from pipelines.cli.command_line import quiet_argument, run_argument
+from pipelines.io.argument_types import count, path, positive, several
+from pipelines.io.errors import InputError
+from pipelines.runs import run_folder
 
-def main(options: argparse.Namespace) -> int:
-    """Write the pictures of a run-up beside its signals, and print the highest amplitude along every order."""
+if TYPE_CHECKING:
+    import numpy as np
+
     from pipelines.engine.working import Work
-    from pipelines.runs.run_folder import find_run
-    from pipelines.runs.run_up import RunUpOptions, write_run_up
+    from pipelines.machine.layout import Layout
+    from pipelines.scene.file import LoadedScene
+    from pipelines.signals.orders.order_spectra import Waterfall
 
-    wanted = RunUpOptions(
-        shaft=options.shaft, sensor=options.sensor, axis=options.axis, orders=tuple(options.orders),
-        revolutions=options.revolutions, campbell=options.campbell, out=options.out,
-    )  # fmt: skip
-    words, files = write_run_up(find_run(options.run), wanted, Work(quiet=options.quiet))
-    sys.stdout.write(words + "\n" + "".join(f"{file}\n" for file in files))
-    return 0
+SPEEDS = 9  # of a Campbell diagram
+AXES = ("x", "y", "z")
+HELP = """\
+Analyse the run-up or coast-down of a finished run by orders of a shaft. Print the highest amplitude of each order.
+Write pictures of the order spectra over speed, and of the amplitude of each order over speed. Takes seconds."""
+EXAMPLE = """\
+gearcase orders reducer
+input-bearing z over the orders of shaft 1, 11 windows
+  order  highest m/s2  at rpm   at Hz
+-------  ------------  ------  ------
+...
+     46        0.0944    1470  1126.7
+runs/reducer/2026-11-25_01-02-30/orders.png
+..."""
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """A run and the orders that are shown."""
+    run_argument(sub)
+    sub.add_argument(
+        "--shaft",
+        metavar="N",
+        type=count,
+        help="number of the shaft whose speed is order 1 (default: the driven shaft)",
+    )
+    sub.add_argument(
+        "--sensor", metavar="NAME", help="sensor to analyse (default: that of the diagnosis, or the first)"
+    )
+    sub.add_argument("--axis", choices=("x", "y", "z"), help="axis of the sensor (default: that of the diagnosis)")
+    sub.add_argument(
+        "--orders",
+        metavar="K",
+        type=positive,
+        nargs="+",
+        default=[],
+        help="orders whose amplitudes are shown over speed (default: the mesh orders)",
+    )
+    sub.add_argument(
+        "--revolutions", metavar="N", type=several, default=16, help="revolutions in a window, 2 or more (default 16)"
+    )
+    sub.add_argument("--campbell", action="store_true", help="add a Campbell diagram: natural frequencies over speed")
+    sub.add_argument("--out", metavar="FOLDER", type=path, help="folder for the pictures (default: the result folder)")
+    quiet_argument(sub)
+
+
+def main(options: argparse.Namespace) -> Iterator[str]:
+    """Write the pictures of a run-up beside its signals, and print the highest amplitude along every order.
+
+    Raises
+    ------
+    InputError : the run holds no run-up that could be shown, or nothing can be written
+    """
+    import numpy as np
+
+    from pipelines.engine.working import Work
+    from pipelines.io.user_files import writable_folder
+    from pipelines.machine.plant import make_drivetrain
+    from pipelines.report.figures.order_plots import campbell_figure, cuts_figure, waterfall_figure
+    from pipelines.signals.orders.order_spectra import OrderError, frequency_waterfall, order_waterfall
+
+    folder, work = run_folder.find_run(options.run), Work(quiet=options.quiet)
+    read = _read(folder, options)
+    target = writable_folder(options.out or folder)
+    parts = read.signal, read.time, read.angle
+    try:
+        found = order_waterfall(*parts, shaft=read.shaft, revolutions=options.revolutions)
+        shown = [order for order in read.orders if order + 2 * found.resolution < found.line[-1]]
+        words = _table(found, shown, read)
+    except OrderError as error:
+        raise InputError(f"{folder}: {error}") from error
+    title = f"{read.loaded.scene.title}: {read.place}"
+    figures = {
+        "orders": waterfall_figure(found, title, read.units, top=2.2 * max(shown, default=found.line[-1] / 2.2)),
+        "order-cuts": cuts_figure(found, shown, title, read.units),
+    }
+    if options.campbell:
+        flat = frequency_waterfall(*parts, shaft=read.shaft)
+        ratio = make_drivetrain(read.loaded.scene).layout.shaft_ratios[int(read.shaft.removeprefix("shaft_")) - 1]
+        speeds = np.linspace(0.0, float(found.speed.max()), SPEEDS)
+        top = min(0.5 * float(flat.line[-1]), 1.3 * max(shown, default=20.0) * float(found.speed.max()) / (2 * math.pi))
+        natural = _natural_over_speed(read.loaded, work, speeds / ratio, top)
+        by_shaft = {speed * ratio: values for speed, values in natural.items()}
+        figures["campbell"] = campbell_figure(flat, by_shaft, shown, title, read.units)
+    target.mkdir(parents=True, exist_ok=True)
+    for name, figure in figures.items():
+        figure.savefig(target / f"{name}.png", dpi=110)
+    yield words
+    yield from (str(target / f"{name}.png") for name in figures)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _RunUp:
+    """Signal and angle of a run, and what is looked for in it."""
+
+    loaded: LoadedScene
+    place: str  # "motor_side z"
+    units: str
+    shaft: str
+    orders: tuple[float, ...]
+    signal: np.ndarray
+    time: np.ndarray
+    angle: np.ndarray
+
+
+def _read(folder: Path, options: argparse.Namespace) -> _RunUp:
+    """What is looked at, from the files of a result folder.
+
+    Raises
+    ------
+    InputError : no such shaft, sensor or axis
+    """
+    import numpy as np
+
+    from pipelines.machine.plant import make_drivetrain
+    from pipelines.scene.file import load_scene
+    from pipelines.signals.analysis import DiagnosisError, channel, channel_names
+
+    loaded = load_scene(folder / run_folder.RESOLVED)
+    train = make_drivetrain(loaded.scene, loaded.source.shown)
+    shafts = len(train.layout.axes)
+    number = train.layout.driven if options.shaft is None else options.shaft - 1
+    if number >= shafts:
+        raise InputError(f"--shaft {number + 1}: the machine has {shafts} shafts. Give 1 to {shafts}.")
+    with run_folder.opened_run(folder / run_folder.RESPONSE) as run:
+        known = channel_names(run)
+        sensor = options.sensor or (train.looked_for.sensor if train.looked_for.sensor in known else known[0])
+        axis = options.axis or (train.looked_for.axis if train.looked_for.axis in AXES else AXES[-1])
+        try:
+            found = channel(run, sensor).sel(axis=axis)
+        except DiagnosisError as error:
+            raise InputError(f"--sensor: {error}") from error
+        name = f"shaft_{number + 1}"
+        return _RunUp(
+            loaded=loaded,
+            place=f"{sensor} {axis}",
+            units=str(found.attrs["units"]),
+            shaft=name,
+            orders=tuple(options.orders) or _mesh_orders(train.layout, number),
+            signal=np.asarray(found.values, dtype=float),
+            time=run.time.values,
+            angle=run.shaft_angle.sel(shaft=name).values,
+        )
+
+
+def _mesh_orders(layout: Layout, shaft: int) -> tuple[float, ...]:
+    """Tooth meshing of every stage and its double, in orders of a shaft."""
+    own = layout.shaft_ratios[shaft]
+    first = [
+        pair.pinion.teeth * layout.shaft_ratios[shafts[0]] / own
+        for pair, shafts in zip(layout.pairs, layout.pair_shafts, strict=True)
+    ]
+    return tuple(sorted({round(k * order, 6) for order in first for k in (1, 2)}))
+
+
+def _natural_over_speed(loaded: LoadedScene, work: Work, speeds: np.ndarray, up_to: float) -> dict[float, np.ndarray]:
+    """Natural frequencies (Hz) of the loaded machine with its gyroscopic moments, by motor speed (rad/s).
+
+    Parameters
+    ----------
+    loaded, work : the scene, and what builds its steps
+    speeds : (n,) of the motors, rad/s
+    up_to : Hz, highest frequency
+    """
+    from pipelines.runs.single_results import build_machine_modes
+    from pipelines.scene.file import changed
+
+    turning = changed(loaded, {"shaft_model.gyroscopic": True})
+    return {
+        float(speed): build_machine_modes(turning, work, up_to=up_to, speed=float(speed))[0].frequencies
+        for speed in speeds
+    }
+
+
+def _table(found: Waterfall, orders: list[float], read: _RunUp) -> str:
+    """The highest amplitude along every order, and the speed where it is."""
+    from pipelines.io.grid import Grid
+
+    rows = []
+    for order in orders:
+        cut = found.cut(order)
+        at = int(cut.argmax())
+        speed = float(found.speed[at])
+        rows.append(
+            (f"{order:g}", f"{cut[at]:.3g}", f"{speed * 30 / math.pi:.0f}", f"{order * speed / (2 * math.pi):.1f}")
+        )
+    headers = ("order", f"highest {read.units}", "at rpm", "at Hz")
+    title = f"{read.place} over the orders of {read.shaft.replace('_', ' ')}, {len(found.speed)} windows"
+    return Grid(title=title, headers=headers, rows=tuple(rows)).to_text()

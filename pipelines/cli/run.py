@@ -7,41 +7,83 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from pipelines.cli.command_line import announce, out_argument, scene_and_work, work_arguments
+from pipelines.io.argument_types import count
 
-def main(options: argparse.Namespace) -> int:
+HELP = """\
+Simulate the machine and its healthy control, diagnose the fault from the signals and write a report.
+The result folder holds report.html, response.nc (the signals), the diagnosis and the settings.
+Takes under a minute for the scenes `minimal` and `bench`, and minutes for the scenes `rig-...`. The first run after
+installation also compiles code for a minute or two. Results of earlier runs are reused from the cache."""
+EXAMPLE = """\
+gearcase run bench
+One tooth of the stage 1 wheel chipped: seen at motor_side (axis z) in the one analysed window.
+...
+report: runs/bench/2026-11-25_01-02-13/report.html
+..."""
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """A scene, its result folder, and what else is simulated."""
+    work_arguments(sub)
+    out_argument(sub)
+    sub.add_argument(
+        "--no-control",
+        action="store_true",
+        help="do not simulate the healthy control; there is no diagnosis without it",
+    )
+    sub.add_argument(
+        "--one-load",
+        action="store_true",
+        help="do not simulate a hanging load again with the equivalent constant torque",
+    )
+    sub.add_argument(
+        "--seeds",
+        metavar="N",
+        type=count,
+        default=0,
+        help="simulate also with the seeds 1 to N of the gear deviations, and with gears without deviations (default: "
+        "only the seed of the scene)",
+    )
+    sub.add_argument(
+        "--baseline",
+        metavar="N",
+        type=count,
+        default=0,
+        help="simulate also N healthy machines with other gear deviations, and compare the machine with them; p-values "
+        "need 5 or more (default 0)",
+    )
+
+
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Run the scene; print the verdict and where the report is."""
-    if not options.quiet:
-        from pipelines.io.shown import shown
-
-        sys.stderr.write(f"gearcase run {shown(str(options.scene))}\n")  # before the imports, which take a while
-    from pipelines.engine.working import Work
+    announce(options)
     from pipelines.runs.run import Options, run_scene
     from pipelines.runs.run_folder import REPORT
-    from pipelines.scene.presets import load_asked
 
+    loaded, work = scene_and_work(options)
     finished = run_scene(
-        load_asked(options),
+        loaded,
         Options(
             out=options.out,
             with_control=not options.no_control,
             both_loads=not options.one_load,
             seeds=options.seeds,
             baseline=options.baseline,
-            work=Work(processes=options.processes, quiet=options.quiet),
+            work=work,
         ),
     )
     built = [record for record in finished.records if not record.reused]
     seconds = sum(record.seconds for record in built)
     if finished.words:
-        sys.stdout.write(finished.words.partition("\n\n")[0] + "\n")
-    for reason in finished.left_out:
-        sys.stdout.write(f"{reason}\n")
-    sys.stdout.write(
+        yield finished.words.partition("\n\n")[0]
+    yield from finished.left_out
+    yield (
         f"{len(built)} steps computed in {seconds:.1f} s of processing, {len(finished.records) - len(built)} reused.\n"
         f"report: {finished.folder / REPORT}\n"
+        "next:"
     )
-    sys.stdout.write("next:\n" + "".join(f"  {command}\n      {what}\n" for command, what in _next(options)))
-    return 0
+    yield from (f"  {command}\n      {what}" for command, what in _next(options))
 
 
 def _next(options: argparse.Namespace) -> Iterator[tuple[str, str]]:

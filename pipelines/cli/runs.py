@@ -3,22 +3,101 @@
 from __future__ import annotations
 
 import argparse
-import sys
+import shutil
 import time
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pipelines.cli.command_line import RUN_HELP, action_parsers, json_argument, run_argument
+from pipelines.io.argument_types import count, days, path
+
 if TYPE_CHECKING:
+    import numpy as np
+
+    from pipelines.io.grid import Grid
     from pipelines.runs.kept_runs import KeptRun
 
+HELP = (
+    "List the finished runs under ./runs, open the report of one, compare several, or remove old ones. Takes seconds."
+)
+EXAMPLE = """\
+gearcase runs clean --keep 1
+Runs, newest first
+run  scene                 folder     age   MB  differs in  verdict
+---  -------  -------------------  ------  ---  ----------  -------------
+  4  bench    2026-11-25_01-01-40  28 min  3.5  -           not diagnosed
+  5  minimal  2026-11-25_00-50-21  40 min  5.6  -           not diagnosed
+Nothing was removed. To remove these runs, repeat the command with --yes."""
+ACTIONS = {  # one line; text; example with what it prints
+    "list": (
+        "list the runs under ./runs, newest first",
+        "List the finished runs under ./runs, newest first, with the settings in which they differ.",
+        """\
+gearcase runs list minimal
+Runs, newest first
+run  scene                 folder     age   MB  differs in               verdict
+---  -------  -------------------  ------  ---  -----------------------  -------------
+  1  minimal  2026-11-25_01-27-24   2 min  1.1  load.container_kg=80.0   not diagnosed
+  5  minimal  2026-11-25_00-50-21  40 min  5.6  load.container_kg=114.0  not diagnosed""",
+    ),
+    "open": (
+        "open the report of a run in the browser",
+        "Open the report of a run in the browser, and print its path.",
+        """\
+gearcase runs open bench
+runs/bench/2026-11-25_01-02-13/report.html""",
+    ),
+    "compare": (
+        "compare verdicts, settings and sensor levels of runs",
+        "Print the verdicts, the settings that differ and the sensor levels of several runs in one table.",
+        """\
+gearcase runs compare 1 5
+Runs side by side; all other settings are the same. rms: all axes of a sensor, over the whole run
+                    run 1: minimal  run 5: minimal
+------------------  --------------  --------------
+...
+load.container_kg   80.0            114.0
+sensor_3, m/s2 rms  1.227           1.538
+...""",
+    ),
+    "clean": (
+        "show which runs would be removed; with --yes remove them",
+        "Show which runs would be removed. With --yes, remove them with all their files.",
+        """\
+gearcase runs clean 5 --yes
+1 run removed, 5.6 MB freed""",
+    ),
+}
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """list, open, compare and clean; list without any."""
+    json_argument(sub)
+    sub.set_defaults(scene=None)
+    listing, opened, compared, clean = action_parsers(sub, ACTIONS, title="actions (default: list)")
+    listing.add_argument("scene", metavar="SCENE", nargs="?", help="list only the runs of this scene")
+    listing.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print the list as JSON")
+    run_argument(opened)
+    compared.add_argument("runs", metavar="RUN", type=path, nargs="+", help=RUN_HELP)
+    compared.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print the table as JSON")
+    clean.add_argument("runs", metavar="RUN", type=path, nargs="*", help=RUN_HELP)
+    clean.add_argument("--older-than", metavar="DAYS", type=days, help="remove only runs older than this, days")
+    clean.add_argument("--keep", metavar="N", type=count, help="keep the newest N runs of each scene")
+    clean.add_argument("--yes", action="store_true", help="remove the runs (default: only list them)")
+
+
 DAY = 86400.0  # s
+LONGEST = 60  # characters of a value in the table of runs side by side
 
 
-def main(options: argparse.Namespace) -> int:
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Do what is asked with the runs below ./runs."""
-    return ACTIONS[options.action or "list"](options)
+    return {"list": _list, "open": _open, "compare": _compare, "clean": _clean}[options.action or "list"](options)
 
 
-def _list(options: argparse.Namespace) -> int:
+def _list(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.json_text import json_text
     from pipelines.runs.kept_runs import differing, kept_runs, run_grid
     from pipelines.runs.run_folder import ROOT
@@ -33,16 +112,14 @@ def _list(options: argparse.Namespace) -> int:
             | {"differs_in": unlike[run.number], "verdict": run.verdict or None}
             for run in found
         ]
-        sys.stdout.write(json_text(rows))
-        return 0
-    if not found:
-        sys.stdout.write(f"No runs under ./{ROOT}{'' if options.scene is None else f'/{options.scene}'}.\n")
-        return 0
-    sys.stdout.write(run_grid(found).to_text() + "\n")
-    return 0
+        yield json_text(rows)
+    elif found:
+        yield run_grid(found).to_text()
+    else:
+        yield f"No runs under ./{ROOT}{'' if options.scene is None else f'/{options.scene}'}."
 
 
-def _open(options: argparse.Namespace) -> int:
+def _open(options: argparse.Namespace) -> Iterator[str]:
     import webbrowser
 
     from pipelines.io.errors import InputError
@@ -53,27 +130,23 @@ def _open(options: argparse.Namespace) -> int:
         raise InputError(
             f"{report}: there is no report, because this run was simulated without one. Make one: gearcase run SCENE"
         )
-    sys.stdout.write(f"{report}\n")
+    yield str(report)
     webbrowser.open(report.resolve().as_uri())
-    return 0
 
 
-def _compare(options: argparse.Namespace) -> int:
+def _compare(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.json_text import json_text
-    from pipelines.runs.side_by_side import compared_runs
 
     found = compared_runs([_kept(name) for name in options.runs])
     if options.json:
-        sys.stdout.write(json_text([dict(zip(("key", *found.headers[1:]), row, strict=True)) for row in found.rows]))
-        return 0
-    sys.stdout.write(found.to_text() + "\n")
-    sys.stdout.write(f"To compare spectra and features: gearcase compare {' '.join(options.runs)}\n")
-    return 0
+        yield json_text([dict(zip(("key", *found.headers[1:]), row, strict=True)) for row in found.rows])
+        return
+    yield found.to_text()
+    yield f"To compare spectra and features: gearcase compare {' '.join(options.runs)}"
 
 
-def _clean(options: argparse.Namespace) -> int:
+def _clean(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.errors import InputError
-    from pipelines.runs.cleaning import chosen, remove_runs
     from pipelines.runs.kept_runs import kept_runs, run_grid
     from pipelines.runs.run_folder import ROOT, find_run
 
@@ -82,16 +155,12 @@ def _clean(options: argparse.Namespace) -> int:
     age = None if options.older_than is None else DAY * options.older_than
     found = chosen(kept_runs(ROOT), [find_run(name) for name in options.runs], age, options.keep)
     if not found:
-        sys.stdout.write("No runs match; nothing was removed.\n")
+        yield "No runs match; nothing was removed."
     elif options.yes:
-        sys.stdout.write(
-            f"{len(found)} {'run' if len(found) == 1 else 'runs'} removed, {remove_runs(found) / 1e6:.1f} MB freed\n"
-        )
+        yield f"{len(found)} {'run' if len(found) == 1 else 'runs'} removed, {remove_runs(found) / 1e6:.1f} MB freed"
     else:
-        sys.stdout.write(
-            run_grid(found).to_text() + "\nNothing was removed. To remove these runs, repeat the command with --yes.\n"
-        )
-    return 0
+        yield run_grid(found).to_text()
+        yield "Nothing was removed. To remove these runs, repeat the command with --yes."
 
 
 def _kept(name: str) -> KeptRun:
@@ -104,4 +173,86 @@ def _kept(name: str) -> KeptRun:
     return kept_run(number, folder, time.time())
 
 
-ACTIONS = {"list": _list, "open": _open, "compare": _compare, "clean": _clean}
+def compared_runs(runs: Sequence[KeptRun]) -> Grid:
+    """A column per run: verdict, every setting that is not the same in all, rms of the acceleration at each sensor."""
+    from pipelines.io.grid import Grid
+    from pipelines.io.shown import shown_value
+    from pipelines.runs.kept_runs import run_settings
+
+    settings = [run_settings(run.folder) for run in runs]
+    keys = sorted({key for one in settings for key in one})
+    rows = [("verdict", *(run.verdict or "not diagnosed" for run in runs))]
+    for key in keys:
+        values = [one.get(key) for one in settings]
+        if any(value != values[0] for value in values):
+            rows.append((key, *("(none)" if value is None else shown_value(value, LONGEST) for value in values)))
+    levels = [sensor_levels(run.folder) for run in runs]
+    for sensor in dict.fromkeys(name for one in levels for name in one):
+        cells = (f"{one[sensor]:.4g}" if sensor in one else "-" for one in levels)
+        rows.append((f"{sensor}, m/s2 rms", *cells))
+    headers = ("", *(f"run {run.number}: {run.scene}" if run.number else str(run.folder) for run in runs))
+    title = "Runs side by side; all other settings are the same. rms: all axes of a sensor, over the whole run"
+    return Grid(title=title, headers=headers, rows=tuple(rows))
+
+
+def sensor_levels(folder: Path) -> dict[str, float]:
+    """Root mean square of the acceleration of a run, m/s2, of all axes together, by sensor; none without sensors."""
+    from pipelines.runs.run_folder import RESPONSE, opened_run
+
+    with opened_run(folder / RESPONSE) as run:
+        if "acceleration" not in run:
+            return {}
+        values: np.ndarray = run.acceleration.transpose("sensor", "time", "axis").values
+        names = [str(name) for name in run.sensor.values]
+    return {name: float((one**2).sum(axis=1).mean() ** 0.5) for name, one in zip(names, values, strict=True)}
+
+
+def chosen(
+    runs: Sequence[KeptRun], folders: Iterable[Path] = (), older_than: float | None = None, keep: int | None = None
+) -> tuple[KeptRun, ...]:
+    """The runs that are asked for.
+
+    Parameters
+    ----------
+    runs : all that there are, newest first
+    folders : of those that were named; all, if none was
+    older_than : s, only those of a greater age
+    keep : only those that are not among so many newest ones of their scene
+    """
+    named = {folder.resolve() for folder in folders}
+    seen: Counter[str] = Counter()
+    found = []
+    for run in runs:
+        seen[run.scene] += 1
+        wanted = not named or run.folder.resolve() in named
+        old = older_than is None or run.age > older_than
+        if wanted and old and (keep is None or seen[run.scene] > keep):
+            found.append(run)
+    return tuple(found)
+
+
+def remove_runs(runs: Iterable[KeptRun]) -> int:
+    """Remove the folders, and note which run of each scene is the newest now; bytes that were freed.
+
+    Raises
+    ------
+    WorkError : a folder cannot be removed
+    """
+    from pipelines.io.errors import WorkError
+    from pipelines.io.shown import shown
+    from pipelines.runs.run_folder import LATEST, finished_runs, note_latest
+
+    freed = 0
+    for run in runs:
+        try:
+            shutil.rmtree(run.folder)
+        except OSError as error:
+            raise WorkError(f"{shown(run.folder)}: cannot be removed ({error.strerror}). Remove it by hand.") from error
+        freed += run.bytes
+        scene = run.folder.parent
+        left = finished_runs(scene.parent, scene.name)
+        if left:
+            note_latest(left[0])
+        else:
+            (scene / LATEST).unlink(missing_ok=True)
+    return freed

@@ -3,10 +3,24 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Iterator
+
+from pipelines.io.argument_types import path
+
+HELP = (
+    "Print the JSON schema of scene files, with which an editor completes and checks keys and values. Takes a second."
+)
+EXAMPLE = """\
+gearcase schema --out scene.schema.json
+scene.schema.json"""
 
 
-def main(options: argparse.Namespace) -> int:
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """The file."""
+    sub.add_argument("--out", metavar="FILE", type=path, help="file to write (default: print the schema)")
+
+
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Print the schema, or write it to a file."""
     from pipelines.io.errors import InputError
     from pipelines.io.json_text import json_text
@@ -15,12 +29,11 @@ def main(options: argparse.Namespace) -> int:
 
     text = json_text(scene_schema())
     if options.out is None:
-        sys.stdout.write(text)
-        return 0
+        yield text
+        return
     target = writable_file(options.out)
     try:
         write_whole(target, text)
     except OSError as error:
         raise InputError(f"{target}: cannot be written ({error.strerror}). Choose another --out.") from error
-    sys.stdout.write(f"{target}\n")
-    return 0
+    yield str(target)

@@ -3,19 +3,38 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Iterator
+
+from pipelines.cli.command_line import scene_and_work, work_arguments
+from pipelines.io.argument_types import several
+
+HELP = """\
+Simulate a scene from several slightly different initial states. Print mean and spread of the level of each sensor.
+Use it where a motion is chaotic, so that levels depend on the initial state. Takes one simulation for each start."""
+EXAMPLE = """\
+gearcase starts minimal --starts 8
+8 initial states
+...
+level                        mean  95 % interval of the mean +/-  standard deviation  lowest  highest
+...
+sensor_3 rms, lifting, m/s2  1.55                      4.696e-07           5.617e-07    1.55     1.55"""
 
 
-def main(options: argparse.Namespace) -> int:
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """How many motions."""
+    work_arguments(sub)
+    sub.add_argument(
+        "--starts", type=several, metavar="N", default=8, help="number of initial states, 2 or more (default 8)"
+    )
+
+
+def main(options: argparse.Namespace) -> Iterator[str]:
     """Run the machine from slightly different states of rest; print what a level is worth."""
-    from pipelines.engine.working import Work
     from pipelines.scene.file import changed
-    from pipelines.scene.presets import load_asked
     from pipelines.studies.trade.spread import spread_table
     from pipelines.studies.trade.variants import measure
 
-    loaded = load_asked(options)
+    loaded, work = scene_and_work(options)
     scenes = {f"start {n}": changed(loaded, {"simulation.start": n}) for n in range(1, options.starts + 1)}
-    found = measure(scenes, ("signals", "lines"), Work(processes=options.processes, quiet=options.quiet))
-    sys.stdout.write(spread_table([one.values for one in found.values()]).to_text() + "\n")
-    return 0
+    found = measure(scenes, ("signals", "lines"), work)
+    yield spread_table([one.values for one in found.values()]).to_text()

@@ -25,6 +25,12 @@ NAMES = {
     "kurtosis": "kurtosis",
 }
 
+INCREASE = "Increase: mean over all features of a component and all channels."
+P_VALUE = (
+    "p-value: the least of the features of a component, each the probability of such a level in a healthy machine, "
+    "corrected for the number of features. It may be of another feature than the largest one."
+)
+
 
 def headline(verdict: Verdict) -> str:
     """The answer in one sentence."""
@@ -114,7 +120,8 @@ def confirmed(verdict: Verdict, faulty: Sequence[tuple[str, int | None]]) -> str
 
 def text(verdict: Verdict) -> str:
     """All of it for the terminal."""
-    return "\n\n".join([" ".join(sentences(verdict)), ranking_grid(verdict).to_text()]) + "\n"
+    note = INCREASE if verdict.alarm is None else f"{INCREASE} {P_VALUE}"
+    return "\n\n".join([" ".join(sentences(verdict)), ranking_grid(verdict).to_text().rstrip(), note]) + "\n"
 
 
 def probability(finding: Finding) -> str:
@@ -127,8 +134,8 @@ def _p(value: float | None) -> str:
 
 
 def _standing(finding: Finding) -> str:
-    where = "" if finding.tooth is None else f", most at tooth {finding.tooth} (within one)"
-    chance = "" if finding.p is None else f" (p = {finding.p:.1g})"
+    where = "" if finding.tooth is None else f", highest envelope energy at tooth {finding.tooth} (+- 1)"
+    chance = "" if finding.p is None else f" (least p-value of a feature: {finding.p:.1g})"
     return f"{decibels(finding.rise)} dB in the mean of its features{chance}{where}"
 
 

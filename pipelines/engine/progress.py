@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import re
 import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
     from rich.progress import Progress
 
 _LOG = logging.getLogger("pipelines.engine.step")
+_MOTION = re.compile(  # names of the steps of a study, as `pipelines.steps.study` composes them
+    r"(?P<features>features )?(?P<torque>torque )?(healthy seed (?P<seeded>\d+) )?(seed (?P<seed>\d+) )?"
+    r"(?P<free>error-free )?(?P<healthy>healthy )?simulate"
+)
 _LINE_SECONDS = 10.0  # between two lines about a step at work
 
 
@@ -91,6 +96,20 @@ class Timing:
         self._remaining.finished(step.name, self._clock())
 
 
+def step_words(name: str) -> str:
+    """The name of a step in words: "features healthy simulate" is "features of the healthy machine"."""
+    found = _MOTION.fullmatch(name)
+    if found is None:
+        return name
+    what = "features" if found["features"] else "motion"
+    machine = "healthy machine" if found["healthy"] or found["seeded"] else "machine"
+    parts = ["load as a torque"] if found["torque"] else []
+    if seed := found["seed"] or found["seeded"]:
+        parts.append(f"deviations of seed {seed}")
+    parts += ["no deviations"] if found["free"] else []
+    return f"{what} of the {machine}" + (f" ({', '.join(parts)})" if parts else "")
+
+
 class Lines:
     """Lines for a pipe or a file: what is computed, for how long it has been, and how long the rest takes."""
 
@@ -104,17 +123,17 @@ class Lines:
     def started(self, step: Step) -> None:
         """Name a step that takes long."""
         if step.seconds >= LONG_SECONDS:
-            self._say(f"{step.name}: started")
+            self._say(f"{step_words(step.name)}: started")
 
     def advanced(self, step: Step, share: float) -> None:
         """How far a step is, now and then."""
         if self._clock() - self._said >= _LINE_SECONDS:
-            self._say(f"{step.name}: {100 * share:.0f} %")
+            self._say(f"{step_words(step.name)}: {100 * share:.0f} %")
 
     def finished(self, step: Step, result: Result) -> None:
         """What was built, and in which time."""
         if not result.record.reused:
-            self._say(f"{step.name}: {result.record.seconds:.1f} s")
+            self._say(f"{step_words(step.name)}: {result.record.seconds:.1f} s")
 
     def _say(self, what: str) -> None:
         self._said = self._clock()
@@ -132,20 +151,22 @@ class Bar:
 
     def started(self, step: Step) -> None:
         """Show the name."""
-        self._working[step.name] = step.name
+        self._working[step.name] = step_words(step.name)
         self._show()
 
     def advanced(self, step: Step, share: float) -> None:
         """Show the share and the time left."""
         left = self._remaining.pace(step.name)
-        self._working[step.name] = f"{step.name} {100 * share:.0f} %" + ("" if left is None else f", {left:.0f} s left")
+        text = f"{step_words(step.name)} {100 * share:.0f} %"
+        self._working[step.name] = text if left is None else f"{text}, {left:.0f} s left"
         self._show()
 
     def finished(self, step: Step, result: Result) -> None:
         """Count, and print a line for what was built."""
         self._working.pop(step.name, None)
         if not result.record.reused:
-            self._progress.console.print(f"{step.name}: {result.record.seconds:.1f} s", highlight=False, markup=False)
+            text = f"{step_words(step.name)}: {result.record.seconds:.1f} s"
+            self._progress.console.print(text, highlight=False, markup=False)
         self._progress.update(self._task, completed=self._total - self._remaining.count)
         self._show()
 

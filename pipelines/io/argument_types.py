@@ -46,7 +46,9 @@ def number(text: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
+        parts = text.replace(";", ",").split(",")
+        remedy = f". Separate numbers by blanks: {' '.join(parts)}" if len(parts) > 1 and all(parts) else ""
+        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number{remedy}")
     return value
 
 

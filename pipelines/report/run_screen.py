@@ -88,11 +88,11 @@ def _ranked(finding: Finding) -> Ranked:
 
 
 def _ranking_note(verdict: Verdict) -> str:
-    texts = ["Increase: mean over all features of a component and all channels."]
+    texts = [words.INCREASE]
     if verdict.alarm is None:
         texts.append(f"p-values need {FEWEST_FOR_P} or more healthy machines: gearcase run --baseline 8.")
     else:
-        texts.append("p-value: chance of such an increase in a healthy machine, corrected for the number of features.")
+        texts.append(words.P_VALUE)
     if any(finding.alike for finding in verdict.findings):
         texts.append("Components with the same orders, or integer multiples of them, cannot be distinguished.")
     return " ".join(texts)

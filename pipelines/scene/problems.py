@@ -225,6 +225,8 @@ def _unknown_key(
     near = RENAMED.get(".".join(path)) or nearest(path[-1], known)
     if near:
         return message, f"Did you mean {near}?"
+    if longer := [key for key in known if key.endswith(f"_{path[-1]}")]:  # bore_mm: pinion_bore_mm, wheel_bore_mm
+        return message, f"Did you mean {' or '.join(longer)}?"
     elsewhere = [p for p in paths() if p[-1] == path[-1]]
     if elsewhere:
         return message, f"Did you mean {'.'.join(elsewhere[0])}?"

@@ -139,7 +139,7 @@ def _nodes(name: str, nodes: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]
     if nodes.shape[1] == 3:
         nodes = np.column_stack([np.arange(1, len(nodes) + 1), nodes])
     if nodes.shape[1] != 4 or not np.isfinite(nodes).all():
-        raise ForeignError(f"{name}: nodes are rows of number, x, y, z (or x, y, z); the shape is {nodes.shape}")
+        raise ForeignError(f"{name}: nodes of shape {nodes.shape}. Give rows of number, x, y, z, or of x, y, z")
     return nodes[:, 0].astype(int), nodes[:, 1:]
 
 
@@ -150,8 +150,9 @@ def _equations(
         per_node = next((k for k in (3, 6) if len(numbers) * k == count), 0)
         if len(numbers) and not per_node:
             raise ForeignError(
-                f"{name}: {count} equations of {len(numbers)} nodes are neither three nor six per node; give the map "
-                "of equations, a row of node and axis (1 to 6, 0 for a modal coordinate) for each"
+                f"{name}: {count} equations of {len(numbers)} nodes are neither three nor six per node. Set "
+                "equations_file (gearcase housing: --equations) to a file with a row of node and axis (1 to 6; 0 for a "
+                "modal coordinate) for each equation"
             )
         if not per_node:  # nothing is known: coordinates without a place
             return np.zeros(count, int), np.full(count, MODAL)
@@ -159,10 +160,10 @@ def _equations(
     rows = np.asarray(equations).astype(int)
     if rows.shape != (count, 2):
         raise ForeignError(
-            f"{name}: the map of equations has the shape {rows.shape}; {count} rows of node and axis fit"
+            f"{name}: the list of equations has the shape {rows.shape}. Give {count} rows of node and axis"
         )
     if ((rows[:, 1] < 0) | (rows[:, 1] > 6)).any():
-        raise ForeignError(f"{name}: the map of equations has axes outside 1 to 6 (0 for a modal coordinate)")
+        raise ForeignError(f"{name}: equations have axes outside 1 to 6 (0: modal). Correct them")
     return np.where(rows[:, 1] > 0, rows[:, 0], 0), rows[:, 1] - 1
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import logging
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -24,9 +23,6 @@ from fem.casing.reduced.checkup import CheckUp
 from fem.casing.reduced.grounded import GROUND_AXES
 from fem.casing.reduced.modes import CasingModes
 
-_log = logging.getLogger(__name__)
-
-_SENSOR_OFF = 0.005  # m: how far a node may lie off a sensor without a warning
 _OFF = 0.0005  # m: how far a single node may lie off its bearing point, and
 _OFF_SHARE = 0.3  # of the mean distance of the nodes from it: the middle of several
 _CHECKED = ("reduced_mass_definite", "reduced_stiffness_definite")  # the file itself: see `ForeignCheck`
@@ -88,16 +84,6 @@ def foreign_casing(
         raise ForeignError(f"{body.name} holds no places of its nodes; set nodes_file")
     if check.wrong:
         raise ForeignError(f"{body.name}: {'; '.join(check.wrong)}")
-    for sensor in housing.sensors:
-        distance = float(np.linalg.norm(body.places - np.array(sensor.position), axis=1).min())
-        if distance > _SENSOR_OFF:
-            _log.warning(
-                "%s: the nearest node of %s is %.3g mm away, and the sensor is read there. Add a node at the sensor to "
-                "the matrices",
-                sensor.name,
-                body.name,
-                1000 * distance,
-            )
     points = {name: Point(nodes=nodes, axes=GROUND_AXES) for name, nodes in _feet(housing) if ground == "springs"}
     for name, nodes, wanted in housing.seats:
         _check_place(body, name, nodes, wanted)

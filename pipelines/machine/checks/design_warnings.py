@@ -138,8 +138,12 @@ def _record(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterator[
                 f"{4 * HARMONICS * facts.mesh_frequency:.0f}"
             )
     if not any(layout.drawn):
-        key = "load.container_kg = 0" if isinstance(scene.load, LoadBase) else "load: the torque is 0"
-        yield f"{key}: without load the teeth lose contact and rattle in their backlash. Raise the load"
+        key, remedy = (
+            ("load.container_kg = 0", "Increase load.container_kg")
+            if isinstance(scene.load, LoadBase)
+            else ("load: the torque is 0", "Set load.torque_N_m for a simulation, or --torque of gearcase gears")
+        )
+        yield f"{key}: without load the teeth lose contact and rattle in their backlash. {remedy}"
 
 
 def _diagnosis(scene: Scene, plant: Drivetrain) -> Iterator[str]:

@@ -61,6 +61,11 @@ def _casing_mesh(scene: Scene, fineness: float) -> Settings:
 
     if not isinstance(scene.casing, ElasticBase):
         return _nothing("casing-mesh", "casing.model", scene.casing.model, "craig-bampton")
+    if scene.casing.housing.model == "matrices":
+        raise AxisError(
+            "--over casing-mesh: casing.housing.model = 'matrices' has no mesh to refine. Refine the mesh in the "
+            "program that made the matrices, and compare the modes that gearcase casing prints for both."
+        )
     names = ("element_size_mm", "bore_element_size_mm", "foot_element_size_mm")
     sizes = {name: getattr(scene.casing, name) for name in names}
     return {f"casing.{name}": size / fineness for name, size in sizes.items() if size is not None}
