@@ -28,7 +28,7 @@ MODELS = [
     *BEARINGS,
     *(choices(t)[0] for t in typing.get_args(typing.get_args(losses.LossModel)[0])),
     *choices(motion.RopePendulumTable),
-    *choices(shafts.ShaftModel),
+    *choices(shafts.ShaftModelTable),
     *choices(motion.SimulationTable, "integrator"),
 ]
 

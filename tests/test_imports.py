@@ -111,6 +111,12 @@ def test_what_runs_without_the_mesher():
     assert done.returncode == 0, done.stderr
 
 
+def test_files_that_define_options_need_neither_numba_nor_scipy():
+    code = "import sys; import pipelines.scene.scene; "  # imports every class of options
+    done = run_python(code + "print(sorted({'numba', 'scipy'} & set(sys.modules)))")
+    assert done.stdout.strip() == "[]", done.stderr
+
+
 def test_the_parser_imports_nothing_heavy():
     code = "import sys, pipelines.cli.main\npipelines.cli.main.parser().format_help()\n"
     done = run_python(code + f"print(sorted(set(sys.modules) & {HEAVY!r}))")

@@ -22,7 +22,7 @@ def test_every_window_holds_ten_turns_of_the_faulty_wheel(name):
 def test_the_container_stays_off_the_drums():
     """More than a metre of the five is left at the top."""
     train = make_drivetrain(load_scene("rig-long").scene)
-    top = train.hoist.rope_length_at(17.25, train.machine.drive, train.layout.shaft_ratios[train.layout.loaded])
+    top = train.hoist.rope_length_at(17.25, train.machine.profile, train.layout.shaft_ratios[train.layout.loaded])
     assert 1.0 < top < 2.0
 
 

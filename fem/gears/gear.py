@@ -12,6 +12,7 @@ from functools import cached_property
 
 from fem.gears.body import check_body
 from fem.gears.rack import GeometryError, Rack, involute, require
+from fem.options import check_options, option
 
 __all__ = ["HANDS", "Gear", "GeometryError", "Rack", "involute", "require"]
 
@@ -24,7 +25,30 @@ _NUMBERS = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class Gear:
+class GearDetails:
+    """Tip, tooth thickness and body of a gear beyond its main data (m)."""
+
+    tip_alteration: float = option(
+        0.0, text="tip alteration k m_n of the tip radius; negative: shorter teeth", unit="mm"
+    )
+    tip_chamfer: float = option(0.0, text="radial height of the tip chamfer", unit="mm", ge=0)
+    tip_rounding: float = option(0.0, text="radius of the tip rounding", unit="mm", ge=0)
+    thickness_allowance: float = option(
+        0.0,
+        text="tooth thickness allowance A_sn in the normal section; negative: more backlash",
+        unit="um",
+        ge=-1000,
+        le=1000,
+    )
+    rim_thickness: float | None = option(
+        None, text="rim thickness s_R below the root circle; without it: solid gear body", unit="mm", gt=0
+    )
+    web_thickness: float | None = option(None, text="web thickness b_s below the rim", unit="mm", gt=0)
+    web_offset: float = option(0.0, text="y of the middle of the web from the middle of the face", unit="mm")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gear(GearDetails):
     """An external cylindrical involute gear.
 
     teeth z, normal_module m_n (m), helix_angle beta >= 0 (rad) with hand "right" or "left", face_width b (m),
@@ -49,14 +73,7 @@ class Gear:
     profile_shift: float = 0.0
     rack: Rack = field(default_factory=Rack)
     bore_radius: float
-    tip_alteration: float = 0.0
     hand: str = "right"
-    thickness_allowance: float = 0.0
-    tip_chamfer: float = 0.0
-    tip_rounding: float = 0.0
-    rim_thickness: float | None = None
-    web_thickness: float | None = None
-    web_offset: float = 0.0
 
     def __post_init__(self) -> None:
         for name in _NUMBERS:
@@ -113,9 +130,7 @@ class Gear:
             f"{label}: the tooth is pointed below its tip circle (tip thickness {1000 * self.tip_thickness:.3g} mm, it "
             "must be above 0). Reduce the profile shift, or set a negative tip_alteration_mm",
         )
-        for name in ("tip_chamfer", "tip_rounding"):
-            value = getattr(self, name)
-            require(value >= 0.0, f"{label}: {name} is {value!r} m; give a value >= 0")
+        check_options(self, GeometryError)
         require(
             self.tip_chamfer == 0.0 or self.tip_rounding == 0.0,
             f"{label}: tip_chamfer_mm = {1000 * self.tip_chamfer:.4g} and tip_rounding_mm = "

@@ -19,7 +19,7 @@ add; they separate into a function of the position on the path and one of the fa
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Literal
 
 import numpy as np
@@ -82,13 +82,38 @@ class FlankModifications:
     y = -b/2 of the drive flank.
     """
 
-    tip_relief: Relief | None = None
-    root_relief: Relief | None = None
-    profile_crowning: float = 0.0
-    lead_crowning: float = 0.0
-    end_relief_low: EndRelief | None = None
-    end_relief_high: EndRelief | None = None
-    helix_slope: float = 0.0
+    tip_relief: Relief | None = option(None, text="tip relief")
+    root_relief: Relief | None = option(None, text="root relief")
+    profile_crowning: float = option(
+        0.0, text="profile crowning C_alpha, at both ends of the active profile", unit="um", ge=-1000, le=1000
+    )
+    lead_crowning: float = option(
+        0.0, text="lead crowning C_beta, at both ends of the face", unit="um", ge=-1000, le=1000
+    )
+    end_relief_low: EndRelief | None = option(
+        None, text="end relief at the -y end of the face", key="end_relief_minus_y"
+    )
+    end_relief_high: EndRelief | None = option(
+        None, text="end relief at the +y end of the face", key="end_relief_plus_y"
+    )
+    helix_slope: float = option(
+        0.0,
+        text="helix slope modification: material removed at the +y end of the drive flank, and added there on the "
+        "coast flank",
+        unit="um",
+        ge=-1000,
+        le=1000,
+    )
+
+    @property
+    def turned(self) -> FlankModifications:
+        """The same along the opposite face coordinate."""
+        return replace(
+            self,
+            end_relief_low=self.end_relief_high,
+            end_relief_high=self.end_relief_low,
+            helix_slope=-self.helix_slope,
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -32,14 +32,12 @@ from mbd.elements.element import ENERGY, Element, rule
 from mbd.elements.linear import Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
 from mbd.excitations.turning import turned_direction
-from mbd.parts.checks import MachineError, finite, not_negative
-from mbd.parts.couplings import CouplingSprings, ShaftCoupling
+from mbd.parts.couplings import CouplingSprings, CouplingWithAxes
 
 if TYPE_CHECKING:
     from mbd.elements.coordinates import Coordinates
 
 WORDS = ModeWords("coupling", "couplings")
-LARGEST_TILT = 0.1  # rad: the Cardan error is taken to second order
 ROWS = ("angle", "twist", "rx", "rz", "ux", "uz")
 LEAST_SCALE = 1e-3  # N and N m
 START, SENSE, ROLL, TORSION, JOINT = range(5)
@@ -92,34 +90,14 @@ def coupling_rule(values, motion, answer):
 
 
 @dataclass(frozen=True, kw_only=True)
-class MisalignedCoupling(ShaftCoupling):
+class MisalignedCoupling(CouplingWithAxes):
     """A coupling whose second shaft is off by ``offset`` (m, in x and z) and ``tilt`` (rad, about x and z).
 
-    ``radial_stiffness`` and ``tilt_stiffness`` hold along and about the first stiffness axis, at ``angle`` (rad) from
-    +x towards +z once the first shaft has turned by ``rolled`` less (rad, in its own sense); those ``across`` along and
-    about the second. ``joint``: it turns as a universal joint, whose pins are these axes.
+    The first stiffness axis is at ``angle`` (rad) from +x towards +z once the first shaft has turned by ``rolled`` less
+    (rad, in its own sense).
     """
 
-    offset: tuple[float, float] = (0.0, 0.0)
-    tilt: tuple[float, float] = (0.0, 0.0)
-    radial_stiffness_across: float
-    tilt_stiffness_across: float
-    angle: float = 0.0
     rolled: float = 0.0
-    joint: bool = False
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        where = f"coupling {self.name}"
-        for name in ("radial_stiffness_across", "tilt_stiffness_across"):
-            not_negative(f"{where} {name}", getattr(self, name))
-        for value in (*self.offset, *self.tilt, self.angle):
-            finite(f"{where} misalignment", value)
-        if float(np.hypot(*self.tilt)) > LARGEST_TILT:
-            raise MachineError(
-                f"{where}: a tilt of {float(np.hypot(*self.tilt)):.3g} rad is beyond {LARGEST_TILT} rad, where small "
-                "angles hold; it is a joint on purpose, not a misalignment."
-            )
 
     def turned(self, turns: Mapping[str, float]) -> Self:
         """The coupling after its shafts have turned."""
@@ -142,7 +120,8 @@ class MisalignedCoupling(ShaftCoupling):
         first = self.shafts[0]
         sense = float(lay.sense(first))
         tilt, radial = self.tilt_stiffness, self.radial_stiffness
-        mean_tilt, mean_radial = (tilt + self.tilt_stiffness_across) / 2, (radial + self.radial_stiffness_across) / 2
+        radial_across, tilt_across = self.across
+        mean_tilt, mean_radial = (tilt + tilt_across) / 2, (radial + radial_across) / 2
         mean = (0.0, self.torsional_stiffness, mean_tilt, mean_tilt, mean_radial, mean_radial)
         damping = tuple(self.damping_time * k for k in mean)
         forces = 1e-3 * self.torsional_stiffness, 1e-3 * mean_tilt, 1e-6 * mean_radial  # of a mrad and a um
@@ -155,7 +134,7 @@ class MisalignedCoupling(ShaftCoupling):
             rule=coupling_rule,
             values=(
                 self.angle - sense * self.rolled, sense, lay.ratios[first], self.torsional_stiffness, float(self.joint),
-                tilt, self.tilt_stiffness_across, radial, self.radial_stiffness_across, *self.tilt, *self.offset,
+                tilt, tilt_across, radial, radial_across, *self.tilt, *self.offset,
                 *damping,
             ),
             rows=np.vstack(

@@ -14,10 +14,11 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
+from fem.options import check_options, option
 from mbd.elements.component import Component, Link, Place
 from mbd.elements.linear import LinearElement, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
-from mbd.parts.checks import MachineError, finite, not_negative
+from mbd.parts.checks import MachineError
 from mbd.parts.shafts import ShaftSpec
 
 if TYPE_CHECKING:
@@ -48,21 +49,20 @@ class ShaftCoupling(Component):
 
     name: str
     shafts: tuple[str, str]
-    y: tuple[float, float]
-    torsional_stiffness: float
-    radial_stiffness: float = 0.0
-    axial_stiffness: float = 0.0
-    tilt_stiffness: float = 0.0
-    damping_time: float = 0.0
+    y: tuple[float, float] = option(text="y of the coupling on each of them", unit="mm", key="positions_mm")
+    torsional_stiffness: float = option(
+        text="torsional stiffness; 0: a bearing between two shafts that rotate independently", unit="N m/rad", ge=0
+    )
+    radial_stiffness: float = option(0.0, text="stiffness along x and z", unit="N/um", ge=0)
+    axial_stiffness: float = option(0.0, text="stiffness along the axis", unit="N/um", ge=0)
+    tilt_stiffness: float = option(0.0, text="tilting stiffness about x and z", unit="N m/rad", ge=0)
+    damping_time: float = option(0.0, text="damping over stiffness", unit="us", ge=0, le=1e5)
 
     def __post_init__(self) -> None:
         where = f"coupling {self.name}"
-        for y in self.y:
-            finite(f"{where} y", y)
-        for name in ("torsional_stiffness", "radial_stiffness", "axial_stiffness", "tilt_stiffness", "damping_time"):
-            not_negative(f"{where} {name}", getattr(self, name))
+        check_options(self, MachineError)
         if not any(self.stiffness):
-            raise MachineError(f"{where}: has no stiffness in any direction; give one, or leave it out.")
+            raise MachineError("all stiffnesses of the coupling are 0. Set one, or delete the coupling")
         if self.shafts[0] == self.shafts[1]:
             raise MachineError(f"{where}: both ends are on {self.shafts[0]}; it must join two shafts.")
 
@@ -97,6 +97,55 @@ class ShaftCoupling(Component):
             words=ModeWords("coupling", "couplings"),
             elements=(CouplingSprings(at=tuple(range(len(held))), springs=springs, damping_time=self.damping_time),),
         )
+
+
+@dataclass(frozen=True, kw_only=True)
+class CouplingWithAxes(ShaftCoupling):
+    """A coupling or bearing between two shafts on one axis. Directions of stiffness 0 are free.
+
+    `radial_stiffness` and `tilt_stiffness` hold along and about the first stiffness axis, those `across` along and
+    about the second. The axes turn with the first shaft; those of a joint are its pins. The range of `tilt` keeps its
+    angle below 0.1 rad, where the Cardan error of second order holds.
+    """
+
+    radial_stiffness_across: float | None = option(
+        None,
+        text="radial stiffness along the second of two rotating stiffness axes; without it: as along the first",
+        unit="N/um",
+        ge=0,
+    )
+    tilt_stiffness_across: float | None = option(
+        None,
+        text="tilting stiffness about the second of two rotating stiffness axes; without it: as about the first",
+        unit="N m/rad",
+        ge=0,
+    )
+    angle: float = option(
+        0.0, text="angle of the first stiffness axis at t = 0, from +x towards +z", unit="deg", key="stiff_axis_deg"
+    )
+    offset: tuple[float, float] = option(
+        (0.0, 0.0),
+        text="parallel misalignment: x and z of the axis of the second shaft relative to the first",
+        unit="um",
+    )
+    tilt: tuple[float, float] = option(
+        (0.0, 0.0),
+        text="angular misalignment of the second shaft relative to the first, about x and z",
+        unit="mrad",
+        ge=-70,
+        le=70,
+    )
+    joint: bool = option(
+        False,
+        text="true: a universal joint with its speed error; its pins are the stiffness axes",
+        key="universal_joint",
+    )
+
+    @property
+    def across(self) -> tuple[float, float]:
+        """Radial and tilting stiffness of the second axis (N/m, N m/rad)."""
+        radial, tilt = self.radial_stiffness_across, self.tilt_stiffness_across
+        return self.radial_stiffness if radial is None else radial, self.tilt_stiffness if tilt is None else tilt
 
 
 def check_coaxial(coupling: ShaftCoupling, first: ShaftSpec, second: ShaftSpec) -> None:

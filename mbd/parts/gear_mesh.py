@@ -23,7 +23,8 @@ ISO 21771-1:2024 (base helix, transverse line of action); the same rows follow f
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -41,32 +42,45 @@ def mesh_channels(mesh: str) -> tuple[str, str, str, str]:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class MeshSpec(Component):
-    """A gear pair; the driving gear is the pinion of the laws, ``cycle_at_start`` its mesh cycle at t = 0.
+class GearedShafts:
+    """Where a gear pair is: its gears on the shafts `driving` and `driven`, mid face at `y` (m).
 
-    Radii in m, angles in rad, ``backlash`` (m) along the transverse line of action, ``damping_time`` tau (s).
-    Clearances (tooth,), m, +inf for a missing tooth, or tooth terms (tooth, 6) of `fem.contact.teeth`; empty arrays
-    mean no deviation. They are kept as tooth terms.
+    `cycle_at_start` is the mesh cycle at t = 0; `damping_time` tau (s) gives damping = tau * stiffness.
     """
 
     name: str
     driving: str
     driven: str
     y: float
+    damping_time: float
+    cycle_at_start: float = 0.0
+    film: Film | None = None
+
+    def meshing(self, **pair: Any) -> MeshSpec:
+        """The mesh here; `pair` are the values of its gears and laws."""
+        return MeshSpec(**{item.name: getattr(self, item.name) for item in fields(GearedShafts)}, **pair)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MeshSpec(GearedShafts, Component):
+    """A gear pair with its laws; the driving gear is their pinion.
+
+    Radii in m, angles in rad, ``backlash`` (m) along the transverse line of action.
+    Clearances (tooth,), m, +inf for a missing tooth, or tooth terms (tooth, 6) of `fem.contact.teeth`; empty arrays
+    mean no deviation. They are kept as tooth terms.
+    """
+
     base_radius_driving: float
     base_radius_driven: float
     pressure_angle: float  # transverse, working
     base_helix_angle: float  # >= 0; the hand is in the law
     backlash: float
-    damping_time: float
     drive: MeshLaw
     coast: MeshLaw
     drive_clearance_pinion: np.ndarray = field(default_factory=lambda: np.zeros(0))
     drive_clearance_wheel: np.ndarray = field(default_factory=lambda: np.zeros(0))
     coast_clearance_pinion: np.ndarray = field(default_factory=lambda: np.zeros(0))
     coast_clearance_wheel: np.ndarray = field(default_factory=lambda: np.zeros(0))
-    cycle_at_start: float = 0.0
-    film: Film | None = None
 
     def __post_init__(self) -> None:
         where = f"mesh {self.name}"

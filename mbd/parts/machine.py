@@ -11,7 +11,7 @@ torques on it, see `mbd.system.rolling_frame`.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -30,8 +30,8 @@ STANDARD_GRAVITY = 9.80665
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Machine:
-    """Shafts in bearings, geared by meshes, driven and loaded.
+class Train:
+    """Everything in a machine but its meshes.
 
     Without ``couplings`` to motors of prescribed speed, torques among ``forces`` drive the shaft ``input_shaft``, and
     ``profile`` gives only its speed at the start. ``gravity`` (m/s2, along -z) acts on shafts, disks, container and
@@ -40,7 +40,6 @@ class Machine:
 
     shafts: tuple[ShaftSpec, ...]
     bearings: tuple[BearingSpec, ...]
-    meshes: tuple[MeshSpec, ...]
     couplings: tuple[CouplingSpec, ...] = ()
     input_shaft: str = ""  # left out: that of the first coupling
     profile: SpeedProfile
@@ -52,6 +51,17 @@ class Machine:
     brake: Brake | None = None
     gyroscopic: bool = False
     probes: tuple[Component, ...] = ()  # what only reads
+
+    def geared(self, meshes: tuple[MeshSpec, ...]) -> Machine:
+        """The machine with its meshes. MachineError names what does not fit."""
+        return Machine(**{item.name: getattr(self, item.name) for item in fields(Train)}, meshes=meshes)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Machine(Train):
+    """Shafts in bearings, geared by meshes, driven and loaded."""
+
+    meshes: tuple[MeshSpec, ...]
 
     def __post_init__(self) -> None:
         shafts = [s.name for s in self.shafts]

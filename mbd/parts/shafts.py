@@ -22,7 +22,7 @@ from mbd.elements.linear import LinearElement, Part
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
 from mbd.parts.beam import BeamSection, RigidDisk
-from mbd.parts.checks import MachineError, finite, not_negative, positive, unique
+from mbd.parts.checks import MachineError, finite, positive, unique
 
 if TYPE_CHECKING:
     from mbd.elements.coordinates import Coordinates
@@ -81,7 +81,18 @@ class Disk:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ShaftSpec(Component):
+class ShaftModel:
+    """How shafts are modelled."""
+
+    model: Literal["torsion", "timoshenko"] = option(
+        "timoshenko", text="torsion: only torsion is elastic; timoshenko: Timoshenko beam elements"
+    )
+    element_length: float = option(0.04, text="longest beam element", unit="mm", gt=0)
+    damping_time: float = option(0.5e-6, text="material damping divided by stiffness", unit="us", ge=0, le=1000)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShaftSpec(ShaftModel, Component):
     """A shaft whose axis is the line (x, y, z), y along it.
 
     ``sense`` is +1 if the lifting rotation is about +y and -1 if about -y; phi is positive in the lifting sense.
@@ -94,12 +105,9 @@ class ShaftSpec(Component):
     sense: int
     sections: tuple[Section, ...]
     disks: tuple[Disk, ...] = ()
-    model: Literal["timoshenko", "torsion"] = "timoshenko"
     elastic_modulus: float = 206e9
     poisson_ratio: float = 0.3
     density: float = 7850.0
-    damping_time: float = 1e-6
-    element_length: float = 0.05
 
     def __post_init__(self) -> None:
         where = f"shaft {self.name}"
@@ -107,8 +115,6 @@ class ShaftSpec(Component):
         finite(f"{where} z", self.z)
         if self.sense not in (1, -1):
             raise MachineError(f"{where}: sense {self.sense!r} must be +1 or -1 (lifting rotation about +y or -y).")
-        if self.model not in ("timoshenko", "torsion"):
-            raise MachineError(f"{where}: model {self.model!r} is unknown; known: timoshenko, torsion.")
         if not self.sections:
             raise MachineError(f"{where}: has no section; give at least one.")
         for before, after in itertools.pairwise(self.sections):
@@ -119,8 +125,7 @@ class ShaftSpec(Component):
                 )
         positive(f"{where} elastic_modulus", self.elastic_modulus)
         positive(f"{where} density", self.density)
-        positive(f"{where} element_length", self.element_length)
-        not_negative(f"{where} damping_time", self.damping_time)
+        check_options(self, MachineError)
         if not -1.0 < self.poisson_ratio < 0.5:
             raise MachineError(f"{where}: poisson_ratio {self.poisson_ratio} must lie between -1 and 0.5.")
         unique(f"{where} disks", [d.name for d in self.disks])

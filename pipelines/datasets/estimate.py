@@ -116,7 +116,7 @@ def _stored_channels(plan: Plan, plant: Plant, channels: int) -> float:
     if plan.table.signals:
         return channels
     vibration = 3 * (len(plant.sensors) or len(plant.bearing_points))
-    return vibration + 2 * len(plant.machine.shafts) + 3 * max(1, len(plant.machine.motors))
+    return vibration + 2 * len(plant.machine.shafts) + 3 * max(1, len(plant.machine.couplings))
 
 
 def _stored(step: Step, cache: Cache) -> bool:

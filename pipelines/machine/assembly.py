@@ -27,21 +27,7 @@ Laws = tuple[MeshLaw, MeshLaw]  # of drive and coast flank
 
 def assemble_machine(parts: MachineParts, laws: Sequence[Laws]) -> Machine:
     """Everything the multibody run needs but the casing. `MachineError` names what does not fit."""
-    return Machine(
-        shafts=parts.shafts,
-        bearings=parts.bearings,
-        meshes=tuple(_mesh(mesh, *flanks) for mesh, flanks in zip(parts.meshes, laws, strict=True)),
-        couplings=parts.motors,
-        input_shaft=parts.driven,
-        profile=parts.drive,
-        load=parts.load,
-        shaft_couplings=parts.couplings,
-        forces=parts.forces,
-        losses=parts.losses,
-        brake=parts.brake,
-        gyroscopic=parts.gyroscopic,
-        probes=parts.probes,
-    )
+    return parts.geared(tuple(_mesh(mesh, *flanks) for mesh, flanks in zip(parts.meshes, laws, strict=True)))
 
 
 def assemble_system(machine: Machine, body: ReducedBody, recorded: Recorded, band: float | None = None) -> System:
@@ -66,25 +52,15 @@ def _mesh(mesh: GearMesh, drive: MeshLaw, coast: MeshLaw) -> MeshSpec:
             for flank in laws:
                 own = f"{flank}_clearance_{gear}"
                 laws[flank], terms[own] = deviating_law(laws[flank], pair, gear, terms[own], teeth.prescribed)
-    return MeshSpec(
-        name=mesh.name,
-        driving=mesh.driving,
-        driven=mesh.driven,
-        y=mesh.y,
+    return mesh.meshing(
         base_radius_driving=pair.pinion.base_radius,
         base_radius_driven=pair.wheel.base_radius,
         pressure_angle=pair.working_pressure_angle,
         base_helix_angle=pair.base_helix_angle,
         backlash=pair.backlash,
-        damping_time=mesh.damping_time,
         drive=laws["drive"],
         coast=laws["coast"],
-        drive_clearance_pinion=terms["drive_clearance_pinion"],
-        drive_clearance_wheel=terms["drive_clearance_wheel"],
-        coast_clearance_pinion=terms["coast_clearance_pinion"],
-        coast_clearance_wheel=terms["coast_clearance_wheel"],
-        cycle_at_start=mesh.cycle_at_start,
-        film=mesh.film,
+        **terms,
     )
 
 

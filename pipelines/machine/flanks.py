@@ -71,18 +71,8 @@ def modifications(stage: StageTable, sense: int) -> PairModifications:
 
 
 def _gear_flanks(table: GearTable, sense: int) -> FlankModifications:
-    low, high = table.end_relief_minus_y, table.end_relief_plus_y
-    if sense < 0:
-        low, high = high, low
-    return FlankModifications(
-        tip_relief=table.tip_relief and table.tip_relief.made(),
-        root_relief=table.root_relief and table.root_relief.made(),
-        profile_crowning=table.si.profile_crowning,
-        lead_crowning=table.si.lead_crowning,
-        end_relief_low=low and low.made(),
-        end_relief_high=high and high.made(),
-        helix_slope=sense * table.si.helix_slope,
-    )
+    made: FlankModifications = table.made_part(FlankModifications)
+    return made if sense > 0 else made.turned
 
 
 def prescribed_deviations(stage: StageTable, number: int, gear: str, sense: int) -> PrescribedDeviations | None:

@@ -75,7 +75,8 @@ def _gear(stage: StageTable, name: str, hand: str, sense: int) -> Gear:
         tip_radius=rack_value("rack_tip_radius"),
         pressure_angle=stage.si.pressure_angle,
     )
-    solid = Gear(
+    solid: Gear = table.made_part(
+        Gear,
         teeth=getattr(stage, f"{name}_teeth"),
         normal_module=stage.si.module,
         helix_angle=stage.si.helix_angle,
@@ -83,13 +84,7 @@ def _gear(stage: StageTable, name: str, hand: str, sense: int) -> Gear:
         profile_shift=getattr(stage, f"{name}_profile_shift"),
         rack=rack,
         bore_radius=1e-6 * stage.si.module,
-        tip_alteration=table.si.tip_alteration,
         hand=hand,
-        thickness_allowance=table.si.thickness_allowance,
-        tip_chamfer=table.si.tip_chamfer,
-        tip_rounding=table.si.tip_rounding,
-        rim_thickness=table.si.rim_thickness,
-        web_thickness=table.si.web_thickness,
         web_offset=sense * table.si.web_offset + 0.0,  # no -0: equal pairs share a law
     )
     bore: float | None = getattr(stage.si, f"{name}_bore")

@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import partial
-from typing import Any
 
 from fem.gears.geometry import Gear, GearPair
 from fem.gears.prescribed import PrescribedDeviations
-from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.film import Film
 from mbd.parts.losses import Brake
 from mbd.parts.shafts import Disk, ShaftSpec
@@ -25,7 +23,6 @@ from pipelines.scene.scene import Scene
 from pipelines.scene.tables.gears import DeviationTable
 from pipelines.scene.tables.losses import FilmModel
 from pipelines.scene.tables.motion import LoadBase, SpeedDrive
-from pipelines.scene.tables.shafts import CouplingTable
 
 
 def _annulus(name: str, y: float, inner: float, outer: float, width: float, density: float) -> Disk:
@@ -90,7 +87,8 @@ def shaft_specs(scene: Scene, layout: Layout) -> tuple[ShaftSpec, ...]:
     specs = []
     for number, (table, (x, z)) in enumerate(zip(scene.shafts, layout.axes, strict=True)):
         specs.append(
-            ShaftSpec(
+            scene.shaft_model.made_part(
+                ShaftSpec,
                 name=f"shaft_{number + 1}",
                 x=x,
                 z=z,
@@ -100,41 +98,9 @@ def shaft_specs(scene: Scene, layout: Layout) -> tuple[ShaftSpec, ...]:
                 elastic_modulus=steel.si.elastic_modulus,
                 poisson_ratio=steel.poisson_ratio,
                 density=steel.density_kg_m3,
-                damping_time=scene.shaft_model.si.damping_time,
-                element_length=scene.shaft_model.si.element_length,
-                model=scene.shaft_model.model,
             )
         )
     return tuple(specs)
-
-
-def coupling_spec(number: int, table: CouplingTable) -> ShaftCoupling:
-    """The coupling between two shafts with a number in the scene."""
-    radial, tilt = table.si.radial_stiffness, table.tilt_stiffness_N_m_per_rad
-    common: dict[str, Any] = {
-        "name": f"coupling_{number}",
-        "shafts": (f"shaft_{table.shafts[0]}", f"shaft_{table.shafts[1]}"),
-        "y": table.si.positions,
-        "torsional_stiffness": table.torsional_stiffness_N_m_per_rad,
-        "radial_stiffness": radial,
-        "axial_stiffness": table.si.axial_stiffness,
-        "tilt_stiffness": tilt,
-        "damping_time": table.si.damping_time,
-    }
-    if not table.turns:
-        return ShaftCoupling(**common)
-    from mbd.excitations.misaligned_coupling import MisalignedCoupling
-
-    across = table.si.radial_stiffness_across, table.tilt_stiffness_across_N_m_per_rad
-    return MisalignedCoupling(
-        **common,
-        radial_stiffness_across=radial if across[0] is None else across[0],
-        tilt_stiffness_across=tilt if across[1] is None else across[1],
-        offset=table.si.offset,
-        tilt=table.si.tilt,
-        angle=table.si.stiff_axis,
-        joint=table.universal_joint,
-    )
 
 
 def gear_teeth(
@@ -219,11 +185,13 @@ def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault], problem
         shafts=problems.made("shafts", shaft_specs, scene, layout) or (),
         bearings=bearing_specs(scene, problems),
         meshes=gear_meshes(scene, layout, faults),
-        motors=motor_couplings(drive, layout.driven, ends),
-        driven=driven,
-        drive=profile,
+        couplings=motor_couplings(drive, layout.driven, ends),
+        input_shaft=driven,
+        profile=profile,
         load=load,
-        couplings=problems.each("couplings", (partial(coupling_spec, *one) for one in enumerate(scene.couplings, 1))),
+        shaft_couplings=problems.each(
+            "couplings", (partial(table.spec, n) for n, table in enumerate(scene.couplings, 1))
+        ),
         forces=(
             *(problems.made("drive", motor_torques, drive, layout.driven, ends) or ()),
             *(problems.made("load", torque_load, scene.load, layout.loaded, places) or ()),

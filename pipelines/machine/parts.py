@@ -10,15 +10,8 @@ from dataclasses import dataclass
 from fem.gears.geometry import GearPair
 from fem.gears.prescribed import PrescribedDeviations
 from mbd.parts import channels
-from mbd.parts.bearings import BearingSpec
-from mbd.parts.couplings import ShaftCoupling
-from mbd.parts.drive import CouplingSpec, SpeedProfile
-from mbd.parts.film import Film
-from mbd.parts.load import Excitation, Load
-from mbd.parts.losses import Brake, Losses
-from mbd.parts.machine import Machine
-from mbd.parts.probe import Probe
-from mbd.parts.shafts import ShaftSpec
+from mbd.parts.gear_mesh import GearedShafts
+from mbd.parts.machine import Machine, Train
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,42 +37,20 @@ class GearTeeth:
     damaged: tuple[int, ...]
 
 
-@dataclass(frozen=True, kw_only=True)
-class GearMesh:
-    """A gear pair in the machine without its laws: on shafts `driving` and `driven`, mid face at `y` (m).
+@dataclass(frozen=True, eq=False, kw_only=True)
+class GearMesh(GearedShafts):
+    """A gear pair in the machine without its laws, with what is particular about its teeth."""
 
-    `cycle_at_start` is the mesh cycle at t = 0, `damping_time` (s) gives damping = this time * stiffness.
-    """
-
-    name: str
-    driving: str
-    driven: str
-    y: float
     pair: GearPair
     pinion: GearTeeth
     wheel: GearTeeth
-    damping_time: float
-    cycle_at_start: float
-    film: Film | None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class MachineParts:
+class MachineParts(Train):
     """Everything that the multibody model is made of but the laws of its meshes and its casing."""
 
-    shafts: tuple[ShaftSpec, ...]
-    bearings: tuple[BearingSpec, ...]
     meshes: tuple[GearMesh, ...]
-    motors: tuple[CouplingSpec, ...]  # of prescribed speed; none: torques among `forces` drive
-    driven: str
-    drive: SpeedProfile
-    load: Load | None
-    couplings: tuple[ShaftCoupling, ...]
-    forces: tuple[Excitation, ...]
-    losses: Losses
-    brake: Brake | None
-    gyroscopic: bool
-    probes: tuple[Probe, ...]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -87,7 +87,7 @@ class Drivetrain:
             self.looked_for,
             self.layout,
             self.hoist,
-            self.machine.drive,
+            self.machine.profile,
             self.rolling,
             self.faults,
             self.spalls,

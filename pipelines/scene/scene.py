@@ -30,7 +30,7 @@ from pipelines.scene.tables.gears import DeviationTable, StageTable
 from pipelines.scene.tables.housing import HousingBase
 from pipelines.scene.tables.losses import FilmModel, LossModel, NoFilm
 from pipelines.scene.tables.motion import DriveModel, LoadModel, SimulationTable
-from pipelines.scene.tables.shafts import CouplingTable, DiskTable, ProbeTable, ShaftModel, ShaftTable
+from pipelines.scene.tables.shafts import CouplingTable, DiskTable, ProbeTable, ShaftModelTable, ShaftTable
 from pipelines.scene.train import stage_shafts
 
 
@@ -50,7 +50,7 @@ class Scene(Table):
     shafts: Annotated[
         tuple[ShaftTable, ...], Field(min_length=2, max_length=21, description="shafts; shaft 1 is the input")
     ]
-    shaft_model: Annotated[ShaftModel, Field(description="how shafts are modelled")] = ShaftModel()
+    shaft_model: Annotated[ShaftModelTable, Field(description="how shafts are modelled")] = ShaftModelTable()
     bearings: Annotated[BearingModel, Field(description="model of every bearing for which its shaft gives none")] = (
         table(LinearBearings)()
     )

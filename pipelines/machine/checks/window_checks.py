@@ -34,7 +34,7 @@ def bad_windows(scene: Scene, plant: Drivetrain) -> Iterator[Problem]:
             "drive.speeds_rpm", "all speeds are 0, so that there is nothing to diagnose", "Set a speed above 0"
         )
         return
-    rate, drive, settings = scene.simulation.output_rate_Hz, plant.machine.drive, plant.diagnosis
+    rate, drive, settings = scene.simulation.output_rate_Hz, plant.machine.profile, plant.diagnosis
     if settings is None:
         return
     profile = SpeedProfile(times=drive.times, speeds=drive.speeds / RPM, smooth=drive.smooth)

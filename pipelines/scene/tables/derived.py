@@ -41,10 +41,10 @@ class DerivedTable(Table):
         return self.made_part(self.made_of, **others)
 
     def made_part(self, part: type, **others: Any) -> Any:
-        """An object of a class whose options are among the keys, with values for further fields."""
+        """An object of a class whose options are among the keys; `others` are further fields, and win over options."""
         given = {field.name: _si(getattr(self, key_of(field.name, one)), one) for field, one in options_of(part)}
         parts = {name: self.made_part(of) for name, of in inlined(part) if name not in others}
-        return part(**given, **parts, **others)
+        return part(**given | parts | others)
 
 
 @functools.cache

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
+from mbd.parts.couplings import CouplingWithAxes, ShaftCoupling
 from mbd.parts.probe import Probe
-from mbd.parts.shafts import Disk, Section
-from pipelines.scene.tables.base import Flag, NotNegative, Number, Table, Whole
+from mbd.parts.shafts import Disk, Section, ShaftModel
+from pipelines.scene.tables.base import Flag, Number, Table, Whole
 from pipelines.scene.tables.bearings import BearingModel
 from pipelines.scene.tables.derived import DerivedTable, table
 
@@ -105,79 +106,45 @@ class ShaftTable(Table):
         return self
 
 
-class ShaftModel(Table):
+class _ShaftModelBase(DerivedTable):
     """How shafts are modelled."""
 
-    model: Annotated[
-        Literal["torsion", "timoshenko"],
-        Field(description="torsion: only torsion is elastic; timoshenko: Timoshenko beam elements"),
-    ] = "timoshenko"
-    element_length_mm: Annotated[Number, Field(gt=0, description="longest beam element")] = 40.0
-    damping_time_us: Annotated[Number, Field(ge=0, le=1000, description="material damping divided by stiffness")] = 0.5
     gyroscopic: Annotated[
         Flag, Field(description="true: with gyroscopic moments of shafts and disks at the current speed")
     ] = False
 
 
-Small = Annotated[Number, Field(ge=-70, le=70)]
-
-
-class CouplingTable(Table):
-    """A coupling or bearing between two shafts on one axis. Directions of stiffness 0 are free."""
+class CouplingBase(DerivedTable):
+    """Which shafts a coupling joins."""
 
     shafts: Annotated[tuple[Whole, Whole], Field(description="numbers of the two shafts")]
-    positions_mm: Annotated[tuple[Number, Number], Field(description="y of the coupling on each of them")]
-    torsional_stiffness_N_m_per_rad: Annotated[
-        Number,
-        Field(ge=0, description="torsional stiffness; 0: a bearing between two shafts that rotate independently"),
-    ]
-    radial_stiffness_N_per_um: Annotated[Number, Field(ge=0, description="stiffness along x and z")] = 0.0
-    axial_stiffness_N_per_um: Annotated[Number, Field(ge=0, description="stiffness along the axis")] = 0.0
-    tilt_stiffness_N_m_per_rad: Annotated[Number, Field(ge=0, description="tilting stiffness about x and z")] = 0.0
-    damping_time_us: Annotated[Number, Field(ge=0, le=1e5, description="damping over stiffness")] = 0.0
-    radial_stiffness_across_N_per_um: Annotated[
-        NotNegative | None,
-        Field(
-            description="radial stiffness along the second of two rotating stiffness axes; without it: as along "
-            "the first"
-        ),
-    ] = None
-    tilt_stiffness_across_N_m_per_rad: Annotated[
-        NotNegative | None,
-        Field(
-            description="tilting stiffness about the second of two rotating stiffness axes; without it: as about "
-            "the first"
-        ),
-    ] = None
-    stiff_axis_deg: Annotated[
-        Number, Field(description="angle of the first stiffness axis at t = 0, from +x towards +z")
-    ] = 0.0
-    offset_um: Annotated[
-        tuple[Number, Number],
-        Field(description="parallel misalignment: x and z of the axis of the second shaft relative to the first"),
-    ] = (0.0, 0.0)
-    tilt_mrad: Annotated[
-        tuple[Small, Small],
-        Field(description="angular misalignment of the second shaft relative to the first, about x and z"),
-    ] = (0.0, 0.0)
-    universal_joint: Annotated[
-        Flag, Field(description="true: a universal joint with its speed error; its pins are the stiffness axes")
-    ] = False
 
     @model_validator(mode="after")
-    def _holds(self) -> CouplingTable:
-        radial, axial = self.radial_stiffness_N_per_um, self.axial_stiffness_N_per_um
-        if not (self.torsional_stiffness_N_m_per_rad or radial or axial or self.tilt_stiffness_N_m_per_rad):
-            raise ValueError("all stiffnesses of the coupling are 0. Set one, or delete the coupling")
+    def _holds(self) -> CouplingBase:
+        self.made_part(ShaftCoupling, name="", shafts=("", "other"))  # what it refuses is a problem of the table
         return self
 
     @property
     def turns_both(self) -> bool:
         """Whether both shafts turn alike."""
-        return self.torsional_stiffness_N_m_per_rad > 0
+        held: float = self.torsional_stiffness_N_m_per_rad
+        return held > 0
 
-    @property
-    def turns(self) -> bool:
-        """Whether what it does depends on where its shafts have turned to."""
+    def spec(self, number: int) -> ShaftCoupling:
+        """The coupling with a number in the scene, in SI; with axes only where these change what it does."""
+        placed = {"name": f"coupling_{number}", "shafts": tuple(f"shaft_{shaft}" for shaft in self.shafts)}
         across = self.radial_stiffness_across_N_per_um, self.tilt_stiffness_across_N_m_per_rad
-        return self.universal_joint or across != (None, None) or any((*self.offset_um, *self.tilt_mrad))
+        if not (self.universal_joint or across != (None, None) or any((*self.offset_um, *self.tilt_mrad))):
+            plain: ShaftCoupling = self.made_part(ShaftCoupling, **placed)
+            return plain
+        from mbd.excitations.misaligned_coupling import MisalignedCoupling
+
+        turning: MisalignedCoupling = self.made_part(MisalignedCoupling, **placed)
+        return turning
+
+
+if TYPE_CHECKING:
+    ShaftModelTable = Any
+    CouplingTable = Any
+else:
+    ShaftModelTable, CouplingTable = table(ShaftModel, _ShaftModelBase), table(CouplingWithAxes, CouplingBase)
