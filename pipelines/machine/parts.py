@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from fem.gears.geometry import GearPair
 from fem.gears.prescribed import PrescribedDeviations
+from mbd.elements.component import Component
 from mbd.parts import channels
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.couplings import ShaftCoupling
@@ -17,7 +18,6 @@ from mbd.parts.film import Film
 from mbd.parts.load import Excitation, Load
 from mbd.parts.losses import Brake, Losses
 from mbd.parts.machine import Machine
-from mbd.parts.probe import Probe
 from mbd.parts.shafts import ShaftSpec
 
 
@@ -79,7 +79,7 @@ class MachineParts:
     losses: Losses
     brake: Brake | None
     gyroscopic: bool
-    probes: tuple[Probe, ...]
+    probes: tuple[Component, ...]  # what only reads
 
 
 @dataclass(frozen=True, kw_only=True)
