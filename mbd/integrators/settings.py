@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from fem.options import check_options, option
+from mbd.elements.reading import FURTHER
 from mbd.integrators.methods import METHODS
 from mbd.parts.checks import positive
+
+if TYPE_CHECKING:
+    FurtherChannel = str
+else:
+    FurtherChannel = Literal[tuple(FURTHER)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,6 +81,12 @@ class MotionSettings(Settings):
     )
     integrator: Literal["exponential", "trapezoidal", "generalised-alpha"] = option(
         "exponential", text="time integration method, see docs/choosing-a-model.md"
+    )
+
+    channels: tuple[FurtherChannel, ...] = option(
+        (),
+        text="further signals to record; bearing-misalignment: rotation of the shaft in every bearing relative to its "
+        "seat, about x and z",
     )
 
     def __post_init__(self) -> None:

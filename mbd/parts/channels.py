@@ -6,12 +6,14 @@ Names are ``"<thing>:<quantity>"``; the file of each kind spells its own. `chann
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mbd.elements.reading import Reading
+from mbd.elements.component import Component
+from mbd.elements.reading import FURTHER, ChannelKind, Reading, further_class
 from mbd.parts.bearings import DIRECTIONS, bearing_force, journal_acceleration
 from mbd.parts.checks import MachineError
 from mbd.parts.drive import COUPLING_TORQUE, motor_channels
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
     from mbd.elements.element import Element
 
 __all__ = [
+    "CHANNELS",
     "CONTAINER",
     "COUPLING_TORQUE",
     "DIRECTIONS",
@@ -37,9 +40,10 @@ __all__ = [
     "ChannelRows",
     "acceleration",
     "bearing_force",
+    "channel_kinds",
     "channel_names",
     "channel_rows",
-    "excitations",
+    "further_channels",
     "journal_acceleration",
     "mesh_channels",
     "motor_channels",
@@ -47,6 +51,79 @@ __all__ = [
     "sensor_names",
     "shaft_channels",
 ]
+
+
+_AT = partial(ChannelKind, labels=DIRECTIONS)
+CHANNELS = (  # the variables that a machine records by itself, in the order of the results
+    ChannelKind(
+        variable="motor_angle",
+        dims=("motor",),
+        quantity="angle",
+        text="angle of the motor, positive as the first one turns it",
+    ),
+    ChannelKind(variable="motor_speed", dims=("motor",), quantity="speed", text="speed of the motor"),
+    ChannelKind(variable="motor_torque", dims=("motor",), quantity="torque", text="torque of the motor on the shaft"),
+    ChannelKind(variable="source_angle", dims=("source",), quantity="angle", text="angle of the load or further motor"),
+    ChannelKind(variable="source_speed", dims=("source",), quantity="speed", text="speed of the load or further motor"),
+    ChannelKind(variable="source_torque", dims=("source",), quantity="torque", text="its torque, driving positive"),
+    ChannelKind(
+        variable="coupling_torque",
+        dims=("coupling",),
+        quantity=COUPLING_TORQUE.removeprefix(":"),
+        text="torque from the rotor through its coupling",
+    ),
+    _AT(
+        variable="probe_displacement",
+        dims=("probe", "axis"),
+        quantity=DISPLACEMENT.removeprefix(":"),
+        text="displacement of the shaft's axis at the probe",
+    ),
+    ChannelKind(variable="shaft_angle", dims=("shaft",), quantity="angle", text="angle of the shaft"),
+    ChannelKind(variable="shaft_speed", dims=("shaft",), quantity="speed", text="speed of the shaft"),
+    ChannelKind(variable="mesh_approach", dims=("stage",), quantity="delta", text="approach on the drive flank"),
+    ChannelKind(variable="mesh_tilt", dims=("stage",), quantity="psi", text="tilt in the plane of action"),
+    ChannelKind(variable="mesh_force", dims=("stage",), quantity="drive_force", text="force on the drive flank"),
+    ChannelKind(variable="coast_force", dims=("stage",), quantity="coast_force", text="force on the coast flank"),
+    _AT(
+        variable="bearing_force",
+        dims=("bearing", "axis"),
+        quantity="f",
+        text="force of the bearing on the casing",
+    ),
+    _AT(variable="acceleration", dims=("sensor", "axis"), quantity="a", text="acceleration of the casing"),
+    _AT(
+        variable="journal_acceleration",
+        dims=("bearing", "axis"),
+        quantity="journal_a",
+        text="acceleration of the journal",
+    ),
+    ChannelKind(variable=OUTSIDE_FORCE, dims=("force",), quantity=OUTSIDE_FORCE, text="force from outside"),
+    ChannelKind(
+        variable=GROUND_ACCELERATION, dims=("base",), quantity=GROUND_ACCELERATION, text="acceleration of the ground"
+    ),
+    ChannelKind(variable="rope_force", dims=(), quantity=ROPE_FORCE, text="force of all falls together"),
+    ChannelKind(variable="container_lift", dims=(), quantity=CONTAINER[0], text="rise of the container"),
+    ChannelKind(
+        variable="container_acceleration", dims=(), quantity=CONTAINER[1], text="acceleration of the container"
+    ),
+)
+
+
+def further_channels(names: Sequence[str], **things: tuple[Component, ...]) -> tuple[Component, ...]:
+    """The components that record further channels.
+
+    Parameters
+    ----------
+    names : of `FURTHER`
+    **things : all bearings, shafts, ... of a machine, of which a component takes those that are among its fields
+    """
+    kinds = [further_class(name, MachineError) for name in dict.fromkeys(names)]
+    return tuple(kind(**{field.name: things[field.name] for field in fields(kind)}) for kind in kinds)
+
+
+def channel_kinds() -> tuple[ChannelKind, ...]:
+    """All variables of the results."""
+    return (*CHANNELS, *(further_class(name, MachineError).kind for name in FURTHER))
 
 
 def acceleration(sensor: str, axis: str) -> str:
@@ -58,11 +135,6 @@ def channel_names(machine: Machine, sensors: tuple[str, ...] = ()) -> tuple[str,
     """All channels of ``machine`` with the accelerations of the casing points ``sensors``."""
     points = [acceleration(s, a) for s in sensors for a in DIRECTIONS]
     return (*points, *(name for component in machine.components for name in component.channel_names))
-
-
-def excitations(names: Sequence[str], quantity: str) -> tuple[str, ...]:
-    """What has a channel of that quantity among ``names``, `OUTSIDE_FORCE` or `GROUND_ACCELERATION`."""
-    return tuple(name.partition(":")[0] for name in names if name.endswith(f":{quantity}"))
 
 
 def sensor_names(names: tuple[str, ...]) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from functools import partial
 
 from fem.gears.geometry import Gear, GearPair
 from fem.gears.prescribed import PrescribedDeviations
+from mbd.parts.channels import further_channels
 from mbd.parts.film import Film
 from mbd.parts.losses import Brake
 from mbd.parts.shafts import Disk, ShaftSpec
@@ -181,9 +182,10 @@ def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault], problem
     profile, load = speed_profile(drive), problems.made("load", hanging_load, scene.load, layout.loaded, places)
     if load is not None and isinstance(drive, SpeedDrive):
         problems.made("load", load.check_run, profile, layout.shaft_ratios[layout.loaded], scene.simulation.end_s)
+    bearings = bearing_specs(scene, problems)
     return MachineParts(
         shafts=problems.made("shafts", shaft_specs, scene, layout) or (),
-        bearings=bearing_specs(scene, problems),
+        bearings=bearings,
         meshes=gear_meshes(scene, layout, faults),
         couplings=motor_couplings(drive, layout.driven, ends),
         input_shaft=driven,
@@ -201,5 +203,8 @@ def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault], problem
         losses=scene.losses.made(),
         brake=Brake(shaft=driven, y=ends[0], torque=brake) if brake else None,
         gyroscopic=scene.shaft_model.gyroscopic,
-        probes=tuple(table.made(shaft=f"shaft_{table.shaft}") for table in scene.probes),
+        probes=(
+            *(table.made(shaft=f"shaft_{table.shaft}") for table in scene.probes),
+            *further_channels(scene.simulation.channels, bearings=bearings),
+        ),
     )

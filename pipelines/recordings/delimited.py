@@ -42,7 +42,7 @@ class Layout:
     units: tuple[str, ...]
 
 
-def open_delimited(path: Path) -> Contents:
+def open_channels(path: Path) -> Contents:
     """The channels of all columns.
 
     Raises

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 
 from pipelines.io.errors import InputError
 from pipelines.io.shown import nearest_name, shown
 from pipelines.io.user_files import names_beside, regular_file
-from pipelines.recordings import delimited, hdf5, matlab, numpy_files, tdms, universal, wav
 from pipelines.recordings.channels import Contents
 
 SHARE = 0.5  # of the memory that is free, which one file may take
@@ -18,23 +18,38 @@ SHARE = 0.5  # of the memory that is free, which one file may take
 
 @dataclass(frozen=True, kw_only=True)
 class Format:
-    """`open` gives the channels of a file; `memory` the bytes that takes, None where it is read part by part."""
+    """A reader by the names of its module and functions; it is imported when a file of the format is opened.
+
+    `opens` gives the channels of a file; `measures` the bytes that takes, "" where it is read part by part.
+    """
 
     name: str
     endings: tuple[str, ...]
-    open: Callable[[Path], Contents]
-    memory: Callable[[Path], int] | None = None
+    reader: str  # module
+    opens: str = "open_channels"
+    measures: str = ""
+
+    def open(self, path: Path) -> Contents:
+        """The channels of a file."""
+        found: Contents = getattr(import_module(self.reader), self.opens)(path)
+        return found
+
+    def memory(self, path: Path) -> int:
+        """Bytes of memory that `open` takes; 0 where it reads the file part by part."""
+        return int(getattr(import_module(self.reader), self.measures)(path)) if self.measures else 0
 
 
+_TEXT, _ROOM = (".csv", ".txt", ".tsv", ".dat", ".asc"), "pipelines.recordings."
+_NUMPY = _ROOM + "numpy_files"
 FORMATS = (
-    Format(name="text", endings=(".csv", ".txt", ".tsv", ".dat", ".asc"), open=delimited.open_delimited),
-    Format(name="MATLAB", endings=(".mat",), open=matlab.open_mat, memory=matlab.memory),
-    Format(name="HDF5", endings=(".h5", ".hdf5", ".hdf", ".nc"), open=hdf5.open_hdf5),
-    Format(name="UFF 58", endings=(".uff", ".unv"), open=universal.open_universal, memory=universal.memory),
-    Format(name="NPY", endings=(".npy",), open=numpy_files.open_npy),
-    Format(name="NPZ", endings=(".npz",), open=numpy_files.open_npz, memory=numpy_files.npz_memory),
-    Format(name="WAV", endings=(".wav",), open=wav.open_wav, memory=wav.memory),
-    Format(name="TDMS", endings=(".tdms",), open=tdms.open_tdms, memory=tdms.memory),
+    Format(name="text", endings=_TEXT, reader=_ROOM + "delimited"),
+    Format(name="MATLAB", endings=(".mat",), reader=_ROOM + "matlab", measures="memory"),
+    Format(name="HDF5", endings=(".h5", ".hdf5", ".hdf", ".nc"), reader=_ROOM + "hdf5"),
+    Format(name="UFF 58", endings=(".uff", ".unv"), reader=_ROOM + "universal", measures="memory"),
+    Format(name="NPY", endings=(".npy",), reader=_NUMPY, opens="open_npy"),
+    Format(name="NPZ", endings=(".npz",), reader=_NUMPY, opens="open_npz", measures="npz_memory"),
+    Format(name="WAV", endings=(".wav",), reader=_ROOM + "wav", measures="memory"),
+    Format(name="TDMS", endings=(".tdms",), reader=_ROOM + "tdms", measures="memory"),
 )
 BY_ENDING: Mapping[str, Format] = {ending: one for one in FORMATS for ending in one.endings}
 
@@ -68,8 +83,6 @@ def memory_needed(path: Path) -> int:
     InputError : not a file that can be read, or damaged
     """
     form = format_of(path)
-    if form.memory is None:
-        return 0
     with damage_refused(path, form):
         return form.memory(path)
 

@@ -17,7 +17,7 @@ _REFERENCES = "#refs#"  # where MATLAB keeps what its cells hold
 _TEXT_CLASSES = ("char", "logical")  # of MATLAB, stored as numbers
 
 
-def open_hdf5(path: Path) -> Contents:
+def open_channels(path: Path) -> Contents:
     """The channels of all datasets, named by their paths.
 
     Attributes `units` and `fs`, `rate` or the like of a dataset are obeyed, as is a dataset or an attribute of the file

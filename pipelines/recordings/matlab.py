@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from pipelines.recordings import hdf5
 from pipelines.recordings.channels import Channel, Contents
-from pipelines.recordings.hdf5 import open_hdf5
 from pipelines.recordings.numpy_files import named_arrays
 
 _WIDTH = 8  # bytes of a number
@@ -28,12 +28,12 @@ def memory(path: Path) -> int:
     return max(plain, _PACKED * path.stat().st_size)
 
 
-def open_mat(path: Path) -> Contents:
+def open_channels(path: Path) -> Contents:
     """The channels of all numeric variables; those of structures are named "structure.field"."""
     import h5py
 
     if h5py.is_hdf5(path):
-        return open_hdf5(path)
+        return hdf5.open_channels(path)
     from scipy.io import loadmat
 
     content = {name: value for name, value in loadmat(path, simplify_cells=True).items() if not name.startswith("__")}

@@ -21,7 +21,7 @@ from pipelines.io.shown import nearest_name, shown
 from pipelines.recordings.channels import Channel, Contents
 from pipelines.recordings.checks import checked_extremes, clipped_share
 from pipelines.recordings.formats import damage_refused, format_of, memory_needed, open_channels
-from pipelines.recordings.hdf5 import holds_recording, open_hdf5
+from pipelines.recordings.hdf5 import holds_recording
 from pipelines.recordings.machine import Machine
 from pipelines.recordings.machine_table import AXES, DEFAULT_AXIS, ChannelName
 from pipelines.recordings.time_axis import is_time, sampling
@@ -46,7 +46,7 @@ def read_recording(source: str | Path, machine: Machine) -> xarray.Dataset:
     """
     path = Path(source)
     form = format_of(path)
-    if form.open is open_hdf5 and (has_checksum(path) or holds_recording(path)):
+    if form.name == "HDF5" and (has_checksum(path) or holds_recording(path)):
         return _response(path)
     if (needed := memory_needed(path)) > _WORTH_A_LINE:
         _LOG.info("%s: %s takes about %.0f MB of memory", shown(path), form.name, needed / 1e6)

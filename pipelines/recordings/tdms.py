@@ -26,7 +26,7 @@ def memory(path: Path) -> int:
         return sum(max(8, channel.dtype.itemsize) * len(channel) for channel in channels)
 
 
-def open_tdms(path: Path) -> Contents:
+def open_channels(path: Path) -> Contents:
     """The channels of all groups, named "group/channel" where there are several groups.
 
     Raises

@@ -18,7 +18,7 @@ def memory(path: Path) -> int:
     return 2 * path.stat().st_size
 
 
-def open_universal(path: Path) -> Contents:
+def open_channels(path: Path) -> Contents:
     """A channel for each time response, with the sensor and axis of its point; uneven ones bring their time along."""
     with path.open(encoding="latin-1") as file:
         records = list(read_functions(file))

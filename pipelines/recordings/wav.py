@@ -20,7 +20,7 @@ def memory(path: Path) -> int:
     return path.stat().st_size * 4 // 3
 
 
-def open_wav(path: Path) -> Contents:
+def open_channels(path: Path) -> Contents:
     """The channels of a WAV file, named by their numbers.
 
     Raises

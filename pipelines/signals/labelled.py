@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,10 +14,14 @@ from mbd.parts import channels
 from pipelines.signals.motion_warnings import ATTRIBUTE, motion_warnings
 
 AXES = list(channels.DIRECTIONS)
-EXCITATIONS = (  # dimension, quantity, text
-    ("force", channels.OUTSIDE_FORCE, "force from outside"),
-    ("base", channels.GROUND_ACCELERATION, "acceleration of the ground"),
-)
+_NAMED = {  # what a motion names itself, by dimension
+    "motor": "motors",
+    "source": "sources",
+    "shaft": "shafts",
+    "stage": "meshes",
+    "bearing": "bearings",
+    "sensor": "sensors",
+}
 ROUNDED = ("m/s2", "N", "N m")
 ROUNDING = "float32, rounded by at most 2^-24 (6e-8) of each value; the motion in the cache is float64"
 
@@ -57,56 +61,27 @@ def stored_type(units: str) -> np.dtype:
 def signals(motion: Trajectory) -> Iterator[Signal]:
     """All signals of a motion."""
     number = {name: row for row, name in enumerate(motion.channel_names)}
+    for kind in channels.channel_kinds():
+        named = [kind.spelled(thing) for thing in _things(kind, motion)] if kind.dims else [(kind.quantity,)]
+        if named and named[0][0] in number:
+            rows = np.array([[number[name] for name in names] for names in named])
+            shape = rows.shape[: len(kind.dims)]
+            yield Signal(
+                name=kind.variable,
+                dims=kind.dims,
+                rows=rows.reshape(shape),
+                units=motion.channel_units[rows.flat[0]],
+                text=kind.text,
+            )
 
-    def signal(name: str, dims: tuple[str, ...], named: Any, text: str) -> Signal:
-        rows = np.vectorize(number.__getitem__, otypes=[int])(np.array(named))
-        return Signal(name=name, dims=dims, rows=rows, units=motion.channel_units[rows.flat[0]], text=text)
 
-    def points(named: tuple[str, ...], spell: Callable[[str, str], str]) -> list[list[str]]:
-        return [[spell(name, axis) for axis in AXES] for name in named]
-
-    motor, source = (
-        list(zip(*map(channels.motor_channels, names), strict=True)) for names in (motion.motors, motion.sources)
-    )
-    shaft = list(zip(*map(channels.shaft_channels, motion.shafts), strict=True))
-    mesh = list(zip(*map(channels.mesh_channels, motion.meshes), strict=True))
-    force = points(motion.bearings, channels.bearing_force)
-    journal = points(motion.bearings, channels.journal_acceleration)
-    yield signal("motor_angle", ("motor",), motor[0], "angle of the motor, positive as the first one turns it")
-    yield signal("motor_speed", ("motor",), motor[1], "speed of the motor")
-    yield signal("motor_torque", ("motor",), motor[2], "torque of the motor on the shaft")
-    if source:
-        yield signal("source_angle", ("source",), source[0], "angle of the load or further motor")
-        yield signal("source_speed", ("source",), source[1], "speed of the load or further motor")
-        yield signal("source_torque", ("source",), source[2], "its torque, driving positive")
-    couplings = [name for name in number if name.endswith(channels.COUPLING_TORQUE)]
-    if couplings:
-        yield signal("coupling_torque", ("coupling",), couplings, "torque from the rotor through its coupling")
-    first = channels.DISPLACEMENT + AXES[0]
-    probes = [name.removesuffix(first) for name in number if name.endswith(first)]
-    if probes:
-        rows = points(tuple(probes), channels.probe_channel)
-        yield signal("probe_displacement", ("probe", "axis"), rows, "displacement of the shaft's axis at the probe")
-    yield signal("shaft_angle", ("shaft",), shaft[0], "angle of the shaft")
-    yield signal("shaft_speed", ("shaft",), shaft[1], "speed of the shaft")
-    yield signal("mesh_approach", ("stage",), mesh[0], "approach on the drive flank")
-    yield signal("mesh_tilt", ("stage",), mesh[1], "tilt in the plane of action")
-    yield signal("mesh_force", ("stage",), mesh[2], "force on the drive flank")
-    yield signal("coast_force", ("stage",), mesh[3], "force on the coast flank")
-    yield signal("bearing_force", ("bearing", "axis"), force, "force of the bearing on the casing")
-    if motion.sensors:
-        rows = points(motion.sensors, channels.acceleration)
-        yield signal("acceleration", ("sensor", "axis"), rows, "acceleration of the casing")
-    if journal[0][0] in number:
-        yield signal("journal_acceleration", ("bearing", "axis"), journal, "acceleration of the journal")
-    for dimension, quantity, text in EXCITATIONS:
-        if things := channels.excitations(motion.channel_names, quantity):
-            yield signal(quantity, (dimension,), [f"{thing}:{quantity}" for thing in things], text)
-    if channels.ROPE_FORCE in number:
-        lift, acceleration = channels.CONTAINER
-        yield signal("rope_force", (), channels.ROPE_FORCE, "force of all falls together")
-        yield signal("container_lift", (), lift, "rise of the container")
-        yield signal("container_acceleration", (), acceleration, "acceleration of the container")
+def _things(kind: channels.ChannelKind, motion: Trajectory) -> tuple[str, ...]:
+    """What a kind of channel is recorded of."""
+    if (dimension := kind.dims[0]) in _NAMED:
+        found: tuple[str, ...] = getattr(motion, _NAMED[dimension])
+        return found
+    last = kind.spelled("")[0]
+    return tuple(name.removesuffix(last) for name in motion.channel_names if name.endswith(last))
 
 
 def read(motion: Trajectory, signal: Signal, time: int | slice, place: tuple[int | slice, ...] = ()) -> np.ndarray:
@@ -125,14 +100,14 @@ def read(motion: Trajectory, signal: Signal, time: int | slice, place: tuple[int
 
 def coordinates(motion: Trajectory) -> dict[str, list]:
     """The names along all dimensions but time."""
-    couplings = [name.partition(":")[0] for name in motion.channel_names if name.endswith(channels.COUPLING_TORQUE)]
-    named: dict[str, Any] = {"motor": motion.motors, "source": motion.sources, "coupling": couplings}
-    first = channels.DISPLACEMENT + AXES[0]
-    named |= {"probe": [name.removesuffix(first) for name in motion.channel_names if name.endswith(first)]}
-    named |= {"shaft": motion.shafts, "stage": range(1, len(motion.meshes) + 1)}
-    named |= {"bearing": motion.bearings, "axis": AXES}
-    named |= {dimension: channels.excitations(motion.channel_names, quantity) for dimension, quantity, _ in EXCITATIONS}
-    return {name: list(values) for name, values in (named | {"sensor": motion.sensors}).items() if len(values)}
+    named: dict[str, Any] = {}
+    for kind in channels.channel_kinds():
+        if kind.dims:
+            named.setdefault(kind.dims[0], _things(kind, motion))
+        if kind.labels and kind.spelled((*_things(kind, motion), "")[0])[0] in motion.channel_names:
+            named[kind.dims[-1]] = kind.labels
+    named |= {"stage": range(1, len(motion.meshes) + 1), "axis": AXES}
+    return {name: list(values) for name, values in named.items() if len(values)}
 
 
 def facts(motion: Trajectory) -> dict[str, Any]:

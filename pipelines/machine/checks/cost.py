@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fem.storage.cache_folder import cache_root
+from mbd.elements.reading import further_class
+from mbd.parts.checks import MachineError
 from pipelines.io.errors import Problem, SceneError
 from pipelines.io.shown import duration
 from pipelines.scene.scene import Scene
@@ -135,6 +137,10 @@ def _channels(scene: Scene) -> int:
     bearings = sum(len(shaft.bearing_positions_mm) for shaft in scene.shafts)
     count = 3 * scene.drive.motors + 2 * len(scene.shafts) + 4 * len(scene.stages) + 3 * bearings
     count += 3 * (bearings if scene.casing.model == "none" else len(scene.sensors))
+    things = {"bearing": bearings, "shaft": len(scene.shafts), "stage": len(scene.stages)}
+    for name in scene.simulation.channels:
+        kind = further_class(name, MachineError).kind
+        count += things[kind.dims[0]] * len(kind.spelled(""))
     return count + scene.load.channels
 
 
