@@ -44,7 +44,7 @@ class ProcessEnded(Exception):
 
 
 def tell_share(share: float) -> None:
-    """Tell the listener that this share (0 to 1) of the work is done; without one nothing happens."""
+    """Report to the listener that this share (0 to 1) of the work is done; without one nothing happens."""
     if listener := _LISTENER.get():
         listener(share)
 
