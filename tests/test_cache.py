@@ -184,7 +184,7 @@ FORGED = {
     "a class of the library": {"kind": "dataclass", "type": "subprocess:Popen", "items": {}},
     "a class that ours has imported": {
         "kind": "dataclass",
-        "type": "pipelines.engine.processes:subprocess.Popen",
+        "type": "fem.processes.executor:subprocess.Popen",
         "items": {},
     },
     "a function": {"kind": "dataclass", "type": "pipelines.cli.main:main", "items": {}},

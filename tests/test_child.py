@@ -3,7 +3,6 @@
 import json
 import os
 import pickle
-import stat
 import subprocess
 import sys
 from pathlib import Path
@@ -11,9 +10,8 @@ from pathlib import Path
 import pytest
 
 from fem.processes import child
-from pipelines.engine import worker
+from fem.processes.executor import Processes, answer
 from pipelines.engine.cache import Cache
-from pipelines.engine.processes import Pool
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, Step
 from pipelines.io.errors import WorkError
@@ -139,17 +137,11 @@ def test_lack_of_memory_is_supposed_only_where_a_signal_ended_the_process(tmp_pa
         run_graph(two_stages(end_by_signal), Cache(tmp_path), ["s0", "s1"], processes=2)
 
 
-@pytest.mark.skipif(os.name != "posix", reason="modes as POSIX has them")
-def test_job_files_lie_where_only_their_owner_can_go(tmp_path):
-    before = os.umask(0)
-    try:
-        with Pool() as pool:
-            pool.start(next(iter(two_stages())), "key", {}, tmp_path)
-            folder = Path(pool._folder.name)
-            assert stat.S_IMODE(folder.stat().st_mode) == 0o700
-            pool.wait(lambda step, share: None)
-    finally:
-        os.umask(before)
+def test_a_call_leaves_no_file_even_while_it_runs(tmp_path, monkeypatch):
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    with Processes(1) as children:
+        assert children.submit(os.listdir, str(tmp_path)).result() == []
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_warning_of_several_children_about_one_cache_is_given_once(tmp_path, recwarn):
@@ -158,13 +150,21 @@ def test_a_warning_of_several_children_about_one_cache_is_given_once(tmp_path, r
     assert [str(w.message).partition(" cannot")[0] for w in recwarn] == [f"the cache {tmp_path}/file/cache"]
 
 
-def test_an_error_that_cannot_be_pickled_keeps_its_words(tmp_path):
-    job = tmp_path / "0.job"
-    job.write_bytes(pickle.dumps(("stage", "key", {}, tmp_path)))
-    worker.work(job)
-    kind, error, _ = pickle.loads(job.with_suffix(".answer").read_bytes())
+class LocalError(Exception):
+    """Its pickle cannot be read."""
+
+    def __init__(self, one, other):
+        super().__init__(f"{one} {other}")
+
+
+def fail_locally():
+    raise LocalError("odd", "words")
+
+
+def test_an_error_that_cannot_be_pickled_keeps_its_words():
+    kind, error, _ = pickle.loads(answer(pickle.dumps((fail_locally, (), {}))))
     assert kind == "error"
-    assert "str" in str(error)
+    assert "LocalError: odd words" in str(error)
 
 
 def test_folders_go_to_the_child_as_they_are(monkeypatch, tmp_path):

@@ -10,8 +10,8 @@ from sources import module_name, nodes
 
 ROOMS = (  # from the ground up: a room imports from itself and from what stands above it in this list
     "fem",
-    "fem.processes",
     "fem.storage",
+    "fem.processes",
     "fem.numerics",
     "fem.elements",
     "fem.gears",

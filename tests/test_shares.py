@@ -10,11 +10,11 @@ from rich.progress import Progress
 from waiting import HANGING
 
 import gearcase
+from fem.processes.executor import listening, tell_share
 from pipelines.engine.cache import Cache
 from pipelines.engine.progress import Bar
 from pipelines.engine.remaining import Remaining, Task
 from pipelines.engine.run_graph import Silent, run_graph
-from pipelines.engine.share import listening, tell_share
 from pipelines.engine.step import Graph, Step
 from pipelines.steps.graph import plant_steps
 

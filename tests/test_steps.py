@@ -12,10 +12,10 @@ import psutil
 import pytest
 from test_cache import manifest_of
 
+from fem.processes.executor import Processes
 from pipelines.engine import code_version as code_version_module
 from pipelines.engine.cache import Cache
 from pipelines.engine.code_version import OWN_PACKAGES, code_version, reachable
-from pipelines.engine.processes import Pool
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import CountedResult, Graph, Step, explain
 from pipelines.io.errors import CacheWarning, WorkError
@@ -275,18 +275,14 @@ def test_short_steps_are_built_here_while_long_ones_are_built_elsewhere_and_thei
     assert len(outcome.value("after")["children"]) >= 2
 
 
-def test_a_child_that_dies_while_it_waits_for_work_is_replaced(cache):
-    one, two = long_graph(2, 0.0)
-    with Pool() as pool:
-        pool.start(one, "one", {}, cache.folder)
-        pool.wait(lambda step, share: None)
-        child = pool._idle[0]
+def test_a_child_that_dies_while_it_waits_for_work_is_replaced():
+    with Processes(1) as pool:
+        first = pool.submit(os.getpid).result()
+        (child,) = pool._idle
+        assert child.pid == first
         child.kill()
         child.wait()
-        pool.start(two, "two", {}, cache.folder)
-        ((stage, result),) = pool.wait(lambda step, share: None)
-    assert stage is two
-    assert result.load()["process"] not in (os.getpid(), child.pid)
+        assert pool.submit(os.getpid).result() not in (os.getpid(), first)
 
 
 def test_one_process_gives_the_same(cache):

@@ -10,22 +10,16 @@ The child begins with an import of the libraries that it needs (1 s of processor
 from __future__ import annotations
 
 import logging
-import os
-import pickle
-import signal
-import subprocess
 import sys
 import tempfile
-import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TypeVar, TypeVarTuple
 
-from fem.processes.child import command, environment
+from fem.processes.executor import ProcessEnded, Processes
 
 _log = logging.getLogger(__name__)
-_JOB, _ANSWER, _SAID = "job", "answer", "said"
 _Arguments = TypeVarTuple("_Arguments")
 _Result = TypeVar("_Result")
 _MEMORY, _PER_BYTE = 4 << 30, 200  # a STEP file of 3 MB took 0.55 GB and 20 times its size
@@ -52,20 +46,17 @@ def opened_apart(
     ------
     error : the process ended, mostly because a library crashed; and whatever the call raises
     """
-    with tempfile.TemporaryDirectory(prefix="gearcase-", ignore_cleanup_errors=True) as name:
-        folder = Path(name)
-        (folder / _JOB).write_bytes(pickle.dumps((call, arguments)))
-        code = _run(folder)
-        for line in (folder / _SAID).read_text("utf-8", "replace").splitlines():
-            _log.info("library: %s", line)
-        if not (folder / _ANSWER).exists():
-            how = signal.Signals(-code).name if code < 0 else f"code {code}"
-            how += ", perhaps for lack of memory" if how == "SIGKILL" else ""
-            raise error(f"{file.name}: the library that reads it crashed ({how}); {remedy}")
-        done, content = pickle.loads((folder / _ANSWER).read_bytes())
-    if done:
-        return content
-    raise content
+    with tempfile.TemporaryFile() as said:
+        try:
+            with Processes(1, said) as child:
+                return child.submit(call, *arguments).result()
+        except ProcessEnded as ended:
+            how = f"{ended}, perhaps for lack of memory" if str(ended) == "SIGKILL" else ended
+            raise error(f"{file.name}: the library that reads it crashed ({how}); {remedy}") from ended
+        finally:
+            said.seek(0)
+            for line in said.read().decode("utf-8", "replace").splitlines():
+                _log.info("library: %s", line)
 
 
 @contextmanager
@@ -87,43 +78,3 @@ def bounded_memory(file: Path) -> Iterator[None]:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_AS, (usual, most))
-
-
-def _run(folder: Path) -> int:
-    """Exit code of the child; it is ended if this process is interrupted."""
-    with (folder / _SAID).open("wb") as said:
-        child = subprocess.Popen(
-            command("fem.processes.own_process", str(folder)),
-            stdin=subprocess.PIPE,  # its end tells the child that this process is gone
-            stdout=said,
-            stderr=subprocess.STDOUT,
-            env=environment(),
-            start_new_session=os.name == "posix",  # an interrupt from the keyboard reaches the parent only
-        )
-        try:
-            return child.wait()
-        finally:
-            child.kill()
-            child.communicate()
-
-
-def _end_with_parent() -> None:
-    os.read(0, 1)
-    os._exit(1)
-
-
-def _main(folder: Path) -> None:
-    threading.Thread(target=_end_with_parent, name="parent watch", daemon=True).start()
-    logging.basicConfig(level=logging.INFO, format="%(message)s")
-    call, arguments = pickle.loads((folder / _JOB).read_bytes())
-    try:
-        answer = (True, call(*arguments))
-    except Exception as error:
-        answer = (False, error)
-    partial = folder / "partial"
-    partial.write_bytes(pickle.dumps(answer))
-    os.replace(partial, folder / _ANSWER)
-
-
-if __name__ == "__main__":
-    _main(Path(sys.argv[1]))

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import itertools
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
-from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from fem.processes.executor import ProcessEnded
 from fem.storage import shown_html
 from pipelines.datasets.card import write_card
 from pipelines.datasets.draws import draw
@@ -203,39 +204,27 @@ def check_memory(loaded: LoadedScene) -> None:
 def _outcomes(jobs: Iterator[Job], workers: Workers) -> Iterator[Done]:
     """The scenes as they are done, a few of them handed out at a time.
 
-    When a process dies, all scenes that were handed out are suspects. Suspects are simulated alone, one by one, until
-    it is known which one takes its process with it.
+    A scene whose process dies is simulated again, a few times.
     """
     executor = workers.executor
     running: dict[Future[Done], Job] = {}
-    suspects: list[Job] = []
-    deaths: dict[int, int] = {}
+    deaths: Counter[int] = Counter()
     try:
         while True:
-            if suspects and not running:
-                job = suspects.pop(0)
+            for job in itertools.islice(jobs, max(0, _IN_FLIGHT * workers.count() - len(running))):
                 running[executor.submit(work, job)] = job
-            elif not suspects:
-                for job in itertools.islice(jobs, max(0, _IN_FLIGHT * workers.count() - len(running))):
-                    running[executor.submit(work, job)] = job
             if not running:
                 return
             for future in wait(running, return_when=FIRST_COMPLETED).done:
                 job = running.pop(future)
                 try:
                     yield future.result()
-                except BrokenProcessPool as error:
-                    if workers.renew is None:
-                        raise lost(error) from error
-                    victims, executor = [job, *running.values()], workers.renew()
-                    running.clear()
-                    if len(victims) == 1:
-                        deaths[job.draw.run] = deaths.get(job.draw.run, 0) + 1
-                    if deaths.get(job.draw.run, 0) == MOST_DEATHS:
+                except ProcessEnded:
+                    deaths[job.draw.run] += 1
+                    if deaths[job.draw.run] == MOST_DEATHS:
                         yield _killed(job)
                     else:
-                        suspects = sorted([*victims, *suspects], key=lambda one: one.draw.run)
-                    break
+                        running[executor.submit(work, job)] = job
                 except Exception as error:
                     if type(error).__name__ == "KilledWorker":  # of Dask, after it has tried as often on other workers
                         yield _killed(job)

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import contextlib
-import multiprocessing
-import multiprocessing.connection
 import os
-import signal
-import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pipelines.engine.build_step import one_thread
+from fem.processes.executor import Processes
 from pipelines.io.errors import InputError, WorkError
 from pipelines.io.user_files import regular_file
 
@@ -23,11 +19,10 @@ _CONNECT_SECONDS = 30
 
 @dataclass(frozen=True, kw_only=True)
 class Workers:
-    """An executor and how many scenes it takes at once; `renew` makes another one after its processes died."""
+    """An executor and how many scenes it takes at once."""
 
     executor: Executor
     count: Callable[[], int]
-    renew: Callable[[], Executor] | None = None
     dashboard: str = ""
 
 
@@ -35,49 +30,8 @@ class Workers:
 def local_workers(processes: int | None) -> Iterator[Workers]:
     """A pool of processes, as many as there are cores if None. They end when this process does, however it does."""
     count = processes or os.cpu_count() or 1
-    pools: list[ProcessPoolExecutor] = []
-
-    def made() -> ProcessPoolExecutor:
-        context = multiprocessing.get_context("spawn")  # a fork would copy the threads of numerical libraries
-        pools.append(ProcessPoolExecutor(count, mp_context=context, initializer=_begin))
-        return pools[-1]
-
-    safe = os.environ.get("PYTHONSAFEPATH")
-    os.environ["PYTHONSAFEPATH"] = "1"  # no file of the working folder stands in for a module of the library
-    try:
-        with one_thread():
-            yield Workers(executor=made(), count=lambda: count, renew=made)
-    except BaseException:
-        for pool in pools:  # nobody waits for scenes at work: they are simulated again
-            for process in list((getattr(pool, "_processes", None) or {}).values()):
-                process.kill()
-        raise
-    finally:
-        for pool in pools:
-            pool.shutdown(wait=True, cancel_futures=True)
-        if safe is None:
-            del os.environ["PYTHONSAFEPATH"]
-        else:
-            os.environ["PYTHONSAFEPATH"] = safe
-
-
-def _begin() -> None:
-    """Prepare a process of the pool: it leaves interrupts to its parent, and ends when that is gone.
-
-    It may be killed at any moment. A lock that a library makes here (numcodecs does) must not need to be removed then;
-    with the start method "fork" it has no name in the system. No process is started here.
-    """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if os.name == "posix":
-        multiprocessing.set_start_method("fork", force=True)
-    parent = multiprocessing.parent_process()
-    assert parent is not None, "not a child"
-
-    def watch() -> None:  # a process that waits for work from a queue would wait for ever
-        multiprocessing.connection.wait([parent.sentinel])
-        os._exit(3)
-
-    threading.Thread(target=watch, name="parent watch", daemon=True).start()
+    with Processes(count) as children:
+        yield Workers(executor=children, count=lambda: count)
 
 
 @contextlib.contextmanager

@@ -12,14 +12,13 @@ from pathlib import Path
 from typing import Any
 
 from fem.numerics.compiled_files import compiled_folder
+from fem.processes.executor import THREAD_VARIABLES
 from fem.storage.cache_folder import warn_without
 from fem.storage.ledger import counting
 from pipelines.engine.cache import Cache, Entry
 from pipelines.engine.step import CountedResult, Step, StepRecord
 from pipelines.engine.storage import StorageError, digest, load_value, save_value
 from pipelines.io.errors import WorkError
-
-_THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
 
 @dataclass(frozen=True)
@@ -137,8 +136,8 @@ def one_thread() -> Iterator[None]:
     """BLAS and OpenMP limited to one thread, in libraries loaded before and after."""
     from threadpoolctl import threadpool_limits
 
-    before = {name: os.environ.get(name) for name in _THREAD_VARIABLES}
-    os.environ.update(dict.fromkeys(_THREAD_VARIABLES, "1"))
+    before = {name: os.environ.get(name) for name in THREAD_VARIABLES}
+    os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
     try:
         with threadpool_limits(1):
             yield

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
+import logging
 import os
-from collections.abc import Iterable, Mapping
+import pickle
+import queue
+import signal
+from collections.abc import Collection, Iterable, Mapping
+from concurrent.futures import Future, wait
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from pipelines.engine.ahead import Ahead, Aside
+from fem.processes.executor import ProcessEnded, Processes, in_thread, listening
 from pipelines.engine.build_step import Result, build_here, one_thread, step_record
 from pipelines.engine.cache import Cache
-from pipelines.engine.processes import Pool
-from pipelines.engine.share import listening
 from pipelines.engine.step import Graph, Step, StepRecord, stored
+from pipelines.io.errors import WorkError
 
+_LOG = logging.getLogger(__name__)
 _HELD_BYTES = 16e6  # a larger result is not held in memory: who needs it reads it from the cache
 LONG_SECONDS = 3.0  # steps expected to take longer may go to a process of their own
 
@@ -102,56 +108,124 @@ def run_graph(
     verified: set[str] = set()
     urgency = graph.seconds_to_the_end()  # what the most must wait for starts first
     awaited = graph.needed(step.name for step in graph if step.seconds >= LONG_SECONDS).steps
-    ahead, aside = Ahead(), Aside()
-    with one_thread(), Pool() as pool:
+    prepared: dict[str, Future] = {}  # by step: its own work ahead of its turn
+    away: dict[str, str] = {}  # keys of the steps in children, by name
+    beside: dict[str, str] = {}  # key of the short step in a thread, by name
+    events: queue.SimpleQueue[tuple[Step, Future | float]] = queue.SimpleQueue()
+
+    def take(step: Step, event: Future | float) -> None:
+        """What a step that is built elsewhere has to say: its share, its result, or its error."""
+        nonlocal graph
+        if isinstance(event, float):
+            observer.advanced(step, event)
+            return
+        child = away.pop(step.name, None)
+        beside.pop(step.name, None)
+        try:
+            _keep(results, step, event.result(), observer)
+        except ProcessEnded as ended:
+            raise _lost(step, ended.code) from ended
+        except Exception as error:
+            if child is not None:
+                raise
+            errors.append(error)
+            graph = graph.without(step.name)
+
+    with one_thread(), Processes(processes) as children:
         while any(name not in results for name in graph.steps):
-            if aside.ready or (not aside.free and not len(pool)):
-                step, made = aside.take()
-                if isinstance(made, Result):
-                    _keep(results, step, made, observer)
-                else:
-                    errors.append(made)
-                    graph = graph.without(step.name)
-                    continue
-            ready = _take_what_is_cached(graph, cache, results, wanted, pool.names() | aside.names(), observer)
-            ready = [(step, key) for step, key in ready if not pool.builds(key)]
+            while not events.empty() or (beside and not away):
+                take(*_next(events))
+            at_work = away | beside
+            ready = _take_what_is_cached(graph, cache, results, wanted, at_work.keys(), observer)
+            ready = [(step, key) for step, key in ready if key not in away.values()]
             if _drop_damaged(ready, cache, results, verified):
                 continue
             long = [(step, key) for step, key in ready if step.seconds >= LONG_SECONDS]
             long.sort(key=lambda one: -urgency[one[0].name])
-            if processes > 1 and (len({key for _, key in long}) > 1 or (long and len(pool))):
+            if processes > 1 and (len({key for _, key in long}) > 1 or (long and away)):
                 for step, key in long:
-                    if len(pool) < processes and not pool.builds(key):
+                    if len(away) < processes and key not in away.values():
                         observer.started(step)
-                        pool.start(step, key, _upstream(step, results), cache.folder)
+                        away[step.name] = key
+                        stored_inputs = {name: result.stored() for name, result in _upstream(step, results).items()}
+                        job = pickle.dumps((step, key, stored_inputs, cache.folder))
+                        made = children.listened(functools.partial(_put, events, step), _build_in_child, job)
+                        made.add_done_callback(functools.partial(_put, events, step))
                 ready = [(step, key) for step, key in ready if step.seconds < LONG_SECONDS]
-            if len(pool):
-                ahead.start(graph, results)
+            if away:
+                for step in graph:
+                    if step.ahead and step.name not in {*results, *prepared} and results.keys() >= {*step.ahead_takes}:
+                        taken = [results[name] for name in step.ahead_takes]
+                        prepared[step.name] = in_thread(_prepare, step, taken)
                 spare = [(step, key) for step, key in ready if step.name not in awaited]
-                if spare and aside.free:
+                if spare and not beside:
                     step, key = spare[0]
                     observer.started(step)
-                    aside.start(step, key, _upstream(step, results), cache)
+                    beside[step.name] = key
+                    made = in_thread(build_here, step, key, _upstream(step, results), cache)
+                    made.add_done_callback(functools.partial(_put, events, step))
                 ready = [(step, key) for step, key in ready if step.name in awaited]
             if ready:
                 step, key = ready[0]
                 observer.started(step)
-                ahead.finish(step)
-                started = {*results, *pool.names(), step.name}
+                if step.name in prepared:
+                    wait([prepared[step.name]])
+                started = {*results, *away, step.name}
                 if not any(other.seconds >= LONG_SECONDS for other in graph if other.name not in started):
-                    pool.end_waiting()
+                    children.end_idle()
                 with listening(functools.partial(observer.advanced, step)):
                     result = build_here(step, key, _upstream(step, results), cache)
                 _keep(results, step, result, observer)
-            elif len(pool):
+            elif away:
                 for step in graph:
                     if step.name not in results and step.inputs:
                         step.load()  # while the children work
-                for step, result in pool.wait(observer.advanced, lambda: aside.ready):
-                    _keep(results, step, result, observer)
+                take(*_next(events))
     if errors:
         raise errors[0]
     return Outcome({name: results[name] for name in graph.steps})
+
+
+def _put(events: queue.SimpleQueue, step: Step, event: Future | float) -> None:
+    events.put((step, event))
+
+
+def _next(events: queue.SimpleQueue) -> tuple[Step, Future | float]:
+    """The next event; the wait is cut, so that an interrupt is noticed on every system."""
+    while True:
+        with contextlib.suppress(queue.Empty):
+            return events.get(timeout=1.0)
+
+
+def _prepare(step: Step, taken: list[Result]) -> None:
+    """The work of a step ahead of its turn; compiling takes longer than most steps."""
+    assert step.ahead is not None
+    try:
+        step.ahead(step.spec, *(result.load() for result in taken))
+    except Exception as error:  # the build itself says what is wrong
+        _LOG.debug("step %s, preparation failed: %s", step.name, error)
+
+
+def _build_in_child(job: bytes) -> Result:
+    """Build the step of a job; what cannot be imported for it is an error like any other."""
+    try:
+        step, key, upstream, cache_folder = pickle.loads(job)
+    except ImportError as error:
+        raise WorkError(
+            f"a child process cannot import {error.name or 'a module'} ({error}). Modules in the working folder "
+            "and in that of the script are not found there. Run again with processes = 1 (--processes 1)."
+        ) from error
+    return build_here(step, key, upstream, Cache(cache_folder)).stored()
+
+
+def _lost(step: Step, code: int) -> WorkError:
+    if code < 0:
+        how = f"was killed by signal {signal.Signals(-code).name}, possibly because memory ran out"
+    else:
+        how = f"ended with exit code {code} and no result; its output is printed above"
+    return WorkError(
+        f"step {step.name}: its process {how}. Repeat the command with --processes 1, or choose a coarser preset."
+    )
 
 
 def side_by_side(processes: int | None) -> int:
@@ -160,7 +234,12 @@ def side_by_side(processes: int | None) -> int:
 
 
 def _take_what_is_cached(
-    graph: Graph, cache: Cache, results: dict[str, Result], wanted: set[str], running: set[str], observer: Observer
+    graph: Graph,
+    cache: Cache,
+    results: dict[str, Result],
+    wanted: set[str],
+    running: Collection[str],
+    observer: Observer,
 ) -> list[tuple[Step, str]]:
     """Move steps that need no work into `results`; the (step, key) that are ready to be built.
 

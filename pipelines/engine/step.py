@@ -55,7 +55,7 @@ class Step:
     streams: bool = False  # `build` takes a `folder` for arrays too large for memory; None where none can be written
     reads: Mapping[str, Callable[[Any], Any]] = field(default_factory=dict)  # by parameter
     enough: str = ""  # a number in `spec`: a stored result with a larger one holds all that is asked, and serves
-    ahead: Callable[..., None] | None = None  # ``ahead(spec, *results of ahead_takes)``, see `pipelines.engine.ahead`
+    ahead: Callable[..., None] | None = None  # ``ahead(spec, *results)``, while others are built elsewhere
     ahead_takes: tuple[str, ...] = ()
     compiles: Mapping[str, float] = field(default_factory=dict)  # s to compile, by the beginning of stored code's name
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipelines.engine.share import tell_share
+from fem.processes.executor import tell_share
 from pipelines.engine.step import CountedResult
 
 if TYPE_CHECKING:

@@ -112,7 +112,7 @@ def test_a_killed_worker_costs_nothing(undisturbed, tmp_path):
         process = start(tmp_path, out=out)
         time.sleep(moment)
         children = psutil.Process(process.pid).children() if process.poll() is None else []
-        workers = [child for child in children if "spawn_main" in " ".join(child.cmdline())]
+        workers = [child for child in children if "fem.processes.executor" in " ".join(child.cmdline())]
         if workers:
             random.Random(number).choice(workers).send_signal(signal.SIGKILL)
         code, said = finish(process)
