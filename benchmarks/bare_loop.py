@@ -8,13 +8,13 @@ from __future__ import annotations
 import sys
 import time
 
-from pipelines.campaign.campaign import planned
-from pipelines.campaign.plan import load_plan
-from pipelines.campaign.scenes import scene_of
-from pipelines.campaign.workshop import Workshop
+from pipelines.datasets.campaign import planned
+from pipelines.datasets.plan import load_plan
+from pipelines.datasets.scenes import scene_of
+from pipelines.datasets.workshop import Workshop
 from pipelines.engine.build_step import one_thread
 from pipelines.engine.working import Work
-from pipelines.plant.checks.validity import checked_plant
+from pipelines.machine.checks.validity import checked_plant
 from pipelines.steps.motion import moved
 
 

@@ -1,8 +1,8 @@
 """What functions of edges are worth: python -m benchmarks.bracket.
 
 An angle bracket of legs of 100 mm, 20 mm thick and 60 mm wide, the end of one leg clamped: one re-entrant edge and the
-rim of the clamped face. Its first six natural frequencies with and without the functions (`fem.casing.edges`), over
-those of smaller elements with them. Displacements are continuous in all cases, so every frequency is an upper bound.
+rim of the clamped face. Its first six natural frequencies with and without the functions (`fem.casing.enrichment`),
+over those of smaller elements with them. Displacements are continuous in all cases: every frequency is an upper bound.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from benchmarks.solids import box_mesh
-from fem.casing.edges.added import added_functions
-from fem.casing.meshing.finished import RawMesh, finished_mesh
-from fem.casing.meshing.mesh import CasingMesh
+from fem.casing.enrichment.added import added_functions
+from fem.casing.mesh.finished import RawMesh, finished_mesh
+from fem.casing.mesh.mesh import CasingMesh
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.elements.materials import CAST_IRON
 from fem.elements.solids import assemble

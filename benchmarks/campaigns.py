@@ -43,7 +43,7 @@ def _measured(folder: Path, name: str, count: int, end: float, preset: str) -> d
     path.write_text(PLAN.format(scene=name, count=count, end=end, preset=preset), encoding="utf-8")
     cores = os.cpu_count() or 1
     before = bare(path, max(2, count // cores // 2))
-    gearcase = [sys.executable, "-m", "pipelines.cli", "campaign", str(path), "--out", str(out), "-q"]
+    gearcase = [sys.executable, "-m", "pipelines.cli.main", "campaign", str(path), "--out", str(out), "-q"]
     done = subprocess.run(gearcase, cwd=ROOT, env=environment(), capture_output=True, text=True, check=False)
     if done.returncode:
         raise RuntimeError(f"gearcase campaign ended with {done.returncode}: {done.stderr}")

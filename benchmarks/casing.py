@@ -9,8 +9,8 @@ import scipy.sparse as sp
 
 from benchmarks.clock import timed
 from benchmarks.rig import casing_parts, keep, kept, read
-from fem.casing.edges.added import added_functions
-from fem.casing.meshing.mesh import CasingMesh
+from fem.casing.enrichment.added import added_functions
+from fem.casing.mesh.mesh import CasingMesh
 from fem.casing.models.casing import Structure
 from fem.casing.models.craig_bampton import CraigBamptonCasing
 from fem.casing.models.elastic_casing import ElasticCasing

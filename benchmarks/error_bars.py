@@ -20,19 +20,19 @@ from typing import Any
 import numpy as np
 
 from benchmarks.clock import conditions
-from fem.casing.uncertain.drawn_body import drawn_body
-from fem.casing.uncertain.draws import drawn_frequencies, near_modes
-from fem.casing.uncertain.modal_form import modal_form
+from fem.casing.uncertainty.drawn_body import drawn_body
+from fem.casing.uncertainty.draws import drawn_frequencies, near_modes
+from fem.casing.uncertainty.modal_form import modal_form
 from mbd.output.trajectory import Trajectory
-from pipelines.bars.line_bars import LineBars
-from pipelines.bars.uncertain import uncertain
+from pipelines.diagnosis.control_diagnosis import Diagnosis, diagnose
+from pipelines.diagnosis.uncertainty.line_bars import LineBars
+from pipelines.diagnosis.uncertainty.uncertain import uncertain
 from pipelines.engine.step import Graph, Step
 from pipelines.engine.working import Work
-from pipelines.plant.assembly import assemble_machine, assemble_system
-from pipelines.plant.plant import Plant
+from pipelines.machine.assembly import assemble_machine, assemble_system
+from pipelines.machine.plant import Plant
 from pipelines.scene.file import load_scene
 from pipelines.signals.analysis import analyse
-from pipelines.signals.diagnosis import Diagnosis, diagnose
 from pipelines.signals.response import make_response
 from pipelines.steps.error_bars import machine_bars
 from pipelines.steps.motion import moved

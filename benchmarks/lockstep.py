@@ -15,13 +15,13 @@ import numba
 import numpy as np
 
 from benchmarks.campaigns import PLAN, SCENES
-from pipelines.campaign.campaign import planned
-from pipelines.campaign.plan import load_plan
-from pipelines.campaign.scenes import scene_of
-from pipelines.campaign.workshop import Workshop
+from pipelines.datasets.campaign import planned
+from pipelines.datasets.plan import load_plan
+from pipelines.datasets.scenes import scene_of
+from pipelines.datasets.workshop import Workshop
 from pipelines.engine.build_step import one_thread
 from pipelines.engine.working import Work
-from pipelines.plant.checks.validity import checked_plant
+from pipelines.machine.checks.validity import checked_plant
 from pipelines.steps.motion import moved
 
 BATCHES = (1, 3, 8, 16)

@@ -13,8 +13,8 @@ from benchmarks.rig import casing_body, kept, moving, read, stage_law, system
 from mbd.integrators.base import Integrator
 from mbd.integrators.methods import make_integrator
 from mbd.integrators.settings import Settings
+from mbd.output.simulate import simulate
 from mbd.output.trajectory import Trajectory
-from mbd.simulate import simulate
 from mbd.system.system import System, mesh_mode_frequency
 
 CHANNEL = "sensor_3:az"
@@ -143,7 +143,7 @@ def precision(folder: Path) -> list[dict[str, Any]]:
 
 def shares(folder: Path) -> list[dict[str, Any]]:
     """CPU microseconds per step of the full rig: loop, channels, energy balance of linear parts and of elements."""
-    from mbd.energy.balance import EnergyBalance
+    from mbd.output.balance import EnergyBalance
     from mbd.output.recorder import Recorder
     from mbd.system.statics import equilibrium
 

@@ -18,9 +18,9 @@ from pipelines.engine.cache import Cache
 from pipelines.engine.working import Work
 from pipelines.scene.file import LoadedScene, changed, load_scene
 from pipelines.scene.presets import PRESETS, preset_settings
-from pipelines.trade.probes import PROBES
-from pipelines.trade.tradeoff import differences
-from pipelines.trade.variants import Measured, measure
+from pipelines.studies.trade.probes import PROBES
+from pipelines.studies.trade.tradeoff import differences
+from pipelines.studies.trade.variants import Measured, measure
 
 SCENE, REFERENCE = "rig-missing-tooth", PRESETS[-1]
 COMPILED = ("minimal", "--set", "stages.1.mesh.model=solid", "--set", "simulation.end_s=0.05",
@@ -49,7 +49,7 @@ def presets(folder: Path) -> list[dict[str, Any]]:
 def run(cache: Path, *arguments: str) -> float:
     """Wall-clock seconds of `gearcase simulate`."""
     out = cache / f"signals {len(list(cache.glob('signals *')))}"
-    gearcase = command("pipelines.cli", "simulate", *arguments, "--out", str(out), "-q")
+    gearcase = command("pipelines.cli.main", "simulate", *arguments, "--out", str(out), "-q")
     code = cache.parent / "code"  # compiled code is on disk already when the cache is cold
     own = environment(GEARCASE_CACHE=str(cache / "cache"), NUMBA_CACHE_DIR=str(code))
     start = time.perf_counter()

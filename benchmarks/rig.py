@@ -14,8 +14,8 @@ from fem.contact.models.plane import Plane
 from fem.elements.materials import Material
 from fem.gears.geometry import GearPair
 from mbd.system.system import System
-from pipelines.plant.assembly import assemble_machine, assemble_system
-from pipelines.plant.plant import Plant, make_plant
+from pipelines.machine.assembly import assemble_machine, assemble_system
+from pipelines.machine.plant import Plant, make_plant
 from pipelines.scene.file import load_scene
 
 SCENE = "rig-healthy"

@@ -59,7 +59,7 @@ def _first_sentence(found: object) -> str:
 
 def command_pages() -> dict[str, str]:
     """A page per command: its help, and that of its actions."""
-    from pipelines.command_line import COMMANDS, parser
+    from pipelines.cli.command_line import COMMANDS, parser
 
     top = parser()
     below = _actions(top)

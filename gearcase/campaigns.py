@@ -8,9 +8,9 @@ from concurrent.futures import Executor
 from pathlib import Path
 
 from gearcase.given import checked_file
-from pipelines.campaign.campaign import Finished, run_campaign
-from pipelines.campaign.plan import load_plan
-from pipelines.campaign.workers import Workers, local_workers
+from pipelines.datasets.campaign import Finished, run_campaign
+from pipelines.datasets.plan import load_plan
+from pipelines.datasets.workers import Workers, local_workers
 from pipelines.engine.working import Work
 
 __all__ = ["Finished", "campaign"]

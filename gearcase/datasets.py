@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gearcase.given import checked_file, checked_recording
-from pipelines.dataset import pieces as _views
-from pipelines.dataset import reading as _reading
+from pipelines.datasets import pieces as _views
+from pipelines.datasets import reading as _reading
 
 if TYPE_CHECKING:
     import xarray
@@ -37,7 +37,7 @@ def open_dataset(folder: str | Path) -> xarray.Dataset:
     >>> gearcase.open_dataset("nowhere")
     Traceback (most recent call last):
     ...
-    pipelines.border.errors.InputError: nowhere: ...
+    pipelines.io.errors.InputError: nowhere: ...
     """
     return _reading.open_dataset(checked_file("folder", folder, "the folder of a data set"))
 

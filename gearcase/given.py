@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipelines.border.errors import InputError
-from pipelines.border.shown import shown, shown_value
+from pipelines.io.errors import InputError
+from pipelines.io.shown import shown, shown_value
 
 if TYPE_CHECKING:
     import xarray

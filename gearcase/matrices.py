@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fem.casing.foreign.reduce import Point as Point
+from fem.casing.imported.reduce import Point as Point
 from fem.storage import shown_html
 from gearcase.errors import InputError
 
@@ -86,9 +86,9 @@ def reduce(
     >>> body.coordinate_names
     ('end:ux', 'end:uy', 'end:uz', 'mode_1', 'mode_2', 'mode_3')
     """
-    from fem.casing.foreign.body import ForeignError, foreign_body
-    from fem.casing.foreign.checks import check_foreign
-    from fem.casing.foreign.reduce import reduce_foreign
+    from fem.casing.imported.body import ForeignError, foreign_body
+    from fem.casing.imported.checks import check_foreign
+    from fem.casing.imported.reduce import reduce_foreign
     from fem.casing.reduced.reduction import ReductionError
     from fem.numerics.linear_solver import SingularMatrixError
 

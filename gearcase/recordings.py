@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gearcase.given import checked_by_name, checked_file, checked_recording, checked_recordings
-from pipelines.comparison.labelled import labelled_comparison
+from pipelines.diagnosis.comparison.labelled import labelled_comparison
 from pipelines.diagnosis.verdict import Verdict
 from pipelines.recordings.machine import read_machine
 from pipelines.recordings.recording import read_recording

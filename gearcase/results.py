@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 from gearcase.given import checked_file, checked_recording, checked_signal, refusal
 from gearcase.scenes import Scene, Settings, loaded_scene
 from gearcase.working import ProgressFunction
-from pipelines.bars.line_bars import LineBars
-from pipelines.border.errors import InputError, WorkError
+from pipelines.diagnosis.control_diagnosis import Diagnosis
+from pipelines.diagnosis.uncertainty.line_bars import LineBars
 from pipelines.engine.working import Work
+from pipelines.io.errors import InputError, WorkError
 from pipelines.runs.diagnosed import diagnose_folder, folder_bars
 from pipelines.runs.run import Options, run_scene
 from pipelines.runs.run_folder import find_run, loaded_run
-from pipelines.signals.diagnosis import Diagnosis
 from pipelines.signals.labelled_spectrum import labelled_spectrum
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ def open_run(name: str | Path) -> xarray.Dataset:
     >>> gearcase.open_run("nowhere")
     Traceback (most recent call last):
     ...
-    pipelines.border.errors.InputError: nowhere: no result here, neither ...
+    pipelines.io.errors.InputError: nowhere: no result here, neither ...
     """
     return loaded_run(find_run(checked_file("name", name, "a result folder or the name of a scene")))
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from fem.storage import shown_html
 from gearcase.given import checked_file, refusal
-from pipelines.border.toml_text import format_value
+from pipelines.io.toml_text import format_value
 from pipelines.runs.checked import Checked, check_scene
 from pipelines.scene.file import LoadedScene, changed, load_scene, scene_of_tree
 from pipelines.scene.merge import leaves
@@ -83,7 +83,7 @@ class Scene:
         >>> gearcase.Scene.from_file("minimal").changed({"stages.1.face_width_mm": -1})
         Traceback (most recent call last):
         ...
-        pipelines.border.errors.SceneError: scene minimal: 1 problem
+        pipelines.io.errors.SceneError: scene minimal: 1 problem
           stages.1.face_width_mm = -1: must be greater than 0 mm. Correct the value.
         """
         if isinstance(settings, str) or not isinstance(settings, Iterable):

@@ -6,9 +6,9 @@ from gearcase.given import refusal
 from gearcase.scenes import Scene, loaded_scene
 from gearcase.working import ProgressFunction
 from pipelines.engine.working import Work
-from pipelines.trade.axes import AXES
-from pipelines.trade.refinement import RefinementStudy, refine
-from pipelines.trade.tradeoff import Tradeoff, trade
+from pipelines.studies.trade.axes import AXES
+from pipelines.studies.trade.refinement import RefinementStudy, refine
+from pipelines.studies.trade.tradeoff import Tradeoff, trade
 
 __all__ = ["RefinementStudy", "Tradeoff", "converge", "tradeoff"]
 

@@ -31,6 +31,6 @@ def coarse(name, end=0.1):
 
 def as_options(settings):
     """The same for the command line."""
-    from pipelines.border.toml_text import format_value
+    from pipelines.io.toml_text import format_value
 
     return [word for path, value in settings.items() for word in ("--set", f"{path}={format_value(value)}")]

@@ -4,15 +4,15 @@ from pathlib import Path
 
 import numpy as np
 
-from pipelines.campaign.campaign import planned
-from pipelines.campaign.folder import begin, identity_facts
-from pipelines.campaign.plan import load_plan
-from pipelines.campaign.scenes import scene_key, scene_of
-from pipelines.dataset.labels import labels
-from pipelines.dataset.layout import RunLayout, SignalLayout
-from pipelines.dataset.rows import DONE, FAILED, write_row, write_table
-from pipelines.dataset.store import write_run
-from pipelines.plant.checks.validity import checked_plant
+from pipelines.datasets.campaign import planned
+from pipelines.datasets.folder import begin, identity_facts
+from pipelines.datasets.labels import labels
+from pipelines.datasets.layout import RunLayout, SignalLayout
+from pipelines.datasets.plan import load_plan
+from pipelines.datasets.rows import DONE, FAILED, write_row, write_table
+from pipelines.datasets.scenes import scene_key, scene_of
+from pipelines.datasets.store import write_run
+from pipelines.machine.checks.validity import checked_plant
 
 RATE, SAMPLES = 5000.0, 4000
 TEETH = (20, 55)  # of the scene

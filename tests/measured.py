@@ -8,8 +8,8 @@ import pyuff
 from nptdms import ChannelObject, TdmsWriter
 from scipy.io import savemat, wavfile
 
-from pipelines.orders.kinematics import Kinematics, Shaft
 from pipelines.recordings.machine import Machine
+from pipelines.signals.orders.kinematics import Kinematics, Shaft
 
 RATE = 10_000.0
 SAMPLES = 3000

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from pipelines.figures.render_failures import PACKAGES
-from pipelines.figures.views import LeftOut
+from pipelines.report.figures.render_failures import PACKAGES
+from pipelines.report.figures.views import LeftOut
 
 
 def drawn(found):

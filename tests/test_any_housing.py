@@ -10,25 +10,25 @@ import pytest
 import scipy.sparse as sp
 from housings import small_housing
 
-from fem.casing.foreign.body import foreign_body
-from fem.casing.foreign.reduce import Point, reduce_foreign
-from fem.casing.meshing.gmsh_session import session
-from fem.casing.meshing.mesher import mesh_housing, write_step
-from fem.casing.meshing.sizes import Sizes
-from fem.casing.meshing.step_file import import_solids
+from fem.casing.imported.body import foreign_body
+from fem.casing.imported.reduce import Point, reduce_foreign
+from fem.casing.mesh.gmsh_session import session
+from fem.casing.mesh.mesher import mesh_housing, write_step
+from fem.casing.mesh.sizes import Sizes
+from fem.casing.mesh.step_file import import_solids
+from fem.casing.recognition.features import bolt_patterns
+from fem.casing.recognition.read import survey
+from fem.casing.recognition.shaft_fit import ShaftPlace, fit_shafts
 from fem.casing.reduced.grounded import ground_casing
-from fem.casing.survey.features import bolt_patterns
-from fem.casing.survey.read import survey
-from fem.casing.survey.shaft_fit import ShaftPlace, fit_shafts
 from fem.elements.materials import Material
 from fem.elements.solids import assemble
-from pipelines.cli import main
-from pipelines.housings.block import housing_block
-from pipelines.housings.picture import _seen
-from pipelines.housings.thinned import thinned
-from pipelines.plant.housing_file import main as write_housing
+from pipelines.cli.main import main
+from pipelines.machine.housing_file import main as write_housing
 from pipelines.runs.checked import check_scene
 from pipelines.scene.file import load_scene
+from pipelines.studies.housings.block import housing_block
+from pipelines.studies.housings.picture import _seen
+from pipelines.studies.housings.thinned import thinned
 
 IRON = Material(name="iron", elastic_modulus=1.1e11, poisson_ratio=0.26, density=7200.0)
 TILT = math.radians(4.3)

@@ -7,7 +7,7 @@ import pytest
 from housings import small_housing
 from mbd_rigs import no_casing, rigid_casing, train
 
-from fem.casing.meshing.mesher import mesh_housing
+from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.reduced.accuracy import sensor_rows
 from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.modes import casing_modes, reduced_body
@@ -18,14 +18,14 @@ from mbd.excitations.base_acceleration import BaseAcceleration
 from mbd.excitations.unbalance import Unbalance
 from mbd.excitations.waveform import SweepWave, TableWave
 from mbd.integrators.settings import Settings
+from mbd.output.simulate import simulate
 from mbd.parts.drive import SpeedProfile
-from mbd.simulate import simulate
 from mbd.system.frequency_response import frequency_response
 from mbd.system.linearised import tangent
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
-from pipelines.border.errors import SceneError
-from pipelines.plant.plant import make_plant
+from pipelines.io.errors import SceneError
+from pipelines.machine.plant import make_plant
 from pipelines.scene.file import load_scene
 
 STANDING = SpeedProfile(times=np.zeros(1), speeds=np.zeros(1))

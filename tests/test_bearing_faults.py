@@ -3,13 +3,13 @@
 import pytest
 
 import gearcase
-from pipelines.border.errors import SceneError
-from pipelines.cli import main
-from pipelines.plant.checks.validity import checked_plant
-from pipelines.plant.plant import make_plant
+from pipelines.cli.main import main
+from pipelines.diagnosis.control_diagnosis import diagnose
+from pipelines.diagnosis.control_verdict import all_seen, criterion, headline, sentences, summary_grid
+from pipelines.io.errors import SceneError
+from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.plant import make_plant
 from pipelines.scene.file import load_scene
-from pipelines.signals.diagnosis import diagnose
-from pipelines.signals.verdict import all_seen, criterion, headline, sentences, summary_grid
 
 OUTER = {
     "kind": "bearing-spall", "shaft": 1, "bearing": 1, "on": "outer-ring", "width_mm": 1.0, "depth_um": 50.0,

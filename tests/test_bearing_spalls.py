@@ -8,22 +8,22 @@ import pytest
 from mbd_rigs import no_casing
 from test_rolling_bearings import loaded_shaft
 
-from mbd.bearing_faults.cage_slip import PITCHES, CageSlip, lag_at
-from mbd.bearing_faults.faulty_bearing import FaultyContacts, faulty_rule, with_faults
-from mbd.bearing_faults.spall import Spall, race_radius
-from mbd.coordinates.channels import journal_acceleration, shaft_channels
 from mbd.elements.element import ENERGY, evaluated
+from mbd.excitations.cage_slip import PITCHES, CageSlip, lag_at
+from mbd.excitations.faulty_bearing import FaultyContacts, faulty_rule, with_faults
+from mbd.excitations.spall import Spall, race_radius
 from mbd.forces.rolling_bearing import RollingContacts, hertz_bearing
+from mbd.forces.torque import Torque
 from mbd.integrators.settings import Settings
+from mbd.output.simulate import simulate
 from mbd.parts.bearings import rigid_bearing
+from mbd.parts.channels import journal_acceleration, shaft_channels
 from mbd.parts.checks import MachineError
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.load import StaticTorque
 from mbd.parts.rolling_catalogue import by_designation
 from mbd.parts.rolling_elements import pass_frequencies
-from mbd.simulate import simulate
 from mbd.system.system import assemble
-from mbd.torques.torque import Torque
 
 BALLS, ROLLERS = by_designation("6208"), by_designation("NU208")
 DOWN = 1.5 * math.pi  # where a weight presses the elements

@@ -9,11 +9,11 @@ import pytest
 
 import gearcase
 from mbd.system.statics import equilibrium
-from pipelines.border.errors import SceneError
 from pipelines.engine.storage import digest
-from pipelines.plant.assembly import assemble_machine, assemble_system
-from pipelines.plant.plant import make_plant
-from pipelines.plant.torques.drives import speed_profile
+from pipelines.io.errors import SceneError
+from pipelines.machine.assembly import assemble_machine, assemble_system
+from pipelines.machine.drives import speed_profile
+from pipelines.machine.plant import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.scene.merge import Whole
 from pipelines.steps.graph import plant_steps
@@ -205,7 +205,7 @@ def test_a_bench_speaks_of_no_hoist_in_any_output(tmp_path):
 
 
 def test_check_and_messages_of_a_bench_speak_of_no_hoist(capsys):
-    from pipelines.cli import main
+    from pipelines.cli.main import main
 
     assert main(["check", "bench"]) == 0
     assert main(["check", "reducer"]) == 0

@@ -11,11 +11,11 @@ from rotors import CRITICAL, DAMPING, LENGTH, MOVING, PROBE, STIFFNESS, Probe, j
 from mbd.excitations.bent_shaft import BentShaft
 from mbd.excitations.unbalance import Unbalance
 from mbd.integrators.settings import Settings
+from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
-from mbd.simulate import simulate
 from mbd.system.system import assemble
-from pipelines.border.errors import SceneError
-from pipelines.plant.plant import make_plant
+from pipelines.io.errors import SceneError
+from pipelines.machine.plant import make_plant
 from pipelines.scene.file import load_scene
 
 BOW, ANGLE = 20e-6, 0.3

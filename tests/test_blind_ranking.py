@@ -10,8 +10,8 @@ from pipelines.diagnosis.alike import alike
 from pipelines.diagnosis.simulated import FeatureSettings, run_features
 from pipelines.diagnosis.verdict import BaselineError, judge
 from pipelines.diagnosis.words import confirmed, headline, ranking_grid, sentences
-from pipelines.features.recorded import FeatureError
-from pipelines.orders.kinematics import Gear, Shaft
+from pipelines.signals.features.recorded import FeatureError
+from pipelines.signals.orders.kinematics import Gear, Shaft
 
 SETTINGS = FeatureSettings(kinematics=MACHINE, windows={})
 

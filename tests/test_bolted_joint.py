@@ -10,9 +10,9 @@ from housings import small_housing
 from scipy.sparse.linalg import eigsh
 
 from fem.casing.geometry.features import Flange
-from fem.casing.meshing.finished import RawMesh, finished_mesh
-from fem.casing.meshing.mesh import MeshError
-from fem.casing.meshing.mesher import mesh_housing
+from fem.casing.mesh.finished import RawMesh, finished_mesh
+from fem.casing.mesh.mesh import MeshError
+from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.parts.bolted_joint import BoltedJoint, contact_areas, joint_stiffness
 from fem.casing.parts.bolts import Bolt, BoltError
 from fem.casing.parts.split import Plane, split_mesh

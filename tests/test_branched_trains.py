@@ -14,6 +14,7 @@ import pytest
 from mbd_rigs import mesh_law, no_casing
 from scipy.linalg import eigh
 
+from mbd.forces.torque import Torque
 from mbd.parts.bearings import rigid_bearing
 from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.gear_mesh import MeshSpec
@@ -21,7 +22,6 @@ from mbd.parts.machine import Machine
 from mbd.parts.shafts import Disk, Section, ShaftSpec
 from mbd.system.linearised import linear_modes
 from mbd.system.system import assemble
-from mbd.torques.torque import Torque
 
 ANGLE = math.radians(20.0)
 SHEAR = 206e9 / 2 / 1.3

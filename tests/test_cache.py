@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from fem.storage.records import Record, array
-from pipelines.border.errors import CacheWarning
 from pipelines.engine.cache import Cache
 from pipelines.engine.storage import StorageError, digest, flat, load_value, save_value
+from pipelines.io.errors import CacheWarning
 
 KEY = "0123456789abcdef" * 4
 
@@ -187,7 +187,7 @@ FORGED = {
         "type": "pipelines.engine.processes:subprocess.Popen",
         "items": {},
     },
-    "a function": {"kind": "dataclass", "type": "pipelines.cli:main", "items": {}},
+    "a function": {"kind": "dataclass", "type": "pipelines.cli.main:main", "items": {}},
     "a class that is no record": {**RECORD, "type": "pipelines.engine.cache:Cache"},
     "a module that is not there": {**RECORD, "type": "pipelines.absent:Record"},
     "no class": {**RECORD, "type": ["fem"]},
@@ -196,7 +196,7 @@ FORGED = {
     "a link": {"kind": "bytes", "file": "part_2.bin"},
     "a file that is not there": {"kind": "array", "file": "part_9.npy"},
     "no file": {"kind": "text", "file": 5},
-    "other fields": {"kind": "dataclass", "type": "pipelines.border.errors:Problem", "items": {"command": RECORD}},
+    "other fields": {"kind": "dataclass", "type": "pipelines.io.errors:Problem", "items": {"command": RECORD}},
     "an unknown kind": {"kind": "pickle", "file": "part_1.h5"},
     "no kind": {"items": []},
     "not a table": [1, 2],

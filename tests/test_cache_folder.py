@@ -7,10 +7,10 @@ import pytest
 
 from fem.storage import cache_folder
 from fem.storage.cache_folder import UnusableFolder, cache_root, check_private, claim, make_private
-from pipelines.border.errors import CacheWarning
-from pipelines.cli import main
+from pipelines.cli.main import main
 from pipelines.engine import storage
 from pipelines.engine.cache import Cache
+from pipelines.io.errors import CacheWarning
 
 KEY = "0123456789abcdef" * 4
 

@@ -5,11 +5,11 @@ import json
 import numpy as np
 import pytest
 
-from pipelines.border.errors import InputError, SceneError
-from pipelines.campaign.campaign import planned
-from pipelines.campaign.expressions import Expression, ExpressionError
-from pipelines.campaign.plan import load_plan
-from pipelines.campaign.scenes import scene_key, scene_of
+from pipelines.datasets.campaign import planned
+from pipelines.datasets.expressions import Expression, ExpressionError
+from pipelines.datasets.plan import load_plan
+from pipelines.datasets.scenes import scene_key, scene_of
+from pipelines.io.errors import InputError, SceneError
 
 SPEED = 'drive.speeds_rpm = [0.0, "$speed", "$speed"]\n'
 

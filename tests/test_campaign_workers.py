@@ -9,9 +9,9 @@ import time
 
 import pytest
 
-from pipelines.border.errors import InputError
-from pipelines.campaign import workers
-from pipelines.campaign.workers import dask_workers, local_workers
+from pipelines.datasets import workers
+from pipelines.datasets.workers import dask_workers, local_workers
+from pipelines.io.errors import InputError
 
 
 def test_local_workers_are_processes_of_their_own():
@@ -43,7 +43,7 @@ def test_a_file_of_the_working_folder_stands_in_for_no_library(tmp_path, monkeyp
 
 PARENT = """
 import os, time
-from pipelines.campaign.workers import local_workers
+from pipelines.datasets.workers import local_workers
 if __name__ == "__main__":
     with local_workers(1) as hands:
         print(hands.executor.submit(os.getpid).result(), flush=True)
@@ -79,7 +79,7 @@ def test_a_scheduler_that_is_not_there_is_said(tmp_path, monkeypatch, place):
 CLUSTER = """
 import distributed
 import gearcase
-from pipelines.campaign.workers import dask_workers
+from pipelines.datasets.workers import dask_workers
 
 def whole_run():
     scene = gearcase.Scene.from_file("minimal").changed({"simulation.end_s": 0.02, "diagnosis.windows_s": {}})

@@ -9,21 +9,21 @@ from concurrent.futures import Executor, Future
 import numpy as np
 import pytest
 
-import pipelines.campaign.job as job_module
-from pipelines.border.errors import InputError, SceneError, WorkError
-from pipelines.campaign.campaign import planned, run_campaign
-from pipelines.campaign.folder import find_begun, held, identity_facts
-from pipelines.campaign.job import Job, work
-from pipelines.campaign.plan import load_plan
-from pipelines.campaign.scenes import scene_of
-from pipelines.campaign.workers import Workers
-from pipelines.dataset.labels import labels
-from pipelines.dataset.rows import numbers, read_row, read_rows, row_path, write_row
-from pipelines.dataset.store import SIGNALS, read_run
+import pipelines.datasets.job as job_module
+from pipelines.datasets.campaign import planned, run_campaign
+from pipelines.datasets.folder import find_begun, held, identity_facts
+from pipelines.datasets.job import Job, work
+from pipelines.datasets.labels import labels
+from pipelines.datasets.plan import load_plan
+from pipelines.datasets.rows import numbers, read_row, read_rows, row_path, write_row
+from pipelines.datasets.scenes import scene_of
+from pipelines.datasets.store import SIGNALS, read_run
+from pipelines.datasets.workers import Workers
 from pipelines.engine.step import Graph
 from pipelines.engine.working import Work
-from pipelines.plant.checks.validity import checked_plant
-from pipelines.plant.plant import make_plant
+from pipelines.io.errors import InputError, SceneError, WorkError
+from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.plant import make_plant
 from pipelines.signals.response import make_response
 from pipelines.steps.graph import plant_steps
 from pipelines.steps.motion import moved
@@ -288,7 +288,7 @@ def test_numbers_that_are_none_do_not_enter_a_row(tmp_path):
 
 
 def test_one_assembly_serves_scenes_with_equal_machines(monkeypatch, tmp_path):
-    from pipelines.campaign import workshop as module
+    from pipelines.datasets import workshop as module
 
     made = []
     real = module.assembled

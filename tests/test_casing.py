@@ -10,8 +10,8 @@ import scipy.sparse as sp
 from housings import housing_for_shafts, small_housing
 
 from fem.casing.geometry.dimensions import HousingError, Sensor
-from fem.casing.meshing.mesh import CasingMesh, MeshError
-from fem.casing.meshing.mesher import mesh_housing
+from fem.casing.mesh.mesh import CasingMesh, MeshError
+from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.models.casing import Structure
 from fem.casing.models.craig_bampton import CraigBamptonCasing
 from fem.casing.models.no_casing import NoCasing

@@ -12,22 +12,22 @@ import scipy.linalg as la
 from housings import small_housing
 from rendering import drawn
 
-from fem.casing.meshing.mesher import mesh_housing
+from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.models.rigid_casing import RigidCasing
 from fem.casing.reduced.body import ReducedBody
 from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
-from pipelines.border.errors import InputError
-from pipelines.commands.casing import missed_error, mode_table, part_table, reduction_words
+from pipelines.cli.casing import missed_error, mode_table, part_table, reduction_words
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, Step, explain
-from pipelines.figures.film import film_page
-from pipelines.figures.mode_pictures import ModeView, mode_figure, write_mode
-from pipelines.runs.casing_export import checked_target, write_mat, write_uff, write_vtu
+from pipelines.io.errors import InputError
+from pipelines.report.figures.film import film_page
+from pipelines.report.figures.mode_pictures import ModeView, mode_figure, write_mode
 from pipelines.runs.single_results import Casing, mode_shapes
+from pipelines.studies.housings.casing_export import checked_target, write_mat, write_uff, write_vtu
 
 
 @pytest.fixture(scope="module")
@@ -210,8 +210,8 @@ def test_a_page_needs_nothing_but_itself():
 def test_a_mode_is_drawn_with_8_percent_of_the_diagonal(monkeypatch):
     """A block with a diagonal of 1.3 m: the largest displacement is drawn as 0.104 m, after a quarter period."""
     pytest.importorskip("pyvista")
-    from pipelines.figures import render
-    from pipelines.figures.view import draw_mode
+    from pipelines.report.figures import render
+    from pipelines.report.figures.view import draw_mode
 
     monkeypatch.setattr(render, "_render", lambda drawn, title, arrays, *others, **more: arrays)
     nodes = np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.0, 0.4, 0.0], [0.0, 0.0, 1.2]])
@@ -229,7 +229,7 @@ def test_a_mode_is_drawn_with_8_percent_of_the_diagonal(monkeypatch):
 
 
 def test_a_picture_of_a_mode_names_size_and_colours(elastic):
-    from pipelines.figures.views import Picture
+    from pipelines.report.figures.views import Picture
 
     places = {"origin": (0.0, 0.0), "x": (5.0, 0.0), "y": (0.0, 5.0), "z": (3.0, 3.0)}
     picture = Picture(image=np.full((20, 30, 3), 255, np.uint8), places=places)
@@ -249,8 +249,8 @@ def test_the_strain_energy_of_parts_and_the_rest_is_all():
 
 
 def test_a_sheet_holds_a_still_of_every_mode_at_its_largest_deflection(elastic, tmp_path, monkeypatch):
-    from pipelines.figures import mode_pictures
-    from pipelines.figures.views import Picture
+    from pipelines.report.figures import mode_pictures
+    from pipelines.report.figures.views import Picture
 
     places = {"origin": (0.0, 0.0), "x": (5.0, 0.0), "y": (0.0, 5.0), "z": (3.0, 3.0)}
     shades = []

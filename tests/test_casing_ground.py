@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from housings import small_housing
 from scipy.sparse.linalg import splu
 
-from fem.casing.meshing.mesher import mesh_housing
+from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.reduced.accuracy import full_response, reduced_response, sensor_rows, state_error, third_octaves
 from fem.casing.reduced.attachment import AttachmentError
 from fem.casing.reduced.body import BEARING_AXES

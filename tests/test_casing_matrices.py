@@ -16,20 +16,22 @@ import scipy.sparse as sp
 from housings import small_housing
 from scipy.sparse.linalg import eigsh
 
-from fem.casing.foreign.body import ForeignError
-from fem.casing.foreign.checks import check_foreign
-from fem.casing.foreign.files import MatrixFiles, read_body
-from fem.casing.meshing.mesher import mesh_housing
+from fem.casing.imported.body import ForeignError
+from fem.casing.imported.checks import check_foreign
+from fem.casing.imported.files import MatrixFiles, read_body
+from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.models.rigid_casing import RigidCasing
 from fem.casing.reduced.attachment import mean_motion_rows
 from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
-from pipelines.border.errors import InputError
-from pipelines.cli import main
-from pipelines.commands.casing import casing_facts, modal_ratios
-from pipelines.housings.responses import (
+from pipelines.cli.casing import casing_facts, modal_ratios
+from pipelines.cli.main import main
+from pipelines.io.errors import InputError
+from pipelines.runs.single_results import Casing
+from pipelines.studies.housings.casing_export import FORMATS, free_body, write_casing
+from pipelines.studies.housings.responses import (
     accelerance,
     accelerance_figure,
     accelerances,
@@ -37,8 +39,6 @@ from pipelines.housings.responses import (
     damping_words,
     table_lines,
 )
-from pipelines.runs.casing_export import FORMATS, free_body, write_casing
-from pipelines.runs.single_results import Casing
 
 ROOT = Path(__file__).resolve().parent.parent
 FACTOR = 0.97  # of the stiffness, as extrapolation gives one
@@ -251,7 +251,7 @@ def test_the_facts_of_a_casing_hold_every_frequency(casing):
 
 
 def test_the_number_of_a_mode_is_a_number_or_all():
-    from pipelines.border.argument_types import mode_number
+    from pipelines.io.argument_types import mode_number
 
     assert (mode_number("all"), mode_number("3")) == ("all", 3)
     with pytest.raises(argparse.ArgumentTypeError, match="whole number from 1"):

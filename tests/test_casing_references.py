@@ -14,9 +14,9 @@ from benchmarks.casing_limits.housings import drum
 from benchmarks.casing_limits.reference import half_mesh, half_modes
 from benchmarks.page import filled
 from benchmarks.solids import box_mesh
-from fem.casing.mesh_error.extrapolation import lowest_modes
-from fem.casing.mesh_error.pairing import counterparts
-from fem.casing.meshing.source import mesh_geometry
+from fem.casing.mesh.source import mesh_geometry
+from fem.casing.uncertainty.extrapolation import lowest_modes
+from fem.casing.uncertainty.pairing import counterparts
 from fem.elements.materials import CAST_IRON
 from fem.elements.solids import assemble, mass_properties, rigid_body_modes
 

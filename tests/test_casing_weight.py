@@ -7,15 +7,15 @@ import pytest
 import skfem
 from housings import small_housing
 
-from fem.casing.meshing.finished import RawMesh, finished_mesh
-from fem.casing.meshing.mesher import mesh_housing
+from fem.casing.mesh.finished import RawMesh, finished_mesh
+from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.modes import casing_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.casing.reduced.rigid import housing_mass, rigid_body
 from fem.elements.materials import CAST_IRON, Material
 from mbd.system.statics import equilibrium, foot_forces
-from pipelines.cli import main
+from pipelines.cli.main import main
 from pipelines.engine.working import Work
 from pipelines.runs.single_results import scene_graph
 from pipelines.scene.file import load_scene
@@ -114,7 +114,7 @@ def test_the_feet_of_a_housing_carry_its_weight_and_what_stands_in_its_seats(gro
 
 def test_the_feet_of_a_machine_carry_everything_in_it():
     """Shafts, gear bodies, drums and casing of a scene; its torques come and go beside the weight."""
-    from pipelines.plant.assembly import assemble_machine, assemble_system
+    from pipelines.machine.assembly import assemble_machine, assemble_system
 
     elastic = {"casing.model": "static", "casing.element_size_mm": 60.0}
     work = Work(processes=1, quiet=True)

@@ -3,8 +3,8 @@
 import pytest
 
 from pipelines.engine.storage import digest
-from pipelines.plant.checks.design_warnings import design_warnings
-from pipelines.plant.plant import make_drivetrain, make_plant
+from pipelines.machine.checks.design_warnings import design_warnings
+from pipelines.machine.plant import make_drivetrain, make_plant
 from pipelines.scene.file import load_scene
 from pipelines.steps.study import plan_study
 

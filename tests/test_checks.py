@@ -8,22 +8,28 @@ from types import SimpleNamespace
 import pytest
 from mbd_rigs import no_casing, train
 
-from fem.casing.meshing.imported import Seat
-from fem.casing.meshing.locate import ByCylinder
+from fem.casing.mesh.imported import Seat
+from fem.casing.mesh.locate import ByCylinder
 from fem.storage.cache_folder import cache_root
-from mbd.coordinates.channels import channel_names, mesh_channels, motor_channels, shaft_channels
+from mbd.parts.channels import channel_names, mesh_channels, motor_channels, shaft_channels
 from mbd.parts.checks import MachineError
 from mbd.system.system import assemble
-from pipelines.border.errors import Problems, SceneError
-from pipelines.cli import main
-from pipelines.plant.bearings import bearing_points, bearing_specs
-from pipelines.plant.checks import cost
-from pipelines.plant.checks.design_warnings import design_warnings
-from pipelines.plant.checks.strength import STATIC_STRENGTH, TORSION_STRENGTH, contact_pressure, torques_along, torsions
-from pipelines.plant.checks.validity import checked_plant
-from pipelines.plant.layout import lay_out
-from pipelines.plant.plant import make_drivetrain
-from pipelines.plant.torques.hoist import load_spec
+from pipelines.cli.main import main
+from pipelines.io.errors import Problems, SceneError
+from pipelines.machine.bearings import bearing_points, bearing_specs
+from pipelines.machine.checks import cost
+from pipelines.machine.checks.design_warnings import design_warnings
+from pipelines.machine.checks.strength import (
+    STATIC_STRENGTH,
+    TORSION_STRENGTH,
+    contact_pressure,
+    torques_along,
+    torsions,
+)
+from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.hoist import load_spec
+from pipelines.machine.layout import lay_out
+from pipelines.machine.plant import make_drivetrain
 from pipelines.scene.file import load_scene
 from pipelines.steps.study import plan_study
 
@@ -316,8 +322,8 @@ def test_torsion_follows_the_torque_along_the_shaft():
 
 def test_the_seat_found_on_the_solid_is_the_seat_of_its_mesh():
     """The grid over the cylinders gives the bearing points that the surface mesh gives."""
-    from fem.casing.meshing.mesher import find_seats
-    from pipelines.plant.housing import housing
+    from fem.casing.mesh.mesher import find_seats
+    from pipelines.machine.housing import housing
 
     scene = load_scene("rig-step").scene
     layout = lay_out(scene)

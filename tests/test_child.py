@@ -11,13 +11,13 @@ from pathlib import Path
 import pytest
 
 from fem.processes import child
-from pipelines.border.errors import WorkError
 from pipelines.engine import worker
 from pipelines.engine.cache import Cache
 from pipelines.engine.processes import Pool
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, Step
-from pipelines.figures import render
+from pipelines.io.errors import WorkError
+from pipelines.report.figures import render
 
 ROOT = Path(__file__).resolve().parent.parent
 PLANTED = "import pathlib; pathlib.Path(__file__).with_name('planted').touch()\n"
@@ -72,7 +72,7 @@ def test_a_worker_runs_nothing_of_the_working_folder(planted, tmp_path, monkeypa
     assert harmless(planted)
 
 
-@pytest.mark.parametrize("module", ["pipelines.cli", "benchmarks.child"])
+@pytest.mark.parametrize("module", ["pipelines.cli.main", "benchmarks.child"])
 def test_a_program_of_ours_runs_nothing_of_the_working_folder(planted, monkeypatch, module):
     monkeypatch.setenv("PYTHONPATH", str(planted))
     command = child.command(module, "--help", "no such part")
@@ -170,6 +170,6 @@ def test_an_error_that_cannot_be_pickled_keeps_its_words(tmp_path):
 def test_folders_go_to_the_child_as_they_are(monkeypatch, tmp_path):
     monkeypatch.setattr(sys, "path", ["", str(ROOT / "tests"), "__editable__.tool.finder.__path_hook__"])
     monkeypatch.chdir(tmp_path)
-    home, names, folders = json.loads(child.command("pipelines.figures.view")[4])
+    home, names, folders = json.loads(child.command("pipelines.report.figures.view")[4])
     assert (home, folders) == (str(ROOT), sys.path[1:])
     assert set(names) == set(child.PACKAGES)

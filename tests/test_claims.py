@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from pipelines.border.errors import InputError, WorkError
+from pipelines.io.errors import InputError, WorkError
 from pipelines.runs import claims, run_folder
 from pipelines.runs.claims import claimed
 

@@ -9,9 +9,9 @@ import time
 
 import pytest
 
-from pipelines.cli import main
-from pipelines.command_help import HELP
-from pipelines.command_line import COMMANDS, parser
+from pipelines.cli.command_help import HELP
+from pipelines.cli.command_line import COMMANDS, parser
+from pipelines.cli.main import main
 from pipelines.scene.file import load_scene
 
 
@@ -33,7 +33,7 @@ def here(tmp_path, monkeypatch):
 
 def command(*words, stdout=subprocess.PIPE, **environment):
     return subprocess.Popen(
-        [sys.executable, "-m", "pipelines.cli", *words], stdout=stdout, stderr=subprocess.PIPE,
+        [sys.executable, "-m", "pipelines.cli.main", *words], stdout=stdout, stderr=subprocess.PIPE,
         env={**os.environ, **environment},
     )  # fmt: skip
 
@@ -54,7 +54,7 @@ def test_help_appears_at_once():
     seconds = []
     for _ in range(3):
         before = os.times()
-        done = subprocess.run([sys.executable, "-m", "pipelines.cli", "--help"], capture_output=True, check=True)
+        done = subprocess.run([sys.executable, "-m", "pipelines.cli.main", "--help"], capture_output=True, check=True)
         after = os.times()
         seconds.append(sum(after[2:4]) - sum(before[2:4]))  # of children: user and system
     assert b"first steps" in done.stdout
@@ -243,7 +243,7 @@ def raising(error):
     ],
 )
 def test_failures_of_the_work(capsys, monkeypatch, error, code, words):
-    monkeypatch.setattr("pipelines.commands.check.main", raising(error))
+    monkeypatch.setattr("pipelines.cli.check.main", raising(error))
     found, _, err = gearcase(capsys, "check", "minimal")
     assert found == code
     assert words in err
@@ -256,16 +256,16 @@ def test_failures_of_the_work(capsys, monkeypatch, error, code, words):
 def test_sigterm_is_an_interrupt(capsys, monkeypatch):
     """So that child processes end, and what they share is removed; afterwards SIGTERM is what it was."""
     before = signal.getsignal(signal.SIGTERM)
-    monkeypatch.setattr("pipelines.commands.check.main", lambda options: os.kill(os.getpid(), signal.SIGTERM))
+    monkeypatch.setattr("pipelines.cli.check.main", lambda options: os.kill(os.getpid(), signal.SIGTERM))
     code, _, err = gearcase(capsys, "check", "minimal")
     assert (code, "interrupted" in err) == (130, True)
     assert signal.getsignal(signal.SIGTERM) == before
 
 
 def test_our_own_work_errors_are_one_message(capsys, monkeypatch):
-    from pipelines.border.errors import WorkError
+    from pipelines.io.errors import WorkError
 
-    monkeypatch.setattr("pipelines.commands.check.main", raising(WorkError("no convergence at t = 1 s")))
+    monkeypatch.setattr("pipelines.cli.check.main", raising(WorkError("no convergence at t = 1 s")))
     assert gearcase(capsys, "check", "minimal") == (1, "", "gearcase: no convergence at t = 1 s\n")
 
 
@@ -292,7 +292,7 @@ def test_a_killed_export_leaves_the_old_file(capsys, here, monkeypatch):
         assert target.read_text(encoding="utf-8") == "old"
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("pipelines.signals.export.export", killed)
+    monkeypatch.setattr("pipelines.diagnosis.export.export", killed)
     assert gearcase(capsys, "export", "mine", "--to", "csv", "--out", "signals.csv")[0] == 130
     assert target.read_text(encoding="utf-8") == "old"
     assert sorted(path.name for path in here.iterdir()) == ["mine", "signals.csv"]

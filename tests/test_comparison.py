@@ -9,12 +9,12 @@ import pytest
 import xarray
 
 import gearcase
-from pipelines.cli import main
-from pipelines.comparison.curves import curves
-from pipelines.comparison.features import features_of, most_different_shaft
-from pipelines.comparison.part import brought_together, part_of
-from pipelines.orders.kinematics import Bearing, Gear, Kinematics, Shaft
+from pipelines.cli.main import main
+from pipelines.diagnosis.comparison.curves import curves
+from pipelines.diagnosis.comparison.features import features_of, most_different_shaft
+from pipelines.diagnosis.comparison.part import brought_together, part_of
 from pipelines.scene.file import load_scene
+from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 
 SPEED = 25.0  # turns per second of the first shaft
 KINEMATICS = Kinematics(

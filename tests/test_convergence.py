@@ -11,15 +11,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fem.casing.mesh_error.frequency_limits import EDGE_ORDER, frequency_limits
-from pipelines.command_line import parser
+from fem.casing.uncertainty.frequency_limits import EDGE_ORDER, frequency_limits
+from pipelines.cli.command_line import parser
 from pipelines.engine.working import Work
 from pipelines.scene.file import load_scene
-from pipelines.trade.axes import AXES, AxisError
-from pipelines.trade.convergence import CAUTION, ConvergenceError, study
-from pipelines.trade.probes import Value
-from pipelines.trade.refinement import RefinementStudy, modes_of_common_order, refine, unpaired_modes
-from pipelines.trade.refinement_page import (
+from pipelines.studies.trade.axes import AXES, AxisError
+from pipelines.studies.trade.convergence import CAUTION, ConvergenceError, study
+from pipelines.studies.trade.probes import Value
+from pipelines.studies.trade.refinement import RefinementStudy, modes_of_common_order, refine, unpaired_modes
+from pipelines.studies.trade.refinement_page import (
     CASINGS,
     LABELLED,
     MESH_MODELS,
@@ -28,8 +28,8 @@ from pipelines.trade.refinement_page import (
     pairing_words,
     verdict,
 )
-from pipelines.trade.slicing import tone_and_distance
-from pipelines.trade.variants import Measured
+from pipelines.studies.trade.slicing import tone_and_distance
+from pipelines.studies.trade.variants import Measured
 
 
 @given(

@@ -11,10 +11,10 @@ from scipy.sparse.linalg import eigsh
 from test_element_order import plate, ring
 
 from benchmarks.casing_limits.cubic import cubic_matrices
-from fem.casing.mesh_error.extrapolation import lowest_modes
-from fem.casing.meshing.sizes import Sizes
-from fem.casing.meshing.source import mesh_geometry
+from fem.casing.mesh.sizes import Sizes
+from fem.casing.mesh.source import mesh_geometry
 from fem.casing.reduced.grounded import ground_casing
+from fem.casing.uncertainty.extrapolation import lowest_modes
 from fem.elements.cubic import cubic_functions
 from fem.elements.cubic_shapes import cubic_shapes
 from fem.elements.materials import CAST_IRON, Material

@@ -14,11 +14,11 @@ from fem.contact.faults.spalled_tooth import SpalledTooth
 from fem.contact.faults.worn_tooth import WornTooth
 from fem.contact.models.iso import Iso
 from fem.contact.teeth import tooth_terms, with_variants
-from pipelines.figures.shapes import gear_view, twist
-from pipelines.figures.solids import enclosed_volume, gear_surface
-from pipelines.figures.teeth.damage import DRAWN, drawn_tooth
-from pipelines.figures.teeth.pattern import contact_pattern, damaged_part
-from pipelines.figures.teeth.scene_frame import placed, scene_frame
+from pipelines.report.figures.damage import DRAWN, drawn_tooth
+from pipelines.report.figures.pattern import contact_pattern, damaged_part
+from pipelines.report.figures.scene_frame import placed, scene_frame
+from pipelines.report.figures.shapes import gear_view, twist
+from pipelines.report.figures.solids import enclosed_volume, gear_surface
 
 PAIR = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))
 LAW = Iso(slices=15).law(PAIR, "drive")

@@ -14,7 +14,7 @@ import pytest
 import scipy.io
 import scipy.sparse as sp
 
-from fem.casing.meshing.gmsh_session import session
+from fem.casing.mesh.gmsh_session import session
 
 CAD = ("a.step", "a.brep", "a.iges", "a.stl")
 MESHES = ("a.msh", "a.inp", "a.bdf", "a.unv", "a.med", "a.vtk", "a.mesh", "a.vtu", "a.xdmf", "a.cgns")
@@ -22,7 +22,7 @@ MATRICES = ("k.npz", "sparse.npz", "k.h5", "k.mtx", "k.matrix", "k.sti", "k.op4"
 MARK = "@@"
 EVERY = f"""
 import sys
-from pipelines.cli import main
+from pipelines.cli.main import main
 for name in sys.argv[1:]:
     try:
         code = main(["housing", name])

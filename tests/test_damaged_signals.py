@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from measured import RATE, machine, signals
 
-from fem.casing.foreign.body import ForeignError
-from fem.casing.foreign.files import read_matrices
-from mbd.coordinates import channels
+from fem.casing.imported.body import ForeignError
+from fem.casing.imported.files import read_matrices
 from mbd.output.trajectory import Trajectory
-from pipelines.border.errors import InputError
-from pipelines.cli import main
+from mbd.parts import channels
+from pipelines.cli.main import main
+from pipelines.io.errors import InputError
 from pipelines.recordings.recording import read_recording
 from pipelines.runs.run_folder import RESPONSE, loaded_run
 from pipelines.signals.response_file import has_checksum, open_response, write_response

@@ -5,9 +5,9 @@ import re
 import pytest
 from datasets import PLAN, make_dataset
 
-from pipelines.cli import main
-from pipelines.dataset.card import write_card
-from pipelines.dataset.labels import COLUMNS
+from pipelines.cli.main import main
+from pipelines.datasets.card import write_card
+from pipelines.datasets.labels import COLUMNS
 
 
 @pytest.fixture(scope="module")

@@ -8,11 +8,11 @@ import pyarrow.parquet as pq
 import pytest
 from datasets import PLAN, make_dataset, signals
 
-from pipelines.cli import main
-from pipelines.dataset.passes.check import check_dataset
-from pipelines.dataset.rows import TABLE, read_row, row_path, write_row, write_table
-from pipelines.dataset.store import SIGNALS, chunk_path, write_run
-from pipelines.dataset.summary import stretches, summarised
+from pipelines.cli.main import main
+from pipelines.datasets.check import check_dataset
+from pipelines.datasets.rows import TABLE, read_row, row_path, write_row, write_table
+from pipelines.datasets.store import SIGNALS, chunk_path, write_run
+from pipelines.datasets.summary import stretches, summarised
 
 
 @pytest.fixture(scope="module")

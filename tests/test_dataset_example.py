@@ -11,10 +11,10 @@ import pandas
 import pytest
 from datasets import PLAN, make_dataset
 
-from pipelines.campaign.campaign import planned
-from pipelines.campaign.estimate import estimate
-from pipelines.campaign.plan import load_plan
-from pipelines.cli import main
+from pipelines.cli.main import main
+from pipelines.datasets.campaign import planned
+from pipelines.datasets.estimate import estimate
+from pipelines.datasets.plan import load_plan
 
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLE = ROOT / "examples" / "classify_bench.py"

@@ -9,7 +9,7 @@ from datasets import make_dataset
 from scipy.io import loadmat
 
 import gearcase
-from pipelines.cli import main
+from pipelines.cli.main import main
 
 CUT = ("--seconds", "0.2", "--noise", "0.1", "--seed", "3", "--split", "train", "--sensors", "sensor_4")
 

@@ -10,14 +10,14 @@ import pytest
 from datasets import RATE, SAMPLES, TEETH, make_dataset
 
 import gearcase
-from pipelines.border.errors import InputError
-from pipelines.dataset.passes.feature_pass import FEATURE_ROWS, make_features
-from pipelines.dataset.rows import read_row, row_path, write_row
-from pipelines.features.average import FEWEST_TURNS, average
-from pipelines.features.statistics import statistics
-from pipelines.features.synchronous import synchronous as features_of_average
-from pipelines.features.turns import cut_turns
-from pipelines.orders.rotation import Rotation
+from pipelines.datasets.feature_pass import FEATURE_ROWS, make_features
+from pipelines.datasets.rows import read_row, row_path, write_row
+from pipelines.io.errors import InputError
+from pipelines.signals.features.average import FEWEST_TURNS, average
+from pipelines.signals.features.statistics import statistics
+from pipelines.signals.features.synchronous import synchronous as features_of_average
+from pipelines.signals.features.turns import cut_turns
+from pipelines.signals.orders.rotation import Rotation
 
 TIME = np.arange(8000) / 8000
 

@@ -10,9 +10,9 @@ import xarray
 from datasets import PLAN, RATE, SAMPLES, make_dataset, signals
 
 import gearcase
-from pipelines.dataset.columns import as_array, read_columns
-from pipelines.dataset.rows import row_path, write_table
-from pipelines.dataset.store import SIGNALS
+from pipelines.datasets.columns import as_array, read_columns
+from pipelines.datasets.rows import row_path, write_table
+from pipelines.datasets.store import SIGNALS
 
 
 @pytest.fixture(scope="module")

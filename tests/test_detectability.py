@@ -9,23 +9,23 @@ from datasets import make_dataset
 from scipy.stats import norm, t
 from test_dataset_features import InOrder
 
-from pipelines.border.errors import InputError
-from pipelines.campaign.campaign import planned
-from pipelines.campaign.scenes import scene_of
-from pipelines.cli import main
-from pipelines.dataset.rows import read_row
-from pipelines.detect.channels import channels
-from pipelines.detect.design import DAMAGED, HEALTHY, Design, detection_plan
-from pipelines.detect.over import Over, parse_over
-from pipelines.detect.page import words
-from pipelines.detect.probability import Machines, Share, detection
-from pipelines.detect.tables import TableJob, make_tables
+from pipelines.cli.main import main
+from pipelines.datasets.campaign import planned
+from pipelines.datasets.rows import read_row
+from pipelines.datasets.scenes import scene_of
 from pipelines.diagnosis.simulated import FeatureSettings
 from pipelines.diagnosis.verdict import ALARM
-from pipelines.features.table import WHOLE, FeatureTable
-from pipelines.orders.kinematics import Gear, Kinematics, Shaft
-from pipelines.plant.checks.validity import checked_plant
+from pipelines.io.errors import InputError
+from pipelines.machine.checks.validity import checked_plant
 from pipelines.scene.file import load_scene
+from pipelines.signals.features.table import WHOLE, FeatureTable
+from pipelines.signals.orders.kinematics import Gear, Kinematics, Shaft
+from pipelines.studies.detect.channels import channels
+from pipelines.studies.detect.design import DAMAGED, HEALTHY, Design, detection_plan
+from pipelines.studies.detect.over import Over, parse_over
+from pipelines.studies.detect.page import words
+from pipelines.studies.detect.probability import Machines, Share, detection
+from pipelines.studies.detect.tables import TableJob, make_tables
 
 KINEMATICS = Kinematics(
     shafts=(Shaft(name="shaft_1", ratio=1.0), Shaft(name="shaft_2", ratio=20 / 55)),

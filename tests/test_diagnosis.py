@@ -8,11 +8,8 @@ import pytest
 import xarray
 from synthetic import MESH, RATE, WHEEL, response
 
-from pipelines.signals.analysis import analyse, envelope_band
-from pipelines.signals.diagnosis import DiagnosisError, DiagnosisSettings, diagnose
-from pipelines.signals.export import save_diagnoses
-from pipelines.signals.lines import LineTable
-from pipelines.signals.verdict import (
+from pipelines.diagnosis.control_diagnosis import DiagnosisError, DiagnosisSettings, diagnose
+from pipelines.diagnosis.control_verdict import (
     directions,
     grade,
     headline,
@@ -23,6 +20,9 @@ from pipelines.signals.verdict import (
     sentences,
     summary_grid,
 )
+from pipelines.diagnosis.export import save_diagnoses
+from pipelines.signals.analysis import analyse, envelope_band
+from pipelines.signals.lines import LineTable
 
 WINDOWS = {"lifting": (0.5, 2.5), "lowering": (3.0, 5.0)}
 

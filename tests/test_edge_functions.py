@@ -6,14 +6,14 @@ from housings import small_housing
 
 from benchmarks.bracket import END, LEG, THICKNESS, bracket, frequencies, matrices
 from benchmarks.solids import box_mesh
-from fem.casing.edges.added import added_functions
-from fem.casing.edges.fans import chains, singular_sides
-from fem.casing.edges.functions import edge_functions
-from fem.casing.edges.lines import graded, graded_nodes, quadratic
-from fem.casing.edges.topology import Topology
-from fem.casing.meshing.finished import RawMesh, finished_mesh
-from fem.casing.meshing.sizes import Sizes
-from fem.casing.meshing.source import mesh_geometry
+from fem.casing.enrichment.added import added_functions
+from fem.casing.enrichment.fans import chains, singular_sides
+from fem.casing.enrichment.functions import edge_functions
+from fem.casing.enrichment.lines import graded, graded_nodes, quadratic
+from fem.casing.enrichment.topology import Topology
+from fem.casing.mesh.finished import RawMesh, finished_mesh
+from fem.casing.mesh.sizes import Sizes
+from fem.casing.mesh.source import mesh_geometry
 from fem.elements.materials import CAST_IRON
 from fem.elements.solids import rigid_body_modes
 

@@ -6,33 +6,33 @@ import numpy as np
 import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 
-from mbd.bearing_faults.cage_slip import CageSlip
-from mbd.bearing_faults.faulty_bearing import with_faults
-from mbd.bearing_faults.spall import Spall
 from mbd.elements.element import BY_ANGLE, ENERGY, WIDTH, Element, Signal, rule
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.newton import forces_at
 from mbd.elements.table import instant, slope_matrix
 from mbd.excitations.base_acceleration import BaseAcceleration
 from mbd.excitations.bent_shaft import BentShaft
+from mbd.excitations.cage_slip import CageSlip
+from mbd.excitations.faulty_bearing import with_faults
 from mbd.excitations.misaligned_coupling import MisalignedCoupling
 from mbd.excitations.outside_force import ShaftForce
 from mbd.excitations.ripple import TorqueRipple
+from mbd.excitations.spall import Spall
 from mbd.excitations.unbalance import Unbalance
 from mbd.excitations.waveform import SweepWave
 from mbd.forces.ground import Ground
 from mbd.forces.pendulum import RopePendulum
 from mbd.forces.rolling_bearing import hertz_bearing
+from mbd.forces.torque import Torque
 from mbd.integrators.settings import Settings
+from mbd.output.simulate import simulate
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.load import OutsideForce
 from mbd.parts.losses import Brake, Coulomb, Efficiency
 from mbd.parts.rolling_catalogue import by_designation
-from mbd.simulate import simulate
 from mbd.system.linearised import linear_modes
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
-from mbd.torques.torque import Torque
 
 CUBIC = 3e13  # N/m3
 

@@ -8,14 +8,14 @@ import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 
 from mbd.elements.element import ENERGY, PARAMETRIC
-from mbd.energy.element_energy import ElementWork
-from mbd.energy.exact_integrals import FlowWork
 from mbd.integrators.base import ACCELERATION, LENGTH, SPEED
 from mbd.integrators.exponential import exponential
 from mbd.integrators.phi_functions import phi_functions
 from mbd.integrators.settings import Settings
+from mbd.output.element_energy import ElementWork
+from mbd.output.exact_integrals import FlowWork
+from mbd.output.simulate import simulate
 from mbd.parts.drive import SpeedProfile
-from mbd.simulate import simulate
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 
@@ -114,7 +114,7 @@ def test_the_motor_lifts_the_load():
 def test_a_book_sampled_every_few_steps_is_the_same(monkeypatch):
     machine = train(1, profile=RAMP)
     every = balanced(machine, end=0.1, step=5e-6, integrator="trapezoidal")
-    monkeypatch.setattr("mbd.energy.sampled_integrals.MAX_SAMPLES", 5000)
+    monkeypatch.setattr("mbd.output.sampled_integrals.MAX_SAMPLES", 5000)
     some = balanced(machine, end=0.1, step=5e-6, integrator="trapezoidal")
     column = every.energy_entries.index("dissipated")
     np.testing.assert_allclose(some.energies[:, column], every.energies[:, column], rtol=0.02)

@@ -6,31 +6,31 @@ import math
 import numpy as np
 import pytest
 
-from fem.casing.mesh_error.frequency_limits import FrequencyLimits
-from fem.casing.uncertain.drawn_body import drawn_body
-from fem.casing.uncertain.draws import (
+from fem.casing.uncertainty.drawn_body import drawn_body
+from fem.casing.uncertainty.draws import (
     drawn_damping,
     drawn_frequencies,
     near_modes,
     single_errors,
     undrawn,
 )
-from fem.casing.uncertain.frequency_errors import FrequencyErrors, frequency_errors
-from fem.casing.uncertain.modal_form import ModalForm, modal_form
+from fem.casing.uncertainty.frequency_errors import FrequencyErrors, frequency_errors
+from fem.casing.uncertainty.frequency_limits import FrequencyLimits
+from fem.casing.uncertainty.modal_form import ModalForm, modal_form
 from mbd.system.blocked_forces import MachineAtSeats
-from pipelines.bars.casing_changes import CasingPath
-from pipelines.bars.line_bars import Band, LineBar, LineBars
-from pipelines.bars.made import line_bars
-from pipelines.bars.uncertain import Uncertain, uncertain
-from pipelines.bars.words import bars_words
+from pipelines.diagnosis.control_diagnosis import diagnose
+from pipelines.diagnosis.uncertainty.casing_changes import CasingPath
+from pipelines.diagnosis.uncertainty.line_bars import Band, LineBar, LineBars
+from pipelines.diagnosis.uncertainty.made import line_bars
+from pipelines.diagnosis.uncertainty.uncertain import Uncertain, uncertain
+from pipelines.diagnosis.uncertainty.words import bars_words
 from pipelines.engine.working import Work
-from pipelines.plant.assembly import assemble_machine, assemble_system
+from pipelines.machine.assembly import assemble_machine, assemble_system
 from pipelines.scene.file import load_scene
-from pipelines.signals.diagnosis import diagnose
 from pipelines.signals.response import make_response
 from pipelines.steps.motion import moved
 from pipelines.steps.study import plan_study
-from pipelines.trade.known_lines import known_lines, widths
+from pipelines.studies.trade.known_lines import known_lines, widths
 
 MASS, STIFFNESS, RATIO = 3.0, 4e6, 0.02  # of a casing that moves along one axis
 BEARING, ROTOR = 2e7, 1.5  # N/m of the bearing, kg of the rotor in it
@@ -230,8 +230,8 @@ def test_bars_hold_the_lines_of_simulated_casings(diagnosed, monkeypatch):
     def one_draw(*_):
         return dataclasses.replace(undrawn(form, near), squares=form.squares[None, :near] * 1.015**2)
 
-    monkeypatch.setattr("pipelines.bars.made.DRAWS", 1)
-    monkeypatch.setattr("pipelines.bars.made.drawn_frequencies", one_draw)
+    monkeypatch.setattr("pipelines.diagnosis.uncertainty.made.DRAWS", 1)
+    monkeypatch.setattr("pipelines.diagnosis.uncertainty.made.drawn_frequencies", one_draw)
     quiet = run.assign_attrs(step_error=0.0)
     known = Uncertain(errors=errors_of(near, 0.0), damping_spread=0.3, remedy="")
     bars = line_bars(quiet, found, system, known).bars

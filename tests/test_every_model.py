@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import xarray
 
-from pipelines.border.errors import SceneError
 from pipelines.engine.working import Work
-from pipelines.figures import render
+from pipelines.io.errors import SceneError
+from pipelines.report.figures import render
 from pipelines.runs import run_folder
 from pipelines.runs.run import Options, run_scene
 from pipelines.scene.file import load_scene

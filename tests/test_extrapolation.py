@@ -9,8 +9,14 @@ import numpy as np
 import pytest
 from housings import short_housing
 
-from fem.casing.mesh_error.cubic_limits import ORDER
-from fem.casing.mesh_error.extrapolation import (
+from fem.casing.mesh.mesher import mesh_housing
+from fem.casing.mesh.sizes import Sizes
+from fem.casing.mesh.source import mesh_geometry
+from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
+from fem.casing.reduced.reduction import reduce_body
+from fem.casing.uncertainty.cubic_limits import ORDER
+from fem.casing.uncertainty.extrapolation import (
     ExtrapolationError,
     LowestModes,
     limits_from,
@@ -18,19 +24,13 @@ from fem.casing.mesh_error.extrapolation import (
     measured_limits,
     stiffness_factor,
 )
-from fem.casing.mesh_error.frequency_limits import EDGE_ORDER
-from fem.casing.mesh_error.laws import RATIOS
-from fem.casing.mesh_error.pairing import sample_nodes
-from fem.casing.mesh_error.wanted_size import wanted_factor
-from fem.casing.meshing.mesher import mesh_housing
-from fem.casing.meshing.sizes import Sizes
-from fem.casing.meshing.source import mesh_geometry
-from fem.casing.reduced.grounded import ground_casing
-from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
-from fem.casing.reduced.reduction import reduce_body
+from fem.casing.uncertainty.frequency_limits import EDGE_ORDER
+from fem.casing.uncertainty.laws import RATIOS
+from fem.casing.uncertainty.pairing import sample_nodes
+from fem.casing.uncertainty.wanted_size import wanted_factor
 from fem.elements.materials import CAST_IRON
-from pipelines.border.errors import SceneError
-from pipelines.plant.plant import make_plant
+from pipelines.io.errors import SceneError
+from pipelines.machine.plant import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.scene.presets import preset_on
 from pipelines.steps.graph import plant_steps

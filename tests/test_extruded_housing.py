@@ -8,20 +8,20 @@ import pytest
 from housings import housing_for_shafts, short_housing, small_housing
 
 from fem.casing.geometry.features import Ribs
-from fem.casing.hexahedra.extruded import inside
-from fem.casing.hexahedra.section import divided
-from fem.casing.meshing.mesh import MeshError
-from fem.casing.meshing.sizes import Sizes
-from fem.casing.meshing.source import mesh_geometry
+from fem.casing.mesh.extruded import inside
+from fem.casing.mesh.mesh import MeshError
+from fem.casing.mesh.section import divided
+from fem.casing.mesh.sizes import Sizes
+from fem.casing.mesh.source import mesh_geometry
 from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.reduced.rigid import housing_mass
 from fem.elements.facets import surface_weights
 from fem.elements.materials import CAST_IRON
 from fem.elements.solids import mass_properties
-from pipelines.border.errors import SceneError
-from pipelines.plant.checks.validity import checked_plant
-from pipelines.plant.plant import make_plant
+from pipelines.io.errors import SceneError
+from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.plant import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.scene.presets import preset_settings
 

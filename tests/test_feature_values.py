@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from pipelines.features.average import average
-from pipelines.features.band import squared_envelope
-from pipelines.features.envelope import envelope_orders, marked_tooth, tooth_contrast, tooth_energies
-from pipelines.features.passing import pass_levels
-from pipelines.features.synchronous import synchronous
+from pipelines.signals.features.average import average
+from pipelines.signals.features.band import squared_envelope
+from pipelines.signals.features.envelope import envelope_orders, marked_tooth, tooth_contrast, tooth_energies
+from pipelines.signals.features.passing import pass_levels
+from pipelines.signals.features.synchronous import synchronous
 
 PLACES, TURNS = 1024, 30
 THETA = 2 * np.pi * np.arange(PLACES) / PLACES

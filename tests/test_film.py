@@ -8,14 +8,14 @@ from mbd_rigs import no_casing, train
 from scipy.integrate import quad, solve_ivp
 
 from mbd.forces.film import film_rule
+from mbd.forces.torque import Torque
 from mbd.integrators.settings import Settings
+from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.film import Film
-from mbd.simulate import simulate
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
-from mbd.torques.torque import Torque
 
 FILM = Film(viscosity=0.05, roughness=1e-6, radius=8e-3, length=0.02)
 

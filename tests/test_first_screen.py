@@ -6,12 +6,12 @@ import xarray
 from synthetic import MESH, WHEEL
 
 from pipelines.diagnosis.verdict import Finding, Verdict
-from pipelines.orders.kinematics import Gear
-from pipelines.orders.plant_kinematics import kinematics_of
-from pipelines.plant.checks.validity import checked_plant
+from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.kinematics import kinematics_of
 from pipelines.report.run_screen import over_teeth, shown_gear
 from pipelines.scene.file import load_scene
 from pipelines.signals.analysis import DiagnosisSettings
+from pipelines.signals.orders.kinematics import Gear
 
 RATE, TEETH, SECONDS = 10_000, 55, 2.0
 

@@ -8,7 +8,7 @@ from housings import small_housing
 from mbd_rigs import no_casing, rigid_casing, train
 
 import gearcase
-from fem.casing.meshing.mesher import mesh_housing
+from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.reduced.accuracy import sensor_rows
 from fem.casing.reduced.grounded import ForcedPoint, ground_casing
 from fem.casing.reduced.modes import casing_modes, reduced_body
@@ -17,13 +17,13 @@ from fem.elements.materials import CAST_IRON
 from mbd.excitations.outside_force import CasingForce, ShaftForce
 from mbd.excitations.waveform import SweepWave, TableWave
 from mbd.integrators.settings import Settings
+from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
 from mbd.parts.drive import SpeedProfile
-from mbd.simulate import simulate
 from mbd.system.frequency_response import frequency_response
 from mbd.system.system import assemble
-from pipelines.border.errors import SceneError
-from pipelines.plant.plant import make_plant
+from pipelines.io.errors import SceneError
+from pipelines.machine.plant import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.steps.graph import plant_steps
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from fem.casing.mesh_error.cubic_limits import SHARES, cubic_limits
-from fem.casing.mesh_error.frequency_limits import EDGE_ORDER, LimitError, frequency_limits
-from fem.casing.mesh_error.hexahedral_limits import FAST, SLOW, WALLS, hexahedral_limits
-from fem.casing.mesh_error.laws import law_of
-from fem.casing.mesh_error.pairing import counterparts
+from fem.casing.uncertainty.cubic_limits import SHARES, cubic_limits
+from fem.casing.uncertainty.frequency_limits import EDGE_ORDER, LimitError, frequency_limits
+from fem.casing.uncertainty.hexahedral_limits import FAST, SLOW, WALLS, hexahedral_limits
+from fem.casing.uncertainty.laws import law_of
+from fem.casing.uncertainty.pairing import counterparts
 
 SIZES = np.array([1.0, 1.3, 1.7])
 EXACT = 300.0 * 1.06 ** np.arange(60)  # Hz

@@ -7,7 +7,7 @@ import xarray
 
 import gearcase
 from pipelines.engine.working import Work
-from pipelines.figures.plots import transmission_error_figure
+from pipelines.report.figures.plots import transmission_error_figure
 from pipelines.runs.gear_numbers import (
     MeshState,
     gear_curves,

@@ -10,6 +10,7 @@ from scipy import linalg
 
 from mbd.forces.gyroscopic_plane import planes
 from mbd.integrators.settings import Settings
+from mbd.output.simulate import simulate
 from mbd.parts.bearings import BEARING_AXES, BearingSpec
 from mbd.parts.checks import MachineError
 from mbd.parts.drive import CouplingSpec, SpeedProfile
@@ -17,7 +18,6 @@ from mbd.parts.gear_mesh import MeshSpec
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import Machine
 from mbd.parts.shafts import Disk, Section, ShaftSpec, free_shaft, shaft_nodes
-from mbd.simulate import simulate
 from mbd.system.linearised import linear_modes
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble

@@ -10,15 +10,15 @@ import scipy.linalg as la
 from housings import short_housing
 from threadpoolctl import threadpool_limits
 
-from fem.casing.edges.added import added_functions
-from fem.casing.meshing.sizes import Sizes
-from fem.casing.meshing.source import mesh_geometry
+from fem.casing.enrichment.added import added_functions
+from fem.casing.mesh.sizes import Sizes
+from fem.casing.mesh.source import mesh_geometry
 from fem.casing.reduced import halves
 from fem.casing.reduced.grounded import ForcedPoint, ground_casing
 from fem.casing.reduced.halves import MirroredInterface, Places, interface_of, lowest, reduced_and_counted
 from fem.casing.reduced.reduction import held_interface, reduce_and_count
 from fem.elements.materials import CAST_IRON
-from pipelines.plant.plant import make_plant
+from pipelines.machine.plant import make_plant
 from pipelines.scene.file import load_scene
 
 HIGHEST = 5000.0

@@ -9,14 +9,14 @@ from mbd_rigs import no_casing, rigid_casing, train
 from scipy.integrate import solve_ivp
 
 from benchmarks.hoist import MASS, RADIUS, hoist
-from mbd.coordinates.channels import bearing_force
 from mbd.forces.ground import Ground
 from mbd.forces.pendulum import RopePendulum
 from mbd.integrators.settings import Settings
+from mbd.output.simulate import simulate
+from mbd.parts.channels import bearing_force
 from mbd.parts.checks import MachineError
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.machine import STANDARD_GRAVITY
-from mbd.simulate import simulate
 from mbd.system.linearised import linear_modes
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble

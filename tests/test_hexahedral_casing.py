@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from benchmarks.solids import box_mesh
-from fem.casing.meshing.imported import ImportedHousing, Seat, content_hash
-from fem.casing.meshing.locate import ByBox, ByCylinder, ByGroup
-from fem.casing.meshing.mesh import MeshError
-from fem.casing.meshing.mesh_file import read_mesh_file, write_fields
-from fem.casing.meshing.sizes import Sizes
-from fem.casing.meshing.source import mesh_geometry
+from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
+from fem.casing.mesh.locate import ByBox, ByCylinder, ByGroup
+from fem.casing.mesh.mesh import MeshError
+from fem.casing.mesh.mesh_file import read_mesh_file, write_fields
+from fem.casing.mesh.sizes import Sizes
+from fem.casing.mesh.source import mesh_geometry
 from fem.casing.models.casing import Structure
 from fem.casing.models.craig_bampton import CraigBamptonCasing
 from fem.casing.reduced.attachment import nearest_surface_point

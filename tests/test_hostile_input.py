@@ -12,9 +12,9 @@ from pathlib import Path
 
 import pytest
 
-from pipelines.border.errors import Problem, SceneError
-from pipelines.border.shown import message_text, shown, shown_value
-from pipelines.cli import main
+from pipelines.cli.main import main
+from pipelines.io.errors import Problem, SceneError
+from pipelines.io.shown import message_text, shown, shown_value
 from pipelines.scene.file import load_scene
 from pipelines.scene.new import new_scene
 
@@ -271,7 +271,7 @@ def test_a_result_without_signals_is_bad_input(capsys, here):
 def in_a_shell(line, folder, **environment):
     """Exit code and standard error of a shell line in which $gearcase is the command."""
     root = str(Path(__file__).resolve().parent.parent)
-    gearcase = f"{sys.executable} -m pipelines.cli"
+    gearcase = f"{sys.executable} -m pipelines.cli.main"
     environment = {**os.environ, "PYTHONPATH": root, **environment}
     command = ["sh", "-c", line.replace("$gearcase", gearcase)]
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, timeout=120, check=False)
@@ -341,10 +341,10 @@ def test_a_scene_with_a_long_list_is_copied_at_once(tmp_path):
 
 
 def test_markup_in_a_title_stays_text(tmp_path):
-    from pipelines.figures.callouts import plain
-    from pipelines.figures.film import film_page
-    from pipelines.figures.plots import dress, new_figure
     from pipelines.report.contents import ReportContents, RunCost
+    from pipelines.report.figures.callouts import plain
+    from pipelines.report.figures.film import film_page
+    from pipelines.report.figures.plots import dress, new_figure
     from pipelines.report.first_screen import FirstScreen
     from pipelines.report.report import report_body, write_report
 

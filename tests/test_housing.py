@@ -11,10 +11,10 @@ from housings import housing_for_shafts, small_housing
 
 from fem.casing.geometry.dimensions import HousingError, Sensor
 from fem.casing.geometry.features import Fillets, Flange, Ribs, Walls
-from fem.casing.meshing.mesh import MeshError
-from fem.casing.meshing.mesher import mesh_housing, session
-from fem.casing.meshing.sizes import Sizes, bending_wavelength
-from fem.casing.meshing.solid import build_solid
+from fem.casing.mesh.mesh import MeshError
+from fem.casing.mesh.mesher import mesh_housing, session
+from fem.casing.mesh.sizes import Sizes, bending_wavelength
+from fem.casing.mesh.solid import build_solid
 from fem.casing.models.casing import Structure
 from fem.casing.models.craig_bampton import CraigBamptonCasing
 from fem.casing.reduced.rigid import housing_mass, rigid_body
@@ -238,7 +238,7 @@ def test_larger_elements_are_larger_around_bores_and_pads_too(small):
 @pytest.mark.skipif(os.name != "posix", reason="signals as POSIX has them")
 def test_a_closed_pipe_is_still_an_error_after_meshing_and_not_the_end_of_the_process():
     code = (
-        "import os; from fem.casing.meshing.mesher import session\n"
+        "import os; from fem.casing.mesh.mesher import session\n"
         "with session(): pass\n"
         "end, start = os.pipe(); os.close(end)\n"
         "try: os.write(start, b'x')\n"

@@ -5,13 +5,13 @@ import sys
 
 import pytest
 
-from fem.casing.meshing.gmsh_session import session
-from fem.casing.meshing.imported import ImportedHousing, Seat, content_hash
-from fem.casing.meshing.locate import ByCylinder, ByPlane
-from fem.casing.meshing.mesh import MeshError
-from fem.casing.meshing.sizes import Sizes
-from fem.casing.meshing.source import mesh_geometry
-from fem.casing.survey.read import survey
+from fem.casing.mesh.gmsh_session import session
+from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
+from fem.casing.mesh.locate import ByCylinder, ByPlane
+from fem.casing.mesh.mesh import MeshError
+from fem.casing.mesh.sizes import Sizes
+from fem.casing.mesh.source import mesh_geometry
+from fem.casing.recognition.read import survey
 from pipelines.scene.problems import nearest
 
 
@@ -112,7 +112,7 @@ def test_a_damaged_file_leaves_one_line_on_the_terminal(tmp_path):
     half = step.read_bytes()[: step.stat().st_size // 2]
     names = ["a.step", "a.brep", "a.iges", "a.stl", "a.msh", "a.inp", "a.bdf", "a.unv", "a.med", "a.vtu", "a.vtk"]
     names += ["a.mesh", "a.xdmf", "a.cgns", "a.e", "a.mtx", "a.matrix", "a.sti", "a.npz", "a.h5", "a.op4", "a.pch"]
-    code = "import sys; from pipelines.cli import main\nfor name in sys.argv[1:]: main(['housing', name])"
+    code = "import sys; from pipelines.cli.main import main\nfor name in sys.argv[1:]: main(['housing', name])"
     for name in [*names, "a.dof"]:  # the latter beside a.sti
         (tmp_path / name).write_bytes(half)
     done = subprocess.run(

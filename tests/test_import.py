@@ -8,15 +8,15 @@ import pytest
 from housings import small_housing
 
 from fem.casing.geometry.dimensions import HousingError
-from fem.casing.mesh_error.extrapolation import limits_from, lowest_modes
-from fem.casing.meshing.imported import ImportedHousing, Seat, content_hash
-from fem.casing.meshing.locate import ByBox, ByCylinder, ByGroup, ByPlane, ByPoint
-from fem.casing.meshing.mesh import MeshError
-from fem.casing.meshing.mesher import mesh_housing, session, write_step
-from fem.casing.meshing.quality import checked_quality, measure
-from fem.casing.meshing.sizes import Sizes
-from fem.casing.meshing.source import mesh_geometry
+from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
+from fem.casing.mesh.locate import ByBox, ByCylinder, ByGroup, ByPlane, ByPoint
+from fem.casing.mesh.mesh import MeshError
+from fem.casing.mesh.mesher import mesh_housing, session, write_step
+from fem.casing.mesh.quality import checked_quality, measure
+from fem.casing.mesh.sizes import Sizes
+from fem.casing.mesh.source import mesh_geometry
 from fem.casing.reduced.rigid import rigid_body, rigid_from_mesh
+from fem.casing.uncertainty.extrapolation import limits_from, lowest_modes
 from fem.elements.facets import surface_weights
 from fem.elements.materials import CAST_IRON
 from fem.elements.solid_elements import SOLIDS, converted

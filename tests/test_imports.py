@@ -7,9 +7,9 @@ import sys
 from sources import FILES, ROOT, module_name, nodes, text
 
 ONLY_IN = {  # package: modules or packages that may import it
-    "gmsh": {"fem.casing.meshing.gmsh_session"},
-    "pyvista": {"pipelines.figures.view"},
-    "vtk": {"pipelines.figures.view"},
+    "gmsh": {"fem.casing.mesh.gmsh_session"},
+    "pyvista": {"pipelines.report.figures.view"},
+    "vtk": {"pipelines.report.figures.view"},
     "sksparse": {"fem.numerics.linear_solver"},
     "skfem": {"fem.elements"},
     "pydantic": {"pipelines"},
@@ -112,6 +112,6 @@ def test_what_runs_without_the_mesher():
 
 
 def test_the_parser_imports_nothing_heavy():
-    code = "import sys, pipelines.cli\npipelines.cli.parser().format_help()\n"
+    code = "import sys, pipelines.cli.main\npipelines.cli.main.parser().format_help()\n"
     done = run_python(code + f"print(sorted(set(sys.modules) & {HEAVY!r}))")
     assert done.stdout.strip() == "[]", done.stderr

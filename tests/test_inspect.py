@@ -18,25 +18,25 @@ from benchmarks.gear_pairs import thick_rimmed_pair
 from fem.contact.models.iso import Iso
 from fem.contact.models.solid import Solid
 from fem.gears.modifications import PairModifications
-from pipelines.border.errors import InputError
-from pipelines.figures import mesh_pictures
-from pipelines.figures.callouts import casing_figure, gear_figure
-from pipelines.figures.colours import GONE
-from pipelines.figures.mesh_pictures import MeshView, mesh_figure, show_mesh, write_film, write_still
-from pipelines.figures.plots import StiffnessPlot
-from pipelines.figures.render import render_gears, render_mesh, render_stress
-from pipelines.figures.shapes import gear_view
-from pipelines.figures.stress_pictures import (
+from pipelines.io.errors import InputError
+from pipelines.machine.flanks_spec import FlanksSpec
+from pipelines.report.figures import mesh_pictures
+from pipelines.report.figures.callouts import casing_figure, gear_figure
+from pipelines.report.figures.colours import GONE
+from pipelines.report.figures.mesh_frames import mesh_frames, passage
+from pipelines.report.figures.mesh_pictures import MeshView, mesh_figure, show_mesh, write_film, write_still
+from pipelines.report.figures.plots import StiffnessPlot
+from pipelines.report.figures.render import render_gears, render_mesh, render_stress
+from pipelines.report.figures.scene_frame import placed, scene_frame
+from pipelines.report.figures.shapes import gear_view
+from pipelines.report.figures.stress_pictures import (
     StressView,
     checked_mesh_file,
     stress_figure,
     teeth_in_mesh,
     write_teeth,
 )
-from pipelines.figures.teeth.mesh_frames import mesh_frames, passage
-from pipelines.figures.teeth.scene_frame import placed, scene_frame
-from pipelines.figures.views import Picture
-from pipelines.plant.flanks_spec import FlanksSpec
+from pipelines.report.figures.views import Picture
 from pipelines.steps import stress
 
 LOAD = 1200.0

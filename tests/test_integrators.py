@@ -13,9 +13,9 @@ from mbd.integrators.generalised_alpha import spectral_radius
 from mbd.integrators.methods import make_integrator
 from mbd.integrators.modal import complex_modes
 from mbd.integrators.settings import Settings
+from mbd.output.simulate import simulate
 from mbd.parts.checks import StepError
 from mbd.parts.drive import SpeedProfile
-from mbd.simulate import simulate
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble, mesh_mode_frequency
 

@@ -20,7 +20,7 @@ pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals as POSIX has
 
 
 def start(folder):
-    command = [sys.executable, "-m", "pipelines.cli", "simulate", *SCENE]
+    command = [sys.executable, "-m", "pipelines.cli.main", "simulate", *SCENE]
     environment = {**os.environ, "GEARCASE_CACHE": str(folder / "cache"), "PYTHONPATH": os.pathsep.join(sys.path)}
     return subprocess.Popen(
         command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True

@@ -7,21 +7,21 @@ import pytest
 from housings import short_housing
 
 from fem.casing.geometry.features import Flange
-from fem.casing.mesh_error.extrapolation import lowest_modes
-from fem.casing.meshing.imported import ImportedHousing, Seat, content_hash
-from fem.casing.meshing.locate import ByCylinder, ByPlane
-from fem.casing.meshing.mesher import mesh_step, write_step
-from fem.casing.meshing.sizes import Sizes
-from fem.casing.meshing.source import mesh_geometry
+from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
+from fem.casing.mesh.locate import ByCylinder, ByPlane
+from fem.casing.mesh.mesher import mesh_step, write_step
+from fem.casing.mesh.sizes import Sizes
+from fem.casing.mesh.source import mesh_geometry
 from fem.casing.parts.bolted_joint import BoltedJoint
 from fem.casing.parts.bolts import Bolt
 from fem.casing.parts.split import Plane
 from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.lanczos import block_lanczos
+from fem.casing.uncertainty.extrapolation import lowest_modes
 from fem.elements.materials import CAST_IRON
-from pipelines.border.errors import SceneError
 from pipelines.engine.working import Work
-from pipelines.plant.plant import make_plant
+from pipelines.io.errors import SceneError
+from pipelines.machine.plant import make_plant
 from pipelines.runs.single_results import build_casing
 from pipelines.scene.file import load_scene
 

@@ -9,8 +9,8 @@ import jsonschema
 import numpy as np
 import pytest
 
-from pipelines.border.json_text import json_text
-from pipelines.cli import main
+from pipelines.cli.main import main
+from pipelines.io.json_text import json_text
 from pipelines.scene.file import load_scene, shipped_names
 from pipelines.scene.schema import scene_schema
 

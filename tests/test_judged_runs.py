@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from pipelines.border.errors import InputError
 from pipelines.engine.working import Work
+from pipelines.io.errors import InputError
 from pipelines.runs.recorded import Recorded, other_speeds, recording_path
 from pipelines.runs.run import Options, run_scene
 from pipelines.scene.file import load_scene

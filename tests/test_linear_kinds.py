@@ -14,16 +14,16 @@ from mbd.elements.linear import LinearElement, part_on_rows
 from mbd.elements.mode_words import ModeWords
 from mbd.excitations.unbalance import Unbalance
 from mbd.forces.pendulum import RopePendulum
+from mbd.forces.torque import Torque
+from mbd.forces.torque_source import Rotor
 from mbd.integrators.settings import Settings
+from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
 from mbd.parts.couplings import CouplingSprings, ShaftCoupling
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.load import OutsideForce
-from mbd.simulate import simulate
 from mbd.system.linearised import linear_modes
 from mbd.system.system import assemble
-from mbd.torques.torque import Torque
-from mbd.torques.torque_source import Rotor
 
 ROUND_OFF = 1e-12
 

@@ -9,22 +9,22 @@ from mbd_rigs import TRANSVERSE_ANGLE, mesh, no_casing, rigid_casing, train
 from scipy import linalg
 
 from fem.contact.evaluation.evaluator import LawEvaluator
-from mbd.coordinates.channels import DIRECTIONS, channel_names, journal_acceleration
 from mbd.forces.rolling_bearing import hertz_bearing
 from mbd.forces.rope import Rope
 from mbd.integrators.settings import Settings
+from mbd.output.simulate import simulate
 from mbd.parts.bearings import BearingSpec
+from mbd.parts.channels import DIRECTIONS, channel_names, journal_acceleration
 from mbd.parts.checks import MachineError
 from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import Machine
 from mbd.parts.rolling_catalogue import by_designation
 from mbd.parts.shafts import Disk, Section, ShaftSpec
-from mbd.simulate import simulate
 from mbd.system.linearised import linear_modes, tangent, turned
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
-from pipelines.cli import main
+from pipelines.cli.main import main
 
 STANDING = SpeedProfile(times=np.zeros(1), speeds=np.zeros(1))
 HELD = {"stiffness_x": 1e9, "stiffness_z": 1e9, "stiffness_axial": 1e9, "damping_time": 0.0}

@@ -7,11 +7,11 @@ import subprocess
 
 import pytest
 
-from pipelines.border.errors import InputError
-from pipelines.cli import main
+from pipelines.cli.main import main
 from pipelines.engine.working import Work
-from pipelines.runs.listed.cleaning import chosen
-from pipelines.runs.listed.kept_runs import kept_runs
+from pipelines.io.errors import InputError
+from pipelines.runs.cleaning import chosen
+from pipelines.runs.kept_runs import kept_runs
 from pipelines.runs.run import Options, run_scene
 from pipelines.runs.run_folder import find_run, note_latest
 from pipelines.scene.file import load_scene

@@ -11,21 +11,21 @@ from mbd_rigs import no_casing, train
 from synthetic import RATE
 
 from fem.storage.stored_array import StoredArray
-from mbd.coordinates.channels import channel_names
 from mbd.integrators.settings import Settings
-from mbd.simulate import simulate
+from mbd.output.simulate import simulate
+from mbd.parts.channels import channel_names
 from mbd.system.system import assemble
-from pipelines.border.errors import CacheWarning
-from pipelines.cli import main
+from pipelines.cli.main import main
+from pipelines.diagnosis.export import export
 from pipelines.engine.build_step import build_here
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph
-from pipelines.plant.plant import make_plant
+from pipelines.io.errors import CacheWarning
+from pipelines.machine.plant import make_plant
 from pipelines.runs import run_folder
 from pipelines.runs.run import Options, run_scene
 from pipelines.scene.file import load_scene
-from pipelines.signals.export import export
 from pipelines.signals.labelled import stored_type
 from pipelines.signals.response import make_response
 from pipelines.signals.response_file import write_response

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from measured import signals
 
-from pipelines.border.errors import InputError, SceneError
-from pipelines.orders.plant_kinematics import kinematics_of
-from pipelines.plant.layout import lay_out
-from pipelines.plant.looked_for import pass_rates
-from pipelines.plant.plant import make_plant
+from pipelines.io.errors import InputError, SceneError
+from pipelines.machine.kinematics import kinematics_of
+from pipelines.machine.layout import lay_out
+from pipelines.machine.looked_for import pass_rates
+from pipelines.machine.plant import make_plant
 from pipelines.recordings.machine import read_machine
 from pipelines.recordings.recording import read_recording
 from pipelines.scene.file import load_scene

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 import gearcase
-from pipelines.border.errors import SceneError
-from pipelines.plant.plant import make_plant
+from pipelines.diagnosis.control_diagnosis import diagnose
+from pipelines.diagnosis.control_verdict import grade
+from pipelines.io.errors import SceneError
+from pipelines.machine.plant import make_plant
 from pipelines.scene.file import control_of, load_scene
 from pipelines.scene.merge import Whole
 from pipelines.signals.analysis import DiagnosisError
-from pipelines.signals.diagnosis import diagnose
 from pipelines.signals.measured_speed import QUARTER_PERIOD, at_measured_speed
-from pipelines.signals.verdict import grade
 
 MOTOR = {
     "model": "induction-motor", "synchronous_rpm": 3000.0, "rated_rpm": 2900.0, "rated_torque_N_m": 20.0,

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from fem.gears.profile import form_radius
-from pipelines.border.errors import SceneError
-from pipelines.plant.layout import lay_out
-from pipelines.plant.machine import gear_meshes
+from pipelines.io.errors import SceneError
+from pipelines.machine.layout import lay_out
+from pipelines.machine.machine import gear_meshes
 from pipelines.scene.file import load_scene
 
 GEAR = {

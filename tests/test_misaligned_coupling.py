@@ -9,17 +9,17 @@ from mbd_rigs import no_casing
 from rotors import jeffcott, line
 
 from mbd.excitations.misaligned_coupling import MisalignedCoupling
+from mbd.forces.torque import Torque
 from mbd.integrators.settings import Settings
+from mbd.output.simulate import simulate
 from mbd.parts.bearings import rigid_bearing
 from mbd.parts.checks import MachineError
 from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.load import StaticTorque
 from mbd.parts.shafts import Section
-from mbd.simulate import simulate
 from mbd.system.system import assemble
-from mbd.torques.torque import Torque
-from pipelines.border.errors import SceneError
-from pipelines.plant.machine import coupling_spec
+from pipelines.io.errors import SceneError
+from pipelines.machine.machine import coupling_spec
 from pipelines.scene.file import load_scene
 
 SPEED = 60.0  # rad/s, far below all modes

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 
 from benchmarks.solids import box_mesh
-from fem.casing.foreign.checks import lowest_frequencies
-from fem.casing.meshing.gmsh_session import session
-from fem.casing.meshing.imported import ImportedHousing, Seat, content_hash
-from fem.casing.meshing.locate import ByBox, ByCylinder, ByGroup
-from fem.casing.meshing.mesh_file import read_quietly
-from fem.casing.meshing.sizes import Sizes
-from fem.casing.meshing.source import mesh_geometry
+from fem.casing.imported.checks import lowest_frequencies
+from fem.casing.mesh.gmsh_session import session
+from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
+from fem.casing.mesh.locate import ByBox, ByCylinder, ByGroup
+from fem.casing.mesh.mesh_file import read_quietly
+from fem.casing.mesh.sizes import Sizes
+from fem.casing.mesh.source import mesh_geometry
 from fem.casing.models.casing import Structure
 from fem.casing.models.craig_bampton import CraigBamptonCasing
-from fem.casing.survey.read import survey
+from fem.casing.recognition.read import survey
 from fem.elements.division import divided
 from fem.elements.facets import corner_triangles, outer_facets
 from fem.elements.materials import CAST_IRON

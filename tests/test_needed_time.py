@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from pipelines.orders.kinematics import Kinematics, Shaft
-from pipelines.orders.needed_time import needed_seconds
-from pipelines.orders.revolutions import revolutions
-from pipelines.orders.rotation import Rotation
+from pipelines.signals.orders.kinematics import Kinematics, Shaft
+from pipelines.signals.orders.needed_time import needed_seconds
+from pipelines.signals.orders.revolutions import revolutions
+from pipelines.signals.orders.rotation import Rotation
 
 TRAIN = Kinematics(shafts=(Shaft(name="input", ratio=1.0), Shaft(name="output", ratio=0.1)), frequency=20.0)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pipelines.orders.order_spectra import OrderError, frequency_waterfall, order_waterfall
+from pipelines.signals.orders.order_spectra import OrderError, frequency_waterfall, order_waterfall
 
 RATE = 5000.0
 

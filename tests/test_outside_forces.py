@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from pipelines.border.errors import SceneError
 from pipelines.engine.storage import digest
-from pipelines.plant.plant import make_plant
+from pipelines.io.errors import SceneError
+from pipelines.machine.plant import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.steps.graph import plant_steps
 

@@ -5,16 +5,16 @@ import pytest
 import scipy.linalg as la
 from housings import small_housing
 
-from fem.casing.meshing.mesh import MeshError
-from fem.casing.meshing.mesher import mesh_housing
+from fem.casing.mesh.mesh import MeshError
+from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.parts.regions import Region, stiffness_of
 from fem.casing.reduced.accuracy import state_error
 from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
-from pipelines.border.errors import SceneError
-from pipelines.plant.plant import make_plant
+from pipelines.io.errors import SceneError
+from pipelines.machine.plant import make_plant
 from pipelines.scene.file import load_scene
 
 BAND = 1500.0

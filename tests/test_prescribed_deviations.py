@@ -26,12 +26,12 @@ from fem.gears.prescribed import (
     check_prescribed,
     single_tooth_terms,
 )
-from pipelines.border.errors import SceneError
-from pipelines.plant.assembly import assemble_machine
-from pipelines.plant.checks.design_warnings import design_warnings
-from pipelines.plant.checks.validity import checked_plant
-from pipelines.plant.flanks import prescribed_deviations
-from pipelines.plant.plant import make_drivetrain, make_plant
+from pipelines.io.errors import SceneError
+from pipelines.machine.assembly import assemble_machine
+from pipelines.machine.checks.design_warnings import design_warnings
+from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.flanks import prescribed_deviations
+from pipelines.machine.plant import make_drivetrain, make_plant
 from pipelines.scene.file import control_of, load_scene
 from pipelines.scene.measured_flanks import measured_flanks
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from pipelines.cli import main
-from pipelines.command_line import COMMANDS
+from pipelines.cli.command_line import COMMANDS
+from pipelines.cli.main import main
 
 ROOT = Path(__file__).resolve().parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")

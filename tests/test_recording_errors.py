@@ -8,8 +8,8 @@ import pytest
 from measured import RATE, WRITERS, machine, signals, write_text
 from scipy.io import savemat
 
-from pipelines.border.errors import InputError
-from pipelines.border.universal_file import Function, write_function
+from pipelines.io.errors import InputError
+from pipelines.io.universal_file import Function, write_function
 from pipelines.recordings.machine import Tachometer
 from pipelines.recordings.recording import read_recording
 

@@ -13,14 +13,14 @@ from measured import RATE, WRITERS, machine, signals, write_text
 from scipy.io import savemat, wavfile
 from synthetic import response
 
-from pipelines.border.errors import InputError
-from pipelines.border.universal_file import Function, read_functions, write_function
+from pipelines.diagnosis.export import export
+from pipelines.io.errors import InputError
+from pipelines.io.universal_file import Function, read_functions, write_function
 from pipelines.recordings import formats
 from pipelines.recordings.channels import Channel
 from pipelines.recordings.formats import BY_ENDING, memory_needed
 from pipelines.recordings.machine import Tachometer
 from pipelines.recordings.recording import read_recording
-from pipelines.signals.export import export
 
 PRECISION = {"r.csv": 1e-11, "r.uff": 1e-11}  # of the digits that are written; all others keep every bit
 WITHOUT_RATE = ("r.npy",)

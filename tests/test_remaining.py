@@ -7,14 +7,14 @@ import sys
 
 import pytest
 
-from pipelines.border.shown import duration
-from pipelines.commands import run
+from pipelines.cli import run
 from pipelines.engine.build_step import Result
 from pipelines.engine.cache import Cache
 from pipelines.engine.progress import Lines, Several, Timing
 from pipelines.engine.remaining import Remaining, Task, expected
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, Step, StepRecord
+from pipelines.io.shown import duration
 
 SCHEDULE = (  # two processes: casing 10 beside laws 2 + 2, then motions 6 beside 6, then the report 3
     Task(name="law_1", takes=(), seconds=2.0, kind="law"),
@@ -141,7 +141,7 @@ def test_lengths_of_time_in_words():
 
 def test_in_a_pipe_a_run_writes_no_control_characters(tmp_path):
     done = subprocess.run(
-        [sys.executable, "-m", "pipelines.cli", "run", "minimal", "--set", "simulation.end_s=0.06",
+        [sys.executable, "-m", "pipelines.cli.main", "run", "minimal", "--set", "simulation.end_s=0.06",
          "--set", "diagnosis.windows_s={}", "--out", str(tmp_path / "out")],
         capture_output=True, check=False, env={**os.environ, "FORCE_COLOR": "", "TERM": "xterm-256color"},
     )  # fmt: skip
@@ -160,7 +160,7 @@ def test_in_a_pipe_a_run_writes_no_control_characters(tmp_path):
 
 def test_a_quiet_run_writes_nothing_to_standard_error(tmp_path):
     done = subprocess.run(
-        [sys.executable, "-m", "pipelines.cli", "run", "minimal", "--set", "simulation.end_s=0.07", "-q",
+        [sys.executable, "-m", "pipelines.cli.main", "run", "minimal", "--set", "simulation.end_s=0.07", "-q",
          "--set", "diagnosis.windows_s={}", "--out", str(tmp_path / "out")],
         capture_output=True, check=False,
     )  # fmt: skip

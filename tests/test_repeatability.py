@@ -4,25 +4,25 @@ import numpy as np
 import pytest
 from mbd_rigs import rigid_casing, train
 
-from mbd.accuracy.repeatability import other_start
 from mbd.integrators.base import LENGTH
 from mbd.integrators.methods import make_integrator
 from mbd.integrators.settings import Settings
+from mbd.output.repeatability import other_start
+from mbd.output.simulate import simulate
 from mbd.parts.drive import SpeedProfile
-from mbd.simulate import simulate
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
-from pipelines.border.grid import Grid
-from pipelines.cli import main
+from pipelines.cli.main import main
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph
-from pipelines.plant.plant import make_plant
+from pipelines.io.grid import Grid
+from pipelines.machine.plant import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.signals.motion_warnings import motion_warnings
 from pipelines.steps.graph import plant_steps
-from pipelines.trade.probes import Value
-from pipelines.trade.spread import spread_table
+from pipelines.studies.trade.probes import Value
+from pipelines.studies.trade.spread import spread_table
 
 RATTLE = {
     "bearings": {"model": "hertz", "designation": "6205", "radial_clearance_um": 20.0},

@@ -14,18 +14,18 @@ from hypothesis import strategies as st
 from scipy.io import loadmat
 from synthetic import MESH, WHEEL, response
 
-from pipelines.border.grid import Grid, GridError
-from pipelines.figures.plots import StiffnessPlot, drive_figure, stiffness_figure, waveform_figure
-from pipelines.figures.views import LeftOut
+from pipelines.diagnosis.control_diagnosis import DiagnosisSettings, diagnose
+from pipelines.diagnosis.export import ExportError, export
+from pipelines.io.grid import Grid, GridError
 from pipelines.report import pictures
 from pipelines.report.contents import ReportContents, RunCost, cell, grid
+from pipelines.report.figures.plots import StiffnessPlot, drive_figure, stiffness_figure, waveform_figure
+from pipelines.report.figures.views import LeftOut
 from pipelines.report.first_figures import average_figure
 from pipelines.report.first_screen import Average, Envelope, FirstScreen, Ranked
 from pipelines.report.page import typeset
 from pipelines.report.report import report_body, write_report
 from pipelines.report.thinning import extremes, largest
-from pipelines.signals.diagnosis import DiagnosisSettings, diagnose
-from pipelines.signals.export import ExportError, export
 
 LEFT_OUT = "The picture of the gear pair is left out: off-screen rendering ended with SIGSEGV. Install libegl1."
 WINDOWS = {"lifting": (0.5, 2.5), "lowering": (3.0, 5.0)}

@@ -9,12 +9,12 @@ import pytest
 from browser import CHROMIUM, browser
 from synthetic import MESH, WHEEL, response
 
-from pipelines.figures.plots import StiffnessPlot
+from pipelines.diagnosis.control_diagnosis import DiagnosisSettings, diagnose
 from pipelines.report import pictures
 from pipelines.report.contents import ReportContents, RunCost
+from pipelines.report.figures.plots import StiffnessPlot
 from pipelines.report.first_screen import Average, Envelope, FirstScreen, Ranked
 from pipelines.report.report import report_body, write_report
-from pipelines.signals.diagnosis import DiagnosisSettings, diagnose
 
 pytestmark = [
     pytest.mark.slow,

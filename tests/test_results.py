@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from pipelines.border.errors import InputError
+from pipelines.io.errors import InputError
 from pipelines.runs import run_folder
 
 
@@ -55,7 +55,7 @@ def test_a_name_that_no_folder_can_have_is_refused(name):
 
 @pytest.mark.parametrize("name", ["..", ".", "CON"])
 def test_a_scene_file_with_such_a_name_is_refused_by_every_command(tmp_path, monkeypatch, capsys, name):
-    from pipelines.cli import main
+    from pipelines.cli.main import main
 
     (tmp_path / "below").mkdir()
     monkeypatch.chdir(tmp_path / "below")

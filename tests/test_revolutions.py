@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from pipelines.orders.revolutions import revolutions
-from pipelines.orders.rotation import Rotation
+from pipelines.signals.orders.revolutions import revolutions
+from pipelines.signals.orders.rotation import Rotation
 
 RATE = 10_000.0
 

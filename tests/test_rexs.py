@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from rexs_units import PLAIN, Document, Row, axes, json_text, packed, unit, xml
 
-from pipelines.border.errors import InputError, SceneError
-from pipelines.border.toml_text import read_toml
-from pipelines.plant.checks.collisions import find_collisions
-from pipelines.plant.layout import lay_out
+from pipelines.io.errors import InputError, SceneError
+from pipelines.io.toml_text import read_toml
+from pipelines.machine.checks.collisions import find_collisions
+from pipelines.machine.layout import lay_out
 from pipelines.rexs.files import read_document
 from pipelines.rexs.new import new_scene_from_rexs
 from pipelines.rexs.reading import read_gear_unit

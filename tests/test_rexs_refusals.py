@@ -7,10 +7,10 @@ from rexs_units import PLAIN, Row, packed, unit, xml
 
 import gearcase
 from mbd.parts.rolling_catalogue import by_designation
-from pipelines.border.errors import InputError
-from pipelines.cli import main
-from pipelines.plant.bearings import rolling_bearings
-from pipelines.plant.layout import lay_out
+from pipelines.cli.main import main
+from pipelines.io.errors import InputError
+from pipelines.machine.bearings import rolling_bearings
+from pipelines.machine.layout import lay_out
 from pipelines.rexs import files
 from pipelines.rexs.document import RexsError
 from pipelines.rexs.files import read_document

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 
-from mbd.coordinates.channels import bearing_force, journal_acceleration
 from mbd.forces.rolling_bearing import hertz_bearing, response
 from mbd.integrators.settings import Settings
+from mbd.output.simulate import simulate
 from mbd.parts.bearings import BearingSpec
+from mbd.parts.channels import bearing_force, journal_acceleration
 from mbd.parts.checks import EquilibriumError, MachineError
 from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.load import StaticTorque
@@ -18,7 +19,6 @@ from mbd.parts.machine import Machine
 from mbd.parts.rolling_catalogue import by_designation, designations
 from mbd.parts.rolling_elements import RollingElements, dimensionless_deflection, pass_frequencies
 from mbd.parts.shafts import Disk, Section, ShaftSpec
-from mbd.simulate import simulate
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 

@@ -6,8 +6,8 @@ from mbd_rigs import no_casing
 
 from benchmarks.hoist import EA, FALLS, LENGTH, OMEGA, RADIUS, WEIGHT, hoist
 from mbd.integrators.settings import Settings
+from mbd.output.simulate import simulate
 from mbd.parts.machine import STANDARD_GRAVITY
-from mbd.simulate import simulate
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble, natural_frequencies
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import xarray
 
-from pipelines.orders.kinematics import Gear, Kinematics, Shaft
-from pipelines.orders.rotation import RotationError
-from pipelines.orders.rotation_of import rotation_of
+from pipelines.signals.orders.kinematics import Gear, Kinematics, Shaft
+from pipelines.signals.orders.rotation import RotationError
+from pipelines.signals.orders.rotation_of import rotation_of
 
 RATE = 10_000.0
 PAIR = Kinematics(

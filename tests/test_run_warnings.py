@@ -8,12 +8,12 @@ import pytest
 from datasets import PLAN, make_dataset
 
 import gearcase
-from pipelines.campaign.campaign import planned
-from pipelines.campaign.plan import load_plan
-from pipelines.campaign.scenes import scene_of
-from pipelines.cli import main
-from pipelines.dataset.card import write_card
-from pipelines.dataset.rows import read_row, write_row, write_table
+from pipelines.cli.main import main
+from pipelines.datasets.campaign import planned
+from pipelines.datasets.card import write_card
+from pipelines.datasets.plan import load_plan
+from pipelines.datasets.rows import read_row, write_row, write_table
+from pipelines.datasets.scenes import scene_of
 from pipelines.scene.file import load_scene
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -7,9 +7,9 @@ import sys
 
 import pytest
 
-from pipelines.cli import main
+from pipelines.cli.main import main
 from pipelines.engine.cache import Cache
-from pipelines.figures import render
+from pipelines.report.figures import render
 from pipelines.runs import run_folder
 
 SCENE = """
@@ -40,7 +40,7 @@ def failing(*_, **__):
 
 def test_a_failing_diagnosis_leaves_the_signals_and_can_be_repeated(here, monkeypatch, capsys):
     with monkeypatch.context() as broken:
-        broken.setattr("pipelines.signals.diagnosis.diagnose", failing)
+        broken.setattr("pipelines.diagnosis.control_diagnosis.diagnose", failing)
         assert main(RUN) == 1
     err = capsys.readouterr().err
     folder = run_folder.find_run("mine")
@@ -72,7 +72,16 @@ def test_a_failing_report_leaves_signals_and_diagnosis(here, monkeypatch, capsys
 def test_three_runs_started_together_leave_three_results(here):
     """As a shell starts them: for kg in 80 100 120; do gearcase simulate minimal --set load.container_kg=$kg & done"""
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
-    arguments = ["-m", "pipelines.cli", "simulate", "mine.toml", "--processes", "1", "--set", "simulation.end_s=0.01"]
+    arguments = [
+        "-m",
+        "pipelines.cli.main",
+        "simulate",
+        "mine.toml",
+        "--processes",
+        "1",
+        "--set",
+        "simulation.end_s=0.01",
+    ]
     arguments += ["--set", "diagnosis.windows_s={}"]
     processes = [
         subprocess.Popen(

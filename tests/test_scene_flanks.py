@@ -7,15 +7,15 @@ from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.faults.chipped_tooth import ChippedTooth
 from fem.contact.faults.cracked_tooth import CrackedTooth
 from fem.contact.faults.worn_tooth import WornTooth
-from pipelines.border.errors import SceneError
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph
-from pipelines.plant.assembly import clearances, mesh_faults
-from pipelines.plant.checks.design_warnings import design_warnings
-from pipelines.plant.checks.validity import checked_plant
-from pipelines.plant.layout import lay_out
-from pipelines.plant.plant import make_drivetrain, make_plant
+from pipelines.io.errors import SceneError
+from pipelines.machine.assembly import clearances, mesh_faults
+from pipelines.machine.checks.design_warnings import design_warnings
+from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.layout import lay_out
+from pipelines.machine.plant import make_drivetrain, make_plant
 from pipelines.scene.file import load_scene
 from pipelines.steps.graph import plant_steps
 

@@ -11,9 +11,9 @@ from pydantic import BaseModel
 
 from fem.options import options_of
 from mbd.parts.checks import MachineError
-from pipelines.border.errors import InputError
 from pipelines.engine.storage import digest
-from pipelines.plant.plant import make_plant
+from pipelines.io.errors import InputError
+from pipelines.machine.plant import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.base import Table

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import gearcase
-from pipelines.cli import main
-from pipelines.plant.plant import make_plant
+from pipelines.cli.main import main
+from pipelines.diagnosis.control_diagnosis import diagnose
+from pipelines.diagnosis.control_verdict import all_seen, criterion, headline, lines_grid, sentences, summary_grid
+from pipelines.machine.plant import make_plant
 from pipelines.scene.file import control_differences, control_of, load_scene
-from pipelines.signals.diagnosis import diagnose
-from pipelines.signals.verdict import all_seen, criterion, headline, lines_grid, sentences, summary_grid
 from pipelines.steps.reporting import shaft_rows
 
 UNBALANCE = {"model": "unbalance", "shaft": 1, "position_mm": 20.0, "unbalance_g_mm": 500.0}

@@ -8,7 +8,7 @@ import xarray
 from coarse import coarse, diagnosable
 
 import gearcase
-from pipelines.border.errors import SceneError
+from pipelines.io.errors import SceneError
 from pipelines.runs import run_folder
 from pipelines.runs.run import Options, run_scene
 from pipelines.scene.file import load_scene, shipped_names
@@ -79,7 +79,7 @@ def test_the_resolved_scene_of_a_run_gives_the_same_run(whole_run, tmp_path):
 
 
 def test_the_lines_are_found_again_from_the_folder(whole_run, capsys):
-    from pipelines.cli import main
+    from pipelines.cli.main import main
 
     assert main(["diagnose", str(whole_run[1])]) == 0
     out = capsys.readouterr().out

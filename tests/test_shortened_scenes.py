@@ -4,8 +4,8 @@ import warnings
 
 import pytest
 
-from pipelines.border.errors import SceneError, SceneWarning
-from pipelines.cli import main
+from pipelines.cli.main import main
+from pipelines.io.errors import SceneError, SceneWarning
 from pipelines.scene.file import changed, control_of, load_scene
 
 RIG = "rig-missing-tooth"  # windows: lifting 0.5 to 2.5 s, lowering 3 to 5 s
@@ -49,7 +49,7 @@ def test_a_window_that_is_asked_for_with_the_end_is_refused(span):
         load_scene(RIG, ["simulation.end_s=2.7", f"diagnosis.windows_s.lowering={span}"])
 
 
-@pytest.mark.filterwarnings("ignore::pipelines.border.errors.SceneWarning")
+@pytest.mark.filterwarnings("ignore::pipelines.io.errors.SceneWarning")
 def test_what_was_shortened_loads_again_as_it_is():
     loaded = load_scene(RIG, {"simulation.end_s": 2.7})
     again = changed(loaded, {"load.container_kg": 800.0})

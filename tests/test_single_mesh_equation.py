@@ -17,12 +17,12 @@ from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.evaluation.kernel import evaluate
 from mbd.forces.rope import Rope
 from mbd.integrators.settings import Settings
+from mbd.output.simulate import simulate
 from mbd.parts.bearings import rigid_bearing
 from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import STANDARD_GRAVITY, Machine
 from mbd.parts.shafts import Disk, Section, ShaftSpec
-from mbd.simulate import simulate
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 

@@ -10,7 +10,7 @@ import pytest
 from browser import CHROMIUM, browser
 
 import gearcase
-from pipelines.command_line import COMMANDS
+from pipelines.cli.command_line import COMMANDS
 
 ROOT = Path(__file__).resolve().parent.parent
 MOST_BYTES = 30e6

@@ -2,11 +2,11 @@
 
 import pytest
 
-from pipelines.plant.plant import make_drivetrain
+from pipelines.diagnosis.control_verdict import all_seen
+from pipelines.machine.plant import make_drivetrain
 from pipelines.runs.diagnosed import diagnose_folder
 from pipelines.runs.run import Options, run_scene
 from pipelines.scene.file import load_scene
-from pipelines.signals.verdict import all_seen
 
 SCENES = ("rig-missing-tooth-2", "rig-missing-tooth-3")
 

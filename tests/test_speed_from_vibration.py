@@ -11,10 +11,10 @@ import pytest
 import xarray
 
 import gearcase
-from pipelines.orders.kinematics import Gear, Kinematics, Shaft
-from pipelines.orders.revolutions import revolutions
-from pipelines.orders.rotation import Rotation
-from pipelines.orders.rotation_of import rotation_of
+from pipelines.signals.orders.kinematics import Gear, Kinematics, Shaft
+from pipelines.signals.orders.revolutions import revolutions
+from pipelines.signals.orders.rotation import Rotation
+from pipelines.signals.orders.rotation_of import rotation_of
 
 PINION, WHEEL = 25, 62
 PAIR = Kinematics(

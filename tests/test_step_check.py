@@ -9,11 +9,11 @@ from mbd_rigs import rigid_casing, train
 
 from mbd.integrators.methods import make_integrator
 from mbd.integrators.settings import Settings
+from mbd.output.simulate import simulate
 from mbd.parts.drive import SpeedProfile
-from mbd.simulate import simulate
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
-from pipelines.cli import main
+from pipelines.cli.main import main
 from pipelines.report.contents import ReportContents
 from pipelines.report.first_screen import FirstScreen
 from pipelines.report.report import report_body

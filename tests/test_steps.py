@@ -12,13 +12,13 @@ import psutil
 import pytest
 from test_cache import manifest_of
 
-from pipelines.border.errors import CacheWarning, WorkError
 from pipelines.engine import code_version as code_version_module
 from pipelines.engine.cache import Cache
 from pipelines.engine.code_version import OWN_PACKAGES, code_version, reachable
 from pipelines.engine.processes import Pool
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import CountedResult, Graph, Step, explain
+from pipelines.io.errors import CacheWarning, WorkError
 
 CALLS = []
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from mbd_rigs import TRANSVERSE_ANGLE, mesh, no_casing, rigid_casing, train
 
-from mbd.coordinates.channels import acceleration, bearing_force, channel_names
+from mbd.parts.channels import acceleration, bearing_force, channel_names
 from mbd.parts.checks import MachineError
 from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.gear_mesh import mesh_rows
@@ -222,7 +222,7 @@ def test_multibody_needs_none_of_the_mesh_packages():
     code = (
         "import sys\n"
         "for name in ('gmsh', 'skfem', 'meshio', 'pyvista', 'pydantic', 'matplotlib'): sys.modules[name] = None\n"
-        "import mbd.simulate, mbd.integrators.methods\n"
+        "import mbd.output.simulate, mbd.integrators.methods\n"
         "loaded = sorted(n for n in sys.modules if n.startswith('fem.'))\n"
         "allowed = ('fem.storage', 'fem.numerics', 'fem.contact', 'fem.named_classes', 'fem.options')\n"
         "allowed += ('fem.casing.reduced.body', 'fem.casing.parts.names')\n"

@@ -7,8 +7,8 @@ import pytest
 
 import gearcase
 from fem.gears.modifications import relief_lengths
-from pipelines.figures.plots import orders
-from pipelines.plant.layout import lay_out
+from pipelines.machine.layout import lay_out
+from pipelines.report.figures.plots import orders
 from pipelines.runs.gear_numbers import MeshState, gear_curves, gear_rows, relief_amounts, transmission_errors
 from pipelines.scene.file import load_scene
 

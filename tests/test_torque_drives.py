@@ -7,18 +7,18 @@ import pytest
 from mbd_rigs import no_casing, train
 from scipy.integrate import solve_ivp
 
+from mbd.forces.induction_motor import InductionMotor, breakdown_slip
+from mbd.forces.speed_controller import SpeedController
+from mbd.forces.speed_torque import SpeedTorque
+from mbd.forces.torque import Torque
+from mbd.forces.torque_source import Rotor
 from mbd.integrators.settings import Settings
+from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
 from mbd.parts.drive import SpeedProfile
-from mbd.reference.mesh_reference import nominal_forces
-from mbd.simulate import simulate
+from mbd.parts.mesh_reference import nominal_forces
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
-from mbd.torques.induction_motor import InductionMotor, breakdown_slip
-from mbd.torques.speed_controller import SpeedController
-from mbd.torques.speed_torque import SpeedTorque
-from mbd.torques.torque import Torque
-from mbd.torques.torque_source import Rotor
 
 RATIO = 20 / 55
 ROTOR = Rotor(inertia=2e-3, stiffness=2e4, damping=0.5)

@@ -10,12 +10,12 @@ from rotors import jeffcott, line
 
 from mbd.excitations.ripple import TorqueRipple
 from mbd.integrators.settings import Settings
+from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
 from mbd.parts.drive import SpeedProfile
-from mbd.simulate import simulate
 from mbd.system.frequency_response import frequency_response
 from mbd.system.system import assemble
-from pipelines.plant.plant import make_plant
+from pipelines.machine.plant import make_plant
 from pipelines.scene.file import load_scene
 
 SPEED = 100.0  # rad/s

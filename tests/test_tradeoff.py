@@ -8,19 +8,19 @@ from dataclasses import replace
 
 import pytest
 
-from pipelines.border.errors import SceneError
 from pipelines.engine.cache import Cache
 from pipelines.engine.working import Work
+from pipelines.io.errors import SceneError
 from pipelines.scene import presets
 from pipelines.scene.file import load_scene
 from pipelines.scene.presets import LEVELS, PRESETS, load_asked, preset_on
-from pipelines.trade import choices as choices_module
-from pipelines.trade import tradeoff
-from pipelines.trade.choices import choices
-from pipelines.trade.probes import DECIBEL, Value
-from pipelines.trade.tradeoff import differences, trade
-from pipelines.trade.tradeoff_page import answers, trade_figure, trade_table
-from pipelines.trade.variants import Measured, step_costs
+from pipelines.studies.trade import choices as choices_module
+from pipelines.studies.trade import tradeoff
+from pipelines.studies.trade.choices import choices
+from pipelines.studies.trade.probes import DECIBEL, Value
+from pipelines.studies.trade.tradeoff import differences, trade
+from pipelines.studies.trade.tradeoff_page import answers, trade_figure, trade_table
+from pipelines.studies.trade.variants import Measured, step_costs
 
 SHORT = {
     "simulation.end_s": 0.15,

@@ -8,19 +8,19 @@ import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 
 from mbd.integrators.settings import Settings
+from mbd.output.simulate import simulate
 from mbd.parts.bearings import BEARING_AXES, BearingSpec, rigid_bearing
 from mbd.parts.checks import MachineError
 from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.gear_mesh import mesh_rows
+from mbd.parts.mesh_reference import nominal_forces
 from mbd.parts.train import Link, power_flow, shaft_ratios
-from mbd.reference.mesh_reference import nominal_forces
-from mbd.simulate import simulate
 from mbd.system.linearised import linear_modes
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble, natural_frequencies
-from pipelines.border.errors import SceneError
-from pipelines.plant.checks.validity import checked_plant
-from pipelines.plant.layout import lay_out
+from pipelines.io.errors import SceneError
+from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.layout import lay_out
 from pipelines.scene.file import load_scene
 
 

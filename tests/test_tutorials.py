@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from pipelines.cli import main
-from pipelines.command_line import parser
+from pipelines.cli.command_line import parser
+from pipelines.cli.main import main
 from pipelines.scene.file import load_scene
 
 ROOT = Path(__file__).resolve().parent.parent

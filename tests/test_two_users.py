@@ -164,7 +164,7 @@ def test_a_service_account_runs_a_scene_with_a_read_only_installation(installed,
     home.mkdir()
     os.chown(home, ONE, ONE)
     changes = ("--set", "simulation.end_s=0.05", "--set", "diagnosis.windows_s={}")
-    command = [interpreter(), "-P", "-m", "pipelines.cli", "simulate", "minimal", *changes, "--quiet"]
+    command = [interpreter(), "-P", "-m", "pipelines.cli.main", "simulate", "minimal", *changes, "--quiet"]
     place = cache and home / cache
     done = run(ONE, command, home, place, installed)
     assert done.returncode == 0, done.stderr

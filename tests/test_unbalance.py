@@ -11,13 +11,13 @@ from rotors import CRITICAL, DAMPING, LENGTH, MASS, MOVING, PROBE, STIFFNESS, je
 
 from mbd.excitations.unbalance import Unbalance
 from mbd.integrators.settings import Settings
+from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
 from mbd.parts.drive import SpeedProfile
-from mbd.simulate import simulate
 from mbd.system.linearised import linear_modes
 from mbd.system.system import assemble
-from pipelines.border.errors import SceneError
-from pipelines.plant.plant import make_plant
+from pipelines.io.errors import SceneError
+from pipelines.machine.plant import make_plant
 from pipelines.scene.file import load_scene
 
 ECCENTRIC = 10e-6  # m

@@ -7,14 +7,20 @@ import pytest
 import xarray
 from synthetic import MESH, WHEEL, response
 
-from pipelines.cli import main
+from pipelines.cli.main import main
 from pipelines.scene.file import load_scene
 from pipelines.signals.analysis import DiagnosisSettings
-from pipelines.verification import page
-from pipelines.verification.claims import CLAIMS, Evidence, added_in_lifting, lifting_over_lowering, over_control
-from pipelines.verification.judgement import FAILS, HOLDS, OPEN, judge
-from pipelines.verification.measures import fault_levels, load_levels
-from pipelines.verification.rig import LOADS, LOSSES, SCENES, SENSOR, STRETCHES, cases, scene_of
+from pipelines.studies.verification import page
+from pipelines.studies.verification.claims import (
+    CLAIMS,
+    Evidence,
+    added_in_lifting,
+    lifting_over_lowering,
+    over_control,
+)
+from pipelines.studies.verification.judgement import FAILS, HOLDS, OPEN, judge
+from pipelines.studies.verification.measures import fault_levels, load_levels
+from pipelines.studies.verification.rig import LOADS, LOSSES, SCENES, SENSOR, STRETCHES, cases, scene_of
 
 WINDOWS = {"lifting": (0.5, 2.5), "lowering": (3.0, 5.0)}
 SETTINGS = DiagnosisSettings(

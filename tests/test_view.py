@@ -11,13 +11,13 @@ from rendering import drawn
 from synthetic import box, gear_outline, key_points
 
 from benchmarks.gear_pairs import gear_pair
-from pipelines.figures import render, render_failures
-from pipelines.figures.callouts import casing_figure, gear_figure, spread
-from pipelines.figures.plots import StiffnessPlot
-from pipelines.figures.render import render_casing, render_gears
-from pipelines.figures.shapes import casing_view, gear_view
-from pipelines.figures.solids import enclosed_volume, gear_surface, prism_surface, without_tooth
-from pipelines.figures.views import CasingView, GearPairView, LeftOut, Picture
+from pipelines.report.figures import render, render_failures
+from pipelines.report.figures.callouts import casing_figure, gear_figure, spread
+from pipelines.report.figures.plots import StiffnessPlot
+from pipelines.report.figures.render import render_casing, render_gears
+from pipelines.report.figures.shapes import casing_view, gear_view
+from pipelines.report.figures.solids import enclosed_volume, gear_surface, prism_surface, without_tooth
+from pipelines.report.figures.views import CasingView, GearPairView, LeftOut, Picture
 
 
 def area(outline):
@@ -176,7 +176,7 @@ def test_a_dead_renderer_leaves_one_picture_out(monkeypatch, caplog, program, gr
 LIMITED = """
 import resource, sys
 sys.path[:0] = {path!r}
-from pipelines.figures.render_failures import memory_limit
+from pipelines.report.figures.render_failures import memory_limit
 resource.setrlimit(resource.RLIMIT_AS, ({limit} * 2**20, resource.RLIM_INFINITY))
 print(memory_limit())
 """

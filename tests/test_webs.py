@@ -23,8 +23,8 @@ from fem.elements.nested_condensation import INNER
 from fem.elements.prisms import axial_matrices, slice_means
 from fem.gears.sector import sector_mesh
 from fem.numerics.linear_solver import factorize
-from pipelines.plant.checks.design_warnings import design_warnings
-from pipelines.plant.plant import make_drivetrain
+from pipelines.machine.checks.design_warnings import design_warnings
+from pipelines.machine.plant import make_drivetrain
 from pipelines.scene.file import load_scene
 
 YOUNG, POISSON = 206e9, 0.3

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray
 
-from pipelines.orders.kinematics import Bearing, Gear, Kinematics, Shaft
+from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 
 RATE, SECONDS = 8000.0, 6.0
 SPEED = 20.0  # Hz, first shaft

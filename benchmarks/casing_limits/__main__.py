@@ -24,8 +24,8 @@ from benchmarks.casing_limits.reference import reference
 from benchmarks.clock import conditions
 from benchmarks.markdown import markdown
 from benchmarks.page import filled
-from fem.casing.mesh_error.extrapolation import limits_from, lowest_modes
-from fem.casing.meshing.source import mesh_geometry
+from fem.casing.mesh.source import mesh_geometry
+from fem.casing.uncertainty.extrapolation import limits_from, lowest_modes
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 RESULTS = ROOT / "benchmarks" / "results" / "casing_limits.json"

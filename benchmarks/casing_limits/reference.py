@@ -25,11 +25,11 @@ from scipy.optimize import brentq
 
 from benchmarks.casing_limits.cubic import cubic_matrices
 from benchmarks.casing_limits.graded import SHARE, graded
-from fem.casing.mesh_error.frequency_limits import EDGE_ORDER
-from fem.casing.mesh_error.pairing import counterparts, sample_nodes
-from fem.casing.meshing.gmsh_session import session
-from fem.casing.meshing.mesher import tetrahedra
+from fem.casing.mesh.gmsh_session import session
+from fem.casing.mesh.mesher import tetrahedra
 from fem.casing.reduced.lanczos import block_lanczos
+from fem.casing.uncertainty.frequency_limits import EDGE_ORDER
+from fem.casing.uncertainty.pairing import counterparts, sample_nodes
 from fem.elements.materials import Material
 from fem.numerics.linear_solver import factorize
 

@@ -14,10 +14,10 @@ from fem.casing.models.no_casing import NoCasing
 from mbd.integrators import exponential, trapezoidal
 from mbd.integrators.generalised_alpha import spectral_radius
 from mbd.integrators.settings import Settings
+from mbd.output.simulate import simulate
 from mbd.parts.beam import shear_coefficient
 from mbd.parts.machine import STANDARD_GRAVITY
 from mbd.parts.shafts import Section, ShaftSpec, free_shaft, shaft_nodes
-from mbd.simulate import simulate
 from mbd.system.statics import State, equilibrium
 from mbd.system.system import assemble
 

@@ -18,9 +18,9 @@ import numpy as np
 from benchmarks.clock import conditions, timed
 from benchmarks.peers import ccx, output
 from benchmarks.rig import casing_parts, read
-from fem.casing.meshing.mesh import CasingMesh
-from fem.casing.meshing.sizes import Sizes
-from fem.casing.meshing.source import mesh_geometry
+from fem.casing.mesh.mesh import CasingMesh
+from fem.casing.mesh.sizes import Sizes
+from fem.casing.mesh.source import mesh_geometry
 from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.reduction import Reduction, reduce_body

@@ -1,6 +1,6 @@
 """Coordinates: what a part of the machine may ask of the place it is put in, to form its matrices and rows.
 
-`mbd.coordinates.layout.Layout` is the one that is assembled. Parts know nothing else of the machine around them, so
+`mbd.parts.layout.Layout` is the one that is assembled. Parts know nothing else of the machine around them, so
 that they need not import it.
 """
 

@@ -25,7 +25,7 @@ the angle of now instead; then, by the changes G and Q of force and stiffness at
 
     work = U(a_1, u_0) - U(a_0, u_0) + G . Du/2 + Du . Q Du/12 + [D G . Du - G . D2 u]/12,
 
-where the last bracket, central differences over the neighbouring steps, is added by `mbd.energy.element_energy`.
+where the last bracket, central differences over the neighbouring steps, is added by `mbd.output.element_energy`.
 
 Calls
 -----

@@ -26,7 +26,7 @@ from mbd.forces.flank import flank_name
 from mbd.forces.sliding import mesh_sliding_rows
 
 if TYPE_CHECKING:
-    from mbd.reference.assembly import Assembly
+    from mbd.parts.assembly import Assembly
 
 ETA, RADIUS, RATIO, ROLL, SMOOTH = range(5)
 

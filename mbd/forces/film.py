@@ -25,7 +25,7 @@ from mbd.elements.element import Element, rule
 from mbd.forces.flank import SIDES, flank_name
 
 if TYPE_CHECKING:
-    from mbd.reference.assembly import Assembly
+    from mbd.parts.assembly import Assembly
 
 STRENGTH, ROUGHNESS, TOUCHING, FADING = range(4)
 

@@ -25,10 +25,10 @@ from fem.numerics.compiled import inner
 from mbd.elements.element import ENERGY, FROZEN_ENERGY, Contact, Element, Signal, rule
 from mbd.elements.mode_words import ModeWords
 from mbd.parts.gear_mesh import MeshSpec, mesh_channels, mesh_rows
-from mbd.reference.mesh_reference import approach_at, mean_stiffness
+from mbd.parts.mesh_reference import approach_at, mean_stiffness
 
 if TYPE_CHECKING:
-    from mbd.reference.assembly import Assembly
+    from mbd.parts.assembly import Assembly
 
 BACKLASH, FLOOR, REACH, TAU, CYCLE_START, CYCLE_RATE, RATIO, PINION, WHEEL, LAW = range(10)
 TERMS = 6  # columns of tooth terms

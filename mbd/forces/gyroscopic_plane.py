@@ -17,7 +17,7 @@ from scipy import linalg
 from mbd.elements.element import Element, rule
 
 if TYPE_CHECKING:
-    from mbd.reference.assembly import Assembly
+    from mbd.parts.assembly import Assembly
 
 KIND = "gyroscopic"
 KEPT = 0.999

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator
 
 from mbd.elements.element import Element
 from mbd.forces import drag, efficiency, film, flank, gyroscopic_plane, sliding
-from mbd.reference.assembly import Assembly
+from mbd.parts.assembly import Assembly
 
 
 def load(assembly: Assembly) -> Iterable[Element]:

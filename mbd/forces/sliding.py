@@ -25,12 +25,12 @@ import numpy as np
 from mbd.elements.element import Element, rule
 from mbd.forces.flank import SIDES, flank_name
 from mbd.parts.gear_mesh import MeshSpec
+from mbd.parts.mesh_reference import sliding_shares
 from mbd.parts.shafts import ShaftSpec
-from mbd.reference.mesh_reference import sliding_shares
 
 if TYPE_CHECKING:
-    from mbd.coordinates.layout import Layout
-    from mbd.reference.assembly import Assembly
+    from mbd.parts.assembly import Assembly
+    from mbd.parts.layout import Layout
 
 FRICTION, ROLL, SMOOTH, CYCLE_START, CYCLE_RATE, SHARES = range(6)
 

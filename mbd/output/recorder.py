@@ -19,8 +19,8 @@ import math
 import numpy as np
 
 from fem.storage.stored_array import StoredArray
-from mbd.coordinates.channels import ChannelRows
 from mbd.integrators.base import ACCELERATION, ANGLE, SPEED, Block, Integrator
+from mbd.parts.channels import ChannelRows
 from mbd.parts.checks import StepError
 from mbd.system.system import System
 

@@ -10,7 +10,7 @@ from fem.storage.records import Record, array, names, scalar, text
 from fem.storage.stored_array import StoredArray
 
 TOTAL_LIMIT = 1e-6  # of all work of the sources
-PART_LIMIT = 1e-3  # of the largest energy that flows through a part of the machine, see `mbd.energy.balance`
+PART_LIMIT = 1e-3  # of the largest energy that flows through a part of the machine, see `mbd.output.balance`
 ROUND_OFF = 1e-10  # of all work of the sources, and of the joule or so of strain that machines at rest hold
 
 
@@ -19,7 +19,7 @@ class Trajectory(Record):
     """Channels over time; ``values[i]`` is the channel ``channel_names[i]`` in ``channel_units[i]``.
 
     `values` is an array, or a `StoredArray` that reads what it is asked for. `motors` to `sensors` name what the
-    channels belong to, see `mbd.coordinates.channels`.
+    channels belong to, see `mbd.parts.channels`.
     """
 
     integrator: str = text()

@@ -1,7 +1,7 @@
 """Drive: motors that follow a prescribed speed, each through a coupling that holds only the rotation.
 
 Torque on the shaft in the positive sense: k (phi_m - phi) + c (phi_m' - phi'). All motors follow one profile. Drives
-that give a torque instead are in `mbd.torques.torque_source`.
+that give a torque instead are in `mbd.forces.torque_source`.
 
 References
 ----------

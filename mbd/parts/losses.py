@@ -2,7 +2,7 @@
 torques.
 
 The forces stand in `mbd.forces`: `efficiency`, `sliding`, `drag`. All reverse smoothly with the speed omega of the
-element, as tanh(omega/omega_0); omega_0 is a share of the highest speed in the run (`mbd.reference.assembly`). At rest
+element, as tanh(omega/omega_0); omega_0 is a share of the highest speed in the run (`mbd.parts.assembly`). At rest
 nothing is lost and nothing is held by friction.
 """
 

@@ -33,7 +33,7 @@ from mbd.elements.newton import forces_at
 from mbd.elements.table import instant, slope_matrix
 from mbd.parts.checks import MachineError, finite, positive
 from mbd.parts.machine import Machine
-from mbd.reference.modal_basis import SMALLEST_FREQUENCY
+from mbd.parts.modal_basis import SMALLEST_FREQUENCY
 from mbd.system.statics import State, equilibrium, foot_forces
 from mbd.system.system import System
 

@@ -1,6 +1,6 @@
 """System: the assembled machine as M q'' + C q' + K q = f + B^T lambda, with its linear reference and its rows.
 
-q is measured in the frame that rolls with the train (see `mbd.coordinates.layout`): total motion = R phi_m(t) + q.
+q is measured in the frame that rolls with the train (see `mbd.parts.layout`): total motion = R phi_m(t) + q.
 Rolling loads no spring, so K R = 0 but for the couplings, whose motors roll too; what is left of it is the inertia
 force -M R phi_m''. f is the constant load (gravity, static torque). The matrices hold a linear reference of every mesh
 (mean stiffness at the nominal load) and of every other nonlinear element; lambda is the difference to the real forces
@@ -14,15 +14,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.casing.reduced.body import ReducedBody
-from mbd.coordinates.channels import ChannelRows, channel_names, channel_rows
-from mbd.coordinates.layout import Layout, layout
 from mbd.elements.element import Element
 from mbd.elements.linear import Part
 from mbd.elements.table import Table, element_table
 from mbd.forces.registry import SOURCES_OF_FORCE
+from mbd.parts.assembly import Assembly
+from mbd.parts.channels import ChannelRows, channel_names, channel_rows
 from mbd.parts.checks import MachineError
+from mbd.parts.layout import Layout, layout
 from mbd.parts.machine import Machine
-from mbd.reference.assembly import Assembly
 from mbd.system.rolling_frame import RollingFrame, rolling_frame
 
 DEFAULT_BAND = 20e3  # Hz
@@ -97,7 +97,7 @@ def assemble(
     Parameters
     ----------
     machine, casing : the parts
-    channels : names from `mbd.coordinates.channels`; None asks for all but sensors
+    channels : names from `mbd.parts.channels`; None asks for all but sensors
     band : Hz, modes above it are kept only by their static response; inf keeps all
 
     Raises

@@ -5,7 +5,7 @@ A fault on the faster of two such shafts repeats with the slower one, too; gears
 
 from __future__ import annotations
 
-from pipelines.orders.kinematics import Kinematics
+from pipelines.signals.orders.kinematics import Kinematics
 
 SAME = 1e-3  # of a ratio; over a window of some hundred turns lines this close fall together
 

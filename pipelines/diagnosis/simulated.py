@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipelines.features.recorded import feature_table
-from pipelines.features.table import FeatureTable
-from pipelines.orders.kinematics import Kinematics
-from pipelines.orders.rotation import Rotation
-from pipelines.orders.rotation_of import rotation_of
 from pipelines.signals.analysis import channel_names, noisy_channel
+from pipelines.signals.features.recorded import feature_table
+from pipelines.signals.features.table import FeatureTable
+from pipelines.signals.orders.kinematics import Kinematics
+from pipelines.signals.orders.rotation import Rotation
+from pipelines.signals.orders.rotation_of import rotation_of
 
 if TYPE_CHECKING:
     import xarray
@@ -41,8 +41,8 @@ def run_features(
 
     Raises
     ------
-    FeatureError : see `pipelines.features.recorded`
-    RotationError : see `pipelines.orders.rotation_of`
+    FeatureError : see `pipelines.signals.features.recorded`
+    RotationError : see `pipelines.signals.orders.rotation_of`
     """
     if rotation is None:
         rotation = rotation_of(run, settings.kinematics)

@@ -16,9 +16,9 @@ import numpy as np
 from fem.storage import shown_html
 from pipelines.diagnosis.alike import alike
 from pipelines.diagnosis.prediction import FEWEST_FOR_P, clopper_pearson, holm, p_values
-from pipelines.features.recorded import OF_SHAFT
-from pipelines.features.table import WHOLE, FeatureTable
-from pipelines.orders.kinematics import Kinematics
+from pipelines.signals.features.recorded import OF_SHAFT
+from pipelines.signals.features.table import WHOLE, FeatureTable
+from pipelines.signals.orders.kinematics import Kinematics
 
 LEAST_ORDER = -40.0  # dB over the rms of healthy recordings: weaker orders of a shaft come and go
 ALARM = 0.001  # chance of an alarm from a healthy recording in the mean over baselines, if the model holds

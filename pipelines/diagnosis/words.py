@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pipelines.border.grid import Grid
 from pipelines.diagnosis.prediction import FEWEST_FOR_P
 from pipelines.diagnosis.verdict import ALARM, Finding, Verdict, decibels
+from pipelines.io.grid import Grid
 
 NAMES = {
     "difference_rms": "difference signal",

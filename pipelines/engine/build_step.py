@@ -14,10 +14,10 @@ from typing import Any
 from fem.numerics.compiled_files import compiled_folder
 from fem.storage.cache_folder import warn_without
 from fem.storage.ledger import counting
-from pipelines.border.errors import WorkError
 from pipelines.engine.cache import Cache, Entry
 from pipelines.engine.step import CountedResult, Step, StepRecord
 from pipelines.engine.storage import StorageError, digest, load_value, save_value
+from pipelines.io.errors import WorkError
 
 _THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 

@@ -22,9 +22,9 @@ from typing import IO, Self, cast
 
 from fem.processes.child import command, environment
 from fem.storage.cache_folder import CacheWarning, warn_once
-from pipelines.border.errors import WorkError
 from pipelines.engine.build_step import Result
 from pipelines.engine.step import Step
+from pipelines.io.errors import WorkError
 
 _POLL_SECONDS = 0.02
 _SHARE_SECONDS = 0.5  # between two looks at how far the steps are

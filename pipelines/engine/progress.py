@@ -9,12 +9,12 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-from pipelines.border.shown import duration
 from pipelines.engine.build_step import Result
 from pipelines.engine.cache import Cache
 from pipelines.engine.remaining import Remaining, expected
 from pipelines.engine.run_graph import LONG_SECONDS, Observer
 from pipelines.engine.step import Step
+from pipelines.io.shown import duration
 
 if TYPE_CHECKING:
     from rich.progress import Progress

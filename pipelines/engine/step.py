@@ -15,10 +15,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from pipelines.border.toml_text import format_value
 from pipelines.engine.cache import Cache, Entry
 from pipelines.engine.code_version import code_version, library_versions
 from pipelines.engine.storage import class_modules, digest, flat
+from pipelines.io.toml_text import format_value
 
 FIRST = "first run"
 _FACTS: dict[str, type | tuple[type, ...]] = {

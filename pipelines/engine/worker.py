@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from pipelines.border.errors import WorkError
+from pipelines.io.errors import WorkError
 
 GONE = 3  # exit code of a child whose parent is gone
 

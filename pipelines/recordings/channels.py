@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from pipelines.border.shown import shown
+from pipelines.io.shown import shown
 
 LEAST_VALUES = 2  # fewer are a setting, not a signal
 _NAME = re.compile(r"(?P<name>.*?)\s*[\[(](?P<units>[^\[\]()]*)[\])]\s*")

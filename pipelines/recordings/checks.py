@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipelines.border.errors import InputError
-from pipelines.border.shown import shown
+from pipelines.io.errors import InputError
+from pipelines.io.shown import shown
 from pipelines.recordings.channels import Channel
 
 LEAST_SAMPLES = 256

@@ -16,8 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
-from pipelines.border.errors import InputError
-from pipelines.border.shown import shown
+from pipelines.io.errors import InputError
+from pipelines.io.shown import shown
 from pipelines.recordings.channels import Channel, Contents, distinct, exported_place, name_and_units
 
 _LINES = 50_000  # read at once

@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipelines.border.errors import InputError
-from pipelines.border.shown import nearest_name, shown
-from pipelines.border.user_files import names_beside, regular_file
+from pipelines.io.errors import InputError
+from pipelines.io.shown import nearest_name, shown
+from pipelines.io.user_files import names_beside, regular_file
 from pipelines.recordings import delimited, hdf5, matlab, numpy_files, tdms, universal, wav
 from pipelines.recordings.channels import Contents
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from fem.storage.hdf5 import blocks_missing
-from pipelines.border.errors import InputError
-from pipelines.border.shown import shown
+from pipelines.io.errors import InputError
+from pipelines.io.shown import shown
 from pipelines.recordings.channels import Channel, Contents, array_channels, says_rate
 
 _REFERENCES = "#refs#"  # where MATLAB keeps what its cells hold

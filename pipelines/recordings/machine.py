@@ -11,12 +11,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from pipelines.border.errors import InputError, Problem, SceneError
-from pipelines.border.other_files import SCENE_KEYS
-from pipelines.border.shown import shown
-from pipelines.orders.kinematics import Bearing, Gear, Kinematics, Shaft
+from pipelines.io.errors import InputError, Problem, SceneError
+from pipelines.io.other_files import SCENE_KEYS
+from pipelines.io.shown import shown
 from pipelines.recordings.machine_table import BearingTable, ChannelName, MachineTable
 from pipelines.recordings.units import plain_units
+from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,9 +78,9 @@ def read_machine(source: str | Path) -> Machine:
 
 
 def _of_scene(source: str | Path) -> Machine:
-    from pipelines.orders.plant_kinematics import kinematics_of
-    from pipelines.plant.bearings import rolling_bearings
-    from pipelines.plant.layout import lay_out
+    from pipelines.machine.bearings import rolling_bearings
+    from pipelines.machine.kinematics import kinematics_of
+    from pipelines.machine.layout import lay_out
     from pipelines.scene.file import load_scene
 
     loaded = load_scene(source)
@@ -185,7 +185,7 @@ def _bearings(table: MachineTable) -> tuple[list[Bearing], list[Problem]]:
 
 def _geometric_orders(table: BearingTable) -> dict[str, float]:
     from mbd.parts.rolling_elements import RollingElements
-    from pipelines.orders.plant_kinematics import pass_orders
+    from pipelines.machine.kinematics import pass_orders
 
     return pass_orders(
         RollingElements(

@@ -16,8 +16,8 @@ import xarray
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
-from pipelines.border.errors import InputError
-from pipelines.border.shown import nearest_name, shown
+from pipelines.io.errors import InputError
+from pipelines.io.shown import nearest_name, shown
 from pipelines.recordings.channels import Channel, Contents
 from pipelines.recordings.checks import checked_extremes, clipped_share
 from pipelines.recordings.formats import damage_refused, format_of, memory_needed, open_channels

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from pipelines.border.errors import InputError
-from pipelines.border.shown import shown
+from pipelines.io.errors import InputError
+from pipelines.io.shown import shown
 from pipelines.recordings.channels import Channel, Contents
 
 _INCREMENT = "wf_increment"  # s, of a waveform

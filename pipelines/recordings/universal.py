@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pipelines.border.universal_file import QUANTITIES, Function, Record, read_functions
+from pipelines.io.universal_file import QUANTITIES, Function, Record, read_functions
 from pipelines.recordings.channels import Channel, Contents, array_channels, distinct, exported_place
 
 _AXES = {1: "x", 2: "y", 3: "z"}

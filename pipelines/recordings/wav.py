@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from pipelines.border.errors import InputError
-from pipelines.border.shown import shown
+from pipelines.io.errors import InputError
+from pipelines.io.shown import shown
 from pipelines.recordings.channels import Channel, Contents
 
 _UNSAID = 0xFFFFFFFF  # size of a file that was written as a stream

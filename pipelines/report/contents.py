@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from pipelines.bars.line_bars import LineBars
-from pipelines.border.grid import Grid
-from pipelines.figures.views import LeftOut
+from pipelines.diagnosis.control_diagnosis import Diagnosis
+from pipelines.diagnosis.uncertainty.line_bars import LineBars
+from pipelines.io.grid import Grid
+from pipelines.report.figures.views import LeftOut
 from pipelines.report.first_screen import FirstScreen
 from pipelines.signals.analysis import DiagnosisSettings, channel_names
-from pipelines.signals.diagnosis import Diagnosis
 
 if TYPE_CHECKING:
     import xarray

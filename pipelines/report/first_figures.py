@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from pipelines.figures.plots import FAULTY, HEALTHY, MARK, dress, fixed_figure, legend, plain, plain_symbols
+from pipelines.report.figures.plots import FAULTY, HEALTHY, MARK, dress, fixed_figure, legend, plain, plain_symbols
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from pipelines.border.grid import Grid
 from pipelines.diagnosis.verdict import decibels
+from pipelines.io.grid import Grid
 from pipelines.report import page
 from pipelines.report.first_figures import average_figure, envelope_figure
 from pipelines.report.first_screen import FirstScreen

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
-from pipelines.border.grid import Grid
+from pipelines.io.grid import Grid
 from pipelines.report.svg import svg
 
 if TYPE_CHECKING:

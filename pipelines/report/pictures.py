@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from pipelines.figures.callouts import casing_figure, gear_figure
-from pipelines.figures.plots import StiffnessPlot, stiffness_figure
-from pipelines.figures.views import Picture
 from pipelines.report import page
+from pipelines.report.figures.callouts import casing_figure, gear_figure
+from pipelines.report.figures.plots import StiffnessPlot, stiffness_figure
+from pipelines.report.figures.views import Picture
 
 
 def gears(picture: Picture, curve: StiffnessPlot, names: Mapping[str, str]) -> str:

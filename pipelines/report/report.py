@@ -6,14 +6,14 @@ import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from pipelines.border.grid import Grid
-from pipelines.figures.plots import drive_figure
-from pipelines.figures.views import LeftOut
+from pipelines.diagnosis.control_verdict import criterion, directions, sentences, summary_grid
+from pipelines.io.grid import Grid
 from pipelines.report import page, spectra
 from pipelines.report.contents import ReportContents, RunCost, cell, grid, turned
 from pipelines.report.cost_words import count_words, step_words
+from pipelines.report.figures.plots import drive_figure
+from pipelines.report.figures.views import LeftOut
 from pipelines.report.first_page import first_screen
-from pipelines.signals.verdict import criterion, directions, sentences, summary_grid
 
 
 def write_report(path: Path | str, title: str, body: str, cost: RunCost) -> Path:

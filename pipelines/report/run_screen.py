@@ -9,20 +9,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipelines.diagnosis import words
+from pipelines.diagnosis.control_diagnosis import Diagnosis
+from pipelines.diagnosis.control_verdict import all_seen, case_name, headline
 from pipelines.diagnosis.prediction import FEWEST_FOR_P
 from pipelines.diagnosis.verdict import Finding, Verdict
-from pipelines.features.average import FEWEST_TURNS, average
-from pipelines.features.turns import cut_turns
-from pipelines.orders.kinematics import Gear, Kinematics
-from pipelines.orders.plant_kinematics import kinematics_of
-from pipelines.orders.rotation import Rotation
-from pipelines.plant.looked_for import LookedFor
-from pipelines.plant.plant import Plant
+from pipelines.machine.kinematics import kinematics_of
+from pipelines.machine.looked_for import LookedFor
+from pipelines.machine.plant import Plant
 from pipelines.report.first_screen import Average, Envelope, FirstScreen, Ranked
 from pipelines.report.zoom_data import ENVELOPE_ORDERS, streams
 from pipelines.signals.analysis import DiagnosisSettings, analyse, noisy_signal
-from pipelines.signals.diagnosis import Diagnosis
-from pipelines.signals.verdict import all_seen, case_name, headline
+from pipelines.signals.features.average import FEWEST_TURNS, average
+from pipelines.signals.features.turns import cut_turns
+from pipelines.signals.orders.kinematics import Gear, Kinematics
+from pipelines.signals.orders.rotation import Rotation
 
 if TYPE_CHECKING:
     import xarray

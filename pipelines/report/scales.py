@@ -9,7 +9,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.text import Text
 from matplotlib.ticker import FixedLocator
 
-from pipelines.figures.plots import GRID
+from pipelines.report.figures.plots import GRID
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from pipelines.bars.line_bars import LineBars
-from pipelines.bars.words import bars_grid
-from pipelines.figures.plots import waveform_figure
-from pipelines.figures.spectrum_plots import (
+from pipelines.diagnosis.control_diagnosis import Diagnosis
+from pipelines.diagnosis.control_verdict import case_name, directions, lines_grid, seeds_grid
+from pipelines.diagnosis.uncertainty.line_bars import LineBars
+from pipelines.diagnosis.uncertainty.words import bars_grid
+from pipelines.report import page
+from pipelines.report.contents import ReportContents
+from pipelines.report.figures.plots import waveform_figure
+from pipelines.report.figures.spectrum_plots import (
     Trace,
     comparison_figure,
     error_bars_figure,
@@ -14,15 +18,11 @@ from pipelines.figures.spectrum_plots import (
     single_spectrum_figure,
     spectrum_figure,
 )
-from pipelines.report import page
-from pipelines.report.contents import ReportContents
 from pipelines.report.zoom import charts
 from pipelines.report.zoom_data import channels, views
 from pipelines.signals.analysis import Analysis, DiagnosisSettings, analyse
-from pipelines.signals.diagnosis import Diagnosis
 from pipelines.signals.levels import contact_sentence, level_grid
 from pipelines.signals.lines import LOADS
-from pipelines.signals.verdict import case_name, directions, lines_grid, seeds_grid
 
 
 def signals(contents: ReportContents) -> list[str]:

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from pipelines.figures.plots import FAULTY, HEALTHY
 from pipelines.report import page
+from pipelines.report.figures.plots import FAULTY, HEALTHY
 from pipelines.report.zoom_data import Channel, Trace, View
 
 LEVELS = 32_767  # of a 16-bit number

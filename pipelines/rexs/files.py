@@ -7,9 +7,9 @@ import zipfile
 import zlib
 from pathlib import Path
 
-from pipelines.border.errors import InputError
-from pipelines.border.shown import shown
-from pipelines.border.user_files import checked_path, regular_file
+from pipelines.io.errors import InputError
+from pipelines.io.shown import shown
+from pipelines.io.user_files import checked_path, regular_file
 from pipelines.rexs.document import Document, RexsError
 from pipelines.rexs.json_form import document_of_json
 from pipelines.rexs.xml_form import document_of_xml

@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pipelines.border.shown import shown, shown_value
+from pipelines.io.shown import shown, shown_value
 from pipelines.rexs.document import Attribute, Component, Document, Relation, RexsError, by_number
 
 _ABOUT = ("id", "unit")  # keys of an attribute beside the one that holds its value

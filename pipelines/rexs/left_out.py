@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from pipelines.border.shown import shown
+from pipelines.io.shown import shown
 from pipelines.rexs.document import Document
 from pipelines.rexs.gear_unit import Note
 

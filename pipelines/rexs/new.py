@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipelines.border.errors import SceneError
-from pipelines.border.toml_text import read_toml
-from pipelines.plant.layout import lay_out
+from pipelines.io.errors import SceneError
+from pipelines.io.toml_text import read_toml
+from pipelines.machine.layout import lay_out
 from pipelines.rexs.document import RexsError
 from pipelines.rexs.files import read_document
 from pipelines.rexs.gear_unit import Note

@@ -8,8 +8,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pipelines.border.shown import shown
-from pipelines.border.toml_text import format_value
+from pipelines.io.shown import shown
+from pipelines.io.toml_text import format_value
 from pipelines.rexs.bearing_tables import bearing_table, between_table
 from pipelines.rexs.document import RexsError
 from pipelines.rexs.gear_unit import GearUnit, LoadCase, Material, Note, Section, Shaft

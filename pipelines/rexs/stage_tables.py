@@ -13,7 +13,7 @@ from typing import Any
 from fem.gears.body import THINNEST_RIM
 from fem.gears.geometry import Gear as Body
 from fem.gears.geometry import GearPair, GeometryError, Rack
-from pipelines.plant.layout import USUAL_BACKLASH
+from pipelines.machine.layout import USUAL_BACKLASH
 from pipelines.rexs.document import RexsError
 from pipelines.rexs.gear_unit import Gear, GearUnit, Note, Shaft, Stage
 

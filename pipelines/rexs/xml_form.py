@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 
-from pipelines.border.shown import shown
+from pipelines.io.shown import shown
 from pipelines.rexs.document import Attribute, Component, Document, Relation, RexsError, by_number
 
 

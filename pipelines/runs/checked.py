@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 from fem.storage import shown_html
 
 if TYPE_CHECKING:
-    from pipelines.plant.facts import Facts
-    from pipelines.plant.plant import Plant
+    from pipelines.machine.facts import Facts
+    from pipelines.machine.plant import Plant
     from pipelines.scene.file import LoadedScene
 
 
@@ -58,8 +58,8 @@ def check_scene(loaded: LoadedScene) -> Checked:
     ------
     SceneError, InputError : everything that does not fit
     """
-    from pipelines.plant.checks.cost import estimate
-    from pipelines.plant.checks.design_warnings import design_warnings
+    from pipelines.machine.checks.cost import estimate
+    from pipelines.machine.checks.design_warnings import design_warnings
     from pipelines.scene.file import control_differences
     from pipelines.steps.study import plan_study
 
@@ -109,18 +109,18 @@ def _lines(plant: Plant, control: str) -> Iterator[str]:
     models += [f"casing {chosen['casing']}", f"shafts {chosen['shaft_model']}", f"load {chosen['load']}"]
     yield f"  models: {', '.join(models)}, integrator {chosen['integrator']}"
     if plant.structure.joint is not None and plant.structure.material is not None:
-        from pipelines.plant.joint import joint_words
+        from pipelines.machine.joint import joint_words
 
         yield f"  joint: {joint_words(plant.structure.joint, plant.structure.material)}"
     if plant.rolling:
-        from pipelines.plant.looked_for import pass_rates
+        from pipelines.machine.looked_for import pass_rates
 
         yield "  rolling bearing    shaft  elements  BPFO Hz   BPFI Hz   BSF Hz    FTF Hz"
         for bearing in plant.rolling:
             rates = "  ".join(f"{value:<8.5g}" for value in pass_rates(plant.layout, bearing).values())
             yield f"  {bearing.name:<18} {bearing.shaft + 1:<6} {bearing.elements.count:<9} {rates}".rstrip()
     if plant.shaft_faults:
-        from pipelines.plant.looked_for import shaft_lines
+        from pipelines.machine.looked_for import shaft_lines
 
         for fault in plant.shaft_faults:
             monitored = shaft_lines(plant.layout, fault).wanted()
@@ -133,9 +133,9 @@ def _lines(plant: Plant, control: str) -> Iterator[str]:
 
 def _times(plant: Plant) -> Iterator[str]:
     """How long a window must be for each shaft, and which are too short."""
-    from pipelines.features.average import FEWEST_TURNS
-    from pipelines.orders.needed_time import needed_seconds
-    from pipelines.orders.plant_kinematics import kinematics_of
+    from pipelines.machine.kinematics import kinematics_of
+    from pipelines.signals.features.average import FEWEST_TURNS
+    from pipelines.signals.orders.needed_time import needed_seconds
     from pipelines.signals.spectrum import FEWEST_REVOLUTIONS
 
     windows = plant.looked_for.windows

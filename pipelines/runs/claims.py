@@ -26,9 +26,9 @@ from pathlib import Path
 from typing import BinaryIO
 
 from fem.storage.locks import lock_file, same_file
-from pipelines.border.errors import InputError, WorkError
-from pipelines.border.shown import shown
-from pipelines.border.user_files import writable_folder
+from pipelines.io.errors import InputError, WorkError
+from pipelines.io.shown import shown
+from pipelines.io.user_files import writable_folder
 from pipelines.runs.run_folder import RESPONSE, ROOT
 
 _LOG = logging.getLogger(__name__)

@@ -7,16 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipelines.border.errors import InputError
-from pipelines.border.shown import shown
-from pipelines.border.user_files import is_regular_file, writable_folder, write_whole
+from pipelines.io.errors import InputError
+from pipelines.io.shown import shown
+from pipelines.io.user_files import is_regular_file, writable_folder, write_whole
 from pipelines.runs import run_folder
 from pipelines.runs.recorded import Windows, machine_of, recording_path
 
 if TYPE_CHECKING:
-    from pipelines.comparison.curves import Curves
-    from pipelines.comparison.features import Features
-    from pipelines.comparison.part import Channel, Part
+    from pipelines.diagnosis.comparison.curves import Curves
+    from pipelines.diagnosis.comparison.features import Features
+    from pipelines.diagnosis.comparison.part import Channel, Part
 
 MOST_NAME = 60  # characters of the name of a recording in a table
 FOLDER = "comparison"
@@ -45,11 +45,11 @@ def compare_files(sources: Sequence[str], wanted: CompareOptions) -> tuple[str, 
     ------
     InputError : a recording or its machine cannot be used, or they have nothing in common
     """
-    from pipelines.comparison.curves import curves
-    from pipelines.comparison.features import features_of
-    from pipelines.comparison.part import brought_together
-    from pipelines.comparison.words import LETTERS, features_csv, features_grid, recordings_grid, remarks
-    from pipelines.features.recorded import FeatureError
+    from pipelines.diagnosis.comparison.curves import curves
+    from pipelines.diagnosis.comparison.features import features_of
+    from pipelines.diagnosis.comparison.part import brought_together
+    from pipelines.diagnosis.comparison.words import LETTERS, features_csv, features_grid, recordings_grid, remarks
+    from pipelines.signals.features.recorded import FeatureError
 
     if not 2 <= len(sources) <= len(LETTERS):
         raise InputError(f"{len(sources)} recording{'' if len(sources) == 1 else 's'} given. Give 2 to {len(LETTERS)}.")
@@ -71,10 +71,10 @@ def compare_files(sources: Sequence[str], wanted: CompareOptions) -> tuple[str, 
 
 def _read(sources: Sequence[str], machine: str | Path | None) -> list[Part]:
     """Every recording with its machine: the one that is given, its own scene, or that of the first that has one."""
-    from pipelines.comparison.part import part_of
-    from pipelines.features.recorded import FeatureError
-    from pipelines.orders.rotation import RotationError
+    from pipelines.diagnosis.comparison.part import part_of
     from pipelines.recordings.recording import read_recording
+    from pipelines.signals.features.recorded import FeatureError
+    from pipelines.signals.orders.rotation import RotationError
 
     split = [_split(source) for source in sources]
     scenes = [path.parent / run_folder.RESOLVED for path, _ in split]
@@ -135,7 +135,7 @@ def _channel(parts: Sequence[Part], wanted: CompareOptions) -> Channel:
 
 def _shaft(parts: Sequence[Part], found: Features, number: int | None) -> str:
     """The shaft whose turns are averaged."""
-    from pipelines.comparison.features import most_different_shaft
+    from pipelines.diagnosis.comparison.features import most_different_shaft
 
     there = [
         shaft.name
@@ -155,9 +155,9 @@ def _shaft(parts: Sequence[Part], found: Features, number: int | None) -> str:
 
 def _write(target: Path, drawn: Curves, found: Features, parts: Sequence[Part]) -> list[Path]:
     """The figures as SVG."""
-    from pipelines.comparison import figures
-    from pipelines.comparison.words import LETTERS
-    from pipelines.figures.film import save_figure
+    from pipelines.diagnosis.comparison.words import LETTERS
+    from pipelines.report.figures import comparison_plots as figures
+    from pipelines.report.figures.film import save_figure
 
     names = [f"{letter}  {part.name}" for letter, part in zip(LETTERS, parts, strict=False)]
     kinematics = parts[0].kinematics

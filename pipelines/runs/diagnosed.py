@@ -7,15 +7,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipelines.border.errors import InputError
 from pipelines.engine.step import Step
+from pipelines.io.errors import InputError
 from pipelines.runs import run_folder
 
 if TYPE_CHECKING:
-    from pipelines.bars.line_bars import LineBars
+    from pipelines.diagnosis.control_diagnosis import Diagnosis
+    from pipelines.diagnosis.uncertainty.line_bars import LineBars
     from pipelines.engine.working import Work
     from pipelines.scene.file import Settings
-    from pipelines.signals.diagnosis import Diagnosis
 
 
 def diagnose_folder(folder: Path, settings: Settings = ()) -> Diagnosis:
@@ -25,7 +25,7 @@ def diagnose_folder(folder: Path, settings: Settings = ()) -> Diagnosis:
     ------
     InputError : the scene names nothing to look at, or no control was run
     """
-    from pipelines.plant.plant import make_drivetrain
+    from pipelines.machine.plant import make_drivetrain
     from pipelines.scene.file import load_scene
     from pipelines.steps.diagnosing import CaseSpec, diagnoses
 

@@ -16,11 +16,11 @@ import numpy as np
 from fem.contact.contact_pressure import contact_pressure
 from fem.contact.evaluation.curves import StiffnessCurve
 from fem.contact.evaluation.evaluator import LawEvaluator
-from pipelines.border.errors import InputError
-from pipelines.border.shown import shown
-from pipelines.border.user_files import whole_file, writable_file
-from pipelines.figures.plots import TransmissionErrors
-from pipelines.figures.teeth.pattern import contact_pattern
+from pipelines.io.errors import InputError
+from pipelines.io.shown import shown
+from pipelines.io.user_files import whole_file, writable_file
+from pipelines.report.figures.pattern import contact_pattern
+from pipelines.report.figures.plots import TransmissionErrors
 from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, Passage, engagement
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def machine_states(loaded: LoadedScene, work: Work) -> list[MeshState]:
     """
     from mbd.forces.flank import flank_name
     from mbd.system.statics import equilibrium
-    from pipelines.plant.assembly import assemble_machine, assemble_system
+    from pipelines.machine.assembly import assemble_machine, assemble_system
     from pipelines.runs.single_results import scene_graph
 
     graph, plant = scene_graph(loaded)

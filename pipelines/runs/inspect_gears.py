@@ -10,18 +10,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.contact.faults.cracked_tooth import CrackedTooth
-from pipelines.figures.mesh_pictures import MeshView
-from pipelines.figures.pattern_pictures import PatternView, write_pattern
-from pipelines.figures.shapes import PlacedPair, placed_pair, shown_cycle, stage_view
-from pipelines.figures.teeth.damage import crack_depth
-from pipelines.figures.teeth.mesh_frames import mesh_frames, passage
-from pipelines.figures.teeth.pattern import contact_pattern, damaged_part
-from pipelines.figures.views import LeftOut
+from pipelines.report.figures.damage import crack_depth
+from pipelines.report.figures.mesh_frames import mesh_frames, passage
+from pipelines.report.figures.mesh_pictures import MeshView
+from pipelines.report.figures.pattern import contact_pattern, damaged_part
+from pipelines.report.figures.pattern_pictures import PatternView, write_pattern
+from pipelines.report.figures.shapes import PlacedPair, placed_pair, shown_cycle, stage_view
+from pipelines.report.figures.views import LeftOut
 from pipelines.steps.pair_curves import PairLaws, acting
 
 if TYPE_CHECKING:
-    from pipelines.plant.flanks import Fault
-    from pipelines.plant.plant import Plant
+    from pipelines.machine.flanks import Fault
+    from pipelines.machine.plant import Plant
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -97,9 +97,9 @@ class InspectedStage:
 
     def write_overview(self, path: Path) -> Path | LeftOut:
         """The pair, the damaged tooth from near, and the stiffness; the reason if it cannot be rendered."""
-        from pipelines.figures.callouts import gear_figure
-        from pipelines.figures.film import save_figure
-        from pipelines.figures.render import render_gears, render_tooth
+        from pipelines.report.figures.callouts import gear_figure
+        from pipelines.report.figures.film import save_figure
+        from pipelines.report.figures.render import render_gears, render_tooth
         from pipelines.steps.pictures import gear_names, stiffness_plots
 
         placed = self.placed

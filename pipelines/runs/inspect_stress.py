@@ -8,15 +8,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipelines.border.errors import SceneWarning
-from pipelines.figures.views import LeftOut
+from pipelines.io.errors import SceneWarning
+from pipelines.report.figures.views import LeftOut
 
 if TYPE_CHECKING:
     from fem.contact.models.mesh_model import LawSpec
     from fem.contact.models.solid import Solid
     from pipelines.engine.step import Graph, Step
     from pipelines.engine.working import Work
-    from pipelines.plant.plant import Plant
+    from pipelines.machine.plant import Plant
 
 _CRACK = "the crack is not in the finite elements: the stress is that of an uncracked tooth"
 _REMEDY = (
@@ -45,8 +45,8 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
     SceneWarning : the stage has a crack, which the finite elements do not have
     """
     from pipelines.engine.step import Graph
-    from pipelines.figures.shapes import placed_pair, stage_view
-    from pipelines.figures.stress_pictures import (
+    from pipelines.report.figures.shapes import placed_pair, stage_view
+    from pipelines.report.figures.stress_pictures import (
         StressView,
         checked_mesh_file,
         teeth_in_mesh,
@@ -113,7 +113,7 @@ def _stress_steps(plant: Plant, stage: int, index: int, force: float) -> list[St
     import numpy as np
 
     from pipelines.engine.step import Step
-    from pipelines.plant.assembly import mesh_faults
+    from pipelines.machine.assembly import mesh_faults
     from pipelines.steps import stress
 
     modified, model = plant.flanks[stage - 1], stress_model(plant.laws[stage - 1])

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipelines.border.errors import InputError
-from pipelines.border.grid import Grid
-from pipelines.border.shown import shown
-from pipelines.border.user_files import is_regular_file
+from pipelines.io.errors import InputError
+from pipelines.io.grid import Grid
+from pipelines.io.shown import shown
+from pipelines.io.user_files import is_regular_file
 from pipelines.runs import run_folder
 from pipelines.signals.motion_warnings import told
 
@@ -20,10 +20,10 @@ if TYPE_CHECKING:
     import xarray
 
     from pipelines.diagnosis.verdict import Verdict
-    from pipelines.features.table import FeatureTable
-    from pipelines.orders.kinematics import Kinematics
-    from pipelines.orders.rotation import Rotation
     from pipelines.recordings.machine import Machine
+    from pipelines.signals.features.table import FeatureTable
+    from pipelines.signals.orders.kinematics import Kinematics
+    from pipelines.signals.orders.rotation import Rotation
 
 _SAME_SPEED = 0.03  # relative difference of the speeds of recordings that are compared without a warning
 _NAMED = 3  # recordings of other speed that a warning names
@@ -110,8 +110,8 @@ def judge_recordings(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset
     """
     from pipelines.diagnosis.simulated import FeatureSettings, run_features
     from pipelines.diagnosis.verdict import BaselineError, judge
-    from pipelines.features.recorded import FeatureError
-    from pipelines.orders.rotation import RotationError
+    from pipelines.signals.features.recorded import FeatureError
+    from pipelines.signals.orders.rotation import RotationError
 
     settings = FeatureSettings(kinematics=kinematics, windows={})
     tables = []
@@ -177,10 +177,10 @@ def read_features(path: Path, machine: Machine, windows: Windows | None, stream:
     InputError : the file cannot be read, its rotation not found, or nothing turns often enough
     """
     from pipelines.diagnosis.simulated import FeatureSettings, run_features
-    from pipelines.features.recorded import FeatureError
-    from pipelines.orders.rotation import RotationError
-    from pipelines.orders.rotation_of import rotation_of
     from pipelines.recordings.recording import read_recording
+    from pipelines.signals.features.recorded import FeatureError
+    from pipelines.signals.orders.rotation import RotationError
+    from pipelines.signals.orders.rotation_of import rotation_of
 
     settings = FeatureSettings(kinematics=machine.kinematics, windows=windows or {})
     with read_recording(path, machine) as recording:

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from traceback import format_exception
 
-from pipelines.border.errors import WorkError
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, StepRecord
 from pipelines.engine.working import Work
+from pipelines.io.errors import WorkError
 from pipelines.runs import run_folder
 from pipelines.runs.claims import claimed
 from pipelines.runs.written import Written

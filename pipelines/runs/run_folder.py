@@ -9,9 +9,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipelines.border.errors import InputError, WorkError
-from pipelines.border.shown import shown
-from pipelines.border.user_files import folder_name, is_regular_file, read_text, write_whole
+from pipelines.io.errors import InputError, WorkError
+from pipelines.io.shown import shown
+from pipelines.io.user_files import folder_name, is_regular_file, read_text, write_whole
 
 if TYPE_CHECKING:
     import xarray

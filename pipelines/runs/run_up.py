@@ -7,16 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipelines.border.errors import InputError
+from pipelines.io.errors import InputError
 from pipelines.runs import run_folder
 
 if TYPE_CHECKING:
     import numpy as np
 
     from pipelines.engine.working import Work
-    from pipelines.orders.order_spectra import Waterfall
-    from pipelines.plant.layout import Layout
+    from pipelines.machine.layout import Layout
     from pipelines.scene.file import LoadedScene
+    from pipelines.signals.orders.order_spectra import Waterfall
 
 SPEEDS = 9  # of a Campbell diagram
 AXES = ("x", "y", "z")
@@ -58,7 +58,7 @@ def read_run_up(folder: Path, wanted: RunUpOptions) -> RunUp:
     """
     import numpy as np
 
-    from pipelines.plant.plant import make_drivetrain
+    from pipelines.machine.plant import make_drivetrain
     from pipelines.scene.file import load_scene
     from pipelines.signals.analysis import DiagnosisError, channel, channel_names
 
@@ -127,10 +127,10 @@ def write_run_up(folder: Path, wanted: RunUpOptions, work: Work) -> tuple[str, l
     """
     import numpy as np
 
-    from pipelines.border.user_files import writable_folder
-    from pipelines.orders.order_plots import campbell_figure, cuts_figure, waterfall_figure
-    from pipelines.orders.order_spectra import OrderError, frequency_waterfall, order_waterfall
-    from pipelines.plant.plant import make_drivetrain
+    from pipelines.io.user_files import writable_folder
+    from pipelines.machine.plant import make_drivetrain
+    from pipelines.report.figures.order_plots import campbell_figure, cuts_figure, waterfall_figure
+    from pipelines.signals.orders.order_spectra import OrderError, frequency_waterfall, order_waterfall
 
     read = read_run_up(folder, wanted)
     target = writable_folder(wanted.out or folder)
@@ -164,7 +164,7 @@ def write_run_up(folder: Path, wanted: RunUpOptions, work: Work) -> tuple[str, l
 
 def _table(found: Waterfall, orders: list[float], read: RunUp) -> str:
     """The highest amplitude along every order, and the speed where it is."""
-    from pipelines.border.grid import Grid
+    from pipelines.io.grid import Grid
 
     rows = []
     for order in orders:

@@ -9,23 +9,23 @@ from typing import TYPE_CHECKING
 
 from fem.casing.reduced.body import MODES_OVER_BAND
 from fem.storage import shown_html
-from pipelines.border.errors import InputError
+from pipelines.io.errors import InputError
 from pipelines.steps.study import plan_study
 
 if TYPE_CHECKING:
     import numpy as np
     import xarray
 
-    from fem.casing.mesh_error.frequency_limits import FrequencyLimits
-    from fem.casing.meshing.mesh import CasingMesh
+    from fem.casing.mesh.mesh import CasingMesh
     from fem.casing.reduced.accuracy import ErrorStatement
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.modes import CasingModes, NaturalModes
+    from fem.casing.uncertainty.frequency_limits import FrequencyLimits
     from mbd.system.linearised import LinearModes
     from pipelines.engine.step import Graph, StepRecord
     from pipelines.engine.working import Work
-    from pipelines.plant.plant import Plant
+    from pipelines.machine.plant import Plant
     from pipelines.scene.file import LoadedScene
     from pipelines.steps.pair_curves import PairLaws
 
@@ -69,7 +69,7 @@ class Casing:
         """
         import numpy as np
 
-        from fem.casing.mesh_error.extrapolation import RIGID_MOTIONS
+        from fem.casing.uncertainty.extrapolation import RIGID_MOTIONS
 
         found = np.full(len(self.frequencies), np.nan)
         if self.limits is not None and self.modes is not None:
@@ -141,7 +141,7 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
     InputError : an error check of a casing that has no full model
     """
     from pipelines.engine.step import Graph
-    from pipelines.plant.joint import joint_words
+    from pipelines.machine.joint import joint_words
     from pipelines.steps.graph import casing_step
 
     graph, plant = scene_graph(loaded)
@@ -171,7 +171,7 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
         participation = chosen.basis.T @ modes.participation
         natural = natural_modes(modes, mounts, limit=limit, stiffness_factor=body.stiffness_factor)
         if coarser:
-            from fem.casing.mesh_error.extrapolation import measured_limits
+            from fem.casing.uncertainty.extrapolation import measured_limits
 
             limits = measured_limits(modes, [outcome.value(name) for name in coarser])
     mesh = outcome.value("casing mesh") if meshed else None
@@ -215,7 +215,7 @@ def build_machine_modes(
     """
     from mbd.system.linearised import linear_modes, turned
     from mbd.system.system import DEFAULT_BAND
-    from pipelines.plant.assembly import assemble_machine, assemble_system
+    from pipelines.machine.assembly import assemble_machine, assemble_system
 
     graph, plant = scene_graph(loaded)
     outcome = work.build(graph, [*plant.law_names, "casing"])

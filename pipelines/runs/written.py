@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipelines.bars.words import bars_words
+from pipelines.diagnosis.uncertainty.words import bars_words
 from pipelines.engine.build_step import Result
 from pipelines.engine.code_version import library_versions
 from pipelines.engine.run_graph import Observer, Outcome
@@ -25,7 +25,7 @@ from pipelines.steps.study import Study
 
 if TYPE_CHECKING:
     from mbd.output.trajectory import Trajectory
-    from pipelines.plant.plant import Plant
+    from pipelines.machine.plant import Plant
 
 WRITERS = ("h5py", "h5netcdf", "xarray")  # of the signals
 

@@ -9,11 +9,11 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipelines.border.errors import InputError, Problem, SceneError
-from pipelines.border.other_files import refuse_other_file
-from pipelines.border.shown import nearest_name, shown
-from pipelines.border.toml_text import TomlError, format_document, read_toml
-from pipelines.border.user_files import checked_path, folder_name, names_beside, read_text
+from pipelines.io.errors import InputError, Problem, SceneError
+from pipelines.io.other_files import refuse_other_file
+from pipelines.io.shown import nearest_name, shown
+from pipelines.io.toml_text import TomlError, format_document, read_toml
+from pipelines.io.user_files import checked_path, folder_name, names_beside, read_text
 from pipelines.scene.limits import LONGEST_CHAIN, MOST_BYTES, over_limits
 from pipelines.scene.merge import Merged, Whole, differences, merge, settings_tree, without
 from pipelines.scene.shipped_files import anchored

@@ -19,7 +19,7 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from pipelines.border.toml_text import format_value
+from pipelines.io.toml_text import format_value
 from pipelines.scene.problems import unit_of
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.samples import ColumnTable

@@ -10,9 +10,9 @@ from collections import deque
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from pipelines.border.errors import Problem
-from pipelines.border.shown import shown_value
-from pipelines.border.toml_text import DEEPEST
+from pipelines.io.errors import Problem
+from pipelines.io.shown import shown_value
+from pipelines.io.toml_text import DEEPEST
 
 MOST_BYTES = 1_000_000  # of a scene file
 LONGEST_CHAIN = 20  # scenes that extend one another

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from fem.gears.prescribed import FLANKS, MeasuredFlanks
-from pipelines.border.errors import InputError, Problem, SceneError
-from pipelines.border.shown import shown
-from pipelines.border.user_files import read_text, regular_file
+from pipelines.io.errors import InputError, Problem, SceneError
+from pipelines.io.shown import shown
+from pipelines.io.user_files import read_text, regular_file
 
 COLUMNS = ("tooth", "flank", "diameter_mm", "position_mm", "deviation_um")
 NETCDF = (".nc", ".netcdf")

@@ -12,9 +12,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pipelines.border.errors import Problem
-from pipelines.border.shown import shown, shown_value
-from pipelines.border.toml_text import DEEPEST, TomlError, TomlLimitError, format_value, read_toml
+from pipelines.io.errors import Problem
+from pipelines.io.shown import shown, shown_value
+from pipelines.io.toml_text import DEEPEST, TomlError, TomlLimitError, format_value, read_toml
 from pipelines.scene.limits import over_limits
 
 Path = tuple[str, ...]

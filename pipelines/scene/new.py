@@ -9,10 +9,10 @@ from collections.abc import Mapping, MutableMapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipelines.border.errors import InputError
-from pipelines.border.shown import shown
-from pipelines.border.toml_text import TomlError, format_document, read_toml
-from pipelines.border.user_files import checked_path
+from pipelines.io.errors import InputError
+from pipelines.io.shown import shown
+from pipelines.io.toml_text import TomlError, format_document, read_toml
+from pipelines.io.user_files import checked_path
 from pipelines.scene.file import WITHOUT_FAULTS, Source, find_source, load_scene
 
 if TYPE_CHECKING:

@@ -22,7 +22,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from pipelines.border.errors import Problem
+from pipelines.io.errors import Problem
 from pipelines.scene.tables.gears import StageTable
 from pipelines.scene.train import stage_shafts
 

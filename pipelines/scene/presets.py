@@ -186,8 +186,8 @@ def preset_on(loaded: LoadedScene, preset: str) -> LoadedScene:
     InputError : there is no such preset
     SceneError : the preset does not fit the scene
     """
-    from pipelines.border.errors import InputError
-    from pipelines.border.shown import shown
+    from pipelines.io.errors import InputError
+    from pipelines.io.shown import shown
     from pipelines.scene.file import changed, user_states
 
     if preset not in LEVELS:

@@ -14,8 +14,8 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from pipelines.border.errors import Problem, problem_of
-from pipelines.border.shown import MOST_CHARACTERS, nearest_name, shown_value
+from pipelines.io.errors import Problem, problem_of
+from pipelines.io.shown import MOST_CHARACTERS, nearest_name, shown_value
 
 UNITS = {  # by the suffix of a key, longer suffixes first
     "N_m_s_per_rad": "N m s/rad", "N_m_per_rad": "N m/rad", "N_per_um": "N/um", "kg_m2": "kg m2", "kg_m3": "kg/m3",

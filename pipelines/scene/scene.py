@@ -1,7 +1,7 @@
 """Scene: the whole input of a run, as engineers write it (units are key suffixes), validated at the border.
 
 Every class is one TOML table; they stand in `pipelines.scene.tables` by subject. Field descriptions are the reference
-for users: docs/scene-keys.md is generated from them. Values are kept as written; `pipelines.plant` converts them to
+for users: docs/scene-keys.md is generated from them. Values are kept as written; `pipelines.machine` converts them to
 SI, once.
 """
 
@@ -13,7 +13,7 @@ from pydantic import Field, model_validator
 
 from mbd.forces.bearing_models import LinearBearings
 from mbd.parts.losses import NoLosses
-from pipelines.border.shown import shown_value
+from pipelines.io.shown import shown_value
 from pipelines.scene.tables.analysis import DiagnosisTable
 from pipelines.scene.tables.base import Table
 from pipelines.scene.tables.bearings import BearingModel

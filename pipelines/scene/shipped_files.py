@@ -8,9 +8,9 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from pipelines.border.errors import InputError
-from pipelines.border.shown import nearest_name, shown
-from pipelines.border.user_files import checked_path, is_regular_file, names_beside, regular_file
+from pipelines.io.errors import InputError
+from pipelines.io.shown import nearest_name, shown
+from pipelines.io.user_files import checked_path, is_regular_file, names_beside, regular_file
 
 _MOST_BYTES = 1_000_000_000  # of a STEP file or a mesh
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from pipelines.border.errors import Problem
+from pipelines.io.errors import Problem
 from pipelines.scene.tables.gears import StageTable
 from pipelines.scene.tables.shafts import CouplingTable
 

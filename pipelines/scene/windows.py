@@ -11,8 +11,8 @@ import warnings
 from collections.abc import Mapping
 from typing import Any
 
-from pipelines.border.errors import SceneWarning
-from pipelines.border.shown import shown
+from pipelines.io.errors import SceneWarning
+from pipelines.io.shown import shown
 from pipelines.scene.merge import Merged, Whole, merge, without
 
 _WINDOWS = ("diagnosis", "windows_s")

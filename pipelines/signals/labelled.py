@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from mbd.coordinates import channels
 from mbd.output.trajectory import Trajectory
+from mbd.parts import channels
 from pipelines.signals.motion_warnings import ATTRIBUTE, motion_warnings
 
 AXES = list(channels.DIRECTIONS)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipelines.border.errors import InputError
+from pipelines.io.errors import InputError
 from pipelines.signals.spectrum import amplitudes
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipelines.border.grid import Grid
+from pipelines.io.grid import Grid
 
 if TYPE_CHECKING:
     import xarray

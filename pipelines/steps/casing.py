@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from fem.casing.models.stage import CasingError, CasingInputError, Stage
-from pipelines.border.errors import InputError, WorkError
+from pipelines.io.errors import InputError, WorkError
 
 
 def build(stage: Stage, **taken: Any) -> Any:

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     import xarray
 
     from mbd.output.trajectory import Trajectory
+    from pipelines.diagnosis.control_diagnosis import Diagnosis
     from pipelines.signals.analysis import DiagnosisSettings
-    from pipelines.signals.diagnosis import Diagnosis
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,11 +37,11 @@ def build(spec: DiagnosingSpec, *, motions: Sequence[Trajectory]) -> dict[str, A
 
     A window in which no diagnosis is possible must not cost the signals: its reason is returned under "failure".
     """
+    from pipelines.diagnosis.control_verdict import markdown
+    from pipelines.diagnosis.export import save_diagnoses
     from pipelines.signals.analysis import DiagnosisError
-    from pipelines.signals.export import save_diagnoses
     from pipelines.signals.response import make_response
     from pipelines.signals.spectrum import SpectrumError
-    from pipelines.signals.verdict import markdown
 
     try:
         found = diagnoses(spec.cases, list(map(make_response, motions, spec.labels)))
@@ -56,7 +56,7 @@ def build(spec: DiagnosingSpec, *, motions: Sequence[Trajectory]) -> dict[str, A
 
 def diagnoses(cases: Sequence[CaseSpec], responses: Sequence[xarray.Dataset]) -> list[Diagnosis]:
     """One diagnosis per case; of a case that only enters summaries the lines alone, its spectra would fill memory."""
-    from pipelines.signals.diagnosis import diagnose
+    from pipelines.diagnosis.control_diagnosis import diagnose
 
     out = []
     for number, case in enumerate(cases):
@@ -68,7 +68,7 @@ def diagnoses(cases: Sequence[CaseSpec], responses: Sequence[xarray.Dataset]) ->
 
 def words(every: list[Diagnosis], full: list[Diagnosis]) -> str:
     """The answer first, then the envelope tables of the cases shown in full, then the summary."""
-    from pipelines.signals.verdict import criterion, headline, lines_grid, sentences, summary_grid
+    from pipelines.diagnosis.control_verdict import criterion, headline, lines_grid, sentences, summary_grid
 
     parts = [headline(every), criterion(every[0])]
     for diagnosis in full:

@@ -6,19 +6,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from pipelines.bars.line_bars import LineBars
-from pipelines.plant.plant import Plant
+from pipelines.diagnosis.uncertainty.line_bars import LineBars
+from pipelines.machine.plant import Plant
 
 if TYPE_CHECKING:
     import xarray
 
-    from fem.casing.mesh_error.extrapolation import LowestModes
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.modes import CasingModes
+    from fem.casing.uncertainty.extrapolation import LowestModes
     from mbd.output.trajectory import Trajectory
-    from pipelines.plant.assembly import Laws
-    from pipelines.signals.diagnosis import Diagnosis
+    from pipelines.diagnosis.control_diagnosis import Diagnosis
+    from pipelines.machine.assembly import Laws
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -48,8 +48,8 @@ def build(
     laws, body : of the mesh of every stage, and the reduced casing
     modes, coarser : of the casing and of coarser meshes, where its stiffness is extrapolated
     """
+    from pipelines.diagnosis.control_diagnosis import diagnose
     from pipelines.signals.analysis import DiagnosisError
-    from pipelines.signals.diagnosis import diagnose
     from pipelines.signals.response import make_response
     from pipelines.signals.spectrum import SpectrumError
 
@@ -81,9 +81,9 @@ def machine_bars(
     laws, body, modes, coarser : as in `build`
     """
     from mbd.parts.checks import EquilibriumError, MachineError
-    from pipelines.bars.made import BarsError, line_bars
-    from pipelines.bars.uncertain import uncertain
-    from pipelines.plant.assembly import assemble_machine, assemble_system
+    from pipelines.diagnosis.uncertainty.made import BarsError, line_bars
+    from pipelines.diagnosis.uncertainty.uncertain import uncertain
+    from pipelines.machine.assembly import assemble_machine, assemble_system
 
     unknown = uncertain(
         machine.casing, None if modes is None else modes[0], list(coarser), machine.looked_for.damping_spread

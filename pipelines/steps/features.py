@@ -23,8 +23,8 @@ class FeaturesSpec:
 def build(spec: FeaturesSpec, *, motion: Trajectory) -> dict[str, Any]:
     """The table of features under "table"; where there are none, None and the reason under "failure"."""
     from pipelines.diagnosis.simulated import run_features
-    from pipelines.features.recorded import FeatureError
-    from pipelines.orders.rotation import RotationError
+    from pipelines.signals.features.recorded import FeatureError
+    from pipelines.signals.orders.rotation import RotationError
     from pipelines.signals.response import make_response
 
     try:

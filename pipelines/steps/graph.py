@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING
 
 from mbd.integrators.methods import METHODS
 from pipelines.engine.step import Step
-from pipelines.plant.plant import Plant
+from pipelines.machine.plant import Plant
 from pipelines.steps import casing
 
 if TYPE_CHECKING:
     from fem.casing.models.stage import PlannedStage
     from fem.contact.models.mesh_model import LawSpec
-    from pipelines.plant.flanks_spec import FlanksSpec
+    from pipelines.machine.flanks_spec import FlanksSpec
 
 # s to compile what a step runs, by the beginning of its name: any motion, one of coupled slices, a law, casing modes
 _MOTION_CODE = {"mbd.integrators.": 8.0, "fem.contact.evaluation.": 4.0}
@@ -45,7 +45,7 @@ def plant_steps(plant: Plant) -> list[Step]:
             build=motion.build,
             spec=motion.MotionSpec(machine=plant.machine, recorded=plant.recorded, motion=plant.motion),
             takes={"body": casing_steps[-1].name, "laws": plant.law_names},
-            modules=("mbd.simulate", METHODS[plant.motion.integrator][0]),
+            modules=("mbd.output.simulate", METHODS[plant.motion.integrator][0]),
             libraries=_NUMERIC,
             seconds=_motion_seconds(plant),
             streams=True,

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from fem.contact.faults.changed_law import damaged_law, evenly_damaged_law, modified_law
 from fem.contact.law import MeshLaw
 from fem.contact.models.mesh_model import LawSpec
-from pipelines.plant.flanks_spec import FlanksSpec
+from pipelines.machine.flanks_spec import FlanksSpec
 
 if TYPE_CHECKING:
     from fem.contact.wheels.crack_surface import CrackSurface

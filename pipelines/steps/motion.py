@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mbd.integrators.settings import MotionSettings
     from mbd.output.trajectory import Trajectory
     from mbd.system.system import System
-    from pipelines.plant.parts import MachineParts, Recorded
+    from pipelines.machine.parts import MachineParts, Recorded
 
 
 _SAMPLES_AHEAD = 10
@@ -67,9 +67,9 @@ def compiled_ahead(spec: MotionSpec, *laws: tuple[MeshLaw, MeshLaw]) -> None:
     """
     from fem.casing.models.no_casing import NoCasing
     from fem.contact.evaluation.evaluator import LawEvaluator
-    from mbd.simulate import simulate
+    from mbd.output.simulate import simulate
     from mbd.system.system import assemble
-    from pipelines.plant.assembly import assemble_machine
+    from pipelines.machine.assembly import assemble_machine
 
     for drive, _ in laws:
         LawEvaluator(drive).evaluate(0.0, 0.0)
@@ -80,17 +80,17 @@ def compiled_ahead(spec: MotionSpec, *laws: tuple[MeshLaw, MeshLaw]) -> None:
 
 def assembled(spec: MotionSpec, body: ReducedBody, laws: Sequence[tuple[MeshLaw, MeshLaw]]) -> System:
     """The machine in its casing, see `build`."""
-    from pipelines.plant.assembly import assemble_machine, assemble_system
+    from pipelines.machine.assembly import assemble_machine, assemble_system
 
     return assemble_system(assemble_machine(spec.machine, laws), body, spec.recorded, spec.motion.band)
 
 
 def moved(system: System, given: MotionSettings, file: Path | None = None) -> Trajectory:
-    """The motion of a system; `file` as in `mbd.simulate.simulate`."""
+    """The motion of a system; `file` as in `mbd.output.simulate.simulate`."""
     import numpy as np
 
-    from mbd.accuracy.repeatability import other_start
-    from mbd.simulate import simulate
+    from mbd.output.repeatability import other_start
+    from mbd.output.simulate import simulate
     from mbd.system.statics import equilibrium
 
     start = None

@@ -10,9 +10,9 @@ import numpy as np
 
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import PairModifications
-from pipelines.plant.assembly import Laws, mesh_faults
-from pipelines.plant.flanks import Fault, first_tooth_fault
-from pipelines.plant.flanks_spec import FlanksSpec
+from pipelines.machine.assembly import Laws, mesh_faults
+from pipelines.machine.flanks import Fault, first_tooth_fault
+from pipelines.machine.flanks_spec import FlanksSpec
 from pipelines.steps.laws import build_modified
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from fem.contact.evaluation.curves import StiffnessCurve
     from fem.contact.law import MeshLaw
-    from pipelines.plant.plant import Plant
+    from pipelines.machine.plant import Plant
 
 PITCHES_SHOWN = 3.0  # to each side of a damaged tooth
 POSITIONS = 241  # over these pitches
@@ -166,7 +166,7 @@ class PairLaws(PairState):
         """
         import xarray
 
-        from pipelines.figures.teeth.pattern import contact_pattern
+        from pipelines.report.figures.pattern import contact_pattern
 
         sound = np.zeros(self.pair.pinion.teeth), np.zeros(self.pair.wheel.teeth)
         found = contact_pattern(

@@ -14,16 +14,16 @@ import numpy as np
 
 from fem.casing.geometry.dimensions import Sensor
 from pipelines.engine.step import CountedResult, Step
-from pipelines.figures.shapes import PlacedPair, placed_pair
-from pipelines.figures.teeth.damage import needs_law
-from pipelines.figures.views import LeftOut, Picture
-from pipelines.plant.plant import Plant
+from pipelines.machine.plant import Plant
+from pipelines.report.figures.damage import needs_law
+from pipelines.report.figures.shapes import PlacedPair, placed_pair
+from pipelines.report.figures.views import LeftOut, Picture
 from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, PairState, pair_states
 
 if TYPE_CHECKING:
-    from fem.casing.meshing.mesh import CasingMesh
-    from pipelines.figures.plots import StiffnessPlot
-    from pipelines.plant.assembly import Laws
+    from fem.casing.mesh.mesh import CasingMesh
+    from pipelines.machine.assembly import Laws
+    from pipelines.report.figures.plots import StiffnessPlot
 
 GEARS, CURVES, CASING = "gear picture", "stiffness curves", "casing picture"
 
@@ -68,8 +68,8 @@ def picture_steps(plant: Plant, names: Iterable[str]) -> list[Step]:
 
 def build_gears(placed: PlacedPair, *, laws: Laws | None = None) -> CountedResult:
     """The rendered pair with its first damaged tooth, or why it is left out; its sound `laws` if `needs_law`."""
-    from pipelines.figures.render import render_gears
-    from pipelines.figures.shapes import stage_view
+    from pipelines.report.figures.render import render_gears
+    from pipelines.report.figures.shapes import stage_view
 
     picture = render_gears(stage_view(placed, laws[0] if laws else None))
     return CountedResult(picture, kept=isinstance(picture, Picture))
@@ -124,7 +124,7 @@ def build_casing(spec: CasingPictureSpec, *, mesh: CasingMesh) -> CountedResult:
 
 def stiffness_plots(pairs: Sequence[PairLaws]) -> list[StiffnessPlot]:
     """Secant stiffness of every stage at its load, without deviations; with faults around the passage of the first."""
-    from pipelines.figures.plots import StiffnessPlot
+    from pipelines.report.figures.plots import StiffnessPlot
 
     plots = []
     for found in pairs:
@@ -151,8 +151,8 @@ def gear_names(placed: PlacedPair) -> dict[str, str]:
 def rendered_casing(mesh: CasingMesh, sensors: Sequence[Sensor]) -> Picture | LeftOut:
     """The meshed casing with ground, bearing and sensor points."""
     from fem.casing.reduced.attachment import nearest_surface_point
-    from pipelines.figures.render import render_casing
-    from pipelines.figures.shapes import casing_view
+    from pipelines.report.figures.render import render_casing
+    from pipelines.report.figures.shapes import casing_view
 
     points = dict(zip(mesh.patch_names, mesh.patch_points, strict=True))
     for sensor in sensors:

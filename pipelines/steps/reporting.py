@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipelines.engine.step import CountedResult
-from pipelines.plant.looked_for import pass_rates, shaft_lines
-from pipelines.plant.plant import Plant
-from pipelines.plant.torques.hoist import Hoist
+from pipelines.machine.hoist import Hoist
+from pipelines.machine.looked_for import pass_rates, shaft_lines
+from pipelines.machine.plant import Plant
 from pipelines.signals.motion_warnings import gathered, told
 from pipelines.steps.diagnosing import DiagnosingSpec, diagnoses
 
@@ -26,10 +26,10 @@ if TYPE_CHECKING:
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.modes import CasingModes
     from mbd.output.trajectory import Trajectory
-    from pipelines.bars.line_bars import LineBars
-    from pipelines.figures.views import LeftOut
+    from pipelines.diagnosis.control_diagnosis import Diagnosis
+    from pipelines.diagnosis.uncertainty.line_bars import LineBars
+    from pipelines.report.figures.views import LeftOut
     from pipelines.signals.analysis import DiagnosisSettings
-    from pipelines.signals.diagnosis import Diagnosis
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,8 +65,8 @@ def build(
     body, modes : the reduced casing, and what is said of its modes
     diagnosis, verdict, bars : results of the steps of these names
     """
-    from pipelines.figures.views import LeftOut
     from pipelines.report.contents import ReportContents
+    from pipelines.report.figures.views import LeftOut
     from pipelines.report.report import report_body
     from pipelines.report.run_screen import first_screen
     from pipelines.signals.response import make_response

@@ -32,7 +32,7 @@ def verdict_steps(study: Study) -> list[Step]:
     the same deviations.
     """
     from pipelines.diagnosis.simulated import FeatureSettings
-    from pipelines.orders.plant_kinematics import kinematics_of
+    from pipelines.machine.kinematics import kinematics_of
 
     first, plant = study.cases[0], study.plant
     healthy = [(one.plant, one.motion) for one in study.baseline]
@@ -104,7 +104,7 @@ def casing_taken(graph: Graph) -> dict[str, str | tuple[str, ...]]:
 
 
 def _report_step(loaded: LoadedScene, study: Study, known: dict[str, Step]) -> Step:
-    from pipelines.plant.checks.design_warnings import design_warnings
+    from pipelines.machine.checks.design_warnings import design_warnings
     from pipelines.scene.file import control_differences
 
     plant, compared = study.plant, known.get(DIAGNOSIS)

@@ -19,7 +19,7 @@ from fem.contact.wheels.compliance import ContactCompliance
 from fem.contact.wheels.contact import solve
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import lead_gap, profile_gap
-from pipelines.plant.flanks_spec import FlanksSpec
+from pipelines.machine.flanks_spec import FlanksSpec
 
 
 @dataclass(frozen=True, kw_only=True)

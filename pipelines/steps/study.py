@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 from itertools import count as count_from
 from itertools import islice
 
-from pipelines.border.errors import InputError
 from pipelines.engine.step import Graph, Step
 from pipelines.engine.storage import digest
-from pipelines.plant.checks.cost import check_room
-from pipelines.plant.checks.validity import checked_plant
-from pipelines.plant.plant import Plant, fault_labels
+from pipelines.io.errors import InputError
+from pipelines.machine.checks.cost import check_room
+from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.plant import Plant, fault_labels
 from pipelines.scene.file import LoadedScene, control_of
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.gears import DeviationTable

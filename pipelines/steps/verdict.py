@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from pipelines.orders.kinematics import Kinematics
-    from pipelines.plant.plant import Drivetrain
+    from pipelines.machine.plant import Drivetrain
+    from pipelines.signals.orders.kinematics import Kinematics
 
 STRIKES = {"outer-ring": "BPFO", "inner-ring": "BPFI", "element": "2 BSF"}
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from scenes import EXTREMES, at, mutated, places, shipped_tree
 
-from pipelines.border.toml_text import format_document, format_value
+from pipelines.io.toml_text import format_document, format_value
 
 MARKUP = (
     "[bold]x[/bold]", "[/nothing]", "<script>alert(1)</script>", "$\\frac$", "{0} %s \\n", "\x1b[2J", "\x9b31m",

@@ -48,7 +48,7 @@ def start(folder: Path, *, limit: int | None = None, cache: Path | None = None) 
         "GEARCASE_CACHE": str(cache or folder / "cache"),
         "PYTHONPATH": os.pathsep.join(sys.path),
     }
-    command = [sys.executable, "-m", "pipelines.cli", "run", "minimal", "--no-control", *ARGUMENTS]
+    command = [sys.executable, "-m", "pipelines.cli.main", "run", "minimal", "--no-control", *ARGUMENTS]
     tight = None if limit is None else (lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
     return subprocess.Popen(
         command,

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from mbd.integrators.settings import Settings
-from mbd.simulate import simulate
+from mbd.output.simulate import simulate
 from pipelines.engine.working import Work
-from pipelines.plant.assembly import assemble_machine, assemble_system
+from pipelines.machine.assembly import assemble_machine, assemble_system
 from pipelines.runs.single_results import scene_graph
 from pipelines.scene.file import load_scene
 

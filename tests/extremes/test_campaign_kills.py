@@ -44,7 +44,9 @@ def program(module, *arguments, cwd):
 
 def start(folder, *more, out="out"):
     (folder / "plan.toml").write_text(PLAN, encoding="utf-8")
-    return program("pipelines.cli", "campaign", "plan.toml", "--out", str(out), "--processes", "2", *more, cwd=folder)
+    return program(
+        "pipelines.cli.main", "campaign", "plan.toml", "--out", str(out), "--processes", "2", *more, cwd=folder
+    )
 
 
 def finish(process):

@@ -8,7 +8,7 @@ import scipy.linalg as la
 from housings import small_housing
 
 from fem.casing.geometry.dimensions import HousingError, Sensor
-from fem.casing.meshing.mesher import mesh_housing
+from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.models.casing import Structure
 from fem.casing.models.static_casing import StaticCasing
 from fem.casing.reduced.accuracy import reduced_response

@@ -10,7 +10,7 @@ import pytest
 from hostile import hostile_command, unusable_command
 from test_fuzzed_scenes import SECONDS, TooLongError, limited
 
-from pipelines.cli import main
+from pipelines.cli.main import main
 
 PARTS, COMMANDS_PER_PART = 8, 250
 MOVED = 100  # usable scenes that are simulated

@@ -11,8 +11,8 @@ from contextlib import contextmanager
 import pytest
 from scenes import mutated, shipped_tree, simulated, unexplained
 
-from pipelines.border.errors import InputError
-from pipelines.plant.checks.validity import checked_plant
+from pipelines.io.errors import InputError
+from pipelines.machine.checks.validity import checked_plant
 from pipelines.scene.file import LoadedScene, Source, validate
 from pipelines.scene.merge import Merged
 from pipelines.scene.scene import Scene

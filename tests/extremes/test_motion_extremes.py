@@ -8,10 +8,10 @@ import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 
 from mbd.integrators.settings import Settings
+from mbd.output.simulate import STEPS_PER_PERIOD, simulate
 from mbd.parts.checks import EquilibriumError, MachineError, StepError
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.losses import Coulomb, Efficiency
-from mbd.simulate import STEPS_PER_PERIOD, simulate
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble, mesh_mode_frequency
 

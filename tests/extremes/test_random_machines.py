@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from scenes import simulated, unexplained
 
-from pipelines.border.errors import InputError
+from pipelines.io.errors import InputError
 from pipelines.scene.file import load_scene
 
 ROUNDS = {"fast": 12, "slow": 150}

@@ -16,10 +16,10 @@ from fem.casing.models.stage import MESH, PlannedStage, body_of
 from fem.options import Option, option
 
 if TYPE_CHECKING:
-    from fem.casing.foreign.casing import ForeignHousing
     from fem.casing.geometry.dimensions import Sensor
-    from fem.casing.meshing.sizes import Sizes
-    from fem.casing.meshing.source import Geometry
+    from fem.casing.imported.casing import ForeignHousing
+    from fem.casing.mesh.sizes import Sizes
+    from fem.casing.mesh.source import Geometry
     from fem.casing.parts.bolted_joint import BoltedJoint
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.grounded import ForcedPoint
@@ -131,7 +131,7 @@ class HousingCasing(Casing):
 
     def sizes(self, structure: Structure) -> Sizes:
         """Edge lengths of the elements."""
-        from fem.casing.meshing.sizes import Sizes
+        from fem.casing.mesh.sizes import Sizes
 
         return Sizes(element=self.element_size, bore=self.bore_element_size, foot=self.foot_element_size)
 

@@ -13,7 +13,7 @@ from fem.casing.parts.names import MODES_OVER_BAND
 from fem.options import option
 
 if TYPE_CHECKING:
-    from fem.casing.meshing.sizes import Sizes
+    from fem.casing.mesh.sizes import Sizes
     from fem.casing.reduced.grounded import GroundedCasing
     from fem.casing.reduced.modes import CasingModes
     from fem.casing.reduced.reduction import Reduction
@@ -73,7 +73,7 @@ class CraigBamptonCasing(ElasticCasing):
 
     def sizes(self, structure: Structure) -> Sizes:
         """Edge lengths of the elements, at most a share of the bending wavelength of the thinnest wall."""
-        from fem.casing.meshing.sizes import bending_wavelength
+        from fem.casing.mesh.sizes import bending_wavelength
 
         given = super().sizes(structure)
         if self.elements_per_wavelength is None:

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, ClassVar
 from fem.casing.models.stage import CasingError, PlannedStage, Stage
 
 if TYPE_CHECKING:
-    from fem.casing.mesh_error.extrapolation import LowestModes
-    from fem.casing.meshing.mesh import CasingMesh
+    from fem.casing.mesh.mesh import CasingMesh
     from fem.casing.models.recovery import Recovery
     from fem.casing.parts.bolted_joint import BoltedJoint
     from fem.casing.parts.names import Attachment, Ground
@@ -22,6 +21,7 @@ if TYPE_CHECKING:
     from fem.casing.reduced.grounded import ForcedPoint, GroundedCasing
     from fem.casing.reduced.modes import CasingModes
     from fem.casing.reduced.reduction import Reduction
+    from fem.casing.uncertainty.extrapolation import LowestModes
     from fem.elements.materials import Material
 
 _SPARSE = ("numpy", "scipy", "pymetis", "scikit-fem")
@@ -101,7 +101,7 @@ class LowestReduction(Stage):
 
     def build(self, *, mesh: CasingMesh) -> LowestModes:
         """The lowest modes."""
-        from fem.casing.mesh_error.extrapolation import lowest_modes
+        from fem.casing.uncertainty.extrapolation import lowest_modes
 
         return lowest_modes(replace(mesh, cubic=0) if self.quadratic else mesh, static=self.static, **vars(self.held))
 

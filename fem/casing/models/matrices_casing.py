@@ -11,7 +11,7 @@ from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.models.stage import MODES, CasingError, CasingInputError, PlannedStage, Stage
 
 if TYPE_CHECKING:
-    from fem.casing.foreign.casing import ForeignHousing
+    from fem.casing.imported.casing import ForeignHousing
     from fem.casing.parts.names import Attachment, Ground
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.grounded import ForcedPoint
@@ -40,8 +40,8 @@ class MatricesReduction(Stage):
         CasingInputError : the matrices cannot be used
         CasingError : the reduction fails
         """
-        from fem.casing.foreign.body import ForeignError
-        from fem.casing.foreign.casing import foreign_casing
+        from fem.casing.imported.body import ForeignError
+        from fem.casing.imported.casing import foreign_casing
         from fem.casing.reduced.reduction import ReductionError
         from fem.numerics.linear_solver import SingularMatrixError
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, ClassVar
 from fem.casing.models.stage import CasingError, Stage
 
 if TYPE_CHECKING:
-    from fem.casing.mesh_error.extrapolation import LowestModes
-    from fem.casing.meshing.mesh import CasingMesh
-    from fem.casing.meshing.sizes import Sizes
-    from fem.casing.meshing.source import Geometry
+    from fem.casing.mesh.mesh import CasingMesh
+    from fem.casing.mesh.sizes import Sizes
+    from fem.casing.mesh.source import Geometry
+    from fem.casing.uncertainty.extrapolation import LowestModes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,13 +31,13 @@ class Meshing(Stage):
 
     def with_sizes(self, sizes: Sizes) -> CasingMesh:
         """The mesh with other edge lengths."""
-        from fem.casing.meshing.source import mesh_geometry
+        from fem.casing.mesh.source import mesh_geometry
 
         return mesh_geometry(self.housing, sizes, self.element)
 
     def coarser(self) -> Iterator[CoarserMeshing]:
         """Meshes with larger elements, by which the errors of this one are estimated."""
-        from fem.casing.mesh_error.extrapolation import coarser_sizes
+        from fem.casing.uncertainty.extrapolation import coarser_sizes
 
         return (CoarserMeshing(**{**vars(self), "sizes": sizes}) for sizes in coarser_sizes(self.sizes))
 
@@ -48,7 +48,7 @@ class CoarserMeshing(Meshing):
 
     def build(self) -> CasingMesh:
         """The mesh. CasingError if elements as large as that make none."""
-        from fem.casing.meshing.mesh import MeshError
+        from fem.casing.mesh.mesh import MeshError
 
         try:
             return super().build()
@@ -84,9 +84,9 @@ class SizedMeshing(Meshing):
         ------
         CasingError : no size has the error, or the mesh would be too large
         """
-        from fem.casing.mesh_error.extrapolation import ExtrapolationError, limits_from
-        from fem.casing.mesh_error.frequency_limits import LEAST_MODES
-        from fem.casing.mesh_error.wanted_size import wanted_factor
+        from fem.casing.uncertainty.extrapolation import ExtrapolationError, limits_from
+        from fem.casing.uncertainty.frequency_limits import LEAST_MODES
+        from fem.casing.uncertainty.wanted_size import wanted_factor
 
         count = int((trial.frequencies <= self.band).sum()) if self.band else len(trial.frequencies)
         inside = slice(max(count, 2 * LEAST_MODES))

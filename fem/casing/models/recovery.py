@@ -12,12 +12,12 @@ from fem.storage.ledger import count
 if TYPE_CHECKING:
     from fem.casing.geometry.dimensions import Sensor
     from fem.casing.geometry.housing import Housing
-    from fem.casing.mesh_error.extrapolation import LowestModes
-    from fem.casing.meshing.mesh import CasingMesh
+    from fem.casing.mesh.mesh import CasingMesh
     from fem.casing.parts.names import DampingRatio
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.modes import CasingModes
+    from fem.casing.uncertainty.extrapolation import LowestModes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,8 +48,8 @@ class Recovery(Stage):
         ------
         CasingError : the stiffness cannot be extrapolated
         """
-        from fem.casing.mesh_error.extrapolation import ExtrapolationError, measured_limits, stiffness_factor
         from fem.casing.reduced.modes import reduced_body
+        from fem.casing.uncertainty.extrapolation import ExtrapolationError, measured_limits, stiffness_factor
 
         try:
             factor = stiffness_factor(measured_limits(modes[0], coarser)) if coarser else 1.0

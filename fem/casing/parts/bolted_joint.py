@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from fem.casing.meshing.mesh import MeshError
+from fem.casing.mesh.mesh import MeshError
 from fem.casing.parts.bolts import Bolt
 from fem.casing.parts.split import Plane, SplitMesh
 from fem.elements.facets import facet_element

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from fem.casing.meshing.mesh import MeshError
+from fem.casing.mesh.mesh import MeshError
 from fem.elements.materials import Material
 from fem.elements.solid_elements import solid_element
 from fem.elements.solids import assemble

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.casing.meshing.mesh import CasingMesh, MeshError
+from fem.casing.mesh.mesh import CasingMesh, MeshError
 from fem.elements.facets import outer_facets
 from fem.elements.solid_elements import solid_element
 

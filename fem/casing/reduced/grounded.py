@@ -16,9 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from fem.casing.edges.added import added_functions
+from fem.casing.enrichment.added import added_functions
 from fem.casing.geometry.dimensions import Sensor
-from fem.casing.meshing.mesh import CasingMesh
+from fem.casing.mesh.mesh import CasingMesh
 from fem.casing.parts.bolted_joint import BoltedJoint, joint_stiffness
 from fem.casing.parts.names import JOINTS, Attachment, Ground
 from fem.casing.parts.regions import Region, elements_inside, stiffness_of

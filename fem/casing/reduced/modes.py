@@ -219,7 +219,7 @@ def reduced_body(
     damping : modal damping ratio, or rows (Hz, ratio)
     mounts : stiffness of every foot (N/m), if and only if the modes are those of a casing on springs
     limit, frequency_error : see `kept_modes`
-    stiffness_factor : of all but the mounts, see `fem.casing.mesh_error.extrapolation`
+    stiffness_factor : of all but the mounts, see `fem.casing.uncertainty.extrapolation`
     loss_factors : of parts whose damping is their own, by name; `damping` is that of the rest
 
     Raises

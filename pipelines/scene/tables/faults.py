@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from fem.contact.faults.registry import FAULTS, fault_class
-from mbd.bearing_faults.spall import Spall
+from mbd.excitations.spall import Spall
 from pipelines.scene.tables.base import Whole
 from pipelines.scene.tables.derived import DerivedTable, choice, table
 

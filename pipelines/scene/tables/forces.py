@@ -1,6 +1,6 @@
 """Tables of forces from outside besides drive and load, each with what it is for the multibody model.
 
-A new kind is a table here, in `ForceModel`, and its class in `mbd.torques` or `mbd.excitations`; nothing else knows the
+A new kind is a table here, in `ForceModel`, and its class in `mbd.forces` or `mbd.excitations`; nothing else knows the
 kinds.
 """
 

@@ -14,9 +14,9 @@ import numpy as np
 from pydantic import Discriminator, Field, Tag
 
 from fem.storage.hdf5 import blocks_missing
-from pipelines.border.errors import InputError, Problem, SceneError
-from pipelines.border.shown import nearest_name, shown
-from pipelines.border.user_files import read_text, regular_file
+from pipelines.io.errors import InputError, Problem, SceneError
+from pipelines.io.shown import nearest_name, shown
+from pipelines.io.user_files import read_text, regular_file
 from pipelines.scene.tables.base import Number, Table
 
 MOST_BYTES = 200_000_000

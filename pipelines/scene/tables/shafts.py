@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from mbd.coordinates.probe import Probe
+from mbd.parts.probe import Probe
 from mbd.parts.shafts import Disk, Section
 from pipelines.scene.tables.base import Flag, NotNegative, Number, Table, Whole
 from pipelines.scene.tables.bearings import BearingModel

@@ -1,6 +1,6 @@
 """Tables of torques from outside: drives that give a torque, brakes and fans that take one.
 
-A kind is a table here with its `spec`, and a class in `mbd.torques`; it may stand under `[drive]`, `[load]` or
+A kind is a table here with its `spec`, and a class in `mbd.forces`; it may stand under `[drive]`, `[load]` or
 `[[forces]]` as those list it.
 """
 
@@ -15,7 +15,7 @@ from pipelines.scene.tables.base import Flag, Number, Table, Whole
 from pipelines.scene.tables.samples import Samples, check_pairs
 
 if TYPE_CHECKING:
-    from mbd.torques.torque_source import TorqueSource
+    from mbd.forces.torque_source import TorqueSource
 
 RPM = 2 * math.pi / 60
 
@@ -38,7 +38,7 @@ class SourceTable(Table):
 
     def at(self, name: str, shaft: int, y: float) -> dict[str, Any]:
         """Arguments of a `TorqueSource`: its name, its shaft (from 0), its place y (m), and the rotor."""
-        from mbd.torques.torque_source import Rotor
+        from mbd.forces.torque_source import Rotor
 
         rotor = None
         if self.inertia_kg_m2 > 0.0:
@@ -97,8 +97,8 @@ class TorqueCurve(SourceTable):
         """
         import numpy as np
 
-        from mbd.torques.speed_torque import SpeedTorque
-        from mbd.torques.torque import Torque
+        from mbd.forces.speed_torque import SpeedTorque
+        from mbd.forces.torque import Torque
         from pipelines.scene.tables.samples import pairs
 
         if self.torque_N_m is not None:
@@ -132,7 +132,7 @@ class InductionTable(SourceTable):
 
     def motor(self, where: dict[str, Any]) -> TorqueSource:
         """The motor in SI; `where` is from `at`."""
-        from mbd.torques.induction_motor import InductionMotor, breakdown_slip
+        from mbd.forces.induction_motor import InductionMotor, breakdown_slip
 
         slip = breakdown_slip(1.0 - self.rated_rpm / self.synchronous_rpm, self.breakdown_ratio)
         return InductionMotor(
@@ -164,8 +164,8 @@ class ControlledTable(SourceTable):
 
     def motor(self, where: dict[str, Any], path: str) -> TorqueSource:
         """The motor in SI; `where` is from `at`, `path` that of this table in the scene."""
+        from mbd.forces.speed_controller import SpeedController
         from mbd.parts.drive import SpeedProfile
-        from mbd.torques.speed_controller import SpeedController
         from pipelines.scene.tables.samples import pairs
 
         times, speeds = pairs(self, "times_s", "speeds_rpm", path)

@@ -1,1 +1,0 @@
-"""Hexahedra of plain parametric housings."""

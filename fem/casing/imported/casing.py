@@ -1,0 +1,236 @@
+"""A housing of foreign matrices as the casing of a machine: bearings and feet by their nodes, reduced."""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse as sp
+
+from fem.casing.geometry.dimensions import Sensor
+from fem.casing.imported.body import ForeignBody, ForeignError
+from fem.casing.imported.checks import ForeignCheck, check_foreign, rigid_motion
+from fem.casing.imported.files import MatrixFiles, read_body
+from fem.casing.imported.reduce import Point, ReducedForeign, reduce_foreign
+from fem.casing.parts.feet import clamped_reactions, foot_sums
+from fem.casing.parts.names import Attachment
+from fem.casing.reduced.checkup import CheckUp
+from fem.casing.reduced.grounded import GROUND_AXES
+from fem.casing.reduced.modes import CasingModes
+
+_log = logging.getLogger(__name__)
+
+_SENSOR_OFF = 0.005  # m: how far a node may lie off a sensor without a warning
+_OFF = 0.0005  # m: how far a single node may lie off its bearing point, and
+_OFF_SHARE = 0.3  # of the mean distance of the nodes from it: the middle of several
+_CHECKED = ("reduced_mass_definite", "reduced_stiffness_definite")  # the file itself: see `ForeignCheck`
+
+
+@dataclass(frozen=True, kw_only=True)
+class ForeignHousing:
+    """Matrices with the nodes (numbers) of bearings and feet; `origin` (m) is where that of the file lies."""
+
+    files: MatrixFiles
+    seats: tuple[tuple[str, tuple[int, ...], tuple[float, float, float]], ...]  # name, nodes, bearing point (m)
+    grounds: tuple[tuple[int, ...], ...]
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    sensors: tuple[Sensor, ...] = ()
+
+
+def file_digests(files: MatrixFiles) -> tuple[str, ...]:
+    """SHA-256 of every file of a body. ForeignError if one is not there."""
+    found = []
+    for name in (files.stiffness, files.mass, files.nodes, files.equations):
+        if name is None:
+            continue
+        try:
+            with Path(name).open("rb") as file:
+                found.append(hashlib.file_digest(file, "sha256").hexdigest())
+        except OSError as error:
+            raise ForeignError(f"{name}: cannot be read ({error.strerror})") from error
+    return tuple(found)
+
+
+def foreign_casing(
+    housing: ForeignHousing,
+    *,
+    model: str,
+    interfaces: Mapping[str, Sequence[str]],
+    ground: str,
+    attachment: Attachment,
+    limit: float | None,
+) -> tuple[CasingModes, CheckUp]:
+    """The reduced casing with its check-up.
+
+    Parameters
+    ----------
+    housing : files, bearings and feet
+    model, ground, attachment : as in `CasingModes`
+    interfaces : axes that carry loads, by bearing
+    limit : Hz, to which modes are kept; None for static condensation
+
+    Raises
+    ------
+    ForeignError : files, nodes or the body itself cannot be used, with what the check-up finds wrong
+    """
+    if file_digests(housing.files) != housing.files.digests:
+        raise ForeignError(f"{housing.files.stiffness} was changed while the scene was being built; run again")
+    body = read_body(housing.files)
+    body = replace(body, places=body.places + np.array(housing.origin))
+    check = check_foreign(body)
+    if not body.located:
+        raise ForeignError(f"{body.name} holds no places of its nodes; set nodes_file")
+    if check.wrong:
+        raise ForeignError(f"{body.name}: {'; '.join(check.wrong)}")
+    for sensor in housing.sensors:
+        distance = float(np.linalg.norm(body.places - np.array(sensor.position), axis=1).min())
+        if distance > _SENSOR_OFF:
+            _log.warning(
+                "%s: the nearest node of %s is %.3g mm away, and the sensor is read there. Add a node at the sensor to "
+                "the matrices",
+                sensor.name,
+                body.name,
+                1000 * distance,
+            )
+    points = {name: Point(nodes=nodes, axes=GROUND_AXES) for name, nodes in _feet(housing) if ground == "springs"}
+    for name, nodes, wanted in housing.seats:
+        _check_place(body, name, nodes, wanted)
+        points[name] = Point(nodes=nodes, place=wanted, axes=tuple(interfaces[name]), coupling=attachment)
+    feet = tuple(name for name, _ in _feet(housing))
+    held = [] if ground == "springs" else sorted({number for nodes in housing.grounds for number in nodes})
+    reduced = reduce_foreign(body, points, held=held, sprung=feet if ground == "springs" else (), band=limit)
+    return _modes(housing, reduced, check, model, ground, attachment, limit), _check_up(reduced, check)
+
+
+def _feet(housing: ForeignHousing) -> list[tuple[str, tuple[int, ...]]]:
+    return [(f"ground_{number}", nodes) for number, nodes in enumerate(housing.grounds, 1)]
+
+
+def _check_place(body: ForeignBody, name: str, nodes: tuple[int, ...], wanted: tuple[float, float, float]) -> None:
+    places = np.array([body.place(number) for number in nodes])
+    reach = float(np.linalg.norm((places - wanted)[:, [0, 2]], axis=1).mean())
+    off = float(np.linalg.norm(places.mean(axis=0) - wanted))
+    limit = max(_OFF, _OFF_SHARE * reach if len(nodes) > 1 else 0.0)
+    if off > limit:
+        x, y, z = 1000 * places.mean(axis=0)
+        raise ForeignError(
+            f"{name}: the middle of its {len(nodes)} nodes at ({x:.5g}, {y:.5g}, {z:.5g}) mm is "
+            f"{1000 * off:.4g} mm off the bearing at ({', '.join(f'{1000 * v:.5g}' for v in wanted)}) mm "
+            f"(limit {1000 * limit:.3g} mm). Correct the nodes, origin_mm or units"
+        )
+
+
+def _modes(
+    housing: ForeignHousing,
+    reduced: ReducedForeign,
+    check: ForeignCheck,
+    model: str,
+    ground: str,
+    attachment: str,
+    limit: float | None,
+) -> CasingModes:
+    body, reduction = reduced.body, reduced.reduction
+    basis = reduced.expansion @ reduction.basis
+    R = rigid_motion(body, check.centre)
+    nodal = np.zeros((len(body.numbers), 3, basis.shape[1]), np.float32)
+    order = np.argsort(body.numbers)
+    moving = np.flatnonzero((body.axis >= 0) & (body.axis < 3))
+    where = order[np.searchsorted(body.numbers, body.node[moving], sorter=order)]
+    nodal[where, body.axis[moving]] = basis[moving]
+    extra = reduction.modes.shape[1] - reduction.n_fixed
+    names = [f"mode_{i + 1}" for i in range(reduction.n_fixed)] + [f"inertia_{i + 1}" for i in range(extra)]
+    places = dict(reduced.places)
+    for name, nodes in _feet(housing):
+        places.setdefault(name, np.mean([body.place(number) for number in nodes], axis=0))
+    foot_stiffness, foot_inertia = _clamped_feet(housing, reduced, body.mass @ R[:, :3], ground)
+    return CasingModes(
+        model=model,
+        solver=reduced.interface.factor.name,
+        ground=ground,
+        attachment=attachment,
+        mass=reduction.mass,
+        stiffness=reduction.stiffness,
+        coordinate_names=(*reduced.coordinate_names, *names),
+        reference_springs=reduced.springs,
+        fixed_frequencies=reduction.frequencies,
+        band_limit=0.0 if limit is None else limit,
+        counted=-1,
+        unknowns=reduced.free_stiffness.shape[0],
+        participation=basis.T @ (body.mass @ R),
+        foot_stiffness=foot_stiffness,
+        foot_inertia=foot_inertia,
+        part_names=(),
+        part_stiffness=np.zeros((0, *reduction.mass.shape)),
+        total_mass=check.mass,
+        centre=check.centre,
+        inertia=check.inertia,
+        point_names=tuple(places),
+        point_positions=np.array(list(places.values())),
+        nodes=body.places,
+        facets=np.zeros((0, 3), np.int32),
+        basis=nodal,
+    )
+
+
+def _clamped_feet(
+    housing: ForeignHousing, reduced: ReducedForeign, MX: np.ndarray, ground: str
+) -> tuple[np.ndarray, np.ndarray]:
+    """What `clamped_reactions` gives; zeros where the feet stand on springs."""
+    body, interface, count = reduced.body, reduced.interface, 3 * len(housing.grounds)
+    if ground == "springs":
+        return np.zeros((count, len(reduced.coordinate_names))), np.zeros((count, 3))
+    unknowns = [
+        np.flatnonzero(np.isin(body.node, nodes) & (body.axis == axis))
+        for nodes in housing.grounds
+        for axis in range(3)
+    ]
+    sums = foot_sums(unknowns, len(body.node))
+    return clamped_reactions(sums, body.stiffness, MX, reduced.expansion, interface.constraint, interface.inverse)
+
+
+def _check_up(reduced: ReducedForeign, check: ForeignCheck) -> CheckUp:
+    """Those items of the check-up that need no mesh."""
+    reduction = reduced.reduction
+    held = reduction.stiffness + np.diag(np.append(reduced.springs, np.zeros(len(reduction.frequencies))))
+    square, phi = la.eigh(held, reduction.mass)
+    R = rigid_motion(reduced.body, check.centre)
+    force = reduced.expansion.T @ (reduced.body.mass @ R)
+    kept = sp.csr_matrix(reduced.expansion @ sp.csr_matrix(reduced.expansion.T))
+    moving = (kept.diagonal() > 0.0)[:, None] * R
+    zeros = dict.fromkeys(
+        (
+            "rigid_from_stiffness",
+            "rigid_eigenvalue",
+            "mass_error",
+            "centre_error",
+            "inertia_error",
+            "reaction_error",
+            "modal_mass_identity",
+            "interface_to_modes",
+            "static_response",
+        ),
+        0.0,
+    )
+    return CheckUp(
+        **zeros,
+        stiffness_asymmetry=check.stiffness_asymmetry,
+        mass_asymmetry=check.mass_asymmetry,
+        grounding=check.grounding,
+        reduced_mass_definite=float((la.eigvalsh(reduction.mass) <= 0.0).sum()),
+        reduced_stiffness_definite=float((square <= 0.0).sum()),
+        mass=check.mass,
+        centre=check.centre,
+        inertia=check.inertia,
+        frequencies=np.sqrt(np.maximum(square, 0.0)) / (2.0 * math.pi),
+        effective_mass=(phi.T @ (reduction.basis.T @ force)) ** 2,
+        movable=np.einsum("im,im->m", moving, reduced.body.mass @ moving),
+        full_frequencies=np.zeros(0),
+        frequency_error=np.zeros(0),
+        limit_names=_CHECKED,
+    )

@@ -1,0 +1,206 @@
+"""Check-up of a foreign body: what a structural analyst asks before trusting matrices of another program."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse as sp
+
+from fem.casing.imported.body import ForeignBody
+
+_SYMMETRIC = 1e-9
+_FREE = 1e-7  # of max |K| max |R|
+_DENSE = 1500
+_MASSLESS = 1e-13  # of the largest value of the shifted problem
+_USUAL_MASS = (0.05, 1e5)  # kg, of a housing
+_USUAL_DENSITY = 2e4  # kg/m3 of the box around the body: more than any metal has
+_USUAL_FIRST = (1.0, 1e5)  # Hz, first elastic mode
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ForeignCheck:
+    """What was measured, and in words what is wrong."""
+
+    equations: int
+    nodes: int
+    dropped: int
+    stiffness_asymmetry: float  # max |K - K^T| over max |K|
+    mass_asymmetry: float
+    grounding: float  # max |K R| over max |K| max |R|; nan without places of the nodes
+    mass: float  # kg, by R^T M R; nan without places
+    centre: np.ndarray  # (3,) m
+    inertia: np.ndarray  # (3, 3) kg m2 about the centre
+    frequencies: np.ndarray  # Hz, the lowest, of the body as it was exported
+    rigid_modes: int  # of these, that are zero
+    wrong: tuple[str, ...]
+    doubtful: tuple[str, ...]
+
+    def report(self, count: int = 20) -> str:
+        """The check-up as text."""
+        lines = [f"Check-up of the matrices: {self.equations} equations of {self.nodes} nodes"]
+        if self.dropped:
+            lines.append(f"  {self.dropped} equations without stiffness and mass were left out")
+        lines.append(f"  asymmetry of stiffness {self.stiffness_asymmetry:.1e}, of mass {self.mass_asymmetry:.1e}")
+        if np.isfinite(self.mass):
+            x, y, z = 1000 * self.centre
+            lines.append(f"  a rigid motion leaves {self.grounding:.1e} of the largest stiffness as force")
+            lines.append(f"  mass {self.mass:.6g} kg, centre of gravity ({x:.6g}, {y:.6g}, {z:.6g}) mm")
+        else:
+            lines.append("  places of the nodes are not known: no mass, no test of the ground")
+        lines.append(f"  {self.rigid_modes} modes without stiffness; frequencies as exported, Hz:")
+        lines += frequency_lines(self.frequencies[:count])
+        lines += [f"  WRONG: {words}" for words in self.wrong] + [f"  doubtful: {words}" for words in self.doubtful]
+        lines += [] if self.wrong or self.doubtful else ["  nothing is wrong"]
+        return "\n".join(lines)
+
+
+def frequency_lines(frequencies: np.ndarray) -> list[str]:
+    """Frequencies in Hz to the seven digits that Nastran prints, five in a line."""
+    rows = np.array_split(frequencies, -(-len(frequencies) // 5) or 1)
+    return ["    " + "  ".join(f"{one:12.7g}" for one in row) for row in rows]
+
+
+def check_foreign(body: ForeignBody, count: int = 30) -> ForeignCheck:
+    """Measure a body.
+
+    Parameters
+    ----------
+    body : with places of its nodes, if mass and ground are to be looked at
+    count : of the lowest frequencies
+    """
+    K, M = body.stiffness, body.mass
+    asymmetry = [float(abs(A - A.T).max() / max(abs(A).max(), 1e-300)) for A in (K, M)]
+    frequencies, negative = lowest_frequencies(K, M, count)
+    elastic = frequencies[frequencies > 1e-3 * max(float(frequencies[-1]), 1e-300)] if len(frequencies) else frequencies
+    rigid = len(frequencies) - len(elastic)
+    mass, centre, inertia, grounding = math.nan, np.full(3, math.nan), np.full((3, 3), math.nan), math.nan
+    if body.located:
+        R = rigid_motion(body, np.zeros(3))
+        block = R.T @ (M @ R)
+        mass = float(np.trace(block[:3, :3]) / 3.0)
+        if mass > 0.0:
+            centre = np.array([block[1, 5], block[2, 3], block[0, 4]]) / mass
+            about = rigid_motion(body, centre)
+            inertia = (about.T @ (M @ about))[3:, 3:]
+            scale = abs(K).max() * np.maximum(abs(about).max(axis=0), 1e-300)
+            grounding = float((abs(K @ about) / scale).max())
+    wrong = _wrong(asymmetry, mass, grounding, rigid, negative)
+    return ForeignCheck(
+        equations=K.shape[0],
+        nodes=len(body.numbers),
+        dropped=body.dropped,
+        stiffness_asymmetry=asymmetry[0],
+        mass_asymmetry=asymmetry[1],
+        grounding=grounding,
+        mass=mass,
+        centre=centre,
+        inertia=inertia,
+        frequencies=frequencies,
+        rigid_modes=rigid,
+        wrong=tuple(wrong),
+        doubtful=tuple(_doubtful(body, mass, elastic)),
+    )
+
+
+def rigid_motion(body: ForeignBody, centre: np.ndarray) -> np.ndarray:
+    """Rigid motions (n, 6) about a point; modal coordinates stay at rest."""
+    found = np.zeros((len(body.node), 6))
+    where = np.searchsorted(body.numbers, body.node, sorter=np.argsort(body.numbers))
+    order = np.argsort(body.numbers)
+    for row, (axis, number) in enumerate(zip(body.axis, where, strict=True)):
+        if axis < 0:
+            continue
+        if axis >= 3:
+            found[row, axis] = 1.0
+            continue
+        x, y, z = body.places[order[number]] - centre
+        found[row, axis] = 1.0
+        found[row, 3:] = ((0.0, z, -y), (-z, 0.0, x), (y, -x, 0.0))[axis]
+    return found
+
+
+def lowest_frequencies(K: sp.csr_matrix, M: sp.csr_matrix, count: int) -> tuple[np.ndarray, int]:
+    """The lowest frequencies (Hz) of K u = omega^2 M u, zeros for rigid modes, and how many squares are negative.
+
+    Shift and invert: dense for small bodies, larger ones by ARPACK. None are found where the stiffness is negative in a
+    direction without mass; then negative values of K are counted.
+    """
+    K, M = 0.5 * (K + K.T), 0.5 * (M + M.T)
+    n = K.shape[0]
+    if not abs(M).max() > 0.0:
+        return np.zeros(0), 0
+    if n <= _DENSE:
+        found = _dense(K.toarray(), M.toarray())
+        if found is None:
+            scaled = K.toarray() / max(abs(K).max(), 1e-300)
+            return np.zeros(0), int((la.eigvalsh(scaled) < -_SYMMETRIC).sum())
+        squares = found
+    else:
+        from scipy.sparse.linalg import LinearOperator, eigsh
+
+        from fem.numerics.linear_solver import SingularMatrixError, factorize
+
+        shift = -1e-6 * float(abs(K.diagonal()).max() / abs(M.diagonal()).max())
+        try:
+            solve = LinearOperator((n, n), factorize(K - shift * M).solve)
+        except SingularMatrixError:  # not definite below its modes either: wrong, and told as such
+            solve = None
+        squares = eigsh(K, k=min(count, n - 2), M=M, sigma=shift, OPinv=solve, return_eigenvectors=False)
+    squares = np.sort(squares)[:count]
+    noise = 1e-9 * float(abs(squares).max(initial=0.0))
+    return np.sqrt(np.maximum(squares, 0.0)) / (2.0 * math.pi), int((squares < -max(noise, 1.0)).sum())
+
+
+def _dense(K: np.ndarray, M: np.ndarray) -> np.ndarray | None:
+    """Squares of the angular frequencies: 1 / m - s of the values m of L^-1 M L^-T, K + s M = L L^T.
+
+    Directions without mass have m = 0 and drop out; to condense them first loses digits where their stiffness is large.
+    The shift s is the smallest of a ladder from 1 Hz on that makes the sum definite; None where none does.
+    """
+    for shift in (2.0 * math.pi * 10.0 ** np.arange(7.0)) ** 2:
+        A = K + shift * M
+        size = np.sqrt(np.maximum(np.diag(A), 1e-300))
+        try:
+            lower = la.cholesky(A / np.outer(size, size), lower=True)
+        except (la.LinAlgError, ValueError):  # not definite, or beyond the largest number
+            continue
+        half = la.solve_triangular(lower, M / np.outer(size, size), lower=True)
+        values = la.eigvalsh(la.solve_triangular(lower, half.T, lower=True))
+        return 1.0 / values[values > _MASSLESS * values.max()] - shift
+    return None
+
+
+def _wrong(asymmetry: list[float], mass: float, grounding: float, rigid: int, negative: int) -> Iterator[str]:
+    for name, value in zip(("stiffness", "mass"), asymmetry, strict=True):
+        if value > _SYMMETRIC:
+            yield f"the {name} matrix is not symmetric ({value:.1e}, limit {_SYMMETRIC:.0e}); gyroscopic, or cut off"
+    if negative:
+        yield (
+            f"{negative} modes have negative stiffness: the matrices are those of a loaded or damaged model, or are "
+            "written with too few digits"
+        )
+    if np.isfinite(grounding) and grounding > _FREE:
+        yield (
+            f"a rigid motion needs force ({grounding:.1e} of the largest stiffness, limit {_FREE:.0e}): the body is "
+            "grounded in its own program, or the places of the nodes are wrong. Export it free, and name its feet here"
+        )
+    elif np.isfinite(grounding) and rigid > 6:
+        yield f"{rigid} modes have no stiffness, 6 are those of a free body: a part hangs loose"
+    if np.isfinite(mass) and not mass > 0.0:
+        yield "its mass is zero: no densities in the model, or a mass matrix of other equations"
+
+
+def _doubtful(body: ForeignBody, mass: float, elastic: np.ndarray) -> Iterator[str]:
+    if np.isfinite(mass) and mass > 0.0:
+        size = np.ptp(body.places, axis=0)
+        reduced = bool((body.axis < 0).any())  # its nodes do not span it
+        heavy = not reduced and size.min() > 0.0 and mass / size.prod() > _USUAL_DENSITY
+        if heavy or not _USUAL_MASS[0] <= mass <= _USUAL_MASS[1]:
+            words = " x ".join(f"{1000 * side:.4g}" for side in size)
+            yield f"a mass of {mass:.4g} kg is unusual for a housing of {words} mm: check the units"
+    if len(elastic) and not _USUAL_FIRST[0] <= elastic[0] <= _USUAL_FIRST[1]:
+        yield f"the first elastic mode at {elastic[0]:.4g} Hz is unusual for a housing: check the units"

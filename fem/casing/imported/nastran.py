@@ -1,0 +1,107 @@
+"""Matrices, nodes and equations of Nastran files (package pyyeti).
+
+GRID places are turned into the basic frame by their field CP. The field CD names the frame in which the equations of a
+node are written: its directions are the columns of F, u_basic = F u_node. In cylindrical and spherical frames they
+follow the place of the node. EXTRN cards of a superelement (EXTSEOUT) name the equations of its matrices.
+
+Reference: MSC Nastran Quick Reference Guide, entries GRID, CORD2R, CORD2C, CORD2S, EXTRN and DMIG.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import scipy.sparse as sp
+
+from fem.casing.imported.body import ForeignError
+
+SUFFIXES = (".bdf", ".dat", ".nas", ".blk", ".pch", ".asm")  # of files with GRID or EXTRN cards
+
+
+def output4(path: Path) -> dict[str, sp.csr_matrix]:
+    """Matrices of an OUTPUT4 file, ASCII or binary, by their names in lower case."""
+    from pyyeti.nastran import op4
+
+    return {name.lower(): sp.csr_matrix(m) for name, m in op4.read(str(path), sparse=None).items()}
+
+
+def punched(path: Path) -> tuple[dict[str, sp.coo_matrix], np.ndarray]:
+    """Square matrices of DMIG cards by their names in lower case, and node and axis (n, 2) of their equations.
+
+    Raises
+    ------
+    ForeignError : no square matrix
+    """
+    from pyyeti.nastran import bulk
+
+    tables = bulk.rddmig(str(path), expanded=False, square=True)
+    square = {name.lower(): table for name, table in tables.items() if table.shape[0] == table.shape[1]}
+    if not square:
+        raise ForeignError(f"{path.name} holds no square DMIG matrix; export KAAX and MAAX (PARAM,EXTOUT,DMIGPCH)")
+    every = sorted(set().union(*(set(table.index) for table in square.values())))
+    place = {label: number for number, label in enumerate(every)}
+    matrices = {}
+    for name, table in square.items():
+        where = np.array([place[label] for label in table.index])
+        values = sp.coo_matrix(table.to_numpy())
+        shape = (len(every), len(every))
+        matrices[name] = sp.coo_matrix((values.data, (where[values.row], where[values.col])), shape=shape)
+    return matrices, np.array(every, int).reshape(-1, 2)
+
+
+def superelement_equations(path: Path) -> np.ndarray:
+    """Node and axis (n, 2) of every equation, of EXTRN cards; axis 0 for the modal coordinates of scalar points.
+
+    Raises
+    ------
+    ForeignError : no EXTRN card
+    """
+    from pyyeti.nastran import bulk
+
+    if "EXTRN" not in path.read_text(encoding="latin-1").upper():
+        raise ForeignError(f"{path.name} has no EXTRN card, which names the equations of a superelement (EXTSEOUT)")
+    return np.asarray(bulk.rdextrn(str(path)), int)
+
+
+def grid_points(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Number and place in the basic frame (k, 4) of every node, and the frame F (k, 3, 3) of its motion.
+
+    Raises
+    ------
+    ForeignError : no GRID card, or coordinate systems that are not defined in the file by CORD2R, CORD2C or CORD2S
+    """
+    from pyyeti.nastran import bulk
+
+    cards = bulk.rdgrids(str(path))
+    if cards is None:
+        raise ForeignError(f"{path.name} has no GRID cards")
+    known = {0, *bulk.rdcord2cards(str(path))}
+    if unknown := set(np.unique(cards[:, [1, 5]]).astype(int)) - known:
+        raise ForeignError(
+            f"{path.name}: nodes use the coordinate system {min(unknown)}, which no CORD2R, CORD2C or CORD2S card of "
+            "the file defines; write it as one of these, or export the nodes in the basic system"
+        )
+    table, systems = bulk.bulk2uset(str(path))
+    rows = table[["x", "y", "z"]].to_numpy().reshape(-1, 6, 3)  # place, (frame, kind, 0), origin, directions
+    numbers = table.index.get_level_values("id").to_numpy()[::6]
+    places = rows[:, 0]
+    frames = np.broadcast_to(np.eye(3), (len(places), 3, 3)).copy()
+    for at in np.flatnonzero(rows[:, 1, 0]):
+        system = systems[int(rows[at, 1, 0])]
+        frames[at] = system[2:] @ _local_directions(int(system[0, 1]), system[2:].T @ (places[at] - system[1]))
+    return np.column_stack([numbers, places]), frames
+
+
+def _local_directions(kind: int, place: np.ndarray) -> np.ndarray:
+    """Directions (3, 3), in columns, of a rectangular (1), cylindrical (2) or spherical (3) frame at a place in it."""
+    if kind == 1:
+        return np.eye(3)
+    x, y, z = place
+    around = np.arctan2(y, x)
+    c, s = np.cos(around), np.sin(around)
+    if kind == 2:
+        return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    down = np.arctan2(np.hypot(x, y), z)
+    C, S = np.cos(down), np.sin(down)
+    return np.array([[S * c, C * c, -s], [S * s, C * s, c], [C, -S, 0.0]])

@@ -1,0 +1,167 @@
+"""Reduce a foreign body to points: RBE2 and RBE3 are made from lists of nodes, then Craig-Bampton.
+
+A point has the mean motion of its nodes (RBE3): of all rigid motions that which fits their translations best with equal
+weights, [t, r] = (sum R^T R)^-1 sum R^T u. Or its nodes move rigidly with it (RBE2). One node with rotations is its own
+point. The ground holds nodes, or is left to springs at points.
+
+Reference: MSC Nastran Linear Static Analysis User's Guide, elements RBE2 and RBE3.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from fem.casing.imported.body import ForeignBody, ForeignError
+from fem.casing.imported.checks import rigid_motion
+from fem.casing.parts.names import Attachment
+from fem.casing.reduced.attachment import AXES
+from fem.casing.reduced.reduction import Interface, Reduction, held_interface, reduce_body
+
+_WELL = 1e10  # largest condition of the inertia of a point's nodes
+
+
+@dataclass(frozen=True, kw_only=True)
+class Point:
+    """A point of a body: its nodes, where it lies (m; None: the mean of the nodes), and the axes that carry loads."""
+
+    nodes: tuple[int, ...]
+    place: tuple[float, float, float] | None = None
+    axes: tuple[str, ...] = AXES
+    coupling: Attachment = "mean"
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedForeign:
+    """The reduction, its interface rows on the equations left, and u = E q from these to all equations."""
+
+    body: ForeignBody
+    reduction: Reduction
+    coordinate_names: tuple[str, ...]  # of the interface
+    places: Mapping[str, np.ndarray]  # (3,) m, of the points
+    expansion: sp.csr_matrix  # E (n, q)
+    springs: np.ndarray  # (interface,) N/m, reference springs while factorising
+    interface: Interface  # factorised
+    free_stiffness: sp.csr_matrix  # (q, q)
+    free_mass: sp.csr_matrix
+
+
+def reduce_foreign(
+    body: ForeignBody,
+    points: Mapping[str, Point],
+    *,
+    held: Sequence[int] = (),
+    sprung: Sequence[str] = (),
+    band: float | None,
+) -> ReducedForeign:
+    """Reduce a body to its points and every fixed-interface mode up to `band`.
+
+    Parameters
+    ----------
+    body : with places of its nodes
+    points : by name; they become the interface
+    held : numbers of nodes that the ground holds
+    sprung : names of points under which springs stand while factorising; together with `held` they hold the body
+    band : Hz; None: static condensation, no modes
+
+    Raises
+    ------
+    ForeignError : unknown nodes or axes, a point whose nodes do not define its rotation, nodes that are used twice
+    SingularMatrixError : the body is not held
+    """
+    clamped = np.isin(body.node, np.asarray(held, int)) & (body.axis >= 0)
+    for number in held:
+        body.place(number)
+    expansion, names, rows, places = _coupled(body, points, clamped)
+    K, M = (sp.csr_matrix(expansion.T @ A @ expansion) for A in (body.stiffness, body.mass))
+    reference = float(np.median(abs(K.diagonal())[K.diagonal() > 0]))
+    springs = np.array([reference if name.split(":")[0] in sprung else 0.0 for name in names])
+    interface = held_interface(K, rows, penalty=springs if springs.any() else None)
+    if band is None:
+        reduction = reduce_body(interface, K, M, count=0, enrich=False)
+    else:
+        reduction = reduce_body(interface, K, M, highest=band)
+    return ReducedForeign(body, reduction, tuple(names), places, expansion, springs, interface, K, M)
+
+
+def _coupled(
+    body: ForeignBody, points: Mapping[str, Point], clamped: np.ndarray
+) -> tuple[sp.csr_matrix, list[str], sp.csr_matrix, dict[str, np.ndarray]]:
+    """E without clamped equations and with rigid nodes replaced by their points; rows of the interface."""
+    taken = clamped.copy()
+    places, rigid = {}, []
+    for name, point in points.items():
+        located = np.array([body.place(number) for number in point.nodes])
+        if not len(located):
+            raise ForeignError(f"{name} has no nodes; name at least one")
+        if not np.isfinite(located).all():
+            raise ForeignError(f"{name}: the places of its nodes are not known; give a file of nodes")
+        if unknown := [axis for axis in point.axes if axis not in AXES]:
+            raise ForeignError(f"{name}: axes has {unknown[0]!r}; choose among {', '.join(AXES)}")
+        places[name] = located.mean(axis=0) if point.place is None else np.array(point.place)
+        own = np.isin(body.node, point.nodes) & (body.axis >= 0)
+        if (own & clamped).any():
+            raise ForeignError(f"{name} shares nodes with the ground; choose others for one of the two")
+        if point.coupling == "rigid":
+            if (own & taken).any():
+                raise ForeignError(
+                    f"{name} shares nodes with another rigid point; take the mean motion for one of them"
+                )
+            taken |= own
+            rigid.append((name, own))
+    free = np.flatnonzero(~taken)
+    count = len(free) + 6 * len(rigid)
+    parts = [sp.coo_matrix((np.ones(len(free)), (free, np.arange(len(free)))), shape=(len(taken), count))]
+    first = {}
+    for number, (name, own) in enumerate(rigid):
+        first[name] = len(free) + 6 * number
+        motion = rigid_motion(body, places[name])[own]
+        at = np.repeat(np.flatnonzero(own), 6), np.tile(np.arange(first[name], first[name] + 6), int(own.sum()))
+        parts.append(sp.coo_matrix((motion.ravel(), at), shape=(len(taken), count)))
+    expansion = sp.csr_matrix(sum(parts[1:], parts[0]))
+    names, rows = [], []
+    for name, point in points.items():
+        wanted = [AXES.index(axis) for axis in point.axes]
+        names += [f"{name}:{AXES[axis]}" for axis in wanted]
+        if name in first:
+            unit = sp.coo_matrix(
+                (np.ones(len(wanted)), (range(len(wanted)), [first[name] + axis for axis in wanted])),
+                shape=(len(wanted), count),
+            )
+            rows.append(sp.csr_matrix(unit))
+        else:
+            rows.append(sp.csr_matrix(_mean_rows(body, name, point, places[name])[wanted] @ expansion))
+    return expansion, names, sp.csr_matrix(sp.vstack(rows) if rows else (0, count)), places
+
+
+def _mean_rows(body: ForeignBody, name: str, point: Point, place: np.ndarray) -> sp.csr_matrix:
+    """Rows (6, n) of the mean motion of the nodes of a point."""
+    own = np.isin(body.node, point.nodes) & (body.axis >= 0)
+    if len(point.nodes) > 1:
+        own &= body.axis < 3
+    members = np.flatnonzero(own)
+    motion = rigid_motion(body, place)[members]
+    gram = motion.T @ motion
+    wanted = [AXES.index(axis) for axis in point.axes]
+    if len(point.nodes) == 1:  # its own motion; axes that it does not have carry nothing
+        known = sorted({int(axis) for axis in body.axis[members]})
+        if missing := [AXES[axis] for axis in wanted if axis not in known]:
+            raise ForeignError(
+                f"{name}: node {point.nodes[0]} has no {', '.join(missing)}; name more nodes, or fewer axes"
+            )
+        rows = np.zeros((6, len(members)))
+        rows[body.axis[members], np.arange(len(members))] = 1.0
+    else:
+        size = math.sqrt(max(float(np.trace(gram[3:, 3:]) / gram[0, 0]), 1e-300))
+        scale = np.array([1.0, 1.0, 1.0, size, size, size])
+        if not np.linalg.cond(gram / np.outer(scale, scale)) < _WELL:
+            raise ForeignError(
+                f"{name}: its {len(point.nodes)} nodes lie on a line and define no rotation; name others"
+            )
+        rows = np.linalg.solve(gram, motion.T)
+    at = np.repeat(np.arange(6), len(members)), np.tile(members, 6)
+    return sp.csr_matrix((rows.ravel(), at), shape=(6, len(body.node)))

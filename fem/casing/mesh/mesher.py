@@ -1,0 +1,191 @@
+"""Geometry -> CasingMesh through gmsh and OpenCASCADE.
+
+Geometry is built in millimetres (the tolerances of OpenCASCADE are absolute) and returned in metres. One thread and a
+fixed seed: the same input gives the same mesh. Mid-side nodes lie on the curved surfaces unless `curved=False`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fem.casing.geometry.housing import Housing
+from fem.casing.mesh.finished import RawMesh, finished_mesh
+from fem.casing.mesh.gmsh_session import session
+from fem.casing.mesh.imported import ImportedHousing, finish
+from fem.casing.mesh.mesh import CasingMesh, MeshError
+from fem.casing.mesh.quality import GOOD_QUALITY, straightened
+from fem.casing.mesh.seats import seat_points
+from fem.casing.mesh.sizes import MM, Refinement, Sizes, follow_fillets, set_sizes
+from fem.casing.mesh.solid import build_solid, find_patches
+from fem.casing.mesh.step_file import SMALL_EDGE, named, read_step, refinements, small_edges
+from fem.processes.own_process import DAMAGED, opened_apart
+
+_CRASHED = "if `gearcase housing` can read it, try another element size; otherwise export it again"
+_TO_VTK = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]  # gmsh stores the mid-sides 23 and 13 the other way round
+
+
+def mesh_housing(
+    housing: Housing,
+    *,
+    element_size: float = 0.022,
+    sizes: Sizes | None = None,
+    element: str = "tetrahedron-10",
+    curved: bool = True,
+) -> CasingMesh:
+    """Mesh a housing with tetrahedra.
+
+    Parameters
+    ----------
+    housing : Housing
+    element_size : m, wanted edge length; bores get at least twelve elements around
+    sizes : instead of `element_size`, with finer bores and feet
+    element : "tetrahedron-10" or "tetrahedron-4"
+    curved : mid-side nodes on the true cylinders (else straight edges)
+
+    Raises
+    ------
+    MeshError : element size out of range, an element below a quality limit (with its place), a missing surface
+    """
+    sizes = sizes or Sizes(element=element_size)
+    check_element_size(housing, sizes.element)
+    with session() as gmsh:
+        build_solid(gmsh, housing)
+        patches = find_patches(gmsh, housing)
+        finer = [
+            Refinement(
+                surfaces=patches[bore.name],
+                size=sizes.at_bore(bore.diameter),
+                near=(bore.boss_diameter - bore.diameter) / 2,
+                far=bore.boss_diameter,
+            )
+            for bore in housing.bores
+        ]
+        feet, ground = housing.feet, [tag for name in housing.ground_points() for tag in patches[name]]
+        if sizes.foot is not None or feet.pad_diameter:
+            local = sizes.at_foot(feet.bolt_diameter or feet.pad_diameter)
+            far = feet.height + 2 * (sizes.element - local)
+            finer.append(Refinement(ground, local, near=feet.pad_height, far=far))
+        follow_fillets(gmsh, sizes.element, finer)
+        raw = tetrahedra(gmsh, sizes.element, finer, patches, curved=curved)
+    points = housing.ground_points() | {bore.name: housing.bore_centre(bore) for bore in housing.bores}
+    return finished_mesh(
+        raw,
+        lambda surface: ({name: np.flatnonzero(surface.groups[name]) for name in patches}, points),
+        name="casing mesh",
+        element=element,
+        element_size=sizes.element,
+        remedy=f"Use an element size below {MM * sizes.element:.4g} mm",
+    )
+
+
+def check_element_size(housing: Housing, size: float) -> None:
+    """MeshError unless elements of a size (m) suit the walls and the box of a housing."""
+    smallest, largest = housing.thinnest_wall / 10, min(housing.length, housing.width, housing.height)
+    if not smallest <= size <= largest:
+        raise MeshError(
+            f"element size {MM * size:.4g} mm is out of range; give {MM * smallest:.4g} mm (a tenth of the wall) to "
+            f"{MM * largest:.4g} mm (the smallest side)"
+        )
+
+
+def mesh_step(housing: ImportedHousing, sizes: Sizes, element: str) -> CasingMesh:
+    """Mesh the solid of a STEP file with tetrahedra, finer at the bearing seats.
+
+    Raises
+    ------
+    MeshError : what `step_file` and `imported` refuse, an element below a quality limit (with its place), or a crash of
+        the mesher
+    """
+    raw, small = opened_apart(housing.file, MeshError, _CRASHED, _mesh_solid, housing, sizes)
+    remedy = f"Use an element size below {MM * sizes.element:.4g} mm"
+    if small:
+        extent, (x, y, z) = small[0]
+        remedy = (
+            f"{len(small)} edges of the file are smaller than {SMALL_EDGE:g} mm, the smallest of {extent:.2g} mm at "
+            f"({x:.5g}, {y:.5g}, {z:.5g}) mm of the file: remove such features in the CAD program"
+        )
+    return finish(housing, raw, element=element, element_size=sizes.element, remedy=remedy)
+
+
+def _mesh_solid(housing: ImportedHousing, sizes: Sizes) -> tuple[RawMesh, list[tuple[float, np.ndarray]]]:
+    """The tetrahedra of a STEP file, and its small edges."""
+    with session() as gmsh:
+        read_step(gmsh, housing)
+        small = small_edges(gmsh)
+        finer = refinements(gmsh, housing, sizes)
+        follow_fillets(gmsh, sizes.element, finer)
+        return tetrahedra(gmsh, sizes.element, finer, {}, curved=True), small
+
+
+def find_seats(housing: ImportedHousing) -> dict[str, np.ndarray | MeshError]:
+    """Bearing points of a STEP solid without its mesh, see `fem.casing.mesh.seats`."""
+    return opened_apart(housing.file, MeshError, DAMAGED, _find_seats, housing)
+
+
+def _find_seats(housing: ImportedHousing) -> dict[str, np.ndarray | MeshError]:
+    with session() as gmsh:
+        return seat_points(gmsh, housing)
+
+
+def write_step(housing: Housing, path: Path) -> None:
+    """Write the solid of a parametric housing as STEP (AP214, mm); the same housing gives the same bytes."""
+    with session() as gmsh:
+        build_solid(gmsh, housing)
+        gmsh.write(str(path))
+    text = named(path.read_text(encoding="latin-1"), "housing")
+    path.write_text(text, encoding="latin-1", newline="\n")
+
+
+def tetrahedra(
+    gmsh: Any, element: float, refinements: list[Refinement], patches: Mapping[str, list[int]], *, curved: bool
+) -> RawMesh:
+    """Mesh the current model with ten-node tetrahedra, nodes in m, and the triangles of every patch.
+
+    Parameters
+    ----------
+    gmsh : an open session whose model is in mm
+    element : m, edge length where nothing is refined
+    refinements : where it is shorter
+    patches : tags of the surfaces of every patch by its name
+    curved : whether mid-side nodes follow the surfaces, or lie halfway between the corners
+
+    Raises
+    ------
+    MeshError : gmsh made other elements than these
+    """
+    set_sizes(gmsh, element, refinements)
+    gmsh.option.setNumber("Mesh.SecondOrderLinear", 0 if curved else 1)
+    gmsh.model.mesh.generate(3)
+    if _worst_quality(gmsh) < GOOD_QUALITY:
+        gmsh.model.mesh.optimize("Netgen")
+    gmsh.model.mesh.setOrder(2)
+    kinds, _, connectivity = gmsh.model.mesh.getElements(3)
+    if list(kinds) != [11]:
+        raise MeshError(f"gmsh made elements of type {list(kinds)}, expected ten-node tetrahedra (11)")
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    place = np.zeros(int(tags.max()) + 1, np.int64)
+    place[tags] = np.arange(len(tags))
+    elements = place[connectivity[0].reshape(-1, 10)[:, _TO_VTK]]
+    nodes = straightened(coordinates.reshape(-1, 3) / MM, elements)
+    return RawMesh(
+        nodes=nodes,
+        elements=elements,
+        facets={name: place[np.vstack([_triangles(gmsh, tag) for tag in tags])] for name, tags in patches.items()},
+    )
+
+
+def _triangles(gmsh: Any, face: int) -> np.ndarray:
+    """Tags of the corners (f, 3) of the triangles on a face."""
+    kinds, _, connectivity = gmsh.model.mesh.getElements(2, face)
+    if list(kinds) != [9]:
+        raise MeshError(f"gmsh made surface elements of type {list(kinds)}, expected six-node triangles (9)")
+    return connectivity[0].reshape(-1, 6)[:, :3]
+
+
+def _worst_quality(gmsh: Any) -> float:
+    _, tags, _ = gmsh.model.mesh.getElements(3)
+    return min(float(np.min(gmsh.model.mesh.getElementQualities(own, "minSICN"))) for own in tags)

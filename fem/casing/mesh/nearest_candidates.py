@@ -1,0 +1,81 @@
+"""What lies near a key point that was not found: cylinders and flat faces of a surface, for messages.
+
+Cylinders are looked for among the facets whose normals are perpendicular to the axis, in pieces that hang together
+over edges of less than 50 degrees; a circle is fitted to the corners of each piece (Kasa's linear least squares).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem.casing.mesh.surface import Surface
+from fem.numerics.connected import connected_parts
+
+_SMOOTH = np.cos(np.radians(50.0))
+_SHOWN = 3
+
+
+def cylinders_like(surface: Surface, axis: np.ndarray, through: np.ndarray) -> str:
+    """The cylinders along `axis` nearest to a point, as words."""
+    across = np.linalg.svd(axis[None])[2][1:]  # two directions perpendicular to the axis
+    found = []
+    for part in _smooth_pieces(surface, axis):
+        corners = surface.corners[part].reshape(-1, 3)
+        fitted = fitted_circle(corners @ across.T) if len(part) >= 6 else None
+        if fitted is None:
+            continue
+        centre, radius = fitted
+        place = centre @ across + axis * 0.5 * float((corners @ axis).min() + (corners @ axis).max())
+        found.append((float(np.linalg.norm(place - through)), radius, place))
+    if not found:
+        return "no cylinder along this axis was found at all; check the axis and the unit"
+    found.sort(key=lambda one: one[0])
+    words = [f"diameter {2000 * radius:.5g} mm at {_mm(place)}" for _, radius, place in found[:_SHOWN]]
+    return f"the nearest cylinders along it: {'; '.join(words)}"
+
+
+def fitted_circle(points: np.ndarray) -> tuple[np.ndarray, float] | None:
+    """Centre (2,) and radius of the circle through points (n, 2); None if one lies off it by more than 2 %."""
+    system = np.column_stack([points, np.ones(len(points))])
+    solution = np.linalg.lstsq(system, (points**2).sum(axis=1), rcond=None)[0]
+    centre, square = solution[:2] / 2, solution[2] + (solution[:2] ** 2).sum() / 4
+    if square <= 0.0:
+        return None
+    radius = float(np.sqrt(square))
+    off = np.abs(np.linalg.norm(points - centre, axis=1) - radius).max()
+    return (centre, radius) if off <= 0.02 * radius else None
+
+
+def planes_like(surface: Surface, normal: np.ndarray, through: np.ndarray) -> str:
+    """The flat faces with this normal nearest to a plane, as words."""
+    vectors = surface.area_vectors
+    area = np.linalg.norm(vectors, axis=1)
+    level = (surface.corners.mean(axis=1) - through) @ normal
+    chosen = np.abs(vectors @ normal) > 0.9998 * area
+    if not chosen.any():
+        return "no flat face has this normal; check the normal"
+    levels = np.round(level[chosen], 5)
+    offsets = sorted(set(levels.tolist()), key=abs)[:_SHOWN]
+    words = [f"{1000 * o:+.5g} mm along the normal ({1e6 * area[chosen][levels == o].sum():.4g} mm2)" for o in offsets]
+    return f"the nearest flat faces with this normal lie {'; '.join(words)}"
+
+
+def _smooth_pieces(surface: Surface, axis: np.ndarray) -> list[np.ndarray]:
+    vectors = surface.area_vectors
+    normal = vectors / np.linalg.norm(vectors, axis=1)[:, None]
+    facets = np.flatnonzero(np.abs(normal @ axis) < 0.05)
+    if not len(facets):
+        return []
+    sides = np.sort(surface.triangles[facets][:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
+    edge = np.unique(sides, axis=0, return_inverse=True)[1].ravel()
+    order = np.argsort(edge, kind="stable")
+    owner = np.repeat(np.arange(len(facets)), 3)[order]
+    pair = np.flatnonzero(np.diff(edge[order]) == 0)
+    one, two = owner[pair], owner[pair + 1]
+    smooth = np.einsum("fd,fd->f", normal[facets[one]], normal[facets[two]]) > _SMOOTH
+    label = connected_parts(len(facets), one[smooth], two[smooth])
+    return [facets[label == number] for number in range(label.max() + 1)]
+
+
+def _mm(point: np.ndarray) -> str:
+    return f"({', '.join(f'{round(1000 * value, 6) + 0.0:.5g}' for value in point)}) mm"

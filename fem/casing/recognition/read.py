@@ -1,0 +1,209 @@
+"""From a file to what it holds: CAD through gmsh (faces as in the file), meshes and STL by their edges."""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fem.casing.mesh.gmsh_session import session
+from fem.casing.mesh.imported import STEP_SUFFIXES, STL_SUFFIXES, UNITS
+from fem.casing.mesh.mesh import MeshError
+from fem.casing.mesh.mesh_file import read_mesh_file
+from fem.casing.mesh.sizes import MM
+from fem.casing.mesh.step_file import declared_unit, import_solids, open_place, read_triangles, touching
+from fem.casing.recognition.contents import Contents, Solid
+from fem.casing.recognition.faces import split
+from fem.casing.recognition.features import bolt_patterns, faces_of
+from fem.elements.facets import corner_triangles, outer_facets
+from fem.elements.solid_elements import SOLIDS, converted, solid_element
+from fem.numerics.connected import connected_parts
+from fem.processes.own_process import DAMAGED, opened_apart
+
+_log = logging.getLogger(__name__)
+_AROUND = 16  # elements of a full turn; with 12, the wide triangles of short bores lean too far to be told from cones
+_COARSE, _FINE = 10, 400  # elements along the diagonal of the box, at least and at most
+
+
+def survey(path: Path, unit: str | None = None) -> Contents:
+    """Solids, bores, flat faces and bolt patterns of a CAD or mesh file.
+
+    Parameters
+    ----------
+    path : the file
+    unit : of length; None: the one that the file declares, mm if it declares none
+
+    Raises
+    ------
+    MeshError : unreadable, of no known kind, without a volume, or open
+    """
+    suffix = path.suffix.lower()
+    if suffix in STL_SUFFIXES:
+        return _of_triangles(path, unit or "mm")
+    if suffix in STEP_SUFFIXES:
+        return opened_apart(path, MeshError, DAMAGED, _of_solids, path, unit)
+    return _of_mesh(path, unit or "mm")
+
+
+def _of_solids(path: Path, unit: str | None) -> Contents:
+    declared = declared_unit(path) if suffix_is_step(path) else ""
+    with session() as gmsh:
+        tags = import_solids(gmsh, path, unit)
+        label, gaps = touching(gmsh, tags)
+        volumes = [gmsh.model.occ.getMass(3, tag) / MM**3 for tag in tags]
+        points, triangles, face, solid = _surface(gmsh, tags)
+    solids = []
+    for n in range(1, len(tags) + 1):
+        own = triangles[solid == n]
+        loose = open_place(own)
+        solids.append(
+            Solid(
+                number=n,
+                volume=volumes[n - 1],
+                box=_box(points[own]),
+                part=1 + int(label[n - 1]),
+                open_at=None if loose is None else points[loose].mean(axis=0),
+            )
+        )
+    apart = tuple((one + 1, two + 1, gap / MM, place / MM) for (one, two), (gap, place) in gaps.items())
+    return _contents(path, unit or declared or "mm", declared, points, triangles, face, solid, tuple(solids), apart)
+
+
+def suffix_is_step(path: Path) -> bool:
+    """Whether a file is STEP, which declares its unit."""
+    return path.suffix.lower() in (".step", ".stp")
+
+
+def _surface(gmsh: Any, tags: list[int]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Points (n, 3) m, outward triangles (t, 3), face and solid (t,) of a coarse mesh of the faces of all solids."""
+    box = np.array(gmsh.model.getBoundingBox(-1, -1)).reshape(2, 3)
+    diagonal = float(np.linalg.norm(box[1] - box[0]))
+    gmsh.option.setNumber("Mesh.MeshSizeMax", diagonal / _COARSE)
+    gmsh.option.setNumber("Mesh.MeshSizeMin", diagonal / _FINE)
+    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", _AROUND)
+    gmsh.option.setNumber("Mesh.Algorithm", 5)  # Delaunay: looked at, not computed with; less work than frontal
+    try:
+        gmsh.model.mesh.generate(2)
+    except Exception as error:  # gmsh raises this class itself
+        _log.info("some faces cannot be meshed: %s", error)
+    node_tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    place = np.zeros(int(node_tags.max()) + 1, np.int64)
+    place[node_tags] = np.arange(len(node_tags))
+    points = coordinates.reshape(-1, 3) / MM
+    triangles, face, solid = [], [], []
+    for number, tag in enumerate(tags, 1):
+        own, of_face = [], []
+        for _, surface in gmsh.model.getBoundary([(3, tag)], oriented=False):
+            for corners in gmsh.model.mesh.getElements(2, surface)[2]:
+                own.append(place[corners.reshape(-1, 3)])
+                of_face.append(np.full(len(own[-1]), surface))
+        if not own:
+            raise MeshError(f"solid {number} has no face that can be shown; correct it in the CAD program")
+        triangles.append(outward(points, np.vstack(own)))
+        face.append(np.concatenate(of_face))
+        solid.append(np.full(len(triangles[-1]), number))
+    return points, np.vstack(triangles), np.concatenate(face), np.concatenate(solid)
+
+
+def outward(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """The triangles (t, 3) of the surface of one body turned so that they are seen from outside counter-clockwise."""
+    sides = triangles[:, [[0, 1], [1, 2], [2, 0]]]
+    forward = (sides[:, :, 0] < sides[:, :, 1]).reshape(-1)
+    number = np.unique(np.sort(sides, axis=2).reshape(-1, 2), axis=0, return_inverse=True)[1].ravel()
+    order = np.argsort(number, kind="stable")
+    owner = np.repeat(np.arange(len(triangles)), 3)[order]
+    pair = np.flatnonzero(np.diff(number[order]) == 0)
+    one, two = owner[pair], owner[pair + 1]
+    against = forward[order][pair] == forward[order][pair + 1]  # an edge is run through both ways
+    # every triangle stands once as it is and once turned over; from the first of a part one of the two is reached
+    count = len(triangles)
+    rows = np.concatenate([one, one + count])
+    columns = np.concatenate([two + count * against, two + count * ~against])
+    either = connected_parts(2 * count, rows, columns).reshape(2, count)
+    label = np.unique(either.min(axis=0), return_inverse=True)[1].ravel()
+    first = np.unique(label, return_index=True)[1]
+    turned = either[0] != either[0, first][label]
+    triangles = np.where(turned[:, None], triangles[:, [0, 2, 1]], triangles)
+    volume = np.bincount(label, weights=np.linalg.det(points[triangles] - points[triangles].mean(axis=(0, 1))))
+    hollow = np.arange(len(volume)) != np.abs(volume).argmax()  # parts inside the outermost one
+    return np.where(((volume < 0.0) ^ hollow)[label][:, None], triangles[:, [0, 2, 1]], triangles)
+
+
+def _of_triangles(path: Path, unit: str) -> Contents:
+    points, triangles = read_triangles(path)
+    points = UNITS[unit] * points
+    if (hole := open_place(triangles)) is not None:
+        x, y, z = MM * points[hole].mean(axis=0)
+        raise MeshError(
+            f"{path.name} is open: {len(hole) // 2} edges belong to one triangle only, around ({x:.5g}, {y:.5g}, "
+            f"{z:.5g}) mm if it is in {unit}. Close the hole in the program that wrote it: a volume needs that"
+        )
+    solid = 1 + _connected(triangles, len(points))
+    triangles = np.vstack([outward(points, triangles[solid == n]) for n in range(1, solid.max() + 1)])
+    return _by_edges(path, unit, points, triangles, np.sort(solid))
+
+
+def _of_mesh(path: Path, unit: str) -> Contents:
+    raw = read_mesh_file(path, MM * UNITS[unit])
+    linear = SOLIDS["tetrahedron-4" if solid_element(raw.elements).corners == 4 else "hexahedron-8"]
+    nodes, elements = converted(UNITS[unit] * raw.nodes, raw.elements, linear)
+    facets = outer_facets(nodes, elements)
+    triangles = corner_triangles(facets)
+    part = _connected(elements, len(nodes))
+    of_node = np.zeros(len(nodes), np.int64)
+    of_node[elements] = part[:, None]
+    flat = triangles.reshape(-1, 3)
+    return _by_edges(path, unit, nodes, flat, 1 + of_node[flat[:, 0]])
+
+
+def _connected(cells: np.ndarray, count: int) -> np.ndarray:
+    """Number (c,) from 0 of the part to which each cell belongs, parts sharing no point."""
+    rows = np.repeat(cells[:, 0], cells.shape[1] - 1)
+    return np.unique(connected_parts(count, rows, cells[:, 1:].ravel())[cells[:, 0]], return_inverse=True)[1].ravel()
+
+
+def _by_edges(path: Path, unit: str, points: np.ndarray, triangles: np.ndarray, solid: np.ndarray) -> Contents:
+    face = split(points, triangles)
+    solids = tuple(
+        Solid(
+            number=n,
+            volume=float(np.linalg.det(points[triangles[solid == n]]).sum() / 6.0),
+            box=_box(points[triangles[solid == n]]),
+            part=n,
+        )
+        for n in range(1, int(solid.max()) + 1)
+    )
+    return _contents(path, unit, "", points, triangles, face, solid, solids, ())
+
+
+def _contents(
+    path: Path,
+    unit: str,
+    declared: str,
+    points: np.ndarray,
+    triangles: np.ndarray,
+    face: np.ndarray,
+    solid: np.ndarray,
+    solids: tuple[Solid, ...],
+    gaps: tuple[tuple[int, int, float, np.ndarray], ...],
+) -> Contents:
+    bores, flats = faces_of(points, triangles, face, solid)
+    return Contents(
+        name=path.name,
+        unit=unit,
+        declared=declared,
+        points=points,
+        triangles=triangles,
+        solid=solid,
+        solids=solids,
+        gaps=gaps,
+        bores=bores,
+        flats=flats,
+        patterns=bolt_patterns(bores),
+    )
+
+
+def _box(corners: np.ndarray) -> np.ndarray:
+    return np.array([corners.reshape(-1, 3).min(axis=0), corners.reshape(-1, 3).max(axis=0)])

@@ -1,0 +1,159 @@
+"""Draws of a casing whose natural frequencies have errors, and whose modes turn into one another.
+
+In its natural modes a casing has the stiffness diag(omega^2), one with errors
+
+    omega_i omega_j (delta_ij + E_ij),    E_ii = (1 + e_i)^2 - 1,    E_ij ~ normal(0, sqrt(2 s_i s_j))
+
+with the error e_i of mean m_i and standard deviation s_i. The diagonal then spreads by 2 s_i, and with modes of one
+frequency nothing may depend on which two of their combinations are called the modes: the distribution has to be that
+of the Gaussian orthogonal ensemble, whose other terms have half the variance of the diagonal (Mehta 2004, Random
+Matrices, 2.5).
+
+Modes are close where their bands, two standard deviations, overlap: their part of the matrix is solved for frequencies
+and shapes. Modes that are not close take up some of each other's shape, by the angle E_ij omega_i omega_j /
+(omega_j^2 - omega_i^2) of the first order; what that does to their frequencies is in the limits already.
+
+Modes far above the frequencies that are looked at act by their flexibility alone; a draw scales all of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fem.casing.uncertainty.frequency_errors import FrequencyErrors
+from fem.casing.uncertainty.frequency_limits import WIDTH
+from fem.casing.uncertainty.modal_form import ModalForm
+
+NEAR = 1.5  # times the highest frequency looked at: modes above it act by their flexibility
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CasingDraws:
+    """Drawn casings in the `near` lowest modes of the one that they are drawn about; (draw, near) or (draw,)."""
+
+    squares: np.ndarray  # (draw, near), 1/s2
+    turns: np.ndarray  # (draw, near, near): columns are the drawn modes
+    stiffening: np.ndarray  # (draw,) of all other modes, relative
+    damping: np.ndarray  # (draw,) factor of all damping ratios
+
+    def __len__(self) -> int:
+        return len(self.squares)
+
+
+def near_modes(form: ModalForm, highest: float) -> int:
+    """Number of modes that are drawn for themselves where frequencies up to `highest` (Hz) are looked at."""
+    return max(1, int((form.frequencies <= NEAR * highest).sum()))
+
+
+def undrawn(form: ModalForm, near: int, count: int = 1) -> CasingDraws:
+    """The casing itself, `count` times."""
+    return CasingDraws(
+        squares=np.tile(form.squares[:near], (count, 1)),
+        turns=np.tile(np.eye(near), (count, 1, 1)),
+        stiffening=np.zeros(count),
+        damping=np.ones(count),
+    )
+
+
+def drawn_frequencies(form: ModalForm, near: int, errors: FrequencyErrors, count: int, seed: int) -> CasingDraws:
+    """Draws of the frequencies.
+
+    Parameters
+    ----------
+    form, near, errors : the casing, its modes that are drawn for themselves, and their errors
+    count, seed : number of draws, and of the random numbers
+    """
+    random = np.random.default_rng(seed)
+    means, spreads, common = _moments(near, errors)
+    rest = random.standard_normal(count)
+    single = means + spreads * random.standard_normal((count, near)) + np.outer(rest, common)
+    off = np.sqrt(2.0 * np.outer(spreads, spreads)) * np.triu(random.standard_normal((count, near, near)), 1)
+    off = off + off.transpose(0, 2, 1)
+    close = _close(form.frequencies[:near], spreads)
+    found = _changed(form, near, single, off * close, errors.rest * rest)
+    return replace(found, turns=_turned(form.squares[:near], off * ~close) @ found.turns)
+
+
+def single_errors(form: ModalForm, near: int, errors: FrequencyErrors) -> CasingDraws:
+    """The casing with its mean errors, then with one mode after the other off by a standard deviation, then the rest.
+
+    Returns
+    -------
+    near + 2 casings: what each error does alone is told from the first one
+    """
+    means, spreads, common = _moments(near, errors)
+    single = np.vstack([means, means + np.diag(spreads), means + common])
+    nothing = np.zeros((near + 2, near, near))
+    return _changed(form, near, single, nothing, np.r_[np.zeros(near + 1), errors.rest])
+
+
+def drawn_damping(form: ModalForm, near: int, spread: float, count: int, seed: int) -> CasingDraws:
+    """Draws of one factor of all damping ratios, log-normal.
+
+    Parameters
+    ----------
+    form, near : the casing, and its modes that are drawn for themselves
+    spread : from 1/(1 + spread) to 1 + spread are 5 to 95 % of the factors
+    count, seed : number of draws, and of the random numbers
+    """
+    factors = np.exp(np.log1p(spread) / NORMAL_95 * np.random.default_rng(seed).standard_normal(count))
+    same = undrawn(form, near, count)
+    return CasingDraws(squares=same.squares, turns=same.turns, stiffening=same.stiffening, damping=factors)
+
+
+NORMAL_95 = 1.6448536269514722  # standard deviations below which 95 % of a normal distribution lie
+
+
+def _moments(near: int, errors: FrequencyErrors) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Mean, own and common standard deviation (near,) of the errors of the modes."""
+    means, spreads, common = np.zeros(near), np.full(near, errors.rest_spread), np.full(near, errors.rest)
+    known = slice(errors.first, min(near, errors.first + len(errors.means)))
+    count = max(0, known.stop - known.start)
+    means[known], spreads[known], common[known] = errors.means[:count], errors.spreads[:count], 0.0
+    spreads[: errors.first], common[: errors.first] = 0.0, 0.0
+    return means, spreads, common
+
+
+def _close(frequencies: np.ndarray, spreads: np.ndarray) -> np.ndarray:
+    """Whether the bands of two modes overlap (mode, mode)."""
+    bands = WIDTH * spreads * frequencies
+    return abs(frequencies[:, None] - frequencies) < bands[:, None] + bands
+
+
+def _turned(squares: np.ndarray, off: np.ndarray) -> np.ndarray:
+    """Orthogonal matrices (draw, near, near) that turn modes by the angles of terms `off` beside the diagonal."""
+    omega, apart = np.sqrt(squares), squares - squares[:, None]
+    angles = off * omega * omega[:, None] / np.where(apart == 0.0, np.inf, apart)
+    whole = np.eye(len(squares))
+    return np.linalg.solve(whole + 0.5 * angles, whole - 0.5 * angles)  # Cayley: orthogonal, for any angles
+
+
+def _changed(form: ModalForm, near: int, single: np.ndarray, mixed: np.ndarray, rest: np.ndarray) -> CasingDraws:
+    """Casings from errors of their modes.
+
+    Parameters
+    ----------
+    form, near : the casing, and its modes that are drawn for themselves
+    single : (draw, near) relative errors of the frequencies
+    mixed : (draw, near, near) terms E_ij of close modes
+    rest : (draw,) relative errors of all other modes
+    """
+    omega = np.sqrt(form.squares[:near])
+    matrix = mixed * omega[:, None] * omega
+    places = np.arange(near)
+    matrix[:, places, places] = (omega * (1.0 + single)) ** 2
+    squares, turns = np.linalg.eigh(matrix)
+    return CasingDraws(squares=squares, turns=turns, stiffening=2.0 * rest, damping=np.ones(len(rest)))
+
+
+def joined(parts: Sequence[CasingDraws]) -> CasingDraws:
+    """All draws of several sets, in their order."""
+    return CasingDraws(
+        squares=np.concatenate([part.squares for part in parts]),
+        turns=np.concatenate([part.turns for part in parts]),
+        stiffening=np.concatenate([part.stiffening for part in parts]),
+        damping=np.concatenate([part.damping for part in parts]),
+    )

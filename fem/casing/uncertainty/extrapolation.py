@@ -1,0 +1,174 @@
+"""Stiffness of a casing extrapolated to elements of size zero, by its natural modes on coarser meshes.
+
+Elements of displacement are too stiff. The lowest modes on coarser meshes, with elements 1.3 and 1.7 times as large,
+paired by their shapes, tell the limit of every frequency and a band about it (`fem.casing.uncertainty.laws`). Of cubic
+elements those of quadratic ones on the same mesh do (`fem.casing.uncertainty.cubic_limits`).
+
+The error of thin walls and sharp edges is nearly the same for all modes. One factor, from the mean m of what the limits
+lie lower than the frequencies, therefore corrects all of the stiffness: K = (1 - m)^2 K(h); mass and shapes stay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as la
+from threadpoolctl import threadpool_limits
+
+from fem.casing.mesh.mesh import CasingMesh
+from fem.casing.mesh.sizes import Sizes
+from fem.casing.parts.bolted_joint import BoltedJoint
+from fem.casing.parts.names import Attachment, Ground
+from fem.casing.reduced.body import MODES_OVER_BAND
+from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.halves import lowest
+from fem.casing.reduced.modes import CasingModes
+from fem.casing.reduced.reduction import reduce_body
+from fem.casing.uncertainty.cubic_limits import cubic_limits
+from fem.casing.uncertainty.frequency_limits import LEAST_MODES, FrequencyLimits, LimitError
+from fem.casing.uncertainty.laws import RATIOS, law_of
+from fem.casing.uncertainty.pairing import counterparts, sample_nodes
+from fem.elements.materials import Material
+from fem.elements.solid_elements import SOLIDS
+from fem.storage.records import Record, array, integer, scalar, text
+
+MODES = 60  # lowest natural modes that are compared
+LARGEST = 0.25  # change of a frequency from mesh to mesh that is extrapolated
+RIGID_MOTIONS = 6  # motions of a casing on springs, which stand outside its own stiffness
+
+
+class ExtrapolationError(ValueError):
+    """Meshes whose frequencies cannot be extrapolated."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LowestModes(Record):
+    """Lowest natural modes on one mesh, at the places of `pairing.sample_nodes`."""
+
+    frequencies: np.ndarray = array("mode", units="Hz")
+    shapes: np.ndarray = array("sample", "mode", units="1")  # displacements along x, y, z of every place
+    element_size: float = scalar(units="m")
+    unknowns: int = integer()
+    element: str = text()  # of `fem.elements.solid_elements.SOLIDS`
+
+
+def coarser_sizes(sizes: Sizes) -> tuple[Sizes, ...]:
+    """Element sizes of the meshes that the errors of one of quadratic tetrahedra are measured by."""
+    return tuple(sizes.times(ratio) for ratio in RATIOS)
+
+
+def lowest_modes(
+    mesh: CasingMesh,
+    material: Material,
+    *,
+    static: bool,
+    interfaces: Mapping[str, Sequence[str]] | None = None,
+    ground: Ground = "fixed",
+    attachment: Attachment = "mean",
+    joint: BoltedJoint | None = None,
+) -> LowestModes:
+    """The modes on a coarser mesh.
+
+    Parameters
+    ----------
+    mesh, material : of the casing
+    static : take the matrices condensed to the interface, as the model static has
+    interfaces, ground, attachment, joint : those of `ground_casing`
+
+    Raises
+    ------
+    as `ground_casing` and `reduce_body`
+    """
+    with threadpool_limits(1):  # the heavy steps run in two halves side by side
+        casing = ground_casing(mesh, material, interfaces=interfaces, ground=ground, attachment=attachment, joint=joint)
+        if ground == "fixed" and not static:  # definite as it stands: no interface needs to be held
+            theta, phi = lowest(casing.interface, lambda: casing.M_free, MODES)
+            frequencies = 1.0 / (2.0 * np.pi * np.sqrt(theta))
+        else:
+            count = 0 if static else 2 * MODES  # as many as leave no error in the lowest half
+            reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=count, enrich=not static)
+            frequencies, vectors = _elastic(reduction.stiffness, reduction.mass, ground)
+            phi = reduction.basis @ vectors
+    unknowns = (3 * sample_nodes(casing.mesh.nodes)[:, None] + np.arange(3)).ravel()
+    return LowestModes(
+        frequencies=frequencies,
+        shapes=casing.expanded(phi)[unknowns],
+        element_size=mesh.element_size,
+        unknowns=casing.unknowns,
+        element=mesh.element.name,
+    )
+
+
+def measured_limits(modes: CasingModes, coarser: Sequence[LowestModes]) -> FrequencyLimits:
+    """Limits and bands of the lowest natural modes of a casing, rigid motions on springs left out.
+
+    Parameters
+    ----------
+    modes : of the finest mesh
+    coarser : modes on the meshes of `coarser_sizes`, in this order, or those of quadratic elements on the same mesh
+
+    Raises
+    ------
+    ExtrapolationError : the coarser meshes are not the stiffer ones, or by more than can be trusted
+    """
+    frequencies, vectors = _elastic(modes.stiffness, modes.mass, modes.ground)
+    if modes.band_limit:
+        known = max(2 * LEAST_MODES, int((frequencies <= modes.band_limit / MODES_OVER_BAND).sum()))
+        frequencies, vectors = frequencies[:known], vectors[:, :known]
+    basis = modes.basis[sample_nodes(modes.nodes)].astype(float)
+    return limits_from(frequencies, basis.reshape(-1, basis.shape[2]) @ vectors, modes.element_size, coarser)
+
+
+def limits_from(
+    frequencies: np.ndarray, shapes: np.ndarray, element_size: float, coarser: Sequence[LowestModes]
+) -> FrequencyLimits:
+    """As `measured_limits`, of modes that are read already.
+
+    Parameters
+    ----------
+    frequencies, shapes : (mode,) Hz and (k, mode) on the finest mesh
+    element_size : of that mesh, m
+    coarser : those of `measured_limits`
+
+    Raises
+    ------
+    as `measured_limits`
+    """
+    rows = [frequencies]
+    for other in coarser:
+        number = counterparts(shapes, other.shapes)
+        rows.append(np.where(number < 0, np.nan, other.frequencies[number]))
+    ratios = [other.element_size / element_size for other in coarser]
+    same_mesh = ratios == [1.0]
+    try:
+        if same_mesh:
+            limits = cubic_limits(*rows, corners=SOLIDS[coarser[0].element].corners)
+        else:
+            limits = law_of(coarser[0].element)((1.0, *ratios), np.array(rows))
+    except LimitError as error:
+        raise ExtrapolationError(f"casing: {error}; or leave casing.extrapolated out") from error
+    changes = np.nanmean(np.array(rows[1:]) / frequencies, axis=1) - 1.0
+    largest = int(changes.argmax())
+    if not 0.0 <= changes[largest] <= LARGEST:
+        others = "quadratic elements" if same_mesh else f"elements {ratios[largest]:.3g} times as large"
+        raise ExtrapolationError(
+            f"casing: {others} change the first {len(frequencies)} frequencies by "
+            f"{100 * changes[largest]:+.2g} % (0 to {100 * LARGEST:g} % can be extrapolated). Use a smaller "
+            "casing.element_size_mm, or leave casing.extrapolated out"
+        )
+    return limits
+
+
+def stiffness_factor(limits: FrequencyLimits) -> float:
+    """Factor of the stiffness that brings the frequencies to their limits in the mean."""
+    return (1.0 - limits.correction) ** 2
+
+
+def _elastic(stiffness: np.ndarray, mass: np.ndarray, ground: Ground | str) -> tuple[np.ndarray, np.ndarray]:
+    """Hz (m,) and vectors (coordinate, m) of the lowest `MODES`, or of all there are."""
+    squares, vectors = la.eigh(stiffness, mass)
+    chosen = slice(RIGID_MOTIONS if ground == "springs" else 0, None)
+    squares, vectors = squares[chosen][:MODES], vectors[:, chosen][:, :MODES]
+    return np.sqrt(np.maximum(squares, 0.0)) / (2.0 * np.pi), vectors

@@ -1,1 +1,0 @@
-"""Rolling bearings with spalls, and cages that slip."""

@@ -1,1 +1,0 @@
-"""Coordinates of the assembled machine, rows that read its parts, channels."""

@@ -1,1 +1,0 @@
-"""The energy balance, by part and kind."""

@@ -1,0 +1,162 @@
+"""Rolling bearing with spalls or with a cage that slips: the elements of `mbd.forces.rolling_bearing`, one by one.
+
+With the true rotation Psi of the shaft in its own sense (angle of the motor and torsion), the elements sit at
+
+    theta_e = start - sense (chi - lag(chi)) + e 2 pi/Z,   chi = (1 - gamma)/2 Psi,
+
+a spall of the inner ring at its angle - sense Psi, and an element has rolled by D_m/D (1 + gamma) of the cage's angle:
+it rolls on the outer ring, so that slip is between the elements and the inner ring, which drives. Over a spall the two
+races of an element are further apart by the drop of `mbd.excitations.spall`, that of both its contacts, along its
+line of contact: its approach is delta - drop. The potential of the bearing holds the drop, and the forces follow from
+it. It depends on the angle besides the rows; that parametric work is taken at frozen rows, because dU/d angle jumps
+where an element goes over from one edge to the other (see `mbd.elements.element`).
+
+Left out: impacts of elements on the cage, the inertia of elements and cage, damping by the motion over the spall.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.numerics.compiled import inner
+from mbd.elements.element import ENERGY, FROZEN_ENERGY, WIDTH, Answer, Element, Motion, call_rule, rule
+from mbd.excitations.cage_slip import CageSlip, lag_at
+from mbd.excitations.spall import SURFACES, Spall, check_apart, race_radius
+from mbd.excitations.spall_drop import drop_at
+from mbd.forces.rolling_bearing import COUNT, FIRST, RATE, START, RollingContacts
+from mbd.parts.bearings import BearingSpec
+from mbd.parts.checks import MachineError
+from mbd.parts.rolling_elements import pass_frequencies
+
+if TYPE_CHECKING:
+    from mbd.elements.coordinates import Coordinates
+
+SOUND, GAP, SENSE, RATIO, CAGE, ROLL, ELEMENT, OUTER, INNER, REACH, SPALLS, KNOTS, REST = range(13)
+ON, WIDTH_OF, DEPTH, ANGLE, SPALL = range(5)  # numbers of a spall, and how many there are
+ROWS = 5
+FULL = 2.0 * math.pi
+
+
+@rule(__file__)
+def faulty_rule(values, motion, answer):
+    """Force on the rows ux uy uz rx rz of the inner against the outer ring.
+
+    ``values`` by the numbers above: the rule of the sound bearing, the place of its number that is a gap between the
+    races, kinematics, radii; then the spalls, the walk of the cage, and the numbers of the sound bearing.
+    """
+    first = REST + SPALL * int(values[SPALLS])
+    sound = values[first + 2 * int(values[KNOTS]) :]
+    spalls = values[REST:first].reshape((int(values[SPALLS]), SPALL))
+    walk = values[first : first + 2 * int(values[KNOTS])].reshape((int(values[KNOTS]), 2))
+    count = int(sound[COUNT])
+    pitch = FULL / count
+    turned = values[RATIO] * motion.angle + motion.seen[0]
+    cage = values[CAGE] * turned
+    cage -= lag_at(cage, pitch, walk)
+    one, gap = sound.copy(), FIRST + int(values[GAP])
+    one[COUNT], one[RATE] = 1.0, 0.0
+    chosen, sense = int(values[SOUND]), values[SENSE]
+    empty = motion.held[:0]
+    asked = len(motion.before) > 0
+    now = Motion(0.0, 0.0, 0.0, motion.u, motion.v, motion.seen, motion.u[:0], empty, motion.read_force, empty)
+    old = Motion(0.0, 0.0, 0.0, motion.before, motion.v, motion.seen, motion.u[:0], empty, motion.read_force, empty)
+    log, none, waste = np.zeros(len(answer.log)), np.zeros(ROWS), np.zeros((ROWS, WIDTH))
+    here = Answer(
+        answer.elastic, answer.stiffness, answer.lost, answer.lost_by_u, answer.lost_by_v, none, waste, log
+    )  # fmt: skip
+    there = Answer(answer.frozen, answer.frozen_stiffness, none, waste, waste, none, waste, log)
+    for e in range(count):
+        one[START] = sound[START] - sense * cage + e * pitch
+        one[gap] = sound[gap] + _drop(values, spalls, one[START], sense * turned, values[ROLL] * cage, e)
+        call_rule(chosen, one, now, here)
+        answer.log[ENERGY] += log[ENERGY]
+        if asked:
+            call_rule(chosen, one, old, there)
+            answer.log[FROZEN_ENERGY] += log[ENERGY]
+
+
+@inner()
+def _drop(values, spalls, place, shaft, rolled, e):
+    """Drop (m) of element ``e`` at the angle ``place``; the shaft has turned by ``shaft`` (rad) about +y, and the
+    element by ``rolled`` (rad) in the cage."""
+    element, outer, inner_race, reach = values[ELEMENT], values[OUTER], values[INNER], values[REACH]
+    total = 0.0
+    for k in range(len(spalls)):
+        on, width, depth, angle = spalls[k, ON], spalls[k, WIDTH_OF], spalls[k, DEPTH], spalls[k, ANGLE]
+        if on == 0.0:
+            total += drop_at(outer * reach * _wrapped(place - angle), width, depth, outer, element, outer)
+        elif on == 1.0:
+            away = _wrapped(place - angle + shaft)
+            total += drop_at(inner_race * reach * away, width, depth, -inner_race, element, inner_race)
+        elif e == 0:
+            outward, inward = _wrapped(rolled + angle), _wrapped(rolled + angle + 0.5 * FULL)
+            total += drop_at(element * outward, width, depth, element, element, outer)
+            total += drop_at(element * inward, width, depth, element, element, inner_race)
+    return total
+
+
+@inner()
+def _wrapped(angle):
+    """The angle between -pi and pi."""
+    return angle - FULL * math.floor(angle / FULL + 0.5)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FaultyContacts:
+    """The inside of a bearing with spalls, or whose cage slips; ``contacts`` are those of the sound bearing."""
+
+    contacts: RollingContacts
+    spalls: tuple[Spall, ...] = ()
+    slip: CageSlip | None = None
+
+    def __post_init__(self) -> None:
+        for spall in self.spalls:
+            spall.check(self.contacts.elements)
+        check_apart(self.spalls, self.contacts.elements)
+
+    def values(self, sense: int, ratio: float) -> np.ndarray:
+        """Numbers of the rule; the sense of the shaft about +y, and its angle per motor angle."""
+        elements = self.contacts.elements
+        per = pass_frequencies(elements)
+        knots = np.zeros((0, 2)) if self.slip is None else self.slip.walk(FULL / elements.count)
+        numbers = np.zeros(REST)
+        numbers[SOUND], numbers[GAP] = self.contacts.rule, 0 if elements.kind == "ball" else 3
+        numbers[SENSE], numbers[RATIO], numbers[CAGE], numbers[ROLL] = sense, ratio, per.cage, per.spin / per.cage
+        numbers[ELEMENT], numbers[REACH] = elements.diameter / 2, math.cos(elements.contact_angle)
+        numbers[OUTER], numbers[INNER] = (race_radius(elements, race) for race in SURFACES[:2])
+        numbers[SPALLS], numbers[KNOTS] = len(self.spalls), len(knots)
+        shapes = [(SURFACES.index(s.on), s.width, s.depth, s.angle) for s in self.spalls]
+        return np.concatenate([numbers, np.ravel(shapes), knots.ravel(), self.contacts.values(0.0)])
+
+    def element(self, lay: Coordinates, bearing: BearingSpec) -> Element:
+        """The force of the bearing; the rotation of its shaft there is observed."""
+        return replace(
+            self.contacts.element(lay, bearing),
+            kind="faulty rolling bearing",
+            rule=faulty_rule,
+            values=self.values(lay.sense(bearing.shaft), lay.ratios[bearing.shaft]),
+            seen=lay.angle_row(bearing.shaft, bearing.y)[None],
+            by_frozen=True,
+        )
+
+
+def with_faults(bearing: BearingSpec, spalls: Sequence[Spall] = (), slip: CageSlip | None = None) -> BearingSpec:
+    """A rolling bearing with spalls, or whose cage slips; itself without either.
+
+    Raises
+    ------
+    MachineError : the bearing has no rolling elements, or a spall does not fit
+    """
+    if not spalls and slip is None:
+        return bearing
+    if not isinstance(bearing.inside, RollingContacts):
+        raise MachineError(
+            f"bearing {bearing.name}: model {bearing.model} has no rolling elements for spalls or a cage to slip. Give "
+            'it the model "hertz".'
+        )
+    return replace(bearing, inside=FaultyContacts(contacts=bearing.inside, spalls=tuple(spalls), slip=slip))

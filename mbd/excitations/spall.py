@@ -1,0 +1,95 @@
+"""Spall: a pit in a race or in an element of a rolling bearing; its path is in `mbd.excitations.spall_drop`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+from fem.options import check_options, option
+from mbd.parts.checks import MachineError
+from mbd.parts.rolling_elements import RollingElements
+
+SURFACES = ("outer-ring", "inner-ring", "element")
+DEEPEST = 0.1  # of the element's diameter
+WIDEST = 0.25  # of the circumference
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spall:
+    """A spall of a raceway or rolling element of a bearing of model hertz, across its whole contact width."""
+
+    on: Literal["outer-ring", "inner-ring", "element"] = option(text="damaged part; element: the first rolling element")
+    width: float = option(unit="mm", gt=0, text="size along the surface in the rolling direction")
+    depth: float = option(unit="um", gt=0, text="largest depth below the surface")
+    angle: float = option(
+        0.0,
+        unit="deg",
+        ge=-360,
+        le=360,
+        text="angle of its centre at t = 0: on a ring from +x towards +z; on an element from the contact with the "
+        "outer race, in the sense in which the element rolls",
+    )
+
+    def __post_init__(self) -> None:
+        check_options(self, MachineError)
+
+    def check(self, elements: RollingElements) -> None:
+        """Raise MachineError for a spall that does not fit into the bearing."""
+        widest = WIDEST * 2 * math.pi * self.surface(elements)
+        if self.width > widest:
+            raise MachineError(
+                f"spall on the {self.place}: width_mm = {self.width * 1e3:.4g} is more than a quarter of the "
+                f"circumference. Set at most {widest * 1e3:.4g}."
+            )
+        deepest = DEEPEST * elements.diameter
+        if self.depth > deepest:
+            raise MachineError(
+                f"spall on the {self.place}: depth_um = {self.depth * 1e6:.4g} is more than a tenth of the element "
+                f"diameter. Set at most {deepest * 1e6:.4g}."
+            )
+
+    @property
+    def place(self) -> str:
+        """In words: "outer ring", "inner ring", "rolling element"."""
+        return "rolling element" if self.on == "element" else self.on.replace("-", " ")
+
+    def surface(self, elements: RollingElements) -> float:
+        """Radius (m), in the rolling plane, of the surface that has the spall."""
+        return elements.diameter / 2 if self.on == "element" else abs(race_radius(elements, self.on))
+
+    def drop(self, elements: RollingElements, place: float, race: str = "outer-ring") -> float:
+        """Drop (m) of an element whose contact lies ``place`` (m) along the surface from the middle of the spall.
+
+        Parameters
+        ----------
+        elements : the inside of the bearing
+        place : m, positive or negative
+        race : that a spall in the element rolls over, "outer-ring" or "inner-ring"; of no effect for a ring
+        """
+        from mbd.excitations.spall_drop import drop_at
+
+        own = race if self.on == "element" else self.on
+        shape = self.width, self.depth, self.surface(elements)
+        return float(drop_at(place, *shape, elements.diameter / 2, race_radius(elements, own)))
+
+
+def race_radius(elements: RollingElements, race: str) -> float:
+    """Radius (m) of a race in the rolling plane: positive for the outer one, which is hollow, else negative."""
+    cosine = math.cos(elements.contact_angle)
+    side = 1.0 if race == "outer-ring" else -1.0
+    return elements.pitch_diameter / (2 * cosine) * (side + elements.gamma)
+
+
+def check_apart(spalls: Iterable[Spall], elements: RollingElements) -> None:
+    """Raise MachineError where two spalls of one surface overlap: each has edges of its own."""
+    known = list(spalls)
+    for i, one in enumerate(known):
+        for other in known[:i]:
+            turn = math.remainder(one.angle - other.angle, 2 * math.pi)
+            if one.on == other.on and abs(turn) * one.surface(elements) < (one.width + other.width) / 2:
+                raise MachineError(
+                    f"two spalls on the {one.place} overlap: the angle between their centres is "
+                    f"{math.degrees(abs(turn)):.4g} deg. Set one wider spall, or correct angle_deg."
+                )

@@ -1,0 +1,160 @@
+"""Torque sources: drives that give a torque instead of a speed, and loads that take one, with or without a rotor.
+
+A source acts on the rotation of a shaft, or on a rotor of its own (inertia J) behind a coupling that only holds the
+rotation (k, c). Its torque depends on the time or on its speed; positive drives in the positive sense of the shaft.
+What kinds there are stands in `mbd.forces.torque`, `speed_torque`, `induction_motor` and `speed_controller`.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mbd.elements.element import Element, Signal
+from mbd.elements.linear import LinearElement, Part, part_on_rows
+from mbd.elements.mode_words import ModeWords
+from mbd.elements.reading import Reading
+from mbd.parts.checks import finite, not_negative, positive
+from mbd.parts.drive import COUPLING_TORQUE, MotorSpring, motor_channels
+from mbd.parts.load import OutsideForce
+
+if TYPE_CHECKING:
+    from mbd.elements.coordinates import Coordinates
+
+LEAST_SCALE = 1e-6  # N m
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Inertia(LinearElement):
+    """A moment of inertia (kg m2) on one rotation."""
+
+    inertia: float
+
+    def mass(self) -> np.ndarray:
+        """M = J (1, 1)."""
+        return np.array([[self.inertia]])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rotor:
+    """Moment of inertia (kg m2) of a source; behind a coupling (N m/rad, N m s/rad), or fixed to the shaft without."""
+
+    inertia: float
+    stiffness: float | None = None
+    damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        positive("rotor inertia", self.inertia)
+        if self.stiffness is not None:
+            positive("rotor coupling stiffness", self.stiffness)
+        not_negative("rotor coupling damping", self.damping)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TorqueSource(OutsideForce):
+    """A torque on the rotation at ``y`` (m) of ``shaft`` or on a rotor there."""
+
+    rotor: Rotor | None = None
+    drives: bool = False  # a motor, in whose sense the machine runs
+
+    def __post_init__(self) -> None:
+        finite(f"{self.name} y", self.y)
+
+    @property
+    @abstractmethod
+    def rule(self) -> int:
+        """Rule of the element, see `mbd.elements.element.rule`."""
+
+    @abstractmethod
+    def values(self, ratio: float) -> np.ndarray:
+        """Numbers of the rule; ``ratio`` is the speed of the shaft over that of the first drive."""
+
+    @property
+    @abstractmethod
+    def largest(self) -> float:
+        """The torque (N m) of greatest magnitude that it ever gives."""
+
+    @abstractmethod
+    def at_start(self, speed: float) -> float:
+        """Its torque (N m) at t = 0 while its shaft turns at a speed (rad/s)."""
+
+    @property
+    def _apart(self) -> bool:
+        return self.rotor is not None and self.rotor.stiffness is not None
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """The angle of a rotor behind a coupling."""
+        return (f"{self.name}:rotor",) if self._apart else ()
+
+    def rolling(self, ratios: Mapping[str, float]) -> np.ndarray:
+        """The rotor turns with its shaft."""
+        return np.full(len(self.coordinates), ratios[self.shaft])
+
+    def largest_torques(self, gravity: float) -> dict[str, float]:
+        """The torque of greatest magnitude."""
+        return {self.shaft: self.largest}
+
+    def starting_torques(self, gravity: float, speeds: Mapping[str, float]) -> dict[str, float]:
+        """The torque at t = 0."""
+        return {self.shaft: self.at_start(speeds[self.shaft])}
+
+    def row(self, lay: Coordinates) -> np.ndarray:
+        """Row of the rotation that it acts on."""
+        return lay.own_row(self.coordinates[0]) if self._apart else lay.angle_row(self.shaft, self.y)
+
+    def parts(self, lay: Coordinates) -> Iterator[Part]:
+        """Inertia and coupling."""
+        if self.rotor is None:
+            return
+        words = ModeWords("rotor", "rotors", group=self.name)
+        inertia = Inertia(at=(0,), inertia=self.rotor.inertia)
+        yield part_on_rows(self.row(lay)[None], name=f"{self.name} rotor", words=words, elements=(inertia,))
+        if self.rotor.stiffness is not None:
+            spring = MotorSpring(at=(0,), spring=self.rotor.stiffness, damper=self.rotor.damping)
+            yield part_on_rows(
+                (lay.angle_row(self.shaft, self.y) - self.row(lay))[None],
+                name=f"{self.name} coupling",
+                words=ModeWords("coupling", "couplings"),
+                elements=(spring,),
+            )
+
+    def elements(self, lay: Coordinates) -> Iterator[Element]:
+        """The torque."""
+        channel = motor_channels(self.name)[2]
+        yield Element(
+            kind=type(self).__name__,
+            name=self.name,
+            part=self.name,
+            rule=self.rule,
+            values=self.values(lay.ratios[self.shaft]),
+            rows=self.row(lay)[None],
+            row_names=("angle",),
+            scale=(max(abs(self.largest), LEAST_SCALE),),
+            rolls=True,
+            signals=(Signal(channel, "N m", force=(-1.0,)),),
+        )
+
+    @property
+    def channel_names(self) -> tuple[str, ...]:
+        """Angle, speed and torque; the torque of the coupling in front of a rotor."""
+        return (*motor_channels(self.name), *((self.name + COUPLING_TORQUE,) if self._apart else ()))
+
+    def readings(self, lay: Coordinates) -> dict[str, Reading]:
+        """Channels of its motion."""
+        angle, speed, _ = motor_channels(self.name)
+        row, ratio = self.row(lay), lay.ratios[self.shaft]
+        found = {
+            angle: Reading("rad", displacement=row, rigid=(ratio, 0.0, 0.0)),
+            speed: Reading("rad/s", velocity=row, rigid=(0.0, ratio, 0.0)),
+        }
+        if self.rotor is not None and self.rotor.stiffness is not None:
+            twist = row - lay.angle_row(self.shaft, self.y)
+            found[self.name + COUPLING_TORQUE] = Reading(
+                "N m", displacement=self.rotor.stiffness * twist, velocity=self.rotor.damping * twist
+            )
+        return found

@@ -1,0 +1,122 @@
+"""Works of the linear parts.
+
+Parts with mass touch only through ports: rows B with the forces f = K B q + C B q' of massless parts and
+f = k0 B q + c0 B q' - lambda of nonlinear elements. The integrals of f v^T and v v^T give the work of every port on
+every part and the dissipation v^T C v of every part. They are exact for an integrator with a `Flow`
+(`mbd.output.exact_integrals`), sums over the instants for the others (`mbd.output.sampled_integrals`).
+"""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+
+from mbd.elements.linear import Part
+from mbd.integrators.base import LENGTH, SPEED, Block, Integrator
+from mbd.output.exact_integrals import FlowWork
+from mbd.output.sampled_integrals import SampledWork
+from mbd.system.system import System
+
+
+class LinearWork:
+    """Accumulates blocks of a run of at least ``n_steps`` steps; it must be fed exactly ``steps`` of them.
+
+    ``torque`` (state,) is the row of the motors' torque, for their work on the rolling train.
+    """
+
+    def __init__(self, system: System, integrator: Integrator, step: float, n_steps: int, torque: np.ndarray) -> None:
+        self._system, self._torque, self._step = system, torque, step
+        self.to_q, self.to_v = integrator.displacement, integrator.velocity
+        self._turn = -integrator.inverse_mass @ (system.mass @ system.rolling)
+        self._massless = [(part, part.rows(system.layout.size)) for part in system.parts if not part.is_massive]
+        self._ports = np.vstack([system.rows, *(rows for _, rows in self._massless)])
+        self._to_force = np.vstack([self._element_forces(), *(self._part_forces(*pair) for pair in self._massless)])
+        self._flow = None if integrator.flow is None else FlowWork(integrator.flow)
+        self._sampled = None
+        self.steps = n_steps
+        if self._flow is None:
+            self._sampled = SampledWork(step, n_steps, self._to_force, len(system.rows))
+            self.steps = self._sampled.steps
+        self.origin, self.latest = np.zeros(self.to_q.shape[1]), np.zeros(self.to_q.shape[1])
+        self._motor_work, self._power = 0.0, 0.0
+        self._peak = {part.name: 0.0 for part in system.parts if not part.damping.any()}
+
+    def take(self, block: Block, first: int) -> None:
+        """Add a block; ``first`` is its first instant, counted in steps since the start."""
+        if self._flow is not None:
+            self._flow.take(block)
+        if self._sampled is not None:
+            self._sampled.take(block, first)
+            power = (block.states @ self._torque) * block.clock[:, SPEED]
+            power_before = np.concatenate([[self._power], power[:-1]])
+            self._motor_work += 0.5 * float(block.clock[:, LENGTH] @ (power + power_before))
+            self._power = float(power[-1])
+        if first == 0:
+            self.origin = block.states[0].copy()
+        self.latest = block.states[-1].copy()
+        for part in self._system.parts:
+            if part.name in self._peak:
+                self._peak[part.name] = max(self._peak[part.name], self._energy(part, self.latest))
+
+    def entries(self, ramp_work: dict[str, float]) -> tuple[dict[str, list[float]], float]:
+        """Stored, dissipated, received, parametric (0), residual, scale of every part, and the motors' work, J."""
+        system, moved = self._system, self.to_q @ (self.latest - self.origin)
+        port_work, velocity, motor_work = self._integrals()
+        if system.frame.free and self._flow is not None:
+            ramp_work = self._free_ramp_work(moved)
+        work = self._ports * port_work  # (port, coordinate) that the motion of each coordinate does against each port
+        rows: dict[str, list[float]] = {}
+        ports = dict(zip((part.name for part, _ in self._massless), self._port_slices(), strict=True))
+        for part in system.parts:
+            i = part.index
+            if part.is_massive:
+                received = ramp_work[part.name] + float(moved[i] @ system.constant_force[i] - work[:, i].sum())
+            else:
+                received = float(work[ports[part.name]].sum())
+            dissipated = part.dissipated(velocity[np.ix_(i, i)])
+            change = self._energy(part, self.latest) - self._energy(part, self.origin)
+            scale = self._peak.get(part.name, dissipated)
+            rows[part.name] = [change, dissipated, received, 0.0, received - change - dissipated, scale]
+        return rows, motor_work
+
+    def _free_ramp_work(self, moved: np.ndarray) -> dict[str, float]:
+        """Work (J) of the inertia forces of a free frame on every part, exact: phi'' = load + push . lambda.
+
+        ``moved`` (coordinate,) is the change of the displacements.
+        """
+        assert self._flow is not None
+        frame = self._system.frame
+        motion = frame.load * moved + frame.push @ (self._flow.integrals()[0][: len(frame.push)] @ self.to_v.T)
+        massive = [part for part in self._system.parts if part.is_massive]
+        return {p.name: -float(p.mass @ self._system.rolling[p.index] @ motion[p.index]) for p in massive}
+
+    def _integrals(self) -> tuple[np.ndarray, np.ndarray, float]:
+        """int f v^T dt (port, coordinate), int v v^T dt and the motors' work."""
+        if self._flow is None:
+            assert self._sampled is not None
+            return *self._sampled.integrals(self.latest, self.to_q, self.to_v, self._turn), self._motor_work
+        pushed, second = self._flow.integrals()
+        m = len(self._system.rows)
+        moved = second @ self.to_v.T
+        work = self._to_force @ moved
+        work[:m] -= pushed[:m] @ self.to_v.T
+        return work, self.to_v @ moved, float(pushed[-1] @ self._torque)
+
+    def _energy(self, part: Part, state: np.ndarray) -> float:
+        """Kinetic and strain energy of a linear part."""
+        return part.stored(self.to_q[part.index] @ state, self.to_v[part.index] @ state)
+
+    def _element_forces(self) -> np.ndarray:
+        """Forces (row, state) of the linear reference of the elements."""
+        table, rows = self._system.table, self._system.rows
+        return table.stiffness[:, None] * (rows @ self.to_q) + table.damping[:, None] * (rows @ self.to_v)
+
+    def _part_forces(self, part: Part, rows: np.ndarray) -> np.ndarray:
+        """Forces (displacement, state) of a massless part."""
+        return part.summed("stiffness") @ (rows @ self.to_q) + part.summed("damping") @ (rows @ self.to_v)
+
+    def _port_slices(self) -> list[slice]:
+        """Ports of every massless part."""
+        ends = np.cumsum([len(self._system.rows), *(len(rows) for _, rows in self._massless)])
+        return [slice(int(first), int(end)) for first, end in itertools.pairwise(ends)]

@@ -1,0 +1,165 @@
+"""Channels: named linear readings of the machine, value = D q + V q' + A q'' + L lambda + constant + rigid part.
+
+Names are ``"<thing>:<quantity>"``; the file of each kind spells its own. `channel_names` lists what a machine offers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mbd.elements.reading import Reading
+from mbd.parts.bearings import DIRECTIONS, bearing_force, journal_acceleration
+from mbd.parts.checks import MachineError
+from mbd.parts.drive import COUPLING_TORQUE, motor_channels
+from mbd.parts.gear_mesh import mesh_channels
+from mbd.parts.layout import Layout
+from mbd.parts.load import CONTAINER, GROUND_ACCELERATION, OUTSIDE_FORCE, ROPE_FORCE, SWAY
+from mbd.parts.machine import Machine
+from mbd.parts.probe import DISPLACEMENT, probe_channel
+from mbd.parts.shafts import shaft_channels
+
+if TYPE_CHECKING:
+    from mbd.elements.element import Element
+
+__all__ = [
+    "CONTAINER",
+    "COUPLING_TORQUE",
+    "DIRECTIONS",
+    "DISPLACEMENT",
+    "GROUND_ACCELERATION",
+    "OUTSIDE_FORCE",
+    "ROPE_FORCE",
+    "SWAY",
+    "ChannelRows",
+    "acceleration",
+    "bearing_force",
+    "channel_names",
+    "channel_rows",
+    "excitations",
+    "journal_acceleration",
+    "mesh_channels",
+    "motor_channels",
+    "probe_channel",
+    "sensor_names",
+    "shaft_channels",
+]
+
+
+def acceleration(sensor: str, axis: str) -> str:
+    """Acceleration (m/s2) of a casing point along x, y or z."""
+    return f"{sensor}:a{axis}"
+
+
+def channel_names(machine: Machine, sensors: tuple[str, ...] = ()) -> tuple[str, ...]:
+    """All channels of ``machine`` with the accelerations of the casing points ``sensors``."""
+    points = [acceleration(s, a) for s in sensors for a in DIRECTIONS]
+    return (*points, *(name for component in machine.components for name in component.channel_names))
+
+
+def excitations(names: Sequence[str], quantity: str) -> tuple[str, ...]:
+    """What has a channel of that quantity among ``names``, `OUTSIDE_FORCE` or `GROUND_ACCELERATION`."""
+    return tuple(name.partition(":")[0] for name in names if name.endswith(f":{quantity}"))
+
+
+def sensor_names(names: tuple[str, ...]) -> tuple[str, ...]:
+    """The casing points whose accelerations are among the channels `names`."""
+    things = dict.fromkeys(name.partition(":")[0] for name in names)
+    return tuple(thing for thing in things if acceleration(thing, DIRECTIONS[0]) in names)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ChannelRows:
+    """Stacked readings of the requested channels."""
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    displacement: np.ndarray  # (channel, coordinate)
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    forces: np.ndarray  # (channel, force)
+    rigid: np.ndarray
+    vibration: np.ndarray  # (channel,) bool, those by which the error of a run is judged
+
+
+def channel_rows(names: tuple[str, ...], lay: Layout, elements: Sequence[Element]) -> ChannelRows:
+    """Readings of ``names`` of a machine with the given elements, whose rows make the forces.
+
+    Raises
+    ------
+    MachineError : an unknown channel, with the known ones
+    """
+    readings = []
+    offered = _offered(lay, elements)
+    for name in names:
+        thing, _, quantity = name.partition(":")
+        if name in offered:
+            readings.append(offered[name])
+        elif len(quantity) == 2 and quantity[0] == "a" and quantity[1] in DIRECTIONS:
+            if not len(lay.casing.coordinate_names):
+                raise MachineError(
+                    f"channel {name!r}: a casing of model {lay.casing.model!r} does not move. Ask for bearing forces "
+                    "or journal accelerations, or use another casing model."
+                )
+            row = f"{thing}:u{quantity[1]}"
+            acceleration = lay.casing_row(row)  # which names the rows there are
+            readings.append(Reading("m/s2", acceleration=acceleration, shift=lay.casing_shift(row), vibration=True))
+        else:
+            raise MachineError(f"channel {name!r} is unknown; known: {', '.join(offered)} and '<sensor>:ax|ay|az'.")
+    n, m = lay.size, sum(len(element.rows) for element in elements)
+    forces = _stack([r.forces for r in readings], m) + _shaken(readings, lay, elements)
+    return ChannelRows(
+        names=tuple(names),
+        units=tuple(r.units for r in readings),
+        displacement=_stack([r.displacement for r in readings], n),
+        velocity=_stack([r.velocity for r in readings], n),
+        acceleration=_stack([r.acceleration for r in readings], n),
+        forces=forces,
+        rigid=np.array([r.rigid for r in readings]).reshape(-1, 3),
+        vibration=np.array([r.vibration for r in readings], dtype=bool),
+    )
+
+
+def _shaken(readings: Sequence[Reading], lay: Layout, elements: Sequence[Element]) -> np.ndarray:
+    """What accelerometers read of the acceleration of the ground (channel, force); motions are relative to it."""
+    found = np.zeros((len(readings), sum(len(element.rows) for element in elements)))
+    first = 0
+    for element in elements:
+        if element.shakes:
+            for row, reading in zip(found, readings, strict=True):
+                own = np.broadcast_to(reading.acceleration, lay.size) @ lay.translation
+                row[first] = (own if reading.shift is None else reading.shift) @ element.shakes
+        first += len(element.rows)
+    return found
+
+
+def _stack(rows: list, length: int) -> np.ndarray:
+    return np.array([np.broadcast_to(row, length) for row in rows]).reshape(len(rows), length)
+
+
+def _offered(lay: Layout, elements: Sequence[Element]) -> dict[str, Reading]:
+    offered = {name: reading for component in lay.components for name, reading in component.readings(lay).items()}
+    return offered | _signals(lay, elements)
+
+
+def _signals(lay: Layout, elements: Sequence[Element]) -> dict[str, Reading]:
+    """Channels that the elements offer, those of one name added up; F = k0 u + c0 u' - lambda on every row."""
+    found: dict[str, Reading] = {}
+    m, first = sum(len(element.rows) for element in elements), 0
+    for element in elements:
+        at = slice(first, first + len(element.rows))
+        first = at.stop
+        k0, c0 = element.reference("stiffness"), element.reference("damping")
+        for signal in element.signals:
+            motion, force = (np.array(part or (0.0,) * len(element.rows)) for part in (signal.motion, signal.force))
+            reading = found.setdefault(
+                signal.name,
+                Reading(signal.units, displacement=np.zeros(lay.size), velocity=np.zeros(lay.size), forces=np.zeros(m)),
+            )
+            reading.displacement += (motion + force * k0) @ element.rows
+            reading.velocity += (force * c0) @ element.rows
+            reading.forces[at] -= force  # type: ignore[index]
+    return found

@@ -1,1 +1,0 @@
-"""The linear reference that nonlinear elements are held against: loads, stiffness, modes."""

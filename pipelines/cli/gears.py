@@ -1,0 +1,122 @@
+"""`gearcase gears`: the mesh laws of a scene."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from pipelines.runs.gear_numbers import MeshState
+    from pipelines.steps.pair_curves import PairLaws
+
+
+def main(options: argparse.Namespace) -> int:
+    """Build the laws; print stiffness, transmission error, share and pressure of each pair, healthy and faulty."""
+    from pipelines.engine.working import Work
+    from pipelines.io.errors import InputError
+    from pipelines.io.json_text import json_text
+    from pipelines.io.user_files import writable_file
+    from pipelines.report.contents import grid
+    from pipelines.report.figures.film import save_figure
+    from pipelines.report.figures.plots import transmission_error_figure
+    from pipelines.runs.gear_numbers import (
+        checked_curve_file,
+        gear_curves,
+        gear_rows,
+        machine_states,
+        transmission_errors,
+        write_curves,
+    )
+    from pipelines.runs.single_results import build_pairs
+    from pipelines.scene.presets import load_asked
+
+    target = None if options.out is None else checked_curve_file(options.out)
+    picture = None if options.plot is None else writable_file(options.plot)
+    if options.tilt == "machine" and options.torque is not None:
+        raise InputError(
+            "--tilt machine takes the torque of the loaded machine. Delete --torque, or give the tilt in um."
+        )
+    loaded, work = load_asked(options), Work(processes=options.processes, quiet=options.quiet)
+    pairs = build_pairs(loaded, work)
+    if options.tilt == "machine":
+        cases = list(zip(pairs, machine_states(loaded, work), strict=True))
+    else:
+        cases = [(pair, state) for pair in pairs for state in _states(pair, options)]
+    curves = gear_curves(*zip(*cases, strict=True))
+    rows = gear_rows(pairs, curves)
+    errors = [] if picture is None else [transmission_errors(pair, state) for pair, state in cases]
+    orders = [row for error in errors for row in error.rows()]
+    if target is not None:
+        write_curves(curves, target)
+    if picture is not None:
+        save_figure(transmission_error_figure(loaded.scene.title, errors), picture, dpi=115)
+    if options.json:
+        found = {"pairs": rows, "orders": orders, "notes": notes(cases), "curves": target, "plot": picture}
+        sys.stdout.write(json_text(found))
+        return 0
+    title = "Drive flanks without deviations, along the transverse line of action, compliance counted from the bores"
+    sys.stdout.write(grid(title, rows).to_text() + "\n")
+    if orders:
+        sys.stdout.write(
+            grid("Transmission error of the healthy pair, amplitudes of its orders", orders).to_text() + "\n"
+        )
+    sys.stdout.write("".join(f"{line}\n" for line in notes(cases)))
+    sys.stdout.write("".join(f"{path}\n" for path in (target, picture) if path is not None))
+    return 0
+
+
+def _states(found: PairLaws, options: argparse.Namespace) -> list[MeshState]:
+    """The pair at its torques, or at the force of the scene."""
+    from pipelines.runs.gear_numbers import MeshState
+
+    tilt = None if options.tilt == "balanced" else found.sense * options.tilt * 1e-6 / found.pair.face_width
+    radius = found.pair.pinion.base_radius
+    forces = [found.force] if options.torque is None else [torque / radius for torque in options.torque]
+    return [MeshState(force=force, tilt=tilt) for force in forces]
+
+
+def notes(cases: Sequence[tuple[PairLaws, MeshState]]) -> list[str]:
+    """What the table was made with, a proposal for tip relief, and how the columns are meant."""
+    lines = []
+    for stage in dict.fromkeys(pair.stage for pair, _ in cases):
+        own = [(pair, state) for pair, state in cases if pair.stage == stage]
+        pair, gears, width = own[0][0], own[0][0].pair, own[0][0].pair.face_width
+        tilts = dict.fromkeys(
+            "force at mid face" if s.tilt is None else f"tilt {1e6 * pair.sense * s.tilt * width:.3g} um"
+            for _, s in own
+        )
+        lines.append(
+            f"stage {stage}: model {pair.drive.model}, eps_alpha {gears.transverse_contact_ratio:.4g}, eps_beta "
+            f"{gears.overlap_ratio:.4g}, bores {2000 * gears.pinion.bore_radius:g}/{2000 * gears.wheel.bore_radius:g} "
+            f"mm, {', '.join(tilts)} over the face"
+        )
+        lines += [f"stage {stage}: {line}" for line in _relief(own)]
+    lines.append(
+        "All values refer to the passage of one tooth pair: means, least stiffness with its position in mesh cycles "
+        "from the pitch point (at), peak-to-peak transmission error, largest load share, and largest Hertz pressure on "
+        "the active flank, as in the contact pattern of inspect. With a damaged tooth it is the pair of this tooth."
+    )
+    return lines
+
+
+def _relief(cases: Sequence[tuple[PairLaws, MeshState]]) -> Iterator[str]:
+    """Lengths and amounts of tip relief for one pair at its loads, by the keys of a scene."""
+    from fem.gears.modifications import relief_lengths
+    from pipelines.runs.gear_numbers import relief_amounts
+
+    gears = cases[0][0].pair
+    lengths = relief_lengths(gears)
+    if lengths is None:
+        yield f"no usual tip relief: the rule is for eps_alpha from 1 to 2, not {gears.transverse_contact_ratio:.4g}"
+        return
+    short, long = (f"{1000 * length:.3g}" for length in lengths)
+    yield f"usual tip relief of both gears: length_mm = {short} (short) or {long} (long)"
+    for pair, state in cases:
+        least, whole = (f"{1e6 * amount:.3g}" for amount in relief_amounts(pair, state))
+        words = f"{whole} (mean deflection)"
+        if not gears.pinion.helix_angle:
+            words = f"{least} (least transmission error, with long) to {whole} (deflection of one tooth pair)"
+        yield f"at {state.force * gears.pinion.base_radius:.4g} N m on the pinion amount_um = {words}"

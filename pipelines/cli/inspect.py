@@ -1,0 +1,169 @@
+"""`gearcase inspect`: pictures of a gear pair with its curve and of the casing with its key points."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pipelines.report.figures.views import LeftOut
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from pipelines.engine.run_graph import Outcome
+    from pipelines.engine.step import Graph
+    from pipelines.engine.working import Work
+    from pipelines.machine.plant import Plant
+    from pipelines.runs.inspect_gears import InspectedStage
+
+
+def main(options: argparse.Namespace) -> int:
+    """Write the pictures of a stage and, of a meshed casing, casing.png; say what could not be rendered."""
+    from pipelines.engine.working import Work
+    from pipelines.io.errors import InputError
+    from pipelines.io.user_files import writable_folder
+    from pipelines.report.figures.mesh_pictures import show_mesh
+    from pipelines.runs.inspect_gears import InspectedStage
+    from pipelines.runs.single_results import scene_graph
+    from pipelines.scene.presets import load_asked
+    from pipelines.steps.pair_curves import law_names, pair_laws
+
+    folder = writable_folder(options.out)
+    loaded, stage = load_asked(options), options.stage
+    if stage > len(loaded.scene.stages):
+        raise InputError(f"--stage {stage}: there is no such stage. Set a number from 1 to {len(loaded.scene.stages)}.")
+    (graph, plant), work = scene_graph(loaded), Work(processes=options.processes, quiet=options.quiet)
+    if options.stress or options.mesh is not None:
+        from pipelines.runs.inspect_stress import stress_files
+
+        stressed = stress_files(plant, graph, options, work)
+        sys.stdout.write(_listed(stressed))
+        return 0
+    folder.mkdir(parents=True, exist_ok=True)
+    if options.casing_mode:
+        return _casing_mode(graph, plant, options.casing_mode, folder, work)
+    outcome = work.build(graph, law_names(plant))
+    pairs = pair_laws(plant, {name: outcome.value(name) for name in law_names(plant)})
+    laws = pairs[stage - 1]
+    if options.torque is not None:
+        laws = dataclasses.replace(laws, force=options.torque / laws.pair.pinion.base_radius)
+    shown = InspectedStage(plant=plant, laws=laws)
+    frames = options.frames if options.position is None else 1
+    if options.screen:
+        show_mesh(shown.mesh_view(_cycles(shown, options)))
+        return 0
+    _tell(shown.write_overview(folder / f"gears_{stage}.png"))
+    _write_mesh(shown, folder / f"mesh_{stage}", options, frames)
+    _tell(shown.write_pattern(folder / f"pattern_{stage}.png"))
+    _write_casing(graph, plant, folder, work)
+    return 0
+
+
+def _cycles(shown: InspectedStage, options: argparse.Namespace) -> np.ndarray:
+    import numpy as np
+
+    return shown.film_cycles(options.frames) if options.position is None else np.array([options.position])
+
+
+def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, frames: int) -> None:
+    """A still where the damage acts, or at the position asked for; with more than one frame the film, too."""
+    import numpy as np
+
+    from pipelines.report.figures.mesh_pictures import write_film, write_still
+
+    cycle = shown.still_cycle() if options.position is None else options.position
+    _tell(write_still(shown.mesh_view(np.array([cycle])), stem))
+    if frames == 1:
+        return
+
+    def progress(part: float) -> None:
+        if not options.quiet:
+            sys.stderr.write(f"\rfilm {stem.name}: {100 * part:.0f} %" + "\n" * (part >= 1.0))
+            sys.stderr.flush()
+
+    _tell(write_film(shown.mesh_view(_cycles(shown, options)), stem, progress))
+
+
+def _write_casing(graph: Graph, plant: Plant, folder: Path, work: Work) -> None:
+    from pipelines.report.figures.callouts import casing_figure
+    from pipelines.report.figures.film import save_figure
+    from pipelines.steps.pictures import rendered_casing
+
+    if "casing mesh" not in graph.steps:
+        sys.stdout.write(f"casing {plant.models['casing']}: no mesh to show\n")
+        return
+    mesh = work.build(graph, ["casing mesh"]).value("casing mesh")
+    picture = rendered_casing(mesh, plant.sensors)
+    if isinstance(picture, LeftOut):
+        sys.stdout.write(f"casing.png: {picture.reason}\n")
+        return
+    save_figure(casing_figure(picture, f"Casing and key points of {plant.title}"), folder / "casing.png", dpi=115)
+    _tell(folder / "casing.png")
+
+
+def _casing_mode(graph: Graph, plant: Plant, number: int | str, folder: Path, work: Work) -> int:
+    from pipelines.io.errors import InputError
+
+    if "casing mesh" not in graph.steps or "casing modes" not in graph.steps:
+        raise InputError(
+            "--casing-mode: the casing has no finite-element mesh with elastic modes. Set casing.model to "
+            "craig-bampton, and casing.housing to a shape, a CAD file or a mesh."
+        )
+    outcome = work.build(graph, ["casing", "casing modes"])
+    sys.stdout.write(_listed(_casing_mode_files(outcome, graph, plant.title, number, folder)))
+    return 0
+
+
+def _tell(found: Path | list[Path] | LeftOut) -> None:
+    """Name the files as soon as they are there."""
+    sys.stdout.write(_listed([found] if isinstance(found, Path) else found))
+    sys.stdout.flush()
+
+
+def _listed(found: list[Path] | LeftOut) -> str:
+    return f"{found.reason}\n" if isinstance(found, LeftOut) else "".join(f"{path}\n" for path in found)
+
+
+def _casing_mode_files(
+    outcome: Outcome, graph: Graph, title: str, number: int | str, folder: Path
+) -> list[Path] | LeftOut:
+    """Still, film and page of a natural mode of the casing in its ground, or a sheet of all modes in its band.
+
+    Raises
+    ------
+    InputError : a number beyond the last mode
+    """
+    from fem.casing.reduced.body import MODES_OVER_BAND
+    from fem.casing.reduced.modes import natural_modes
+    from pipelines.io.errors import InputError
+    from pipelines.report.figures.mode_pictures import ModeView, write_mode, write_modes
+    from pipelines.runs.single_results import mode_shapes
+
+    modes = outcome.value("casing modes")[0]
+    factor = outcome.value("casing").stiffness_factor
+    natural = natural_modes(modes, graph.steps["casing"].spec.mounts, stiffness_factor=factor)
+    if isinstance(number, int) and number > len(natural.frequencies):
+        raise InputError(
+            f"--casing-mode {number}: the reduced casing has {len(natural.frequencies)} modes. Give a lower number, "
+            "or all."
+        )
+
+    def view(place: int, shape: np.ndarray) -> ModeView:
+        return ModeView(
+            title=f"Casing of {title}",
+            number=place + 1,
+            frequency=float(natural.frequencies[place]),
+            nodes=modes.nodes,
+            facets=modes.facets,
+            shape=shape,
+        )
+
+    if isinstance(number, int):
+        return write_mode(view(number - 1, mode_shapes(modes, natural, [number - 1])[0]), folder)
+    limit = graph.steps["casing"].spec.limit
+    inside = len(natural.frequencies) if limit is None else int((natural.frequencies <= limit / MODES_OVER_BAND).sum())
+    places = range(max(inside, 1))
+    return write_modes((view(place, mode_shapes(modes, natural, [place])[0]) for place in places), len(places), folder)

@@ -1,0 +1,161 @@
+"""The command `gearcase`: one command run, errors turned into one message and an exit code.
+
+Exit codes: 0 success, 1 the work failed, 2 the input cannot be used, 130 interrupted (SIGINT, SIGTERM).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import logging
+import os
+import signal
+import sys
+import threading
+import traceback
+import warnings
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, TextIO
+
+from pipelines.cli.command_line import command_parser, parser
+
+if TYPE_CHECKING:
+    import argparse
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; the exit code. Nothing but argparse's own usage errors leaves by SystemExit."""
+    if not _streams_open():
+        return 2
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")  # a console without some letter must not stop a run
+    top = parser()
+    options, unknown = top.parse_known_args(arguments)
+    if unknown:
+        command_parser(top, options.command).error(f"unrecognized arguments: {' '.join(unknown)}")
+    if options.version:
+        from pipelines.engine.code_version import library_versions
+
+        sys.stdout.write(f"gearcase {library_versions('gearcase')['gearcase']}\n")
+        return 0
+    if options.command is None:
+        top.print_help(sys.stderr)
+        return 2
+    return _guarded(options)
+
+
+def _streams_open() -> bool:
+    """False, with the reason, if nothing can be printed; closed descriptors lead nowhere, so that no file gets them."""
+    for descriptor in (0, 1, 2):
+        try:
+            os.fstat(descriptor)
+        except OSError:
+            nowhere = os.open(os.devnull, os.O_RDWR)
+            os.dup2(nowhere, descriptor)
+            if nowhere != descriptor:
+                os.close(nowhere)
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - as long as the process
+    if sys.stdout is None:
+        sys.stderr.write("gearcase: standard output is closed. Redirect it to a file or to /dev/null.\n")
+        return False
+    return True
+
+
+def _guarded(options: argparse.Namespace) -> int:
+    from pipelines.io.errors import CacheWarning, SceneWarning
+    from pipelines.io.shown import shown
+
+    _log_to_terminal(options.verbose)
+    try:
+        os.getcwd()
+    except OSError as error:
+        sys.stderr.write(
+            f"gearcase: the working folder does not exist any more ({error.strerror}). Change to another folder.\n"
+        )
+        return 2
+    try:
+        with _interrupted_by_sigterm(), warnings.catch_warnings():
+            warnings.simplefilter("always", CacheWarning)
+            warnings.simplefilter("always", SceneWarning)
+            warnings.showwarning = _show_warning
+            code = importlib.import_module(f"pipelines.cli.{options.command}").main(options)
+        sys.stdout.flush()  # a full disk or a reader that is gone shows here, not when the interpreter ends
+        return code
+    except KeyboardInterrupt:
+        sys.stderr.write("gearcase: interrupted. Finished steps are kept; repeat the command to continue from there.\n")
+        return 130
+    except BrokenPipeError:
+        _to_nowhere(sys.stdout, sys.stderr)
+        return 0  # who reads us, as `head` does, has enough
+    except Exception as error:
+        try:
+            sys.stdout.flush()
+        except OSError:
+            _to_nowhere(sys.stdout)
+        if options.verbose:
+            sys.stderr.write("".join(f"{shown(line, 500)}\n" for line in traceback.format_exc().splitlines()))
+        return _report(error, verbose=options.verbose)
+
+
+def _to_nowhere(*streams: TextIO) -> None:
+    """Drop what is still to be written: at its end, the interpreter would try again and set an exit code of its own."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for stream in streams:
+        os.dup2(nowhere, stream.fileno())
+
+
+@contextlib.contextmanager
+def _interrupted_by_sigterm() -> Iterator[None]:
+    """Treat SIGTERM, of `kill` or a batch system, like Ctrl-C: child processes, locks and partial files are removed."""
+    if threading.current_thread() is not threading.main_thread():  # which alone may handle signals
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before or signal.SIG_DFL)
+
+
+def _report(error: Exception, *, verbose: bool) -> int:
+    """Print the message of an error; 2 if it is about the input, else 1."""
+    from pipelines.io.shown import message_text
+
+    ours = type(error).__module__.partition(".")[0] in ("fem", "mbd", "pipelines")
+    text = str(error) if ours else f"{type(error).__name__}: {error}"
+    if isinstance(error, OSError):
+        ours, text = True, f"{error}. Check free disk space and write permission there, then repeat the command."
+    notes = "".join(f"\n  ({note})" for note in getattr(error, "__notes__", ()))
+    hint = (
+        ""
+        if ours or verbose
+        else "\n  This is an error of the program. Repeat the command with -v and report the traceback."
+    )
+    sys.stderr.write(f"{message_text(f'gearcase: {text}{notes}')}{hint}\n")
+    return 2 if ours and isinstance(error, ValueError) else 1
+
+
+def _show_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
+    from pipelines.io.shown import message_text
+
+    sys.stderr.write(f"{message_text(f'warning: {message}')}\n")
+
+
+def _log_to_terminal(verbose: bool) -> None:
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setLevel(logging.INFO if verbose else logging.WARNING)
+    handler.setFormatter(logging.Formatter("%(levelname)s %(name)s: %(message)s"))
+    logging.basicConfig(handlers=[handler], level=handler.level)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

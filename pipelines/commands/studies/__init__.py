@@ -1,1 +1,0 @@
-"""Commands that repeat a scene in variants, to learn how far its answer can be trusted."""

@@ -1,0 +1,275 @@
+"""Run a campaign: its folder, the first scene for the layout, then all scenes that have no row, on any workers."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from fem.storage import shown_html
+from pipelines.datasets.card import write_card
+from pipelines.datasets.draws import draw
+from pipelines.datasets.expressions import ExpressionError
+from pipelines.datasets.folder import begin, find_begun, held, identity_facts, stored_or_said
+from pipelines.datasets.job import Done, Job, row_head, work
+from pipelines.datasets.layout import RunLayout, run_layout
+from pipelines.datasets.plan import Plan
+from pipelines.datasets.rows import FAILED, numbers, read_rows, row_path, sweep_rows, write_row, write_table
+from pipelines.datasets.run_warnings import stored_warnings
+from pipelines.datasets.scenes import Draw, make_draws, scene_of
+from pipelines.datasets.store import sweep, write_run
+from pipelines.datasets.workers import Workers, lost
+from pipelines.datasets.workshop import Workshop
+from pipelines.engine.step import Graph
+from pipelines.engine.working import Work
+from pipelines.io.errors import InputError, SceneError, WorkError
+from pipelines.machine.checks.cost import cost
+from pipelines.machine.checks.cost import words as size_words
+from pipelines.machine.checks.validity import checked_plant
+from pipelines.scene.file import LoadedScene
+from pipelines.steps.graph import plant_steps
+from pipelines.steps.motion import moved
+
+_LAYOUT_TRIES = 20  # scenes that are looked at for one that can be run
+_LAYOUT_SAMPLES = 4
+_IN_FLIGHT = 2  # scenes per worker that are handed out
+MOST_BYTES = 1e9  # of the signals of one run in the memory of a worker
+MOST_DEATHS = 3  # of processes with one scene in them, before the scene counts as failed
+
+Told = Callable[[Done], None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finished:
+    """A finished campaign: its scenes, those that were simulated now, those of them that failed.
+
+    `warnings` are those of all runs of the data set, counted by kind.
+    """
+
+    folder: Path
+    runs: int
+    simulated: int
+    failed: int
+    seconds: float
+    loop_seconds: float
+    workers: int
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def per_hour(self) -> float:
+        """Scenes per hour of this command."""
+        return 3600.0 * self.simulated / self.seconds if self.simulated else 0.0
+
+    @property
+    def share(self) -> float:
+        """Time of the workers that went into the time loop: scenes per hour against those of the bare loop."""
+        return self.loop_seconds / (self.seconds * self.workers) if self.simulated else 0.0
+
+    def _repr_html_(self) -> str:
+        """The lines at the end, for a notebook."""
+        return shown_html.table("Campaign", (), ((line,) for line in self.lines()))
+
+    def lines(self) -> list[str]:
+        """What the command prints at the end."""
+        counted = f"{self.runs} scenes, {self.simulated} simulated now"
+        failed = f", {self.failed} of them failed (see the column reason of rows.parquet)" if self.failed else ""
+        out = [f"{counted}{failed}"]
+        if self.simulated:
+            out.append(
+                f"{self.per_hour:.0f} scenes per hour with {self.workers} workers; {self.share:.3f} of their time in "
+                "the time loop"
+            )
+        return [*out, *(f"warning: {text}" for text in self.warnings), f"data set: {self.folder}"]
+
+
+def planned(plan: Plan) -> list[Draw]:
+    """All scenes of a plan. InputError as `pipelines.datasets.draws.draw`."""
+    return make_draws(plan, draw(plan))
+
+
+def run_campaign(
+    plan: Plan,
+    out: str | Path,
+    workers: AbstractContextManager[Workers],
+    building: Work,
+    *,
+    retry: bool = False,
+    begun: Callable[[int, int, Workers], None] = lambda total, left, workers: None,
+    told: Told = lambda done: None,
+) -> Finished:
+    """Simulate every scene of a plan that has no row yet.
+
+    Parameters
+    ----------
+    plan, out : the campaign and its folder
+    workers : that simulate; entered when there is something to do
+    building : how laws and casing of the first scene are built
+    retry : simulate again what failed
+    begun : is told of the number of scenes, those left, and the workers
+    told : is told of every scene that is done
+
+    Raises
+    ------
+    SceneError, InputError : the plan, its first scenes or the folder cannot be used
+    WorkError : the disk is full, or the workers are gone; what is finished is kept
+    """
+    draws = planned(plan)
+    facts = identity_facts(plan, draws)
+    with held(out) as folder:
+        known = find_begun(folder, facts)
+        if known is None:
+            first, layout = first_layout(plan, draws, building)
+            known = begin(folder, plan, first.resolved(), draws, layout, facts), layout
+        identity, layout = known
+        if retry:
+            _forget_failed(folder)
+        done = numbers(folder)
+        left = [one for one in draws if one.run not in done]
+        start, loop, failed, count = time.perf_counter(), 0.0, 0, 0
+        if left:
+            jobs = (
+                Job(plan=plan, layout=layout, folder=folder.absolute(), identity=identity, draw=one) for one in left
+            )
+            with workers as hands:
+                begun(len(draws), len(left), hands)
+                count = hands.count()
+                start = time.perf_counter()
+                for finished in _outcomes(jobs, hands):
+                    with stored_or_said(folder):
+                        _keep(folder, finished)
+                    loop += finished.row.get("loop_seconds", 0.0)
+                    failed += finished.row["status"] == FAILED
+                    told(finished)
+            sweep(folder)
+            sweep_rows(folder)
+        seconds = time.perf_counter() - start
+        with stored_or_said(folder):
+            write_table(folder)
+            write_card(folder)
+        warnings = stored_warnings(folder)
+    return Finished(
+        folder=folder,
+        runs=len(draws),
+        simulated=len(left),
+        failed=failed,
+        seconds=seconds,
+        loop_seconds=loop,
+        workers=max(1, count),
+        warnings=warnings,
+    )
+
+
+def first_layout(plan: Plan, draws: Sequence[Draw], building: Work) -> tuple[LoadedScene, RunLayout]:
+    """The first scene that can be run, and the layout of its signals, from a motion of a few samples.
+
+    Raises
+    ------
+    SceneError, ExpressionError : none of the first scenes can be run: what is wrong with the first one
+    """
+    failure: SceneError | ExpressionError | None = None
+    for one in draws[:_LAYOUT_TRIES]:
+        try:
+            loaded = scene_of(plan, one.values)
+            plant = checked_plant(loaded.scene, loaded.source.shown)
+        except (SceneError, ExpressionError) as error:
+            failure = failure or error
+            continue
+        check_memory(loaded)
+        graph = Graph(plant_steps(plant))
+        building.build(graph, graph.steps["simulate"].inputs)
+        given = plant.motion
+        few = replace(given, end=_LAYOUT_SAMPLES / given.output_rate)
+        motion = moved(Workshop(building.cache).system(plant), few)
+        return loaded, run_layout(motion, round(given.end * given.output_rate), plan.table.signals)
+    assert failure is not None
+    raise failure
+
+
+def check_memory(loaded: LoadedScene) -> None:
+    """InputError if one run does not fit into the memory of a worker, where it is until it is stored."""
+    one = cost(loaded.scene)
+    if one.bytes > MOST_BYTES:
+        raise InputError(
+            f"one run of {loaded.name} holds {size_words(one.bytes)} in memory, limit {size_words(MOST_BYTES)} in a "
+            "campaign. Reduce simulation.end_s or simulation.output_rate_Hz, or divide the motion into several scenes."
+        )
+
+
+def _outcomes(jobs: Iterator[Job], workers: Workers) -> Iterator[Done]:
+    """The scenes as they are done, a few of them handed out at a time.
+
+    When a process dies, all scenes that were handed out are suspects. Suspects are simulated alone, one by one, until
+    it is known which one takes its process with it.
+    """
+    executor = workers.executor
+    running: dict[Future[Done], Job] = {}
+    suspects: list[Job] = []
+    deaths: dict[int, int] = {}
+    try:
+        while True:
+            if suspects and not running:
+                job = suspects.pop(0)
+                running[executor.submit(work, job)] = job
+            elif not suspects:
+                for job in itertools.islice(jobs, max(0, _IN_FLIGHT * workers.count() - len(running))):
+                    running[executor.submit(work, job)] = job
+            if not running:
+                return
+            for future in wait(running, return_when=FIRST_COMPLETED).done:
+                job = running.pop(future)
+                try:
+                    yield future.result()
+                except BrokenProcessPool as error:
+                    if workers.renew is None:
+                        raise lost(error) from error
+                    victims, executor = [job, *running.values()], workers.renew()
+                    running.clear()
+                    if len(victims) == 1:
+                        deaths[job.draw.run] = deaths.get(job.draw.run, 0) + 1
+                    if deaths.get(job.draw.run, 0) == MOST_DEATHS:
+                        yield _killed(job)
+                    else:
+                        suspects = sorted([*victims, *suspects], key=lambda one: one.draw.run)
+                    break
+                except Exception as error:
+                    if type(error).__name__ == "KilledWorker":  # of Dask, after it has tried as often on other workers
+                        yield _killed(job)
+                    elif isinstance(error, OSError) and error.errno is not None:
+                        raise WorkError(
+                            f"scene {job.draw.run}: {error}. Finished scenes are kept. Correct the cause and repeat "
+                            "the command."
+                        ) from error
+                    else:
+                        raise lost(error) from error
+    except CancelledError as error:
+        raise lost(error) from error
+    finally:
+        for future in running:
+            future.cancel()
+
+
+def _killed(job: Job) -> Done:
+    """The row of a scene whose process died again and again."""
+    reason = f"the process ended without a result {MOST_DEATHS} times, perhaps for lack of memory. Reduce --processes."
+    return Done(run=job.draw.run, row=row_head(job, FAILED, reason), written=False)
+
+
+def _keep(folder: Path, done: Done) -> None:
+    """Write what the worker could not reach the folder for."""
+    if done.written:
+        return
+    row = dict(done.row)
+    if done.arrays:
+        row["checksums"] = write_run(folder, done.run, done.arrays)
+    write_row(folder, done.run, row)
+
+
+def _forget_failed(folder: Path) -> None:
+    for row in read_rows(folder):
+        if row["status"] == FAILED:
+            row_path(folder, row["run"]).unlink()

@@ -1,0 +1,178 @@
+"""The card of a data set: README.md in its folder, with its content, origin, warnings, limits and ways to read it.
+
+References
+----------
+Gebru et al. (2021), Communications of the ACM 64(12), 86-92 (what the documentation of a data set has to contain).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from pipelines.datasets.card_loading import loading
+from pipelines.datasets.labels import COLUMNS
+from pipelines.datasets.rows import DONE, FAILED
+from pipelines.datasets.summary import Summary, plan_texts, summarised, words
+from pipelines.datasets.varied import design_words, varied_grid
+from pipelines.io.errors import SceneError
+from pipelines.io.grid import Grid
+from pipelines.io.user_files import write_whole
+from pipelines.scene.file import load_scene
+from pipelines.scene.scene import Scene
+
+
+def write_card(folder: Path) -> None:
+    """Write README.md of a data set.
+
+    Raises
+    ------
+    InputError : the folder holds no data set, or a row is damaged
+    OSError : it cannot be written
+    """
+    write_whole(folder / "README.md", card(folder))
+
+
+def card(folder: Path) -> str:
+    """The card as Markdown. InputError as `write_card`."""
+    found = summarised(folder)
+    plan = found.facts["facts"]["plan"]
+    scene = _scene(folder)
+    licence = plan_texts(folder).get("licence") or (
+        'not stated. To publish the data set, choose one and set `licence = "..."` in its plan.'
+    )
+    parts = [
+        f"# {found.title}",
+        f"Simulated vibration of a gearbox with known damage, made by `gearcase campaign` from the scene "
+        f"`{plan['scene']}`: {words(found.statuses)} of {found.runs} runs. The plan is `plan.toml`, the scene with all "
+        "its defaults `scene.toml`.",
+        f"Licence: {licence}",
+        *(f"**Warning.** {text}" for text in found.warnings),
+        f"## What is stored\n\n{_arrays(found)}",
+        "Signals are in `signals.zarr` (Zarr 3), with one chunk per run and array. A run that is not done reads as "
+        "NaN. "
+        "`rows/` has a JSON file per run, `rows.parquet` all of them as a table; the column `status` is `done` when "
+        "the signals of a run are stored.",
+        _columns().to_markdown(),
+        f"## What was varied\n\n{design_words(plan)[0].upper()}{design_words(plan)[1:]}.",
+        varied_grid(plan, found.columns).to_markdown() if plan["variables"] else "Nothing.",
+        f"## Labels and split\n\n{_counts(found).to_markdown()}",
+        _split_words(found),
+        f"## How it was made\n\n{_provenance(found, scene)}",
+        "## Limits\n\n" + "\n".join(f"- {line}" for line in _limits(found, scene)),
+        f"## How to load it\n\n{loading()}",
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _scene(folder: Path) -> Scene | None:
+    """The stored scene; None where it cannot be read."""
+    try:
+        return load_scene(folder / "scene.toml").scene
+    except SceneError:
+        return None
+
+
+def _arrays(found: Summary) -> str:
+    layout = found.facts["layout"]
+    rows = [
+        (
+            f"`{one['name']}`",
+            f"({', '.join(['run', *one['dims']])})",
+            f"({', '.join(map(str, [found.runs, *one['shape']]))})",
+            np.dtype(one["dtype"]).name,
+            one["attributes"].get("units", ""),
+            one["attributes"].get("long_name", ""),
+        )
+        for one in layout["signals"]
+    ]
+    table = Grid(title="", headers=("array", "dimensions", "shape", "type", "unit", "meaning"), rows=tuple(rows))
+    named = "; ".join(f"{name}: {', '.join(map(str, values))}" for name, values in layout["names"].items())
+    seconds = layout["samples"] / layout["rate"]
+    return f"{table.to_markdown()}\n\nTime from 0, {seconds:g} s at {layout['rate']:g} Hz. Names: {named}."
+
+
+def _columns() -> Grid:
+    rows = tuple((f"`{name}`", meaning) for name, meaning in COLUMNS.items())
+    return Grid(title="", headers=("column", "meaning"), rows=(*rows, ("variables", "one column each, see below")))
+
+
+def _counts(found: Summary) -> Grid:
+    """Runs that are done by label and part of the split."""
+    columns = found.columns
+    done = columns["status"] == DONE
+
+    def count(label: str, part: str) -> str:
+        return str(int(np.sum(done & (columns["label"] == label) & (columns["split"] == part))))
+
+    rows = [(label, *(count(label, part) for part in found.splits)) for label in found.labels]
+    return Grid(title="", headers=("label", *found.splits), rows=tuple(rows))
+
+
+def _split_words(found: Summary) -> str:
+    if not found.groups_by:
+        return f"Every run is a separate group: {found.groups} groups, assigned to the parts by the seed of the plan."
+    by = ", ".join(f"`{name}`" for name in found.groups_by)
+    return (
+        f"Runs with equal {by} are one group ({found.groups} groups), and a group is in one part only. Train on "
+        "one part and test on another. Cut signals into pieces after the split, never before: two pieces of one run, "
+        "or two runs of one pair of gears, have more in common than their label, so a classifier trained on one "
+        "recognises the other. Use the column `group` for cross-validation, too."
+    )
+
+
+def _provenance(found: Summary, scene: Scene | None) -> str:
+    facts = found.facts
+    versions = {**facts["made with"], **facts["facts"]["versions"]}
+    lines = [f"Versions: {', '.join(f'{name} {version}' for name, version in versions.items())}."]
+    if scene is not None:
+        models = ", ".join(f"{name} {_joined(model)}" for name, model in scene.models().items())
+        lines.append(f"Models, unless a variable changes them: {models}.")
+    errors = _numbers(found, "step_error")
+    if errors.size:
+        lines.append(
+            f"Error of the accelerations by the time step, as share of their rms: median {100 * np.median(errors):.2g} "
+            f"%, worst {100 * errors.max():.2g} %."
+        )
+    until = _numbers(found, "repeatable_until_s")
+    layout = found.facts["layout"]
+    parted = int(np.sum(until < (layout["samples"] - 1.5) / layout["rate"]))
+    if parted:
+        lines.append(
+            f"{parted} of {until.size} motions cannot be repeated to their end: after `repeatable_until_s` they depend "
+            "on rounding (rattling gears). Their levels are valid, their single samples are not."
+        )
+    else:
+        lines.append("All motions can be repeated sample by sample.")
+    lines.append(
+        "The same plan gives the same samples and the same bits with these versions. Identity: "
+        f"{facts['identity']}, code {facts['facts']['code']}."
+    )
+    return "\n".join(f"- {line}" for line in lines)
+
+
+def _limits(found: Summary, scene: Scene | None) -> Iterator[str]:
+    rate = found.facts["layout"]["rate"]
+    yield "The data are simulated, not measured. Validate a classifier on a real machine before you use it."
+    yield "The data do not cover values outside the ranges above, nor other faults, places and machines."
+    yield f"Signals are low-pass filtered before they are sampled at {rate:g} Hz."
+    band = getattr(scene.casing, "band_Hz", None) if scene is not None else None
+    if band:
+        yield f"The casing model has its modes up to {band:g} Hz. Above that, the casing responds too stiffly."
+    yield "The signals hold no sensor noise: `gearcase.pieces` and `gearcase dataset export` add it."
+    yield "Every run contains its run-up: leave it out where a steady state is required."
+    yield "The page docs/choosing-a-model.md of gearcase gives the limits of each model with measured errors."
+    if failed := int(np.sum(found.columns["status"] == FAILED)):
+        yield f"Failed runs: {failed}, see the column `reason`. They may be the extremes of a range."
+
+
+def _numbers(found: Summary, name: str) -> np.ndarray:
+    """A column of the runs that are done."""
+    values = found.columns.get(name, np.array([]))
+    return values[np.isfinite(values)] if values.dtype.kind in "fi" else np.array([])
+
+
+def _joined(model: str | list[str]) -> str:
+    return model if isinstance(model, str) else "/".join(dict.fromkeys(model))

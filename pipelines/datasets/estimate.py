@@ -1,0 +1,128 @@
+"""What a campaign takes before it is run: scenes, distinct laws and casings, time and disk; what would be refused."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from pipelines.datasets.expressions import ExpressionError
+from pipelines.datasets.labels import labels
+from pipelines.datasets.plan import Plan
+from pipelines.datasets.scenes import Draw, group_variables, scene_of
+from pipelines.engine.cache import Cache
+from pipelines.engine.step import Graph, Step
+from pipelines.engine.storage import digest
+from pipelines.io.errors import SceneError
+from pipelines.io.shown import duration
+from pipelines.machine.checks.cost import cost
+from pipelines.machine.checks.cost import words as size_words
+from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.plant import Plant
+from pipelines.steps.graph import plant_steps
+
+MOST_LOOKED_AT = 500  # scenes; of more the first ones are looked at
+_SAMPLE_BYTES = 4  # of a stored sample; angles and speeds take twice as much and pack better
+_STORED_SHARE = 0.9  # of the bytes that are left after packing: vibration is nearly noise
+
+
+@dataclass(frozen=True, kw_only=True)
+class Estimate:
+    """Counts over the scenes that were looked at, and costs of all."""
+
+    runs: int
+    distinct: int
+    looked_at: int
+    refused: int
+    first_refusal: str
+    labels: Counter[str]
+    splits: Counter[str]
+    groups_by: tuple[str, ...]
+    kinds: Counter[str]  # distinct results that motions are made of, by the kind of step
+    missing_seconds: float  # what it takes to build those that the cache lacks
+    motion_seconds: float
+    bytes: float
+
+    def to_text(self) -> str:
+        """What `gearcase campaign --dry-run` prints."""
+        cores = os.cpu_count() or 1
+        part = "" if self.looked_at == self.runs else f" (of the first {self.looked_at} scenes)"
+        total = (self.missing_seconds + self.motion_seconds) / cores
+        by = f"groups of equal {', '.join(self.groups_by)}" if self.groups_by else "every scene is a separate group"
+        lines = [
+            f"scenes      {self.runs}{'' if self.distinct == self.runs else f', {self.distinct} of them distinct'}",
+            f"labels      {_counted(self.labels)}{part}",
+            f"split       {_counted(self.splits)}; {by}",
+            f"distinct    {_counted(self.kinds)}{part}",
+            f"time        about {duration(total)} on {cores} cores: {duration(self.motion_seconds)} of processor time "
+            f"for motions, {duration(self.missing_seconds)} for mesh laws and casings that are not in the cache",
+            f"disk        about {size_words(self.bytes)} in {self.runs} files per signal",
+        ]
+        if self.refused:
+            lines.append(f"refused     {self.refused}{part}; the first: {self.first_refusal}")
+        return "".join(f"{line}\n" for line in lines)
+
+
+def estimate(plan: Plan, draws: Sequence[Draw]) -> Estimate:
+    """Look at the scenes of a plan without simulating any.
+
+    Raises
+    ------
+    SceneError : none of them can be run
+    """
+    cache = Cache()
+    refused: list[SceneError | ExpressionError] = []
+    distinct: dict[str, Step] = {}
+    found: Counter[str] = Counter()
+    seconds = size = 0.0
+    looked = draws[:MOST_LOOKED_AT]
+    for one in looked:
+        try:
+            loaded = scene_of(plan, one.values)
+            plant = checked_plant(loaded.scene, loaded.source.shown)
+        except (SceneError, ExpressionError) as error:
+            refused.append(error)
+            continue
+        found[labels(plant)["label"]] += 1
+        motion = cost(loaded.scene)
+        seconds += motion.seconds
+        size += _STORED_SHARE * _SAMPLE_BYTES * motion.samples * _stored_channels(plan, plant, motion.channels)
+        graph = Graph(plant_steps(plant))
+        for step in graph.needed(graph.steps["simulate"].inputs):
+            distinct.setdefault(digest([step.kind, step.spec, [step.code]]), step)
+    if not found:
+        raise refused[0]
+    share = len(draws) / len(looked)
+    return Estimate(
+        runs=len(draws),
+        distinct=len({json.dumps(one.values) for one in draws}),
+        looked_at=len(looked),
+        refused=len(refused),
+        first_refusal=" ".join(str(refused[0]).split()) if refused else "",
+        labels=found,
+        splits=Counter(one.split for one in draws),
+        groups_by=group_variables(plan.table),
+        kinds=Counter(step.kind for step in distinct.values()),
+        missing_seconds=sum(step.seconds for step in distinct.values() if not _stored(step, cache)),
+        motion_seconds=share * seconds,
+        bytes=share * size,
+    )
+
+
+def _stored_channels(plan: Plan, plant: Plant, channels: int) -> float:
+    """About how many channels of four bytes are stored of a scene."""
+    if plan.table.signals:
+        return channels
+    vibration = 3 * (len(plant.sensors) or len(plant.bearing_points))
+    return vibration + 2 * len(plant.machine.shafts) + 3 * max(1, len(plant.machine.motors))
+
+
+def _stored(step: Step, cache: Cache) -> bool:
+    """True if a result that needs no other is stored; one that does is counted as if it were not."""
+    return not step.inputs and cache.find(step.kind, step.key({}), thorough=False) is not None
+
+
+def _counted(counts: Counter[str]) -> str:
+    return ", ".join(f"{count} {name}" for name, count in sorted(counts.items()))

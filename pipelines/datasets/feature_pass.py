@@ -1,0 +1,188 @@
+"""Features of all runs: a pass over the stored signals that can be stopped at any moment and gone on with.
+
+Every run has a row in `feature_rows`, written as the rows of the campaign are. It holds the checksums of the signals
+and the version of the code it was made with, so that a run that was simulated anew, or features that are computed in
+another way, are noticed. features.parquet is made of these rows: a line per run, sensor and axis.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pipelines.datasets.facts import read_facts
+from pipelines.datasets.pieces import noisy_run
+from pipelines.datasets.reading import VIBRATION
+from pipelines.datasets.rows import DONE, numbers, read_row, read_rows, row_path, sweep_rows, write_row
+from pipelines.datasets.store import read_run
+from pipelines.datasets.stored_plan import shaft_meshes, stored_plan
+from pipelines.datasets.tables import write_parquet
+from pipelines.engine.code_version import code_version
+from pipelines.io.errors import InputError
+from pipelines.io.shown import shown
+from pipelines.signals.features.average import FEWEST_TURNS, Meshes, average
+from pipelines.signals.features.statistics import statistics
+from pipelines.signals.features.synchronous import synchronous
+from pipelines.signals.features.turns import cut_turns
+from pipelines.signals.orders.revolutions import moving_stretches
+from pipelines.signals.orders.rotation import Rotation
+
+FEATURE_ROWS = "feature_rows"
+FEATURES = "features.parquet"
+ANGLE = "shaft_angle"
+
+
+@dataclass(frozen=True, kw_only=True)
+class FeatureJob:
+    """A run whose features are wanted: its signal with the names along it, its shafts and their meshes."""
+
+    folder: Path
+    run: int
+    signal: str
+    sensors: tuple[str, ...]
+    axes: tuple[str, ...]
+    shafts: tuple[str, ...]  # none where their angles were not stored
+    meshes: tuple[Mapping[int, int], ...]
+    rate: float
+    start: float
+    noise: float
+    made_of: Mapping[str, Any]
+
+
+def make_features(
+    folder: Path,
+    executor: Executor,
+    start: float = 0.0,
+    noise: float = 0.0,
+    told: Callable[[int, int], None] = lambda done, left: None,
+) -> tuple[int, int]:
+    """Write the features of all runs that are done, and the table of them; how many were made now, lines of the table.
+
+    Parameters
+    ----------
+    folder : of the data set
+    executor : of the work
+    start : s, of the part of every run that is looked at
+    noise : rms of the sensor noise that is added, m/s2, as `pipelines.datasets.pieces.pieces` does with seed 0
+    told : is told how many of how many are done
+
+    Raises
+    ------
+    InputError : the data set has no accelerations, is damaged, or ends before `start`
+    OSError : the features cannot be written
+    """
+    facts = read_facts(folder)
+    (folder / FEATURE_ROWS).mkdir(exist_ok=True)
+    wanted: set[int] = set()
+    jobs = []
+    for job in _jobs(folder, facts, start, noise):
+        wanted.add(job.run)
+        if not _made(job):
+            jobs.append(job)
+    for run in numbers(folder, FEATURE_ROWS) - wanted:
+        row_path(folder, run, FEATURE_ROWS).unlink(missing_ok=True)
+    for count, _ in enumerate(executor.map(write_features, jobs), 1):
+        told(count, len(jobs))
+    sweep_rows(folder, FEATURE_ROWS)
+    return len(jobs), write_parquet(folder / FEATURES, lambda: _lines(folder))
+
+
+def write_features(job: FeatureJob) -> None:
+    """Compute the features of a run and write their row."""
+    row = {"run": job.run, "made_of": dict(job.made_of), "channels": list(_channels(job))}
+    write_row(job.folder, job.run, row, FEATURE_ROWS)
+
+
+def _jobs(folder: Path, facts: Mapping[str, Any], start: float, noise: float) -> Iterator[FeatureJob]:
+    layout = facts["layout"]
+    stored = [one["name"] for one in layout["signals"]]
+    signal = next((name for name in VIBRATION if name in stored), None)
+    if signal is None:
+        raise InputError(
+            f"{shown(folder)}: the data set holds no accelerations, only {', '.join(stored)}. Add them to `signals` "
+            "of the plan."
+        )
+    length = layout["samples"] / layout["rate"]
+    if not 0.0 <= start < length:
+        raise InputError(f"--start {start:g}: the runs last {length:g} s. Set a time from 0 to below that.")
+    plan = stored_plan(facts)
+    angle = ANGLE in stored
+    code = code_version(
+        "pipelines.signals.features.statistics",
+        "pipelines.signals.features.synchronous",
+        "pipelines.signals.features.turns",
+    )
+    for row in read_rows(folder):
+        if row["status"] == DONE:
+            yield FeatureJob(
+                folder=folder,
+                run=row["run"],
+                signal=signal,
+                sensors=tuple(layout["names"]["sensor" if signal == VIBRATION[0] else "bearing"]),
+                axes=tuple(layout["names"]["axis"]),
+                shafts=tuple(layout["names"]["shaft"]) if angle else (),
+                meshes=tuple(shaft_meshes(plan, row["values"])),
+                rate=layout["rate"],
+                start=start,
+                noise=noise,
+                made_of={
+                    "code": code,
+                    "start_s": start,
+                    "noise_m_s2": noise,
+                    "checksums": [row["checksums"].get(name) for name in (signal, ANGLE)],
+                },
+            )
+
+
+def _made(job: FeatureJob) -> bool:
+    """True if the row of a run is there and made of these signals in this way."""
+    try:
+        return read_row(job.folder, job.run, FEATURE_ROWS).get("made_of") == job.made_of
+    except InputError:
+        return False
+
+
+def _channels(job: FeatureJob) -> Iterator[dict[str, Any]]:
+    """The features of every channel, None where there are none."""
+    first = math.ceil(job.start * job.rate)
+    stored = read_run(job.folder, job.run, job.signal)
+    signal = noisy_run(stored, job.run, job.sensors, job.axes, job.noise, seed=0)[..., first:].astype(float)
+    time = np.arange(signal.shape[-1]) / job.rate
+    found = statistics(signal)
+    if job.shafts:
+        angles = read_run(job.folder, job.run, ANGLE)[:, first:]
+        for shaft, angle, meshes in zip(job.shafts, angles, job.meshes, strict=True):
+            of_shaft = _of_shaft(signal, time, angle, meshes)
+            found |= {f"{shaft}_{name}": values for name, values in of_shaft.items()}
+    for i, sensor in enumerate(job.sensors):
+        for j, axis in enumerate(job.axes):
+            values = {name: float(value[i, j]) for name, value in found.items()}
+            finite = {name: value if math.isfinite(value) else None for name, value in values.items()}
+            yield {"sensor": sensor, "axis": axis, **finite}
+
+
+def _of_shaft(signal: np.ndarray, time: np.ndarray, angle: np.ndarray, meshes: Meshes) -> dict[str, np.ndarray]:
+    """Features of the average over the longest stretch in which a shaft turns; none where it turns too seldom."""
+    stretches = moving_stretches(angle)
+    if not stretches:
+        return {}
+    longest = max(stretches, key=lambda one: one.stop - one.start)
+    rotation = Rotation(angle=angle, source="stored angle", error=0.0, absolute=True)
+    window = float(time[longest.start]), float(time[longest.stop - 1])
+    cut = cut_turns(signal.reshape(-1, signal.shape[-1]), time, rotation, 1.0, window)
+    if cut is None or cut.count < FEWEST_TURNS:
+        return {}
+    found = synchronous(average(cut.values, cut.orders, meshes))
+    return {name: values.reshape(signal.shape[:-1]) for name, values in found.items()}
+
+
+def _lines(folder: Path) -> Iterator[dict[str, Any]]:
+    for row in read_rows(folder, FEATURE_ROWS):
+        for channel in row["channels"]:
+            yield {"run": row["run"], **channel}

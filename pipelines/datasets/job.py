@@ -1,0 +1,135 @@
+"""One scene of a campaign, simulated in whatever process it comes to; its signals and its row are written there.
+
+Where the folder of the campaign cannot be reached, on a machine without a shared file system, both come back instead.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import time
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mbd.output.trajectory import Trajectory
+from pipelines.datasets.facts import FACTS
+from pipelines.datasets.labels import labels
+from pipelines.datasets.layout import RunLayout, run_arrays
+from pipelines.datasets.plan import Plan
+from pipelines.datasets.rows import DONE, FAILED, write_row
+from pipelines.datasets.scenes import Draw, scene_key, scene_of
+from pipelines.datasets.store import write_run
+from pipelines.datasets.workshop import Workshop
+from pipelines.engine.build_step import one_thread
+from pipelines.engine.cache import Cache
+from pipelines.io.errors import CacheWarning
+from pipelines.machine.checks.validity import checked_plant
+from pipelines.signals.motion_warnings import motion_warnings
+from pipelines.steps.motion import moved
+
+
+@dataclass(frozen=True, kw_only=True)
+class Job:
+    """A scene to simulate. `identity` is that of the campaign, `folder` where it lies on the commanding machine."""
+
+    plan: Plan
+    layout: RunLayout
+    folder: Path
+    identity: str
+    draw: Draw
+
+
+@dataclass(frozen=True, kw_only=True)
+class Done:
+    """The row of a scene; `arrays` are its signals where they could not be written here."""
+
+    run: int
+    row: Mapping[str, Any]
+    arrays: Mapping[str, np.ndarray] | None = None
+    written: bool
+
+
+def row_head(job: Job, status: str, reason: str = "") -> dict[str, Any]:
+    """What a row says of its scene however the simulation went."""
+    one = job.draw
+    told = {"run": one.run, "key": "", "status": status, "reason": reason, "values": dict(one.values)}
+    return told | {"group": one.group, "split": one.split}
+
+
+def work(job: Job) -> Done:
+    """Simulate a scene and write its signals, then its row. What is wrong with the scene stands in the row.
+
+    Raises
+    ------
+    OSError : something cannot be written or read; nothing is wrong with the scene
+    """
+    begun = time.perf_counter()
+    arrays: dict[str, np.ndarray] = {}
+    row = row_head(job, DONE)
+    try:
+        with one_thread(), warnings.catch_warnings():
+            warnings.simplefilter("once", CacheWarning)
+            found, arrays = _simulated(job)
+        row |= found
+    except OSError:
+        raise
+    except Exception as error:
+        row = row_head(job, FAILED, _reason(error))
+    here = _reaches(job.folder, job.identity)
+    if here and arrays:
+        row["checksums"] = write_run(job.folder, job.draw.run, arrays)
+    row["seconds"] = round(time.perf_counter() - begun, 3)
+    if here:
+        write_row(job.folder, job.draw.run, row)
+    return Done(run=job.draw.run, row=row, arrays=None if here or not arrays else arrays, written=here)
+
+
+def _simulated(job: Job) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    loaded = scene_of(job.plan, job.draw.values)
+    plant = checked_plant(loaded.scene, loaded.source.shown)
+    system = _workshop(str(Cache().folder)).system(plant)
+    begun = time.perf_counter()
+    motion = moved(system, plant.motion)
+    loop = time.perf_counter() - begun
+    row = {
+        "key": scene_key(loaded),
+        "labels": labels(plant),
+        "quality": quality(motion),
+        "loop_seconds": round(loop, 3),
+    }
+    return row, run_arrays(motion, job.layout)
+
+
+def quality(motion: Trajectory) -> dict[str, Any]:
+    """What a motion says of itself: error of the accelerations by the step, how long it can be repeated, warnings."""
+    return {
+        "step_error": motion.step_error,
+        "repeatable_until_s": motion.parted_at or float(motion.time[-1]),
+        "warnings": "; ".join(motion_warnings(motion)),
+    }
+
+
+@functools.lru_cache(maxsize=1)
+def _workshop(folder: str) -> Workshop:
+    """That of this process."""
+    return Workshop(Cache(folder))
+
+
+def _reaches(folder: Path, identity: str) -> bool:
+    """True if the folder of the campaign is here."""
+    try:
+        return json.loads((folder / FACTS).read_text(encoding="utf-8"))["identity"] == identity
+    except (OSError, ValueError, KeyError, TypeError):
+        return False
+
+
+def _reason(error: Exception) -> str:
+    """Why a scene failed, on one line."""
+    ours = type(error).__module__.partition(".")[0] in ("fem", "mbd", "pipelines")
+    name = "" if ours else f"{type(error).__name__}: "
+    return f"{name}{' '.join(str(error).split())}"[:1000]

@@ -1,0 +1,48 @@
+"""Labels: what is wrong in a scene, read from its plant, so that no label can contradict what was simulated."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from pipelines.machine.plant import Plant
+
+HEALTHY = "healthy"
+COLUMNS = {  # all columns of a data set that are no variables of its plan, and what they mean
+    "run": "number of the scene in the plan, and along the first dimension of every array",
+    "key": "SHA-256 of the scene with all its defaults; equal for equal scenes",
+    "status": "done, failed, or empty while the campaign runs",
+    "reason": "why it failed",
+    "group": "runs of one group are in one part of the split",
+    "split": "train, test or validation",
+    "label": "kinds of all faults, or healthy",
+    "places": "where they are, in words",
+    "severity": "size of the first fault: the value of the key severity_key in its table",
+    "severity_key": "key of that size with its unit, for example depth_mm",
+    "faults": "all faults with all their values, JSON",
+    "step_error": "estimated error of the accelerations by the time step, share of their rms",
+    "repeatable_until_s": "time after which the motion depends on rounding (rattling gears); else that of the last "
+    "sample",
+    "warnings": "kinds of warning: step (step_error above 5 %), repeat (see above), energy (balance does not close)",
+    "seconds": "computing time of the run, s",
+    "loop_seconds": "part of it in the time loop, s",
+}
+_SIZES = ("depth_mm", "depth_um", "unbalance_g_mm", "eccentricity_um", "bow_um")  # each grows as its fault does
+
+
+def labels(plant: Plant) -> dict[str, Any]:
+    """Labels of a scene: kinds and places of all faults in words, the size of the first one, and all tables.
+
+    `severity` is the number that stands in the scene under `severity_key`; None without a fault, or where the fault
+    has no size, as a missing tooth.
+    """
+    told = plant.labels
+    faults = json.loads(told["faults"])
+    size = next((key for key in _SIZES if faults and faults[0].get(key) is not None), None)
+    return {
+        "label": told["state"],
+        "places": "; ".join(plant.fault_words) or HEALTHY,
+        "severity": faults[0][size] if size else None,
+        "severity_key": size,
+        "faults": told["faults"],
+    }

@@ -1,0 +1,243 @@
+"""Plan: the TOML file of a campaign, validated with every error at once.
+
+scene = "bench"                     # a shipped scene, or a path ending in .toml
+design = "sobol"
+scenes = 2000
+
+[variables]
+speed_rpm = { from = 600.0, to = 1500.0 }
+state = ["healthy", "chipped"]
+
+[settings]                          # keys of the scene; "$..." is an expression of variables
+drive.speeds_rpm = [0.0, "$speed_rpm", "$speed_rpm"]
+
+[cases.state.healthy]               # settings that come with one value of a variable
+faults = []
+"""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+
+from pipelines.datasets.expressions import Expression, ExpressionError
+from pipelines.datasets.labels import COLUMNS
+from pipelines.datasets.variables import ListTable, Variable
+from pipelines.io.errors import InputError
+from pipelines.io.other_files import SCENE_KEYS
+from pipelines.io.toml_text import format_document
+from pipelines.scene.file import LoadedScene, Source, find_source, load_scene, parse, validate
+from pipelines.scene.merge import Merged, Whole, leaves
+from pipelines.scene.presets import preset_on
+from pipelines.scene.shipped_files import anchored
+from pipelines.scene.tables.base import Number, Table
+from pipelines.scene.tables.base import Whole as Integer
+
+MOST_SCENES = 1_000_000
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+_FIXED = ("simulation.end_s", "simulation.output_rate_Hz", "sensors", "probes")  # the arrays hold one length and shape
+_VIEWS = ("diagnosis", "control", "title", "extends")  # no motion depends on them
+
+
+class SplitTable(Table):
+    """Which scenes train and which test: scenes with equal values of all of `by` stay together."""
+
+    by: Annotated[
+        tuple[str, ...] | None,
+        Field(description="variables that form the groups; without it: those in deviations.seed"),
+    ] = None
+    test: Annotated[Number, Field(ge=0, lt=1, description="share of the groups for testing")] = 0.3
+    validation: Annotated[Number, Field(ge=0, lt=1, description="share of the groups for validation")] = 0.0
+
+
+class PlanTable(Table):
+    """A campaign: a scene, what is varied, and which scenes are drawn."""
+
+    title: Annotated[str, Field(max_length=200, description="one line that names the campaign")] = ""
+    licence: Annotated[str, Field(max_length=200, description="licence of the data set, printed in its card")] = ""
+    scene: Annotated[str, Field(description="a shipped scene, or a path ending in .toml")]
+    preset: Annotated[
+        Literal["draft", "standard", "reference"] | None,
+        Field(description="accuracy of meshes and time step; without it: as in the scene"),
+    ] = None
+    design: Annotated[
+        Literal["grid", "random", "latin-hypercube", "sobol"], Field(description="how the scenes are chosen")
+    ] = "sobol"
+    scenes: Annotated[Integer | None, Field(ge=1, le=MOST_SCENES, description="number of scenes; not with a grid")] = (
+        None
+    )
+    seed: Annotated[Integer, Field(ge=0, lt=2**63, description="seed of the random numbers")] = 1
+    signals: Annotated[
+        tuple[str, ...], Field(max_length=100, description="stored signals; without it: see docs/campaigns.md")
+    ] = ()
+    variables: Annotated[dict[str, Variable], Field(default={}, max_length=100, description="what is varied")]
+    settings: Annotated[dict[str, Any], Field(default={}, description='keys of the scene, "$..." is an expression')]
+    cases: Annotated[
+        dict[str, dict[str, dict[str, Any]]], Field(default={}, description="settings for each value of a variable")
+    ]
+    constraints: Annotated[tuple[str, ...], Field(max_length=100, description="expressions that must be true")] = ()
+    split: SplitTable = SplitTable()
+
+    @model_validator(mode="after")
+    def _consistent(self) -> PlanTable:
+        problems = [*self._names(), *self._cases(), *self._expressions(), *self._paths(), *self._counts()]
+        if problems:
+            raise ValueError("\n".join(problems))
+        return self
+
+    def _names(self) -> Iterator[str]:
+        for name in self.variables:
+            if not _NAME.fullmatch(name):
+                yield f"variables: {name!r} is not a valid name; use letters, digits and _, a letter first"
+            elif name in COLUMNS:
+                yield f"variables: {name!r} is a column of every data set; set another name"
+            elif name not in self.cases and not any(name in names for names in self._named()):
+                yield f'variables: {name!r} is not used; write "${name}" in [settings] or [cases], or delete it'
+        for name in self.split.by or ():
+            if name not in self.variables:
+                yield f"split.by: {name!r} is not a variable; allowed: {', '.join(self.variables) or 'none'}"
+        if self.split.test + self.split.validation >= 1.0:
+            yield (
+                f"split: test and validation add up to {self.split.test + self.split.validation:g}; reduce them below 1"
+            )
+
+    def _named(self) -> Iterator[tuple[str, ...]]:
+        """Names in each expression of the settings that can be read."""
+        for _, text in self.references():
+            with contextlib.suppress(ExpressionError):  # reported elsewhere
+                yield Expression(text[1:]).names
+
+    def _cases(self) -> Iterator[str]:
+        for name, cases in self.cases.items():
+            variable = self.variables.get(name)
+            if not isinstance(variable, ListTable):
+                yield f"cases.{name}: {name!r} is not a variable with a list of values; add it to [variables]"
+                continue
+            known = {str(value) for value in variable.values}
+            for case in cases:
+                if case not in known:
+                    yield f"cases.{name}.{case}: not a value of {name}; allowed: {', '.join(sorted(known))}"
+            for value in sorted(known - cases.keys()):
+                yield f"cases.{name}: {value} has no settings; add [cases.{name}.{value}], empty if nothing changes"
+
+    def _expressions(self) -> Iterator[str]:
+        texts = [("constraints", text) for text in self.constraints]
+        texts += [(".".join(path), text[1:]) for path, text in self.references()]
+        for where, text in texts:
+            try:
+                names = Expression(text).names
+            except ExpressionError as error:
+                yield f"{where}: {error}"
+                continue
+            for name in names:
+                if name not in self.variables:
+                    yield f"{where}: {name!r} is not a variable; allowed: {', '.join(self.variables) or 'none'}"
+
+    def _paths(self) -> Iterator[str]:
+        """Settings that no campaign can have, or that may not differ from scene to scene."""
+        varied = {path for path, _ in self.references()}
+        varied |= {path for cases in self.cases.values() for case in cases.values() for path in leaves(case)}
+        for path in sorted({*leaves(self.settings), *varied}):
+            name = ".".join(path)
+            if path[0] in _VIEWS:
+                yield f"{name}: no motion depends on it; delete it (noise and pieces are made from the stored signals)"
+            elif path in varied and name.startswith(_FIXED):
+                yield (
+                    f"{name}: must be alike in all scenes, as one array holds their signals; set a constant in "
+                    "[settings]"
+                )
+
+    def _counts(self) -> Iterator[str]:
+        if self.design == "grid":
+            if self.scenes is not None:
+                yield "scenes: the values of a grid give its number of scenes; delete the key"
+            for name, variable in self.variables.items():
+                try:
+                    variable.grid()
+                except ValueError as error:
+                    yield f"variables.{name}: {error}"
+        elif self.scenes is None:
+            yield "scenes: is missing; set the number of scenes"
+
+    def references(self) -> Iterator[tuple[tuple[str, ...], str]]:
+        """Texts of all settings that begin with $, by path."""
+        yield from expressions(self.settings)
+        for cases in self.cases.values():
+            for case in cases.values():
+                yield from expressions(case)
+
+
+def expressions(value: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Texts in a tree that begin with $, by path; items count from 1."""
+    if isinstance(value, Mapping):
+        for key, item in value.items():
+            yield from expressions(item, (*path, str(key)))
+    elif isinstance(value, list | tuple):
+        for number, item in enumerate(value, 1):
+            yield from expressions(item, (*path, str(number)))
+    elif isinstance(value, str) and value.startswith("$"):
+        yield path, value
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """A valid plan with its scene: `tree` is that of the scene before variables, without control and windows."""
+
+    name: str
+    text: str
+    table: PlanTable
+    tree: Mapping[str, Any]
+
+
+def load_plan(file: str | Path) -> Plan:
+    """Read a plan and its scene.
+
+    Raises
+    ------
+    SceneError : with all problems of the plan, or of the scene
+    InputError : a file is missing or not TOML
+    """
+    name = str(file)
+    if not name.endswith(".toml"):
+        raise InputError(f"{name}: the plan of a campaign must end in .toml. docs/campaigns.md shows one.")
+    source = find_source(name)
+    tree = parse(source)
+    if any(key in tree for key in SCENE_KEYS):
+        raise InputError(
+            f"{source.shown}: this is a scene, and the plan of a campaign is needed. Write a plan that names the "
+            "scene, as docs/campaigns.md shows."
+        )
+    table, _ = validate(Merged(anchored(tree, source.folder)), PlanTable, source.shown)
+    return Plan(name=source.name, text=source.text, table=table, tree=_base_tree(source, table))
+
+
+def plan_on(loaded: LoadedScene, tables: Mapping[str, Any], name: str) -> Plan:
+    """A plan on a scene that is at hand, with all its settings, from the tables that a file would hold but `scene`.
+
+    Raises
+    ------
+    SceneError : with all problems of the tables
+    """
+    told = {"scene": loaded.name, **tables}
+    table, _ = validate(Merged(told), PlanTable, f"plan {name}")
+    return Plan(name=name, text=format_document(told), table=table, tree=_bare(loaded.tree))
+
+
+def _base_tree(source: Source, table: PlanTable) -> dict[str, Any]:
+    """The scene of a plan with its preset, as a tree that needs no other scene."""
+    found = find_source(table.scene, source.folder)
+    loaded = load_scene(found.name if found.folder is None else found.folder / f"{found.name}.toml")
+    return _bare(preset_on(loaded, table.preset).tree if table.preset else loaded.tree)
+
+
+def _bare(tree: Mapping[str, Any]) -> dict[str, Any]:
+    """A scene that is compared with nothing: without control, and without windows, which its length may not hold."""
+    bare = {key: value for key, value in tree.items() if key != "control"}
+    diagnosis = {key: value for key, value in bare.get("diagnosis", {}).items() if key != "windows_s"}
+    return {**bare, "diagnosis": Whole(diagnosis)} if diagnosis else {k: v for k, v in bare.items() if k != "diagnosis"}

@@ -1,0 +1,78 @@
+"""A data set as one xarray.Dataset: signals read run by run when they are asked for, rows as coordinates along `run`.
+
+One chunk holds one run of one signal, so that `dataset.acceleration[17]` reads one file. Nothing is kept in memory and
+no scheduler is needed.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pipelines.datasets.columns import read_columns
+from pipelines.datasets.facts import read_facts
+from pipelines.datasets.store import SIGNALS
+from pipelines.io.errors import InputError
+from pipelines.io.shown import shown
+
+if TYPE_CHECKING:
+    import xarray
+
+START = "start"  # of a piece
+VIBRATION = ("acceleration", "journal_acceleration")  # on the casing; without one, of the shafts in their bearings
+
+
+def open_dataset(folder: str | Path) -> xarray.Dataset:
+    """The signals of a data set over run and time, with the columns of its rows along `run`, also while it grows.
+
+    A run that is not there yet has the status "" and reads as NaN. A variable of the plan that is named like a signal
+    or a dimension has `variable_` in front of its name.
+
+    Raises
+    ------
+    InputError : the folder holds no data set, or a damaged one
+    """
+    import xarray
+    from zarr.errors import BaseZarrError
+
+    folder = Path(folder)
+    facts = read_facts(folder)
+    try:
+        opened = xarray.open_dataset(
+            folder / SIGNALS,
+            engine="zarr",
+            chunks=None,
+            cache=False,
+            consolidated=False,
+            decode_times=False,
+            mask_and_scale=False,
+        )
+    except (OSError, ValueError, KeyError, BaseZarrError) as error:
+        path = shown(folder / SIGNALS)
+        raise InputError(f"{path}: cannot be read ({shown(str(error))}). Give the folder of a data set.") from error
+    names = {name: values for name, values in facts["layout"]["names"].items() if isinstance(values[0], str)}
+    texts = {name: (name, np.array(values, dtype=np.str_)) for name, values in names.items()}
+    columns = read_columns(folder, opened.sizes["run"])
+    taken = {*opened.variables, START}
+    named = {f"variable_{name}" if name in taken else name: values for name, values in columns.items()}
+    given = opened.assign_coords(texts).assign_coords({name: ("run", values) for name, values in named.items()})
+    return given.assign_attrs(folder=str(folder), rate_Hz=facts["layout"]["rate"])
+
+
+def vibration(dataset: xarray.Dataset) -> xarray.DataArray:
+    """The accelerations (run, sensor, axis, time): those on the casing, or of the journals, whose bearings are sensors.
+
+    Raises
+    ------
+    InputError : the data set has none
+    """
+    for name in VIBRATION:
+        if name in dataset:
+            found = dataset[name]
+            return found.rename(bearing="sensor") if "bearing" in found.dims else found
+    raise InputError(
+        f"the data set holds no accelerations, only {', '.join(map(str, dataset.data_vars))}. Add them to `signals` "
+        "of the plan."
+    )

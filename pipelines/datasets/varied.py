@@ -1,0 +1,95 @@
+"""What was varied in a data set, how, and what came of it: a row per variable of the plan."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from pipelines.io.grid import Grid
+
+_DESIGNS = {
+    "grid": "every point of a grid",
+    "random": "independent random samples",
+    "latin-hypercube": "Latin hypercube",
+    "sobol": "Sobol points, scrambled after Owen",
+}
+_MOST_VALUES = 8  # of a list that are shown
+
+
+def varied_grid(plan: Mapping[str, Any], columns: Mapping[str, np.ndarray]) -> Grid:
+    """Variables with their distribution and the range of the runs that have a row.
+
+    Parameters
+    ----------
+    plan : in campaign.json
+    columns : see `pipelines.datasets.columns.read_columns`
+    """
+    rows = [
+        (name, distribution(variable), ", ".join(sets(plan, name)), observed(columns.get(name, np.array([]))))
+        for name, variable in plan["variables"].items()
+    ]
+    return Grid(title="", headers=("variable", "distribution", "sets", "in the rows"), rows=tuple(rows))
+
+
+def sets(plan: Mapping[str, Any], variable: str) -> list[str]:
+    """Keys of the scene that hang on a variable; they say its unit."""
+    name = re.compile(rf"\b{variable}\b")
+    cases = [case for values in plan["cases"].values() for case in values.values()]
+    found = [path for tree in (plan["settings"], *cases) for path, text in _expressions(tree, "") if name.search(text)]
+    return list(dict.fromkeys(found + [f"cases.{variable}"] * (variable in plan["cases"])))
+
+
+def _expressions(value: Any, path: str) -> Iterator[tuple[str, str]]:
+    """Expressions in a tree by the key that they stand under; items of a list stand under that of the list."""
+    if isinstance(value, Mapping):
+        for key, item in value.items():
+            yield from _expressions(item, f"{path}.{key}" if path else str(key))
+    elif isinstance(value, list):
+        for item in value:
+            yield from _expressions(item, path)
+    elif isinstance(value, str) and value.startswith("$"):
+        yield path, value[1:]
+
+
+def design_words(plan: Mapping[str, Any]) -> str:
+    """How the scenes were chosen, and from which seed."""
+    words = _DESIGNS[plan["design"]]
+    seed = "" if plan["design"] == "grid" else f", seed {plan['seed']}"
+    limits = f"; only where {' and '.join(plan['constraints'])}" if plan["constraints"] else ""
+    return f"{words}{seed}{limits}"
+
+
+def distribution(variable: Mapping[str, Any]) -> str:
+    """The distribution of a variable of the plan in words."""
+    low, high = variable.get("from"), variable.get("to")
+    if "distribution" in variable:
+        given = ", ".join(f"{name} {value:g}" for name, value in variable["parameters"].items())
+        limits = [f"{word} {limit:g}" for word, limit in (("from", low), ("to", high)) if limit is not None]
+        cut = f", cut off {' '.join(limits)}" if limits else ""
+        return f"{variable['distribution']} of scipy.stats ({given}){cut}"
+    if "values" in variable:
+        return _list_words(variable["values"], variable["weights"])
+    kind = "whole numbers" if isinstance(low, int) and isinstance(high, int) else "uniform"
+    levels = f", {variable['levels']} levels" if variable.get("levels") else ""
+    return f"{kind} from {low:g} to {high:g}{levels}"
+
+
+def _list_words(values: list[Any], weights: list[float] | None) -> str:
+    shown = [str(value) for value in values]
+    if weights is not None:
+        shown = [f"{text} ({100 * weight / sum(weights):.3g} %)" for text, weight in zip(shown, weights, strict=True)]
+    left = len(shown) - _MOST_VALUES
+    return f"one of {', '.join(shown[:_MOST_VALUES])}{f' and {left} more' if left > 0 else ''}"
+
+
+def observed(values: np.ndarray) -> str:
+    """Range of numbers, or how often each text came; runs without a value are left out."""
+    if values.dtype.kind in "fi":
+        found = values[np.isfinite(values)]
+        return f"{found.min():.6g} to {found.max():.6g}" if found.size else "none yet"
+    names, counts = np.unique([str(value) for value in values if value], return_counts=True)
+    shown = [f"{name} {count}" for name, count in zip(names, counts, strict=True)]
+    return ", ".join(shown[:_MOST_VALUES]) or "none yet"

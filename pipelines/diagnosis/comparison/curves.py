@@ -1,0 +1,134 @@
+"""Curves of one channel of several recordings over axes that are the same for all of them.
+
+Every recording is read at the same number of places per turn of the first shaft, so that it holds the same orders,
+and its spectra are averaged over blocks of the same number of turns, so that they have the same resolution.
+
+References
+----------
+Fyfe & Munck (1997), Mech. Syst. Signal Process. 11(2), 187-205 (order spectra); Welch (1967), IEEE Trans. Audio
+Electroacoust. 15(2), 70-73 (averaged spectra); Ho & Randall (2000), Mech. Syst. Signal Process. 14(5), 763-788
+(spectrum of the squared envelope).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipelines.diagnosis.comparison.part import Channel, Part
+from pipelines.signals.features.band import squared_envelope
+from pipelines.signals.features.recorded import FeatureError, envelope_band
+from pipelines.signals.orders.revolutions import HIGHEST, revolutions
+
+MOST_TURNS = 64  # in a block: more lines than can be seen
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Curves:
+    """Curves of `channel` in the first window of every recording, a row each.
+
+    `spectrum` (recording, order) are one-sided peak amplitudes in m/s2 over `orders` of the first shaft, `envelope`
+    (recording, order) those of the squared envelope over its mean, in the range of orders `band`; `average`
+    (recording, place) in m/s2 is over a turn of `shaft` with its mean removed, `turned` of each has been turned to lie
+    over the first, as the place where its turns begin is not known.
+    """
+
+    channel: Channel
+    orders: np.ndarray
+    spectrum: np.ndarray
+    envelope: np.ndarray
+    band: tuple[float, float]
+    turns: int  # in a block
+    shaft: str
+    average: np.ndarray
+    turned: tuple[bool, ...]
+
+
+def curves(parts: Sequence[Part], channel: Channel, shaft: str) -> Curves:
+    """The curves of recordings with the same channels and rate.
+
+    Parameters
+    ----------
+    parts : as `pipelines.diagnosis.comparison.part.brought_together` gives them
+    channel : sensor and axis
+    shaft : whose turns are averaged
+
+    Raises
+    ------
+    FeatureError : the first shaft does not turn once in a window, or the rate holds no envelope
+    """
+    highest = min(HIGHEST * part.rate / part.windows[0].frequency for part in parts)
+    guard = max(_guard(part) for part in parts)
+    places = 2 * math.ceil(0.5 * highest / HIGHEST)
+    row = parts[0].channels.index(channel)
+    turns = [_turns(part, row, 1.0, places) for part in parts]
+    for part, one in zip(parts, turns, strict=True):
+        if not len(one):
+            name = part.kinematics.shafts[0].name
+            raise FeatureError(
+                f"{part.name}: {name} makes less than one revolution in the window. Choose a longer window."
+            )
+    block = min(MOST_TURNS, *(len(one) for one in turns))
+    share = (guard / places, highest / places)
+    pairs = [_spectra(one, block, share) for one in turns]
+    ratio = parts[0].kinematics.shaft(shaft).ratio
+    averages = [
+        _average(_turns(part, row, part.kinematics.shaft(shaft).ratio, 2 * math.ceil(0.5 * places / ratio)))
+        for part in parts
+    ]
+    turned = [not all(one.rotation.places_teeth(shaft) for one in (part, parts[0])) for part in parts[1:]]
+    laid = [_over(averages[0], one) if known else one for one, known in zip(averages[1:], turned, strict=True)]
+    kept = int(highest * block) + 1
+    return Curves(
+        channel=channel,
+        orders=np.arange(kept) / block,
+        spectrum=np.array([spectrum[:kept] for spectrum, _ in pairs]),
+        envelope=np.array([envelope[:kept] for _, envelope in pairs]),
+        band=(guard, highest),
+        turns=block,
+        shaft=shaft,
+        average=np.array([averages[0], *laid]),
+        turned=(False, *turned),
+    )
+
+
+def _guard(part: Part) -> float:
+    """Lower end of the range of the envelope, in orders of the first shaft."""
+    frequency = part.windows[0].frequency
+    return envelope_band(part.kinematics, part.time, frequency)[0] / frequency
+
+
+def _turns(part: Part, row: int, ratio: float, places: int) -> np.ndarray:
+    """Values (turn, place) of a channel over the whole turns of a shaft in the first window."""
+    span = (part.windows[0].start, part.windows[0].end)
+    return revolutions(part.acceleration[row], part.time, part.rotation, ratio, places, [span])
+
+
+def _spectra(turns: np.ndarray, block: int, share: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Amplitudes (order,) of a signal (turn, place), and those of its squared envelope over the mean of that."""
+    envelope = squared_envelope(turns.ravel(), share)
+    return _amplitudes(turns.ravel(), block * turns.shape[1]), _amplitudes(
+        envelope / envelope.mean(), block * turns.shape[1]
+    )
+
+
+def _amplitudes(values: np.ndarray, size: int) -> np.ndarray:
+    """One-sided peak amplitudes with a Hann window, mean power of blocks that overlap by half."""
+    from scipy.signal import welch
+
+    return np.sqrt(2.0 * welch(values, nperseg=size, window="hann", scaling="spectrum")[1])
+
+
+def _average(turns: np.ndarray) -> np.ndarray:
+    """The mean turn (place,) less its mean."""
+    mean = turns.mean(axis=0)
+    return mean - mean.mean()
+
+
+def _over(first: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """The other average, turned to where it is most like the first one."""
+    likeness = np.fft.irfft(np.fft.rfft(first) * np.conj(np.fft.rfft(other)), len(first))
+    return np.roll(other, int(np.argmax(likeness)))

@@ -1,0 +1,64 @@
+"""A comparison as labelled arrays."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pipelines.diagnosis.comparison.features import features_of
+from pipelines.diagnosis.comparison.part import brought_together, part_of
+from pipelines.io.errors import InputError
+from pipelines.io.shown import shown
+from pipelines.signals.features.recorded import FeatureError
+from pipelines.signals.orders.kinematics import Kinematics
+from pipelines.signals.orders.rotation import RotationError
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def labelled_comparison(recordings: Mapping[str, xarray.Dataset], kinematics: Kinematics) -> xarray.Dataset:
+    """Features of recordings of one machine.
+
+    `value` (recording, component, feature) in the unit of the feature, `difference` over the first recording in dB,
+    `speed` (recording,) of the first shaft in rad/s; NaN where there is none.
+
+    Raises
+    ------
+    InputError : fewer than two recordings, one that has no features, or no channel in common
+    """
+    import xarray
+
+    if len(recordings) < 2:
+        raise InputError(
+            f"{len(recordings)} recording{'' if len(recordings) == 1 else 's'} given. Give two or more to compare."
+        )
+    parts = []
+    for number, (name, recording) in enumerate(recordings.items(), 1):
+        try:
+            parts.append(part_of(name, recording, kinematics, stream=number))
+        except (FeatureError, RotationError) as error:
+            raise InputError(f"{shown(name)}: {error}") from error
+    try:
+        found = features_of(brought_together(parts))
+    except FeatureError as error:
+        raise InputError(str(error)) from error
+    components, features = (list(dict.fromkeys(names)) for names in zip(*found.lines, strict=True))
+    value = np.full((len(parts), len(components), len(features)), np.nan)
+    difference = value.copy()
+    for i, (component, feature) in enumerate(found.lines):
+        place = (slice(None), components.index(component), features.index(feature))
+        value[place], difference[place] = found.value[:, i], found.difference[:, i]
+    speed = np.array([2.0 * math.pi * part.windows[0].frequency for part in parts])
+    dims = ("recording", "component", "feature")
+    return xarray.Dataset(
+        {
+            "value": (dims, value),
+            "difference": (dims, difference, {"units": "dB"}),
+            "speed": (dims[:1], speed, {"units": "rad/s"}),
+        },
+        coords={"recording": list(recordings), "component": components, "feature": features},
+    )

@@ -1,0 +1,169 @@
+"""A part of a recording that is compared, and several of them brought to the same channels and the same rate."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.numerics.interpolation import interpolated
+from pipelines.diagnosis.simulated import with_stated_noise
+from pipelines.signals.features.recorded import FeatureError, recorded_channels
+from pipelines.signals.motion_warnings import told
+from pipelines.signals.orders.kinematics import Kinematics
+from pipelines.signals.orders.rotation import Rotation
+from pipelines.signals.orders.rotation_of import rotation_of
+
+if TYPE_CHECKING:
+    import xarray
+
+SAME_RATE = 1e-6  # relative: clocks of recorders differ by more, and nothing here notices
+
+Channel = tuple[str, str]  # sensor and axis
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Window:
+    """A window of a recording: `start` and `end` (s) within it, turns of the first shaft, its mean frequency (Hz)."""
+
+    name: str
+    start: float
+    end: float
+    turns: float
+    frequency: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Part:
+    """A recording of which the windows are looked at.
+
+    `acceleration` (channel, time) in m/s2 of `channels` at even `time` (s), `recorded_rate` the rate of the file (Hz);
+    `warnings` are the sentences that came with it.
+    """
+
+    name: str
+    kinematics: Kinematics
+    rotation: Rotation
+    windows: tuple[Window, ...]
+    channels: tuple[Channel, ...]
+    time: np.ndarray
+    acceleration: np.ndarray
+    recorded_rate: float
+    warnings: tuple[str, ...]
+
+    @property
+    def rate(self) -> float:
+        """Samples per second."""
+        return (len(self.time) - 1) / float(self.time[-1] - self.time[0])
+
+    @property
+    def spans(self) -> dict[str, tuple[float, float]]:
+        """Start and end (s) of the windows by name."""
+        return {window.name: (window.start, window.end) for window in self.windows}
+
+    def dataset(self) -> xarray.Dataset:
+        """The recording in the form in which its features are taken; NaN where a sensor does not have an axis."""
+        import xarray
+
+        sensors, axes = (list(dict.fromkeys(names)) for names in zip(*self.channels, strict=True))
+        laid = np.full((len(sensors), len(axes), len(self.time)), np.nan)
+        for (sensor, axis), signal in zip(self.channels, self.acceleration, strict=True):
+            laid[sensors.index(sensor), axes.index(axis)] = signal
+        return xarray.Dataset(
+            {"acceleration": (("sensor", "axis", "time"), laid)},
+            coords={"sensor": sensors, "axis": axes, "time": self.time},
+        )
+
+
+def part_of(
+    name: str,
+    recording: xarray.Dataset,
+    kinematics: Kinematics,
+    windows: Mapping[str, tuple[float, float]] | None = None,
+    stream: int = 1,
+) -> Part:
+    """The channels of a recording that hold a signal, with its rotation.
+
+    Parameters
+    ----------
+    name : as results show it
+    recording : simulated or measured
+    kinematics : of its machine
+    windows : name -> start and end (s) of what is looked at; the whole recording if None
+    stream : number of the sensor noise that is added to a simulated response
+
+    Raises
+    ------
+    FeatureError : no accelerations, no channel with a signal, or a window that lies beside the recording
+    RotationError : see `pipelines.signals.orders.rotation_of`
+    """
+    if "acceleration" not in recording and "journal_acceleration" not in recording:
+        raise FeatureError("the recording holds no accelerations. Add sensors to the scene, or give another recording")
+    rotation = rotation_of(recording, kinematics)
+    sensors, axes, values = recorded_channels(with_stated_noise(recording, stream))
+    time = np.asarray(recording.time.values, dtype=float)
+    whole = {"whole": (float(time[0]), float(time[-1]))}
+    return Part(
+        name=name,
+        kinematics=kinematics,
+        rotation=rotation,
+        windows=tuple(_window(one, span, time, rotation) for one, span in (windows or whole).items()),
+        channels=tuple(zip(sensors, axes, strict=True)),
+        time=time,
+        acceleration=values,
+        recorded_rate=(len(time) - 1) / float(time[-1] - time[0]),
+        warnings=tuple(told(recording.attrs).values()),
+    )
+
+
+def _window(name: str, span: tuple[float, float], time: np.ndarray, rotation: Rotation) -> Window:
+    """What lies of a window in the recording, with the turns and the mean speed there."""
+    first, last = np.searchsorted(time, span[0]), np.searchsorted(time, span[1], side="right") - 1
+    if not last > first:
+        raise FeatureError(
+            f"window {span[0]:g} to {span[1]:g} s: the recording lasts from {time[0]:g} to {time[-1]:g} s. Choose a "
+            "window within it, its start before its end."
+        )
+    turns = abs(float(rotation.angle[last] - rotation.angle[first])) / (2.0 * math.pi)
+    start, end = float(time[first]), float(time[last])
+    return Window(name=name, start=start, end=end, turns=turns, frequency=turns / (end - start))
+
+
+def brought_together(parts: Sequence[Part]) -> tuple[Part, ...]:
+    """The parts with the channels that all have, at the lowest of their rates.
+
+    Raises
+    ------
+    FeatureError : they have no channel in common
+    """
+    common = [channel for channel in parts[0].channels if all(channel in part.channels for part in parts)]
+    if not common:
+        sensors = "; ".join(f"{part.name}: {', '.join(' '.join(one) for one in part.channels[:9])}" for part in parts)
+        raise FeatureError(
+            f"no channel is in all recordings ({sensors}). Set the same sensor names in the machine file."
+        )
+    lowest = min(part.rate for part in parts)
+    return tuple(_at_rate(_with_channels(part, common), lowest) for part in parts)
+
+
+def _with_channels(part: Part, channels: Sequence[Channel]) -> Part:
+    rows = [part.channels.index(channel) for channel in channels]
+    return replace(part, channels=tuple(channels), acceleration=part.acceleration[rows])
+
+
+def _at_rate(part: Part, rate: float) -> Part:
+    """The part at a lower rate: what lies above 0.55 of it is filtered out, what lies below 0.45 is kept."""
+    if part.rate <= rate * (1.0 + SAME_RATE):
+        return part
+    count = int((part.time[-1] - part.time[0]) * rate * (1.0 + SAME_RATE)) + 1
+    position = np.minimum(np.arange(count) * part.rate / rate, len(part.time) - 1)
+    angle = np.interp(position, np.arange(len(part.time)), part.rotation.angle)
+    return replace(
+        part,
+        time=part.time[0] + np.arange(count) / rate,
+        rotation=replace(part.rotation, angle=angle),
+        acceleration=interpolated(part.acceleration, position, rate / part.rate),
+    )

@@ -1,0 +1,123 @@
+"""A comparison in words: the recordings with their speeds, the table of features, and what could not be compared."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+
+import numpy as np
+
+from pipelines.diagnosis.comparison.features import Features
+from pipelines.diagnosis.comparison.part import Part
+from pipelines.diagnosis.words import NAMES
+from pipelines.io.grid import Grid
+from pipelines.signals.orders.revolutions import HIGHEST
+
+LETTERS = "ABCDEFGHIJ"  # names of the recordings in tables and figures, so many are compared
+IN_SIGNAL_UNITS = ("rms", "order_1", "order_2", "tsa_rms", "difference_rms")  # the others are ratios
+UNITS = "m/s2"
+
+
+def recordings_grid(parts: Sequence[Part]) -> Grid:
+    """Every window of every recording with its speed; `parts` as they were recorded."""
+    rows = []
+    for letter, part in zip(LETTERS, parts, strict=False):
+        for window in part.windows:
+            meshes = [order * window.frequency for order in part.kinematics.mesh_orders().values()]
+            error = f" (to {100 * part.rotation.error:.1g} %)" if part.rotation.error else ""
+            rows.append(
+                (
+                    letter,
+                    part.name,
+                    f"{window.start:.4g} to {window.end:.4g}",
+                    f"{window.turns:.1f}",
+                    f"{60 * window.frequency:.5g}{error}",
+                    ", ".join(f"{mesh:.5g}" for mesh in meshes) or "-",
+                    f"{part.recorded_rate:.6g}",
+                    part.rotation.source,
+                )
+            )
+    headers = ("", "recording", "s", "turns", "rpm", "f_m Hz", "samples/s", "speed from")
+    return Grid(title="Recordings, turns and speed of the first shaft", headers=headers, rows=tuple(rows))
+
+
+def features_grid(found: Features) -> Grid:
+    """A row per component and feature: values, and differences over the first recording in dB."""
+    letters = LETTERS[: len(found.tables)]
+    rows = tuple(
+        (
+            component,
+            NAMES.get(feature, feature),
+            unit_of(feature),
+            *(_cell(value, ".3g") for value in values),
+            *(_cell(one, "+.1f") for one in differences[1:]),
+        )
+        for (component, feature), values, differences in zip(
+            found.lines, found.value.T, found.difference.T, strict=True
+        )
+    )
+    headers = ("component", "feature", "unit", *letters, *(f"{letter} - A dB" for letter in letters[1:]))
+    title = "Features in these windows, mean over the common channels; a channel is one axis of a sensor"
+    return Grid(title=title, headers=headers, rows=rows)
+
+
+def features_csv(found: Features) -> str:
+    """The table of features as a CSV text with all digits; empty where a recording does not have a line."""
+    letters = LETTERS[: len(found.tables)]
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["component", "feature", "unit", *letters, *(f"{letter} - A dB" for letter in letters[1:])])
+    for (component, feature), values, differences in zip(found.lines, found.value.T, found.difference.T, strict=True):
+        numbers = [f"{one:.9g}" if np.isfinite(one) else "" for one in (*values, *differences[1:])]
+        writer.writerow([component, feature, unit_of(feature), *numbers])
+    return text.getvalue()
+
+
+def unit_of(feature: str) -> str:
+    """Unit of a feature."""
+    return UNITS if feature in IN_SIGNAL_UNITS else "1"
+
+
+def remarks(recorded: Sequence[Part], parts: Sequence[Part], found: Features) -> list[str]:
+    """What was done to make the recordings comparable, and what could not be compared.
+
+    `recorded` are the parts as they were, `parts` those with the same channels and rate.
+    """
+    named = list(zip(LETTERS, recorded, strict=False))
+    lines = [f"Warning: {letter} {warning}" for letter, part in named for warning in part.warnings]
+    if len(parts[0].channels) < max(len(part.channels) for part in recorded):
+        alone = [
+            f"{letter} {_channels([one for one in part.channels if one not in parts[0].channels])}"
+            for letter, part in named
+            if len(part.channels) > len(parts[0].channels)
+        ]
+        lines.append(f"Compared at {_channels(parts[0].channels)}. Not in all recordings: {'; '.join(alone)}.")
+    if any(part.time is not other.time for part, other in zip(parts, recorded, strict=True)):
+        orders = min(HIGHEST * part.rate / part.windows[0].frequency for part in parts)
+        lines.append(
+            f"The sampling rates differ. All are compared at the lowest, {parts[0].rate:.6g} samples/s, which contains "
+            f"orders up to {orders:.4g} of the first shaft."
+        )
+    if unlike := [letter for letter, part in named[1:] if _train(part) != _train(recorded[0])]:
+        lines.append(f"The machine of {', '.join(unlike)} has other gears or shafts than that of A.")
+    for words in dict.fromkeys("; ".join(table.left_out) for table in found.tables if table.left_out):
+        letters = [
+            letter for letter, table in zip(LETTERS, found.tables, strict=False) if "; ".join(table.left_out) == words
+        ]
+        lines.append(f"Left out in {', '.join(letters)} because of too few revolutions: {words}.")
+    return lines
+
+
+def _train(part: Part) -> tuple[object, ...]:
+    """Shafts and teeth, which determine the orders."""
+    gears = tuple((gear.name, gear.shaft, gear.teeth) for gear in part.kinematics.gears)
+    return (tuple((shaft.name, round(shaft.ratio, 9)) for shaft in part.kinematics.shafts), gears)
+
+
+def _channels(channels: Sequence[tuple[str, str]]) -> str:
+    return ", ".join(" ".join(channel) for channel in channels)
+
+
+def _cell(value: float, form: str) -> str:
+    return format(value, form) if np.isfinite(value) else "-"

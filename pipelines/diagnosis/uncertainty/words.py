@@ -1,0 +1,45 @@
+"""Error bars in words: a table for each window, and the sentences on what they hold."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pipelines.diagnosis.uncertainty.line_bars import Band, LineBar, LineBars
+from pipelines.io.grid import Grid
+
+
+def bars_grid(bars: Sequence[LineBar], window: str) -> Grid:
+    """The bars of the lines of a window; where no numerical error is known there is no column for it."""
+    numerical = any(bar.numerical is not None for bar in bars)
+    known = ("numerical uncertainty dB", "its main source") if numerical else ()
+    headers = ("line", "frequency Hz", "level m/s²", *known, "uncertain damping dB")
+    rows = tuple(
+        (
+            f"envelope {bar.label}" if bar.kind == "envelope" else bar.label,
+            f"{bar.frequency:.3f}",
+            f"{bar.level:.3g}",
+            *(_numerical_cells(bar.numerical) if numerical else ()),
+            str(bar.inputs),
+        )
+        for bar in bars
+    )
+    title = f"Error bars in the window {window}: 5 to 95 % of the samples, dB over the level of the faulty run"
+    return Grid(
+        title=title,
+        headers=headers,
+        rows=rows,
+        marked=frozenset(i for i, bar in enumerate(bars) if bar.detected),
+    )
+
+
+def bars_words(found: LineBars | str) -> str:
+    """Tables and sentences for the terminal, or why there are none."""
+    if isinstance(found, str):
+        return found + "\n"
+    windows = dict.fromkeys(bar.window for bar in found.bars)
+    parts = [bars_grid(found.of(window), window).to_text() for window in windows]
+    return "\n\n".join([*parts, "\n".join(found.notes)]) + "\n"
+
+
+def _numerical_cells(band: Band | None) -> tuple[str, str]:
+    return ("", "") if band is None else (str(band), f"{band.source} ({100 * band.share:.0f} %)")

@@ -1,0 +1,103 @@
+"""Errors that a command turns into one readable message and an exit code (2: the input, 1: the work)."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from fem.storage.cache_folder import CacheWarning as CacheWarning
+from pipelines.io.shown import MOST_LINES, shown
+
+
+class InputError(ValueError):
+    """Something the user gave cannot be used: a file, a folder, an option (exit code 2)."""
+
+
+class WorkError(RuntimeError):
+    """The input was fine, the work on it failed (exit code 1)."""
+
+
+class SceneWarning(UserWarning):
+    """A scene is computed otherwise than its files say, by what was set on top of them."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing that is wrong in a scene: where, what, and what to do."""
+
+    path: str  # "stages.1.face_width_mm"; "" for the scene as a whole
+    message: str  # "must be greater than 0"
+    remedy: str = ""  # "Give a number above 0."
+    shown: str | None = None  # the value as written, None where there is none
+
+    def __str__(self) -> str:
+        """``path = value: message. Remedy.``"""
+        path = shown(self.path)
+        head = path if self.shown is None else f"{path} = {shown(self.shown)}"
+        text = f"{head}: {self.message}" if head else self.message
+        if self.remedy:
+            text = f"{text.rstrip('.')}. {self.remedy}"
+        return text
+
+
+def problem_of(path: str, line: str) -> Problem:
+    """What a part refuses in one line, at the path of its table; "key = value: ..." is a problem of that key."""
+    found = re.match(r'([a-z]\w*) = (".*?"|\S+): (.+)', line)
+    if found is None:
+        return Problem(path, line)
+    key, value, message = found.groups()
+    return Problem(f"{path}.{key}" if path else key, message, shown=value)
+
+
+class SceneError(InputError):
+    """A scene is not valid. `problems` lists what was found, not only the first; `unlisted` counts the others."""
+
+    def __init__(self, source: str, problems: Sequence[Problem], unlisted: int = 0) -> None:
+        self.source = source
+        self.problems = tuple(problems)
+        self.unlisted = unlisted
+        number = len(self.problems) + unlisted
+        lines = [f"  {problem}" for problem in self.problems[: MOST_LINES - 1]]
+        if number > len(lines):
+            lines = lines[: MOST_LINES - 2]
+            lines.append(f"  and {number - len(lines)} more")
+        count = "1 problem" if number == 1 else f"{number} problems"
+        super().__init__("\n".join([f"{shown(source)}: {count}", *lines]))
+
+    def __reduce__(self) -> tuple:
+        return type(self), (self.source, self.problems, self.unlisted)
+
+
+class Problems(list[Problem]):
+    """Problems of a scene, collected while its parts are made; `refusals` are the errors by which parts refuse values.
+
+    Parameters
+    ----------
+    *refusals : classes of errors
+    """
+
+    def __init__(self, *refusals: type[Exception]) -> None:
+        super().__init__()
+        self._refusals = refusals
+
+    def made(self, path: str, make: Callable[..., Any], *arguments: Any) -> Any:
+        """What a function makes of its arguments; None where it refuses, a problem of the table at a path."""
+        try:
+            return make(*arguments)
+        except SceneError as error:
+            self += error.problems
+        except self._refusals as error:
+            self.append(problem_of(path, str(error)))
+        return None
+
+    def each(self, path: str, makes: Iterable[Callable[[], Any]]) -> tuple[Any, ...]:
+        """What functions make, one for each table of a list at a path, without what is refused."""
+        found = [self.made(f"{path}.{number}", make) for number, make in enumerate(makes, 1)]
+        return tuple(one for one in found if one is not None)
+
+    def stop(self, source: str) -> None:
+        """Raise a SceneError with all problems of the scene called `source`, if there are any."""
+        if self:
+            raise SceneError(source, list(dict.fromkeys(self)))

@@ -1,0 +1,213 @@
+"""Files that a user names: only regular files of a bounded size are read, and a place to write to is tried first.
+
+A name may lead to a folder, a device that never ends (``/dev/zero``), a pipe nobody writes to, a loop of links, or
+hold characters that no file can have. Each is refused in one sentence before anything is opened or computed.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import stat
+import uuid
+from collections.abc import Iterator
+from pathlib import Path
+
+from pipelines.io.errors import InputError
+from pipelines.io.shown import shown
+
+_KINDS = (
+    (stat.S_ISDIR, "a folder"),
+    (stat.S_ISFIFO, "a pipe"),
+    (stat.S_ISSOCK, "a socket"),
+    (stat.S_ISCHR, "a device"),
+    (stat.S_ISBLK, "a device"),
+)
+
+_UNSAFE = re.compile(r'[<>:"/\\|?*\x00-\x1f\x7f-\x9f\ud800-\udfff]')
+_RESERVED = {"CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"}  # of Windows, whatever follows the first dot
+_RESERVED |= {f"{port}{number}" for port in ("COM", "LPT") for number in "0123456789\u00b9\u00b2\u00b3"}
+
+
+def checked_path(name: str | Path) -> Path:
+    """The path of a name that a file can have.
+
+    Raises
+    ------
+    InputError : empty, or with control characters, or bytes that are no text
+    """
+    text = str(name)
+    wrong = ""
+    if not text:
+        wrong = "a file name must not be empty"
+    elif any(ord(c) < 0x20 or 0x7F <= ord(c) < 0xA0 for c in text):
+        wrong = "a file name with control characters is not taken"
+    elif any(0xD800 <= ord(c) < 0xE000 for c in text):
+        wrong = "a file name must be UTF-8 text"
+    if wrong:
+        raise InputError(f'"{shown(text)}": {wrong}. Give another name.')
+    return Path(text)
+
+
+def folder_name(name: str) -> str:
+    """The name of a scene as that of one visible folder on every system; InputError if nothing is left of it."""
+    safe = _UNSAFE.sub("_", name).strip(". ")
+    if not safe or safe.partition(".")[0].rstrip().upper() in _RESERVED:
+        raise InputError(
+            f'"{shown(name)}": the file name cannot serve as the name of a result folder. '
+            "Rename the file, as in my-scene.toml."
+        )
+    return safe
+
+
+def is_regular_file(path: Path) -> bool:
+    """Whether there is a file to read; a name that no file can have is none."""
+    try:
+        return stat.S_ISREG(os.stat(path).st_mode)
+    except (OSError, ValueError):
+        return False
+
+
+def regular_file(path: Path, most_bytes: int | None = None) -> Path:
+    """The path, if a regular file of at most so many bytes lies there.
+
+    Raises
+    ------
+    FileNotFoundError : nothing lies there
+    InputError : something else than a file, too large, or not to be reached
+    """
+    checked_path(path)
+    try:
+        found = os.stat(path)
+    except FileNotFoundError:
+        raise
+    except OSError as error:
+        raise _not_readable(path, error) from error
+    kind = next((words for test, words in _KINDS if test(found.st_mode)), "")
+    if not stat.S_ISREG(found.st_mode):
+        raise InputError(f"{shown(path)}: is {kind or 'no regular file'}. Give a regular file.")
+    if most_bytes is not None and found.st_size > most_bytes:
+        raise InputError(
+            f"{shown(path)}: has {found.st_size / 1e6:.1f} MB, at most {most_bytes / 1e6:g} MB are read. "
+            "Give a smaller file."
+        )
+    return path
+
+
+def read_text(path: Path, most_bytes: int) -> str:
+    """The text of a small file: UTF-8, with or without a byte order mark.
+
+    Raises
+    ------
+    FileNotFoundError : nothing lies there
+    InputError : no file that can be read, too large, or not UTF-8
+    """
+    regular_file(path, most_bytes)
+    try:
+        with open(path, "rb", opener=_without_waiting) as file:
+            content = file.read(most_bytes)
+    except OSError as error:
+        raise _not_readable(path, error) from error
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        raise InputError(f"{shown(path)}: not UTF-8 text (line {line}). Save the file as UTF-8.") from error
+
+
+def _not_readable(path: Path, error: OSError) -> InputError:
+    return InputError(f"{shown(path)}: cannot be read ({error.strerror}). Give a readable file.")
+
+
+def _without_waiting(name: str, flags: int) -> int:
+    """Open without waiting for the other end, should a pipe have taken the place of the file meanwhile."""
+    return os.open(name, flags | getattr(os, "O_NONBLOCK", 0))
+
+
+def names_beside(path: Path, ending: str = "") -> list[str]:
+    """Names of the files in the folder of `path`, to look for a similar one; none where it cannot be read."""
+    try:
+        return sorted(name for name in os.listdir(path.parent) if name.endswith(ending))
+    except (OSError, ValueError):
+        return []
+
+
+def writable_file(name: str | Path, option: str = "--out") -> Path:
+    """The path of a file that is to be written, tried before the work that fills it.
+
+    Raises
+    ------
+    InputError : a folder, or below something that is no folder we may write to
+    """
+    path = checked_path(name)
+    try:
+        if path.is_dir():
+            raise _not_writable(name, option, "is a folder")
+        if path.exists():
+            _check_right(path, name, option)
+        else:
+            _check_folder(path.parent, name, option)
+    except OSError as error:
+        raise _not_writable(name, option, error.strerror or "") from error
+    return path
+
+
+def writable_folder(name: str | Path, option: str = "--out") -> Path:
+    """The path of a folder that files are to be written into, tried before the work that fills it.
+
+    Raises
+    ------
+    InputError : there is something else, or it is below something that is no folder we may write to
+    """
+    path = checked_path(name)
+    try:
+        _check_folder(path, name, option)
+    except OSError as error:
+        raise _not_writable(name, option, error.strerror or "") from error
+    return path
+
+
+@contextlib.contextmanager
+def whole_file(path: str | Path) -> Iterator[Path]:
+    """A name beside `path`, with its ending, to write to: it becomes `path` if the block ends without an error.
+
+    So who stops the work, or fills the disk, leaves the file as it was. What is no regular file (a pipe, a device) is
+    written itself; so is a file in a folder that takes no other.
+    """
+    final = Path(os.path.realpath(path))
+    if final.exists() and not (final.is_file() and os.access(final.parent, os.W_OK)):
+        yield final
+        return
+    final.parent.mkdir(parents=True, exist_ok=True)
+    partial = final.with_name(f".{uuid.uuid4().hex}{final.suffix}")
+    try:
+        yield partial
+        os.replace(partial, final)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def write_whole(path: Path, content: str | bytes) -> None:
+    """Write a text (UTF-8) or bytes: all of it, or the file stays as it was."""
+    with whole_file(path) as partial:
+        partial.write_bytes(content.encode("utf-8") if isinstance(content, str) else content)
+
+
+def _check_folder(path: Path, name: str | Path, option: str) -> None:
+    """The part of the path that is already there must be a folder that can be written."""
+    there = path
+    while not there.exists() and there != there.parent:
+        there = there.parent
+    if not there.is_dir():
+        raise _not_writable(name, option, f"{shown(there)} is not a folder")
+    _check_right(there, name, option)
+
+
+def _check_right(path: Path, name: str | Path, option: str) -> None:
+    if not os.access(path, os.W_OK):
+        raise _not_writable(name, option, "no write permission")
+
+
+def _not_writable(name: str | Path, option: str, reason: str) -> InputError:
+    return InputError(f"{shown(name)}: cannot be written ({reason}). Choose another {option}.")

@@ -1,0 +1,221 @@
+"""What the finite elements of a casing would refuse: element sizes, and seats that are not where the bearings are."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from fem.casing.geometry.dimensions import HousingError
+from fem.casing.geometry.housing import Housing
+from fem.casing.mesh.imported import ALONG_Y, OFF_AXIS, ImportedHousing
+from fem.casing.mesh.locate import ByCylinder, ByGroup, ByPlane
+from fem.casing.mesh.mesh import MeshError
+from fem.casing.mesh.sizes import Sizes
+from fem.casing.models.casing import HousingCasing
+from mbd.parts.layout import BEARING_PLACE_TOLERANCE
+from pipelines.io.errors import Problem
+from pipelines.machine.bearings import bearing_names, bearing_points
+from pipelines.machine.layout import Layout
+from pipelines.machine.plant import Plant
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.casing import FlexibleBase
+from pipelines.scene.tables.housing import ImportedTable
+
+MOST_ELEMENTS = 1_500_000  # quadratic tetrahedra, 2 million nodes: about 60 GB to factorise
+MOST_NODES = 2_000_000
+OR_BAND = ", or a lower casing.band_Hz if elements_per_wavelength is set"
+LARGEST_LOOK = 10e6  # bytes of a housing file that is looked into without being asked for its mesh
+
+
+def bad_casing(scene: Scene, plant: Plant) -> Iterator[Problem]:
+    """Everything that the casing's mesh would refuse and can be known without it."""
+    table, layout, structure, casing = scene.casing, plant.layout, plant.structure, plant.casing
+    made = structure.housing
+    if not isinstance(casing, HousingCasing) or not isinstance(made, Housing | ImportedHousing):
+        return
+    if isinstance(made, Housing):
+        yield from _off_middle(scene, layout, {bore.name: made.bore_centre(bore) for bore in made.bores}, "boss")
+    else:
+        cheap = list(_misplaced_seats(scene, made))
+        yield from cheap
+        if not cheap:
+            yield from _seats_in_file(scene, layout, made)
+    if isinstance(made, Housing) and casing.needs_mesh(structure):
+        from fem.casing.mesh.mesher import check_element_size
+
+        sizes = casing.sizes(structure)
+        try:
+            check_element_size(made, sizes.element)
+        except MeshError as error:
+            yield Problem("casing.element_size_mm", str(error), "", f"{table.element_size_mm:g}")
+            return
+        if table.element.startswith("hexahedron"):
+            yield from _no_hexahedra(made, sizes, table.element, table.element_size_mm)
+            return
+        count = _elements(made, sizes.element)
+        if count > MOST_ELEMENTS:
+            least = sizes.element * (count / MOST_ELEMENTS) ** (1 / 3)
+            yield Problem(
+                "casing.element_size_mm",
+                f"elements of {1000 * sizes.element:.3g} mm give about {count / 1e6:.1f} million tetrahedra, more than "
+                f"{MOST_ELEMENTS / 1e6:.1f} million",
+                f"Set {1000 * least:.2g} or more{OR_BAND}",
+                f"{table.element_size_mm:g}",
+            )
+
+
+def _no_hexahedra(made: Housing, sizes: Sizes, element: str, asked: float) -> Iterator[Problem]:
+    """Why a housing cannot be meshed with hexahedra."""
+    from fem.casing.mesh.section import shaft_places
+
+    count = _nodes(made, sizes.element)
+    if count > MOST_NODES:
+        yield Problem(
+            "casing.element_size_mm",
+            f"hexahedra of {1000 * sizes.element:.3g} mm give {count / 1e6:.1f} million nodes or more, more than "
+            f"{MOST_NODES / 1e6:.1f} million",
+            f"Set {1000 * sizes.element * (count / MOST_NODES) ** (1 / 2):.2g} or more{OR_BAND}",
+            f"{asked:g}",
+        )
+        return
+    try:
+        shaft_places(made, sizes.element)
+    except HousingError as error:
+        yield Problem("casing.element", str(error), "", element)
+
+
+def _walls(made: Housing) -> list[tuple[float, float]]:
+    """Area (m2) and thickness (m) of the walls of a housing, both of each kind together."""
+    length, width, height = made.length, made.width, made.height
+    return [
+        (2 * length * width, max(made.wall("floor"), made.wall("cover"))),
+        (2 * length * height, made.wall("side")),
+        (2 * width * height, made.wall("end")),
+    ]
+
+
+def _elements(made: Housing, size: float) -> float:
+    """About how many tetrahedra of an edge length (m) fill the walls of a housing."""
+    return sum(area * thickness for area, thickness in _walls(made)) / (size**3 / (6 * math.sqrt(2)))
+
+
+def _nodes(made: Housing, size: float) -> float:
+    """Nodes of hexahedra of an edge length (m) in the walls of a housing, one or more through each, without bosses."""
+    return sum(4 * area / size**2 * (2 * math.ceil(thickness / size) + 1) for area, thickness in _walls(made))
+
+
+def _off_middle(scene: Scene, layout: Layout, points: dict[str, np.ndarray], what: str) -> Iterator[Problem]:
+    """Bearings that are not in the middle of their seat, where the casing takes their load."""
+    places = {name: (shaft, place) for name, shaft, place in bearing_names(scene.shafts)}
+    for number, wanted in enumerate(bearing_points(scene.shafts, layout), 1):
+        name = f"bearing_{number}"
+        if name not in points:
+            continue
+        shaft, place = places[name]
+        middle, y = 1000 * float(points[name][1]), 1000 * wanted[1]
+        if abs(middle - y) > 1000 * BEARING_PLACE_TOLERANCE:
+            yield Problem(
+                f"shafts.{shaft + 1}.bearing_positions_mm",
+                f"{name} at y = {y:g} mm is {abs(middle - y):.3g} mm away from the middle of its {what} at "
+                f"{middle:.6g} mm, where the casing takes its load (limit {1000 * BEARING_PLACE_TOLERANCE:g} mm)",
+                f"Set its value number {place + 1} to {middle:.6g}, or move the {what}",
+            )
+
+
+def _misplaced_seats(scene: Scene, made: ImportedHousing) -> Iterator[Problem]:
+    """Seats whose axis is not that of their shaft, by the scene alone; directions without a length."""
+    table = getattr(scene.casing, "housing", None)
+    if not isinstance(table, ImportedTable):
+        return
+    numbers = {seat.name: number for number, seat in enumerate(table.bearings, 1)}
+    shafts = {name: shaft + 1 for name, shaft, _ in bearing_names(scene.shafts)}
+    for seat in made.seats:
+        path = f"casing.housing.bearings.{numbers[seat.name]}"
+        if isinstance(seat.locator, ByGroup) and made.is_step:
+            yield Problem(
+                f"{path}.group",
+                f"{seat.name}: a STEP file has no groups",
+                "Set through_mm and diameter_mm instead",
+                f'"{seat.locator.group}"',
+            )
+        if not isinstance(seat.locator, ByCylinder) or seat.shaft_point is None:
+            continue
+        axis, through = np.array(seat.locator.axis), np.array(seat.locator.through)
+        size = float(np.linalg.norm(axis))
+        if not size or not abs(axis[1]) / size >= ALONG_Y:
+            yield Problem(
+                f"{path}.axis",
+                f"the seat of {seat.name} must run along y, as shaft {shafts[seat.name]} does",
+                "Delete axis, or turn the file by casing.housing.axes",
+                f"{list(seat.locator.axis)}",
+            )
+            continue
+        wanted = np.array(seat.shaft_point)
+        place = through + axis * (wanted[1] - through[1]) / axis[1]
+        off = float(np.hypot(*(place - wanted)[[0, 2]]))
+        if off > OFF_AXIS:
+            yield Problem(
+                f"{path}.through_mm",
+                f"the axis of the seat of {seat.name} is {1000 * off:.4g} mm away from that of shaft "
+                f"{shafts[seat.name]} at "
+                f"x {1000 * wanted[0]:.6g}, z {1000 * wanted[2]:.6g} mm (limit {1000 * OFF_AXIS:g} mm)",
+                "Correct it, casing.housing.origin_mm, or the place of the shaft (centre_distance_mm, direction_deg)",
+                str([round(1000 * value, 6) for value in seat.locator.through]),
+            )
+    for number, ground in enumerate(made.grounds, 1):
+        if isinstance(ground, ByPlane) and not any(ground.normal):
+            yield Problem(
+                f"casing.housing.grounds.{number}.normal", "is no direction", "Set one, as in [0.0, 0.0, 1.0]"
+            )
+        if isinstance(ground, ByGroup) and made.is_step:
+            yield Problem(
+                f"casing.housing.grounds.{number}.group",
+                "a STEP file has no groups",
+                "Set point_mm, box_mm, or through_mm and normal instead",
+                f'"{ground.group}"',
+            )
+
+
+def _seats_in_file(scene: Scene, layout: Layout, made: ImportedHousing) -> Iterator[Problem]:
+    """Seats that are not in the file, or not where the bearings are."""
+    casing = scene.casing
+    if not isinstance(casing, FlexibleBase) or not isinstance(table := casing.housing, ImportedTable):
+        return
+    found = _looked_up(made, casing.element)
+    if isinstance(found, MeshError):
+        yield Problem("casing.housing.file", str(found), "", f'"{table.file}"')
+        return
+    numbers = {seat.name: number for number, seat in enumerate(table.bearings, 1)}
+    for name, point in found.items():
+        if isinstance(point, MeshError):
+            yield Problem(f"casing.housing.bearings.{numbers[name]}", str(point))
+    points = {name: point for name, point in found.items() if not isinstance(point, MeshError)}
+    yield from _off_middle(scene, layout, points, "seat")
+
+
+@functools.lru_cache(maxsize=8)
+def _looked_up(made: ImportedHousing, element: str) -> dict[str, np.ndarray | MeshError] | MeshError:
+    """Bearing points by name with what is wrong with them; empty where the file cannot be looked into quickly."""
+    if not looked_into(made):
+        return {}
+    try:
+        if made.is_step:
+            from fem.casing.mesh.mesher import find_seats
+
+            return find_seats(made)
+        from fem.casing.mesh.imported import mesh_from_file
+
+        mesh = mesh_from_file(made, element)
+        return dict(zip(mesh.patch_names, mesh.patch_points, strict=True))
+    except MeshError as error:
+        return error
+    except ImportError:
+        return {}  # without gmsh or meshio a stored mesh may still serve
+
+
+def looked_into(made: ImportedHousing) -> bool:
+    """Whether the seats of a file are looked up before it is meshed."""
+    return made.file.stat().st_size <= LARGEST_LOOK

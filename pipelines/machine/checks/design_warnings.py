@@ -1,0 +1,159 @@
+"""Warnings: what a designer would question in a scene that can be run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from mbd.parts.rolling_catalogue import bore_of
+from pipelines.machine.bearings import bearing_names, bearing_table
+from pipelines.machine.checks.flank_checks import flank_warnings
+from pipelines.machine.checks.strength import strength_warnings
+from pipelines.machine.checks.window_checks import bad_windows
+from pipelines.machine.drives import motor_places, motor_torques
+from pipelines.machine.facts import StageFacts, input_torque, stage_facts
+from pipelines.machine.layout import Layout
+from pipelines.machine.plant import Drivetrain
+from pipelines.scene.problems import other_unit
+from pipelines.scene.scene import Scene
+from pipelines.scene.shaft_faults import shaft_faults
+from pipelines.scene.tables.motion import LoadBase
+
+HARMONICS = 5  # of the fastest mesh that a good record holds
+
+
+def design_warnings(scene: Scene, plant: Drivetrain) -> tuple[str, ...]:
+    """All warnings, in the order of the scene's tables."""
+    layout = plant.layout
+    stages = stage_facts(layout)
+    return (
+        *_materials(scene),
+        *_gears(scene, layout, stages),
+        *flank_warnings(scene, layout, stages),
+        *strength_warnings(scene, layout, stages),
+        *_fits(scene, layout),
+        *_drive(scene, layout),
+        *_record(scene, layout, stages),
+        *_diagnosis(scene, plant),
+    )
+
+
+def _materials(scene: Scene) -> Iterator[str]:
+    """Values that look as if they were in another unit."""
+    tables = {"gear_material": scene.gear_material, "load": scene.load}
+    if (iron := getattr(scene.casing, "material", None)) is not None:
+        tables["casing.material"] = iron
+    for place, table in tables.items():
+        for key in ("elastic_modulus_GPa", "density_kg_m3", "rope_modulus_GPa"):
+            value = getattr(table, key, None)
+            if remedy := other_unit(key, value):
+                yield f"{place}.{key} = {value:g}: an unusual value. {remedy.rstrip('.')}"
+
+
+def _gears(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterator[str]:
+    for number, (stage, pair, facts) in enumerate(zip(scene.stages, layout.pairs, stages, strict=True), 1):
+        place = f"stages.{number}"
+        if facts.transverse_contact_ratio < 1.2:
+            yield (
+                f"{place}: the transverse contact ratio {facts.transverse_contact_ratio:.3f} is below 1.2. Raise the "
+                "numbers "
+                "of teeth or rack_addendum"
+            )
+        nearest = round(facts.overlap_ratio)
+        if nearest >= 1 and abs(facts.overlap_ratio - nearest) < 0.05:
+            yield (
+                f"{place}: the overlap ratio {facts.overlap_ratio:.3f} is almost a whole number, so that the mesh "
+                "excitation almost vanishes. This reduces noise, but hides faults; to see them correct face_width_mm "
+                "or "
+                "helix_angle_deg"
+            )
+        if stage.face_width_mm > 1.2 * pair.pinion.reference_radius * 2000:
+            yield (
+                f"{place}: face_width_mm = {stage.face_width_mm:g} is above 1.2 pinion diameters, so that the load is "
+                "unevenly distributed over the face. Reduce it, or raise module_mm"
+            )
+        divisor = math.gcd(stage.pinion_teeth, stage.wheel_teeth)
+        if divisor > 5:
+            yield (
+                f"{place}: {stage.pinion_teeth} and {stage.wheel_teeth} teeth have the common divisor {divisor}, so "
+                "that "
+                "the same teeth meet often and wear unevenly. Set numbers of teeth without a common divisor"
+            )
+        if facts.backlash < 0.02e-3 and layout.load_torque != 0.0:
+            yield (
+                f"{place}: the backlash of {facts.backlash * 1e6:.1f} um is small: with deviations both flanks may be "
+                "in "
+                "contact. Raise backlash_um"
+            )
+
+
+def _fits(scene: Scene, layout: Layout) -> Iterator[str]:
+    """Shafts that are thicker than the bore of a bearing or gear on them."""
+    for _, shaft, place in bearing_names(scene.shafts):
+        table = bearing_table(scene.shafts[shaft], scene.bearings, place)
+        if table.model == "hertz" and table.designation is not None:
+            y, bore = scene.shafts[shaft].bearing_positions_mm[place], 1000 * bore_of(table.designation)
+            # at a shoulder the bearing is on the thinner side
+            sections = [(n, s) for n, s in enumerate(scene.shafts[shaft].sections, 1) if s.start_mm <= y <= s.end_mm]
+            number, section = min(sections, key=lambda found: found[1].diameter_mm)
+            if section.diameter_mm > bore:
+                yield (
+                    f"shafts.{shaft + 1}.sections.{number}.diameter_mm = {section.diameter_mm:g}: the bore of bearing "
+                    f"{place + 1} on it, {table.designation}, is {bore:g} mm (ISO 15); reduce the diameter, or take a "
+                    "larger bearing"
+                )
+    for stage_number, (stage, pair, places) in enumerate(
+        zip(scene.stages, layout.pairs, layout.pair_shafts, strict=True), 1
+    ):
+        low, high = stage.position_mm - stage.face_width_mm / 2, stage.position_mm + stage.face_width_mm / 2
+        for name, shaft in zip(("pinion", "wheel"), places, strict=True):
+            bore = 2000 * getattr(pair, name).bore_radius
+            for number, section in enumerate(scene.shafts[shaft].sections, 1):
+                if section.start_mm < high and section.end_mm > low and section.diameter_mm > bore * (1 + 1e-9):
+                    yield (
+                        f"shafts.{shaft + 1}.sections.{number}.diameter_mm = {section.diameter_mm:g}: the bore of the "
+                        f"gear on it is {bore:g} mm; reduce the diameter, or set stages.{stage_number}.{name}_bore_mm "
+                        f"= {section.diameter_mm:g}"
+                    )
+
+
+def _drive(scene: Scene, layout: Layout) -> Iterator[str]:
+    """Motors of a torque that the largest load overcomes at their greatest."""
+    motors = motor_torques(scene.drive, layout.driven, motor_places(scene.drive, scene.shafts[layout.driven]))
+    given, drawn = sum(abs(motor.largest) for motor in motors), input_torque(layout)
+    if motors and given < drawn:
+        yield (
+            f"drive: the motors give at most {given:.4g} N m, and the load takes {drawn:.4g} N m at their shaft. "
+            "Unless "
+            "it falls with the speed, it drives the machine backwards. Reduce the load, or set a stronger motor"
+        )
+
+
+def _record(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterator[str]:
+    for number, facts in enumerate(stages, 1):
+        if scene.simulation.output_rate_Hz < 2 * HARMONICS * facts.mesh_frequency:
+            yield (
+                f"simulation.output_rate_Hz = {scene.simulation.output_rate_Hz:g} covers fewer than {HARMONICS} "
+                f"harmonics of the mesh frequency of stage {number}, {facts.mesh_frequency:.1f} Hz. Raise it to "
+                f"{4 * HARMONICS * facts.mesh_frequency:.0f}"
+            )
+    if not any(layout.drawn):
+        key = "load.container_kg = 0" if isinstance(scene.load, LoadBase) else "load: the torque is 0"
+        yield f"{key}: without load the teeth lose contact and rattle in their backlash. Raise the load"
+
+
+def _diagnosis(scene: Scene, plant: Drivetrain) -> Iterator[str]:
+    looked_at, on_teeth = (scene.diagnosis.stage, scene.diagnosis.gear), scene.tooth_faults.values()
+    if on_teeth and scene.diagnosis.windows_s and looked_at not in {(f.stage, f.gear) for f in on_teeth}:
+        yield (
+            f"diagnosis: the stage {looked_at[0]} {looked_at[1]} is diagnosed, but has no fault. Set diagnosis.stage "
+            "and "
+            "diagnosis.gear to the faulty gear"
+        )
+    faulty = bool(scene.faults or shaft_faults(scene))
+    if faulty and scene.control is None:
+        for problem in bad_windows(scene, plant):
+            yield f"{problem}"
+    if faulty and not (scene.control and scene.diagnosis.windows_s):
+        lacking = "no control" if not scene.control else "no window in diagnosis.windows_s"
+        yield f"the run has signals but no diagnosis, because the scene has {lacking}. Set it"

@@ -1,0 +1,162 @@
+"""Checks and warnings of gears, modifications, deviations and faults that need no computation of a mesh law."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from fem.gears.deviations import GRADES, pitch_tolerance
+from fem.gears.flank_deviations import flank_tolerance
+from fem.gears.prescribed import check_prescribed
+from fem.gears.rack import GeometryError
+from pipelines.io.errors import Problem, SceneError
+from pipelines.machine.flanks import GEARS, damage, prescribed_deviations
+from pipelines.machine.layout import Layout
+from pipelines.machine.plant import law_specs
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.faults import FaultTable
+
+if TYPE_CHECKING:
+    from pipelines.machine.facts import StageFacts
+
+MOST_SLICES = 101  # of every mesh model
+THIN_TIP = 0.2  # modules; the usual least tip thickness of through-hardened teeth
+LEAST_POSITIONS = 64  # grid points per base pitch of models without such a key
+TYPICAL_STIFFNESS = 18e9  # N/m2: c_gamma of steel pairs, for orders of magnitude only
+
+
+def bad_flanks(scene: Scene, layout: Layout) -> Iterator[Problem]:
+    """Faults that do not fit on their teeth, deviations outside ISO 1328-1."""
+    for number, fault in scene.tooth_faults.items():
+        one = damage(fault, layout.pinion_senses[fault.stage - 1])
+        try:
+            one.check(getattr(layout.pairs[fault.stage - 1], fault.gear))
+        except GeometryError as error:
+            yield Problem(f"faults.{number}", str(error))
+    if not scene.deviations.enabled:
+        return
+    yield from _bad_prescribed(scene, layout)
+    for number, pair in enumerate(layout.pairs, 1):
+        for name in GEARS:
+            try:
+                pitch_tolerance(getattr(pair, name), scene.deviations.iso_grade)
+                if set(scene.deviations.include) & {"profile", "helix"}:
+                    flank_tolerance(getattr(pair, name), scene.deviations.iso_grade)
+            except GeometryError as error:
+                yield Problem(
+                    f"stages.{number}",
+                    f"{name}: {error}",
+                    "Set deviations.enabled = false, or delete items of deviations.include.",
+                )
+
+
+def _bad_prescribed(scene: Scene, layout: Layout) -> Iterator[Problem]:
+    """Stated deviations that no gear has."""
+    for number, (stage, pair, sense) in enumerate(
+        zip(scene.stages, layout.pairs, layout.pinion_senses, strict=True), 1
+    ):
+        for name in GEARS:
+            try:
+                given = prescribed_deviations(stage, number, name, sense)
+                if given is not None:
+                    check_prescribed(getattr(pair, name), given, getattr(stage.mesh, "positions", LEAST_POSITIONS))
+            except GeometryError as error:
+                yield Problem(f"stages.{number}.{name}.deviations", str(error))
+            except SceneError as error:
+                yield from error.problems
+
+
+def _prescribed_warnings(scene: Scene, layout: Layout) -> Iterator[str]:
+    """Stated deviations that are switched off, and run-out that would not pass any class."""
+    for number, (stage, pair) in enumerate(zip(scene.stages, layout.pairs, strict=True), 1):
+        for name in GEARS:
+            table, place = getattr(stage, name).deviations, f"stages.{number}.{name}.deviations"
+            if table.none:
+                continue
+            if not scene.deviations.enabled:
+                yield (
+                    f"{place}: have no effect, because deviations.enabled = false. Set deviations.enabled = true, and "
+                    "deviations.include = [] for no further deviations"
+                )
+                continue
+            try:
+                runout = 1e6 * pitch_tolerance(getattr(pair, name), GRADES[-1]).runout
+            except GeometryError:
+                continue  # no tolerances for a gear of that size
+            if 2 * table.eccentricity_um > runout:
+                yield (
+                    f"{place}.eccentricity_um = {table.eccentricity_um:g}: the run-out of "
+                    f"{2 * table.eccentricity_um:g} "
+                    f"um is more than class {GRADES[-1]} of ISO 1328-1 allows, {runout:.0f} um. Correct it if the unit "
+                    "is wrong"
+                )
+
+
+def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Iterator[str]:
+    """What a gear designer would question, and what hides a fault."""
+    yield from _prescribed_warnings(scene, layout)
+    for number, (spec, pair, modification) in enumerate(
+        zip(law_specs(scene, layout), layout.pairs, layout.modifications, strict=True), 1
+    ):
+        place = f"stages.{number}"
+        for name, short in zip(GEARS, pair.shortened_by_undercut, strict=True):
+            gear = getattr(pair, name)
+            if short:
+                yield (
+                    f"{place}: the {name} (z {gear.teeth}, x {gear.profile_shift:g}) is undercut and has lost a part "
+                    "of "
+                    f"its involute; eps_alpha is {pair.transverse_contact_ratio:.3f}. Raise {name}_profile_shift"
+                )
+            if gear.tip_thickness < THIN_TIP * gear.normal_module:
+                yield (
+                    f"{place}: the {name} is almost pointed: its tip is {gear.tip_thickness * 1000:.3f} mm thick "
+                    f"({gear.tip_thickness / gear.normal_module:.2f} m_n, usual is at least {THIN_TIP} m_n). Reduce "
+                    f"{name}_profile_shift"
+                )
+            if gear.web_offset and not spec.mesh.places_webs:
+                yield (
+                    f"{place}.{name}.web_offset_mm: has no effect in this mesh model, which considers only the "
+                    f'thickness of a web. Set {place}.mesh.model = "solid"'
+                )
+        yield from (f"{place}: {text}" for text in spec.mesh.warnings(modification))
+    for number, fault in scene.tooth_faults.items():
+        stage, pair = scene.stages[fault.stage - 1], layout.pairs[fault.stage - 1]
+        width = pair.face_width / stage.mesh.slices
+        name = "length" if fault.kind == "spalled-tooth" else "extent"
+        extent, key = getattr(fault.made(), name, None), f"{name}_mm"
+        if extent is not None and extent < 2 * width:
+            yield (
+                f"faults.{number}: {key} = {1000 * extent:g} is resolved coarsely by slices of {width * 1000:.2f} mm. "
+                + _finer(fault.stage, stage.mesh.slices, 4 * pair.face_width / extent, key)
+            )
+        yield from _hidden(scene, layout, number, fault, facts[fault.stage - 1])
+
+
+def _finer(stage: int, slices: int, wanted: float, key: str) -> str:
+    """What to do about a fault that is small against the slices, of which a mesh has 101 at most."""
+    if slices >= MOST_SLICES:
+        return f"Raise {key}, or reduce face_width_mm"
+    return f"Raise stages.{stage}.mesh.slices to {min(MOST_SLICES, max(2, round(wanted)))}"
+
+
+def _hidden(scene: Scene, layout: Layout, number: int, fault: FaultTable, facts: StageFacts) -> Iterator[str]:
+    """Compares the change that a fault makes in the transmission error with the single pitch tolerance.
+
+    Of faults whose change depends on more than their size nothing is estimated.
+    """
+    if not scene.deviations.enabled:
+        return
+    pair = layout.pairs[fault.stage - 1]
+    approach = facts.mesh_force / pair.face_width / TYPICAL_STIFFNESS
+    one = damage(fault, layout.pinion_senses[fault.stage - 1])
+    change = one.movement(pair, approach, alone=fault.tooth is not None)
+    if change is None:
+        return
+    tolerance = pitch_tolerance(getattr(pair, fault.gear), scene.deviations.iso_grade).single
+    if change < tolerance:
+        yield (
+            f"faults.{number}: the {fault.kind} changes the transmission error by some {abs(change) * 1e6:.1f} um, and "
+            f"pitch deviations of grade {scene.deviations.iso_grade} change it by up to {tolerance * 1e6:.1f} um, "
+            "which "
+            "may hide the fault. Raise the load, or reduce deviations.iso_grade"
+        )

@@ -1,0 +1,185 @@
+"""What teeth and shafts bear under the largest load: pressure of the flanks, give of the teeth, torsion of the shafts.
+
+Pressure of the flanks at the pitch point, without load factors:
+
+    sigma_H0 = Z_H Z_E Z_eps Z_beta sqrt(F_t / (d_1 b) (u + 1) / u)
+
+References
+----------
+ISO 6336-2:2019, 6 to 9 (sigma_H0 and its factors), table 2 (Z_NT of static load); ISO 6336-5:2016 (sigma_H lim of
+case-carburized steel, grade ME); ISO 683-2:2016 (30CrNiMo8); DIN 743-3:2012 (42CrMo4).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.elements.materials import STEEL
+from fem.gears.geometry import GearPair
+from pipelines.io.errors import Problem
+from pipelines.machine.checks.flank_checks import TYPICAL_STIFFNESS
+from pipelines.machine.drives import motor_places
+from pipelines.machine.facts import StageFacts, input_torque, power_flows, stage_facts
+from pipelines.machine.layout import Layout
+from pipelines.machine.loads import load_places, load_torque
+from pipelines.scene.problems import other_unit
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.forces import TorqueTable
+
+ENDURANCE = 1650e6  # Pa: sigma_H lim of the best case-carburized gear steel
+STATIC_STRENGTH = 1.6 * ENDURANCE  # Pa: the same with Z_NT of a load that comes a few times only
+LARGEST_GIVE = 0.25  # modules: teeth that give way by more are no longer a small change of shape
+TORSION_ENDURANCE = 330e6  # Pa: torsion fatigue strength of 42CrMo4
+YIELD_STRENGTH = 1050e6  # Pa: 30CrNiMo8 in tension
+TORSION_STRENGTH = YIELD_STRENGTH / math.sqrt(3)  # Pa: its yield in shear
+
+
+@dataclass(frozen=True, kw_only=True)
+class Torsion:
+    """The most stressed section of a shaft under the largest load; numbers from 1, SI."""
+
+    shaft: int
+    section: int
+    torque: float
+    stress: float
+    diameter: float
+
+    @property
+    def path(self) -> str:
+        """Key of its diameter."""
+        return f"shafts.{self.shaft}.sections.{self.section}.diameter_mm"
+
+
+def contact_pressure(pair: GearPair, pinion_torque: float) -> float:
+    """Pressure sigma_H0 (Pa) at the pitch point under a pinion torque (N m)."""
+    moduli = [material.plane_strain_modulus for material in (pair.pinion_material, pair.wheel_material)]
+    alpha_t, alpha_w = pair.pinion.transverse_pressure_angle, pair.working_pressure_angle
+    zone = 2 * math.cos(pair.base_helix_angle) / (math.cos(alpha_t) ** 2 * math.tan(alpha_w))
+    elastic = 1 / (math.pi * sum(1 / modulus for modulus in moduli))
+    across, along = pair.transverse_contact_ratio, min(1.0, pair.overlap_ratio)
+    ratio = max(0.0, (4 - across) / 3 * (1 - along)) + along / across
+    slant = 1 / math.cos(pair.pinion.helix_angle)
+    diameter = 2 * pair.pinion.reference_radius
+    load = 2 * abs(pinion_torque) / diameter / (diameter * pair.face_width) * (pair.ratio + 1) / pair.ratio
+    return math.sqrt(zone * elastic * ratio * slant * load)
+
+
+def torques_along(scene: Scene, layout: Layout) -> list[list[tuple[float, float]]]:
+    """By shaft: places y (m) and the torques (N m, driving positive) that enter there, without losses."""
+    entering: list[list[tuple[float, float]]] = [[] for _ in scene.shafts]
+    torque, speeds = input_torque(layout), layout.shaft_ratios
+
+    def flow(giver: tuple[int, float], taker: tuple[int, float], power: float) -> None:
+        for (shaft, y), sign in ((giver, -1), (taker, 1)):
+            entering[shaft].append((y, sign * power / speeds[shaft]))
+
+    flows = power_flows(layout)
+    for stage, (pinion, wheel), power in zip(scene.stages, layout.pair_shafts, flows, strict=False):
+        y = stage.si.position
+        flow((pinion, y), (wheel, y), power)
+    turning = [coupling for coupling in scene.couplings if coupling.turns_both]
+    for coupling, power in zip(turning, flows[len(scene.stages) :], strict=True):
+        one, other = zip(coupling.shafts, coupling.si.positions, strict=True)
+        flow((one[0] - 1, one[1]), (other[0] - 1, other[1]), power)
+    motors = motor_places(scene.drive, scene.shafts[layout.driven])
+    entering[layout.driven] += [(y, torque / len(motors)) for y in motors]
+    for number, force in enumerate(scene.forces, 1):
+        if isinstance(force, TorqueTable):
+            largest = sum(force.spec(number).largest_torques(0.0).values())
+            entering[force.shaft - 1].append((force.si.position, largest))
+    places = load_places(scene.load, scene.shafts[layout.loaded])
+    torque = load_torque(scene.load, layout.loaded)
+    entering[layout.loaded] += [(y, -torque / len(places)) for y in places]
+    return entering
+
+
+def torsions(scene: Scene, layout: Layout) -> list[Torsion]:
+    """The most stressed section of every shaft that carries torque."""
+    found = []
+    for number, (shaft, entering) in enumerate(zip(scene.shafts, torques_along(scene, layout), strict=True), 1):
+        places, torques = np.array(sorted(entering)).reshape(-1, 2).T
+        inside = np.cumsum(torques)[:-1]
+        worst: Torsion | None = None
+        for place, section in enumerate(shaft.sections, 1):
+            start, end = section.si.start, section.si.end
+            crossed = (places[:-1] < end - 1e-9) & (places[1:] > start + 1e-9) & (np.diff(places) > 0)
+            torque = float(abs(inside[crossed]).max(initial=0.0))
+            outer, inner = section.si.diameter, section.si.bore
+            resistance = math.pi / 16 * outer**3 * (1 - (inner / outer) ** 4)
+            stress = torque / resistance if resistance else math.inf
+            if torque and (worst is None or stress > worst.stress):
+                worst = Torsion(shaft=number, section=place, torque=torque, stress=stress, diameter=outer)
+        if worst is not None:
+            found.append(worst)
+    return found
+
+
+def overloaded(scene: Scene, layout: Layout) -> Iterator[Problem]:
+    """Teeth and shafts that no steel could make strong enough for the largest load."""
+    for number, (pair, facts) in enumerate(zip(layout.pairs, stage_facts(layout), strict=True), 1):
+        yield from _overloaded_teeth(number, pair, facts)
+    for worst in torsions(scene, layout):
+        if not worst.stress <= TORSION_STRENGTH:
+            yield Problem(
+                worst.path,
+                f"shaft {worst.shaft} is too thin for {worst.torque:.4g} N m: the torsional stress is "
+                f"{worst.stress / 1e6:.4g} MPa, and the strongest shaft steel yields at {TORSION_STRENGTH / 1e6:.0f} "
+                "MPa "
+                "(30CrNiMo8, ISO 683-2)",
+                f"Set {_enough(worst, TORSION_ENDURANCE):.4g} or more, or reduce the load.",
+                f"{1000 * worst.diameter:g}",
+            )
+
+
+def _overloaded_teeth(number: int, pair: GearPair, facts: StageFacts) -> Iterator[Problem]:
+    pressure = contact_pressure(pair, facts.pinion_torque)
+    load = f"line load {facts.line_load / 1000:.4g} N/mm"
+    key, modulus = "elastic_modulus_GPa", pair.pinion_material.elastic_modulus / 1e9
+    remedy = (
+        f"Reduce the load, raise face_width_mm or module_mm, or correct gear_material.{key}. {other_unit(key, modulus)}"
+    )
+    if not pressure <= STATIC_STRENGTH:
+        yield Problem(
+            f"stages.{number}",
+            f"the {load} gives a contact stress of {pressure / 1e6:.4g} MPa, and the best gear steel bears "
+            f"{STATIC_STRENGTH / 1e6:.0f} MPa for few cycles (ISO 6336-2 and -5: 1650 MPa, Z_NT 1.6)",
+            remedy,
+        )
+    softness = STEEL.elastic_modulus / pair.pinion_material.elastic_modulus
+    give = facts.line_load / TYPICAL_STIFFNESS * softness
+    if not give <= LARGEST_GIVE * pair.pinion.normal_module:
+        yield Problem(
+            f"stages.{number}",
+            f"the {load} deflects the teeth by about {1000 * give:.3g} mm, more than {LARGEST_GIVE:g} modules "
+            f"({1000 * LARGEST_GIVE * pair.pinion.normal_module:.3g} mm), where linear elasticity does not hold",
+            remedy,
+        )
+
+
+def strength_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Iterator[str]:
+    """Loads that steel bears, but not for long."""
+    for number, (pair, fact) in enumerate(zip(layout.pairs, facts, strict=True), 1):
+        pressure = contact_pressure(pair, fact.pinion_torque)
+        if pressure > ENDURANCE:
+            yield (
+                f"stages.{number}: the contact stress of {pressure / 1e6:.4g} MPa is above the endurance limit of the "
+                f"best gear steel ({ENDURANCE / 1e6:.0f} MPa, ISO 6336-5, case-carburized, ME). Reduce the load, or "
+                "raise "
+                "face_width_mm or module_mm"
+            )
+    for worst in torsions(scene, layout):
+        if worst.stress > TORSION_ENDURANCE:
+            yield (
+                f"{worst.path} = {1000 * worst.diameter:g}: the torsional stress of {worst.stress / 1e6:.4g} MPa under "
+                f"{worst.torque:.4g} N m is above the endurance limit of 42CrMo4 ({TORSION_ENDURANCE / 1e6:.0f} MPa, "
+                f"DIN 743-3). Set {_enough(worst, TORSION_ENDURANCE):.4g} or more"
+            )
+
+
+def _enough(worst: Torsion, allowed: float) -> float:
+    """Diameter (mm) at which the stress is the allowed one, the ratio of bore to diameter kept."""
+    return 1000 * worst.diameter * math.ceil(100 * (worst.stress / allowed) ** (1 / 3)) / 100

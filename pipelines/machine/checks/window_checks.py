@@ -1,0 +1,124 @@
+"""Windows in which no diagnosis is possible, known from the scene alone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from mbd.parts.drive import SpeedProfile
+from pipelines.io.errors import Problem
+from pipelines.machine.plant import Drivetrain
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.motion import SpeedDrive
+from pipelines.scene.tables.torques import RPM
+from pipelines.signals.analysis import SPEED_TOLERANCE, DiagnosisError, DiagnosisSettings, envelope_band
+from pipelines.signals.spectrum import FEWEST_REVOLUTIONS, SpectrumError, whole_revolutions
+
+
+def bad_windows(scene: Scene, plant: Drivetrain) -> Iterator[Problem]:
+    """Why the diagnosis that a scene asks for could not be made; nothing where it asks for none."""
+    if not scene.diagnosis.windows_s or not scene.sensors:
+        return
+    layout, known = plant.layout, isinstance(scene.drive, SpeedDrive)
+    if layout.turns == 0.0 and not known:
+        yield Problem(
+            "diagnosis.windows_s",
+            "a diagnosis needs the approximate speed of the machine, and the drive gives none but 0",
+            "Set drive.highest_rpm, or windows_s = {} for signals without diagnosis",
+        )
+        return
+    if layout.turns == 0.0:
+        yield Problem(
+            "drive.speeds_rpm", "all speeds are 0, so that there is nothing to diagnose", "Set a speed above 0"
+        )
+        return
+    rate, drive, settings = scene.simulation.output_rate_Hz, plant.machine.drive, plant.diagnosis
+    if settings is None:
+        return
+    profile = SpeedProfile(times=drive.times, speeds=drive.speeds / RPM, smooth=drive.smooth)
+    for name, window in settings.windows.items():
+        yield from _short_window(scene, settings, name, window)
+        if known:
+            yield from _uneven_window(scene, settings, profile, name, window)
+    highest = settings.highest_line
+    if highest >= rate / 2:
+        yield Problem(
+            "simulation.output_rate_Hz",
+            f"the diagnosis of stage {scene.diagnosis.stage} needs lines up to {highest:.4g} Hz "
+            f"({max(settings.mesh_harmonics)} f_m and {settings.sideband_orders} sidebands), above half of the rate, "
+            f"{rate / 2:.4g} Hz",
+            f"Set {math.ceil(4 * highest):g} or more",
+            f"{rate:g}",
+        )
+    try:
+        low, high = envelope_band(settings, [], rate)
+    except DiagnosisError as error:
+        yield Problem("diagnosis.envelope_band_Hz", str(error), "", '"resonance"')
+    else:
+        if high > rate / 2 and highest < rate / 2:
+            yield Problem(
+                "diagnosis.envelope_band_Hz",
+                f"the band of {low:.4g} to {high:.4g} Hz exceeds half of simulation.output_rate_Hz, {rate / 2:.4g} Hz",
+                "Raise simulation.output_rate_Hz, or set a lower band",
+            )
+
+
+def _short_window(
+    scene: Scene, settings: DiagnosisSettings, name: str, window: tuple[float, float]
+) -> Iterator[Problem]:
+    frequency = settings.revolution_frequency
+    try:
+        revolutions = whole_revolutions(window, scene.simulation.output_rate_Hz, frequency).revolutions
+    except SpectrumError:
+        revolutions = 0
+    if revolutions >= FEWEST_REVOLUTIONS:
+        return
+    held = (window[1] - window[0]) * frequency
+    cut = f", and a whole number of samples in {revolutions} of them" if int(held) > revolutions else ""
+    yield Problem(
+        f"diagnosis.windows_s.{name}",
+        f"has {held:.1f} revolutions of {_gear(scene)}{cut}; the diagnosis needs {FEWEST_REVOLUTIONS}",
+        f"Set a window of {(FEWEST_REVOLUTIONS + bool(cut)) / frequency:.2f} s or more, or run with --set "
+        "diagnosis.windows_s={} for signals without diagnosis. Windows of an extended scene stay unless one of the "
+        "same name replaces them",
+        f"[{window[0]:g}, {window[1]:g}]",
+    )
+
+
+def _uneven_window(
+    scene: Scene, settings: DiagnosisSettings, profile: SpeedProfile, name: str, window: tuple[float, float]
+) -> Iterator[Problem]:
+    try:
+        segment = whole_revolutions(window, scene.simulation.output_rate_Hz, settings.revolution_frequency)
+        start, end = segment.start, segment.start + segment.duration
+    except SpectrumError:
+        start, end = window
+    mean = abs(float(np.diff(profile.angle(np.array([start, end])))[0])) / (end - start)
+    if abs(mean / profile.highest - 1) > SPEED_TOLERANCE:
+        yield Problem(
+            f"diagnosis.windows_s.{name}",
+            f"the mean speed of the motors is {mean:.4g} rpm, and the lines of {_gear(scene)} are evaluated at the "
+            f"highest speed, {profile.highest:.4g} rpm (within {100 * SPEED_TOLERANCE:g} %)",
+            f"Set a window at constant highest speed: {_steady(scene, profile) or 'this drive has none'}",
+            f"[{window[0]:g}, {window[1]:g}]",
+        )
+
+
+def _gear(scene: Scene) -> str:
+    return f"the stage {scene.diagnosis.stage} {scene.diagnosis.gear}"
+
+
+def _steady(scene: Scene, profile: SpeedProfile) -> str:
+    """The stretches of the drive at its highest speed."""
+    ends = [*profile.times.tolist(), max(scene.simulation.end_s, float(profile.times[-1]))]
+    speeds = [*profile.speeds.tolist(), float(profile.speeds[-1])]
+    found = [
+        f"{ends[i]:g} to {min(ends[i + 1], scene.simulation.end_s):g} s"
+        for i in range(len(speeds) - 1)
+        if abs(speeds[i]) == profile.highest
+        and speeds[i] == speeds[i + 1]
+        and ends[i] < min(ends[i + 1], scene.simulation.end_s)
+    ]
+    return ", ".join(found)

@@ -1,0 +1,99 @@
+"""The drive of a scene, in SI: motors of prescribed speed, or motors that give a torque."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from mbd.forces.torque_source import TorqueSource
+from mbd.parts.drive import CouplingSpec, SpeedProfile
+from pipelines.io.errors import Problem, SceneError
+from pipelines.machine.places import shaft_ends
+from pipelines.scene.tables.motion import ControlledDrive, DriveModel, InductionDrive, SpeedDrive, TorqueDrive
+from pipelines.scene.tables.samples import ColumnTable, pairs
+from pipelines.scene.tables.shafts import ShaftTable
+from pipelines.scene.tables.torques import RPM
+
+
+def motor_places(drive: DriveModel, shaft: ShaftTable) -> tuple[float, ...]:
+    """y of the motors (m) on their shaft."""
+    if not isinstance(drive, SpeedDrive) and drive.position_mm is not None:
+        return (drive.si.position,)
+    return shaft_ends(shaft)[: drive.motors]
+
+
+def speed_profile(drive: DriveModel) -> SpeedProfile:
+    """Speed of the motors; of those that give a torque, the speed at t = 0 alone.
+
+    Raises
+    ------
+    SceneError : a file that cannot be used
+    """
+    if isinstance(drive, SpeedDrive):
+        times, speeds = pairs(drive, "times_s", "speeds_rpm", "drive")
+        if times[0] > 0.0:
+            raise SceneError(
+                "scene",
+                [Problem("drive.times_s", f"starts at {times[0]:g} s, and must start at 0", "Correct the file")],
+            )
+        return SpeedProfile(times=times, speeds=speeds * RPM, smooth=isinstance(drive.speeds_rpm, ColumnTable))
+    return SpeedProfile(times=np.zeros(1), speeds=np.array([starting_rpm(drive) * RPM]))
+
+
+def starting_rpm(drive: TorqueDrive | InductionDrive | ControlledDrive) -> float:
+    """Speed of the driven shaft at t = 0 in rpm."""
+    if isinstance(drive, ControlledDrive):
+        times, speeds = pairs(drive, "times_s", "speeds_rpm", "drive")
+        return float(np.interp(0.0, times, speeds))
+    if isinstance(drive, InductionDrive) and drive.start_rpm is None:
+        return drive.rated_rpm
+    return float(drive.start_rpm or 0.0)
+
+
+def highest_rpm(drive: DriveModel) -> float:
+    """Highest speed (rpm) for which frequencies and strength are stated."""
+    if isinstance(drive, TorqueDrive):
+        return drive.highest_rpm or abs(drive.start_rpm)
+    if isinstance(drive, InductionDrive):
+        return drive.rated_rpm
+    return float(abs(pairs(drive, "times_s", "speeds_rpm", "drive")[1]).max())
+
+
+def motor_couplings(drive: DriveModel, shaft: int, places: tuple[float, ...]) -> tuple[CouplingSpec, ...]:
+    """Couplings to motors of prescribed speed; none for motors that give a torque.
+
+    Parameters
+    ----------
+    drive : the drive
+    shaft : number of the driven shaft, from 0
+    places : y of the motors (m)
+    """
+    if not isinstance(drive, SpeedDrive):
+        return ()
+    return tuple(
+        CouplingSpec(
+            name=f"motor_{number}",
+            shaft=f"shaft_{shaft + 1}",
+            y=y,
+            stiffness=drive.coupling_stiffness_N_m_per_rad,
+            damping=drive.coupling_damping_N_m_s_per_rad,
+        )
+        for number, y in enumerate(places, 1)
+    )
+
+
+def motor_torques(drive: DriveModel, shaft: int, places: tuple[float, ...]) -> tuple[TorqueSource, ...]:
+    """Motors that give a torque; none where the speed is prescribed. Arguments as for `motor_couplings`."""
+    found = []
+    for number, y in enumerate(places, 1):
+        if isinstance(drive, SpeedDrive):
+            continue
+        where: dict[str, Any] = drive.at(f"motor_{number}", shaft, y) | {"drives": True}
+        if isinstance(drive, TorqueDrive):
+            found.append(drive.curve(where, 1.0, "drive"))
+        elif isinstance(drive, InductionDrive):
+            found.append(drive.motor(where))
+        else:
+            found.append(drive.motor(where, "drive"))
+    return tuple(found)

@@ -1,0 +1,195 @@
+"""Layout: where the gears and shafts of a scene are, who turns whom, and what the train carries at most, in SI."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from fem.elements.materials import Material
+from fem.gears.geometry import Gear, GearPair, GeometryError, Rack
+from fem.gears.modifications import PairModifications, check_modifications
+from pipelines.io.errors import Problem, SceneError
+from pipelines.machine.drives import highest_rpm
+from pipelines.machine.flanks import modifications
+from pipelines.machine.loads import load_torque, loaded_shaft
+from pipelines.scene.phases import mesh_cycles
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.forces import TorqueTable
+from pipelines.scene.tables.gear_details import GearTable
+from pipelines.scene.tables.gears import StageTable
+from pipelines.scene.train import place_shafts, shaft_senses, stage_shafts
+
+USUAL_BORE = 0.5  # of the root circle, where a scene gives no bore
+USUAL_BACKLASH = 80e-6  # m, where a scene says nothing of centre distance, allowances or backlash
+
+
+def gear_pair(stage: StageTable, steel: Material, sense: int = 1) -> GearPair:
+    """The gear pair of a stage, in SI; `sense` is the lifting sense of its pinion, +1 about +y.
+
+    The face coordinate of a pair points along the rotation of its pinion in lifting, so that ends of the face change
+    places where the sense is -1. A backlash that is given is the whole of it.
+
+    Raises
+    ------
+    GeometryError : the gears do not work, with the reason; less backlash than centre distance and allowances leave
+    """
+    pinion_hand = stage.pinion_hand
+    pair = GearPair(
+        pinion=_named_gear(stage, "pinion", pinion_hand, sense),
+        wheel=_named_gear(stage, "wheel", "left" if pinion_hand == "right" else "right", sense),
+        centre_distance=stage.si.centre_distance,
+        pinion_material=steel,
+        wheel_material=steel,
+    )
+    allowances = stage.pinion.thickness_allowance_um, stage.wheel.thickness_allowance_um
+    given = stage.centre_distance_mm is not None or any(allowances)
+    backlash = stage.si.backlash if stage.backlash_um is not None else None if given else USUAL_BACKLASH
+    if backlash is None:
+        return pair
+    if not given:  # exactly, without the rounding of the centre distance
+        return replace(pair, centre_distance=None, backlash_allowance=backlash)
+    if backlash < pair.backlash - 1e-9:
+        raise GeometryError(
+            f"{pair.label}: backlash_um = {stage.backlash_um:g} is less than the {pair.backlash * 1e6:.1f} um of "
+            "centre distance and thickness allowances. Raise it, delete it, or reduce centre_distance_mm"
+        )
+    return replace(pair, backlash_allowance=backlash - pair.backlash)
+
+
+def _named_gear(stage: StageTable, name: str, hand: str, sense: int) -> Gear:
+    try:
+        return _gear(stage, name, hand, sense)
+    except GeometryError as error:
+        raise GeometryError(f"{name}: {error}") from error
+
+
+def _gear(stage: StageTable, name: str, hand: str, sense: int) -> Gear:
+    table: GearTable = getattr(stage, name)
+
+    def rack_value(key: str) -> float:
+        own: float | None = getattr(table, key)
+        return float(getattr(stage, key)) if own is None else own
+
+    rack = Rack(
+        addendum=rack_value("rack_addendum"),
+        dedendum=rack_value("rack_dedendum"),
+        tip_radius=rack_value("rack_tip_radius"),
+        pressure_angle=stage.si.pressure_angle,
+    )
+    solid = Gear(
+        teeth=getattr(stage, f"{name}_teeth"),
+        normal_module=stage.si.module,
+        helix_angle=stage.si.helix_angle,
+        face_width=stage.si.face_width,
+        profile_shift=getattr(stage, f"{name}_profile_shift"),
+        rack=rack,
+        bore_radius=1e-6 * stage.si.module,
+        tip_alteration=table.si.tip_alteration,
+        hand=hand,
+        thickness_allowance=table.si.thickness_allowance,
+        tip_chamfer=table.si.tip_chamfer,
+        tip_rounding=table.si.tip_rounding,
+        rim_thickness=table.si.rim_thickness,
+        web_thickness=table.si.web_thickness,
+        web_offset=sense * table.si.web_offset + 0.0,  # no -0: equal pairs share a law
+    )
+    bore: float | None = getattr(stage.si, f"{name}_bore")
+    if bore is None:
+        return replace(solid, bore_radius=solid.root_radius * USUAL_BORE)
+    if bore / 2 >= solid.root_radius:
+        raise GeometryError(
+            f"{name}_bore_mm = {1000 * bore:g} reaches the root circle, diameter {2000 * solid.root_radius:.6g} mm. "
+            "Reduce it, or delete it: the bore is then half the root circle"
+        )
+    return replace(solid, bore_radius=bore / 2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Layout:
+    """Where the gears and shafts of a scene are: pairs and flank modifications by stage, the rest by shaft.
+
+    Axes are (x, z) in m. Shafts are numbered from 0. Ratios of speeds are over that of shaft ``driven``, which the
+    motors turn, at ``turns`` 1/s at most. ``drawn`` (N m) are the torques of greatest magnitude with which load and
+    forces resist the rotation of every shaft.
+    """
+
+    pairs: tuple[GearPair, ...]
+    modifications: tuple[PairModifications, ...]
+    axes: tuple[tuple[float, float], ...]
+    senses: tuple[int, ...]  # lifting rotation about +y or -y; that of the first shaft is +1
+    shaft_ratios: tuple[float, ...]  # speed of each shaft over that of the motors
+    pair_shafts: tuple[tuple[int, int], ...]  # shafts of pinion and wheel, by stage
+    cycles_at_start: tuple[float, ...]  # mesh cycle at t = 0, by stage
+    coupling_shafts: tuple[tuple[int, int], ...]  # of the couplings that hold the rotation
+    driven: int
+    loaded: int  # the shaft that carries the load
+    turns: float
+    drawn: tuple[float, ...]
+
+    @property
+    def ratio(self) -> float:
+        """Total ratio: turns of the input for one turn of the output."""
+        return 1 / self.shaft_ratios[self.loaded]
+
+    @property
+    def load_torque(self) -> float:
+        """Torque (N m) that resists the rotation of the loaded shaft."""
+        return self.drawn[self.loaded]
+
+    @property
+    def pinion_senses(self) -> tuple[int, ...]:
+        """Lifting sense of every pinion, by stage."""
+        return tuple(self.senses[pinion] for pinion, _ in self.pair_shafts)
+
+
+def lay_out(scene: Scene, source: str = "scene") -> Layout:
+    """Gear pairs and axes of a scene; `source` names it in errors.
+
+    Raises
+    ------
+    SceneError : gears that do not work, a train that does not hang together, all of it listed
+    """
+    steel = scene.gear_material.made(name="gear steel")
+    pairs, flanks, problems = [], [], []
+    pair_shafts = stage_shafts(scene.stages)
+    senses = shaft_senses(len(scene.shafts), scene.stages, scene.couplings)
+    for number, (stage, (pinion, _)) in enumerate(zip(scene.stages, pair_shafts, strict=True), 1):
+        sense = senses[pinion]
+        try:
+            pairs.append(gear_pair(stage, steel, sense))
+            flanks.append(modifications(stage, sense))
+            check_modifications(pairs[-1], flanks[-1])
+        except GeometryError as error:
+            problems.append(Problem(f"stages.{number}", str(error)))
+    if problems:
+        raise SceneError(source, problems)
+    places, problems = place_shafts(len(scene.shafts), scene.stages, pairs, scene.couplings)
+    cycles, phases = mesh_cycles(scene.stages, pairs, senses)
+    if problems := problems or phases:
+        raise SceneError(source, problems)
+    driven = (scene.drive.shaft or 1) - 1
+    return Layout(
+        pairs=tuple(pairs),
+        modifications=tuple(flanks),
+        axes=tuple((place.x, place.z) for place in places),
+        senses=tuple(senses),
+        shaft_ratios=tuple(place.speed / places[driven].speed for place in places),
+        pair_shafts=tuple(pair_shafts),
+        cycles_at_start=tuple(cycles),
+        coupling_shafts=tuple(
+            (table.shafts[0] - 1, table.shafts[1] - 1) for table in scene.couplings if table.turns_both
+        ),
+        driven=driven,
+        loaded=loaded_shaft(scene),
+        turns=highest_rpm(scene.drive) / 60,
+        drawn=_drawn(scene),
+    )
+
+
+def _drawn(scene: Scene) -> tuple[float, ...]:
+    """Torque (N m) of load and torques from outside by shaft; motors are left to share what these draw."""
+    found = [0.0] * len(scene.shafts)
+    found[loaded_shaft(scene)] += load_torque(scene.load, loaded_shaft(scene))
+    for number, force in enumerate(scene.forces, 1):
+        if isinstance(force, TorqueTable):
+            found[force.shaft - 1] -= sum(force.spec(number).largest_torques(0.0).values())
+    return tuple(found)

@@ -1,0 +1,44 @@
+"""The load of a scene, in SI: a torque, or what hangs on drums (`pipelines.machine.hoist`)."""
+
+from __future__ import annotations
+
+from mbd.forces.torque_source import TorqueSource
+from mbd.parts.load import Load
+from pipelines.machine.hoist import drums, load_spec, output_torque
+from pipelines.machine.places import shaft_ends
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.motion import LoadBase, LoadModel, TorqueLoad
+from pipelines.scene.tables.shafts import ShaftTable
+
+
+def loaded_shaft(scene: Scene) -> int:
+    """Number of the shaft (from 0) that carries the load; left out: the last."""
+    return (scene.load.shaft or len(scene.shafts)) - 1
+
+
+def load_places(table: LoadModel, shaft: ShaftTable) -> tuple[float, ...]:
+    """y (m) where the load acts on its shaft: the drums, or the place of the torque (left out: the +y end)."""
+    if isinstance(table, LoadBase):
+        return drums(table, shaft)
+    return (shaft_ends(shaft)[1] if table.position_mm is None else table.si.position,)
+
+
+def load_torque(table: LoadModel, shaft: int) -> float:
+    """Torque (N m) of greatest magnitude with which the load resists the rotation of its shaft (number from 0)."""
+    if isinstance(table, TorqueLoad):
+        return -_source(table, shaft, 0.0).largest
+    return output_torque(table)
+
+
+def hanging_load(table: LoadModel, shaft: int, places: tuple[float, ...]) -> Load | None:
+    """What hangs on drums at ``places`` (m) of a shaft (number from 0); None where nothing does."""
+    return load_spec(table, f"shaft_{shaft + 1}", places) if isinstance(table, LoadBase) else None
+
+
+def torque_load(table: LoadModel, shaft: int, places: tuple[float, ...]) -> tuple[TorqueSource, ...]:
+    """The load that is a torque, if it is; arguments as for `hanging_load`."""
+    return (_source(table, shaft, places[0]),) if isinstance(table, TorqueLoad) else ()
+
+
+def _source(table: TorqueLoad, shaft: int, y: float) -> TorqueSource:
+    return table.curve(table.at("load", shaft, y), -1.0, "load")

@@ -1,0 +1,145 @@
+"""What the diagnosis looks for: the lines of the suspected gear, in the windows of constant speed."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from mbd.parts.drive import SpeedProfile
+from mbd.parts.rolling_elements import pass_frequencies
+from pipelines.machine.bearings import BearingFault, RollingBearing
+from pipelines.machine.facts import stage_facts
+from pipelines.machine.flanks import Fault
+from pipelines.machine.hoist import Hoist
+from pipelines.machine.layout import Layout
+from pipelines.scene.shaft_faults import MAIN_ORDER, ShaftFault
+from pipelines.signals.analysis import DiagnosisSettings
+from pipelines.signals.pass_lines import PassLines
+from pipelines.signals.shaft_lines import ShaftLines
+
+
+@dataclass(frozen=True, kw_only=True)
+class LookedFor:
+    """Where the diagnosis looks: a channel, a gear of a stage (from 1), windows (s), the band of the envelope (Hz).
+
+    `noise` (m/s2 rms) is added to the signals before; `possible` is False without windows or sensors; `speed_is_known`
+    where motors prescribe it; `damping_spread` is that of the casing's damping ratios in error bars.
+    """
+
+    sensor: str
+    axis: str
+    stage: int
+    gear: str
+    windows: Mapping[str, tuple[float, float]]
+    band: str | tuple[float, float]
+    noise: float
+    possible: bool
+    speed_is_known: bool
+    damping_spread: float
+
+
+def diagnosis_settings(
+    asked: LookedFor,
+    layout: Layout,
+    hoist: Hoist | None,
+    profile: SpeedProfile,
+    rolling: Sequence[RollingBearing],
+    faults: Sequence[Fault],
+    spalls: Sequence[BearingFault] = (),
+    shafts: Sequence[ShaftFault] = (),
+) -> DiagnosisSettings | None:
+    """The lines and windows of a diagnosis; None if it is not possible.
+
+    Parameters
+    ----------
+    asked : where the diagnosis looks
+    layout, hoist, profile : the train, its rope, and the speed of its motors
+    rolling : bearings whose pass frequencies are named
+    faults : for the words on what is wrong with teeth
+    spalls, shafts : faults of bearings and of shafts, whose lines are looked for
+    """
+    if not asked.possible:
+        return None
+    stage = stage_facts(layout)[asked.stage - 1]
+    on_wheel = asked.gear == "wheel"
+    shaft = layout.pair_shafts[asked.stage - 1][on_wheel]
+    words = _tooth_words([f for f in faults if layout.pair_shafts[f.stage - 1][f.gear == "wheel"] == shaft])
+    if faults and not words:  # another shaft is looked at than the one with the damage
+        words = f"lines of the stage {asked.stage} {asked.gear} (damaged is {_tooth_words(faults)})"
+    ratio = layout.shaft_ratios[layout.loaded]
+    modes = {
+        name: hoist.rope_frequency(hoist.rope_length_at(sum(window) / 2, profile, ratio))
+        for name, window in asked.windows.items()
+        if hoist is not None and hoist.rope_strength is not None and asked.speed_is_known
+    }
+    return DiagnosisSettings(
+        revolution_frequency=stage.wheel_frequency if on_wheel else stage.pinion_frequency,
+        mesh_frequency=stage.mesh_frequency,
+        windows=asked.windows,
+        rope_mode={name: value for name, value in modes.items() if value is not None},
+        bearings=_bearing_frequencies(layout, rolling),
+        passes=tuple(dict.fromkeys(_pass_lines(layout, rolling, fault) for fault in spalls)),
+        turning=tuple(shaft_lines(layout, fault) for fault in shafts),
+        sensor=asked.sensor,
+        axis=asked.axis,
+        band=asked.band,
+        shaft=f"shaft_{shaft + 1}",
+        speed_is_known=asked.speed_is_known,
+        fault=words or ("" if spalls or shafts else "no fault"),
+    )
+
+
+def _tooth_words(faults: Sequence[Fault]) -> str:
+    """What is wrong with teeth: "one tooth of the stage 1 wheel missing"."""
+    faulty = Counter((f.stage, f.gear, f.kind) for f in faults)
+    return ", ".join(
+        f"{'one tooth' if count == 1 else f'{count} teeth'} of the stage {number} {gear} {kind.removesuffix('-tooth')}"
+        for (number, gear, kind), count in faulty.items()
+    )
+
+
+def _bearing_frequencies(layout: Layout, rolling: Sequence[RollingBearing]) -> dict[str, float]:
+    """Pass frequencies (Hz) of all rolling bearings at the highest motor speed: "bearing_3 BPFO", BPFI, BSF, FTF."""
+    found: dict[str, float] = {}
+    for bearing in rolling:
+        found |= {f"{bearing.name} {label}": value for label, value in pass_rates(layout, bearing).items()}
+    return found
+
+
+def pass_rates(layout: Layout, bearing: RollingBearing) -> dict[str, float]:
+    """BPFO, BPFI, BSF, FTF (Hz) of a bearing at the highest motor speed."""
+    turn, per = _turns(layout, bearing.shaft), pass_frequencies(bearing.elements)
+    return {"BPFO": turn * per.outer, "BPFI": turn * per.inner, "BSF": turn * per.spin, "FTF": turn * per.cage}
+
+
+def shaft_lines(layout: Layout, fault: ShaftFault) -> ShaftLines:
+    """Orders of a faulty shaft at the highest motor speed."""
+    return ShaftLines(
+        fault=fault.name,
+        shaft=f"shaft_{fault.shaft + 1}",
+        frequency=abs(_turns(layout, fault.shaft)),
+        main=MAIN_ORDER[fault.kind],
+    )
+
+
+def _turns(layout: Layout, shaft: int) -> float:
+    return layout.turns * layout.shaft_ratios[shaft]
+
+
+def _pass_lines(layout: Layout, rolling: Sequence[RollingBearing], fault: BearingFault) -> PassLines:
+    name = fault.bearing
+    rates = pass_rates(layout, next(bearing for bearing in rolling if bearing.name == name))
+    label, frequency, spacing, spacing_label = {
+        "outer-ring": ("BPFO", rates["BPFO"], 0.0, ""),
+        "inner-ring": ("BPFI", rates["BPFI"], _turns(layout, fault.shaft), f"f_shaft_{fault.shaft + 1}"),
+        "element": ("2 BSF", 2 * rates["BSF"], rates["FTF"], "FTF"),
+    }[fault.spall.on]
+    return PassLines(
+        label=f"{name} {label}",
+        fault=fault.name,
+        frequency=frequency,
+        spacing=spacing,
+        spacing_label=spacing_label,
+        spread=fault.slip,
+    )

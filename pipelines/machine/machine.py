@@ -1,0 +1,237 @@
+"""The parts of the machine of a scene, in SI: shafts with gear bodies, bearings, meshes, drive, load and losses."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import partial
+from typing import Any
+
+from fem.gears.geometry import Gear, GearPair
+from fem.gears.prescribed import PrescribedDeviations
+from mbd.parts.couplings import ShaftCoupling
+from mbd.parts.film import Film
+from mbd.parts.losses import Brake
+from mbd.parts.shafts import Disk, ShaftSpec
+from pipelines.io.errors import Problems
+from pipelines.machine.bearings import bearing_specs
+from pipelines.machine.drives import motor_couplings, motor_places, motor_torques, speed_profile
+from pipelines.machine.flanks import GEARS, Fault, damaged_teeth, prescribed_deviations
+from pipelines.machine.hoist import drums
+from pipelines.machine.layout import Layout
+from pipelines.machine.loads import hanging_load, load_places, torque_load
+from pipelines.machine.parts import GearMesh, GearTeeth, MachineParts, ToothDeviations
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.gears import DeviationTable
+from pipelines.scene.tables.losses import FilmModel
+from pipelines.scene.tables.motion import LoadBase, SpeedDrive
+from pipelines.scene.tables.shafts import CouplingTable
+
+
+def _annulus(name: str, y: float, inner: float, outer: float, width: float, density: float) -> Disk:
+    """A ring of rectangular section as a rigid disk: m, J = m (R^2 + r^2)/2 and m (3 (R^2 + r^2) + b^2)/12."""
+    mass = density * math.pi * (outer**2 - inner**2) * width
+    square = outer**2 + inner**2
+    return Disk(
+        name=name,
+        y=y,
+        mass=mass,
+        polar_inertia=mass * square / 2,
+        diametral_inertia=mass * (3 * square + width**2) / 12,
+    )
+
+
+def gear_disk(name: str, y: float, gear: Gear, density: float) -> Disk:
+    """The gear body from its bore to its reference circle.
+
+    Parameters
+    ----------
+    name : of the disk
+    y : m, place on the shaft
+    gear : the gear
+    density : kg/m3
+    """
+    return _annulus(name, y, gear.bore_radius, gear.reference_radius, gear.face_width, density)
+
+
+def _disks(scene: Scene, layout: Layout, shaft: int) -> list[Disk]:
+    density = scene.gear_material.density_kg_m3
+    found: list[Disk] = []
+    for number, (stage, pair) in enumerate(zip(scene.stages, layout.pairs, strict=True)):
+        y = stage.si.position
+        for name, gear, place in zip(
+            ("pinion", "wheel"), (pair.pinion, pair.wheel), layout.pair_shafts[number], strict=True
+        ):
+            if place == shaft and y not in {disk.y for disk in found}:  # one gear may be in two stages
+                found.append(gear_disk(f"{name}_{number + 1}", y, gear, density))
+    for number, table in enumerate(scene.disks, 1):
+        if table.shaft == shaft + 1:
+            found.append(table.made(name=f"disk_{number}"))
+    load = scene.load
+    if shaft == layout.loaded and isinstance(load, LoadBase):
+        radius = load.si.drum_radius
+        for number, y in enumerate(drums(load, scene.shafts[layout.loaded]), 1):
+            # a drum is a thin shell: diametral inertia half the polar one, its length neglected
+            found.append(
+                Disk(
+                    name=f"drum_{number}",
+                    y=y,
+                    mass=load.drum_mass_kg,
+                    polar_inertia=load.drum_inertia_kg_m2,
+                    diametral_inertia=min(load.drum_inertia_kg_m2, load.drum_mass_kg * radius**2) / 2,
+                )
+            )
+    return found
+
+
+def shaft_specs(scene: Scene, layout: Layout) -> tuple[ShaftSpec, ...]:
+    """All shafts; shaft 1 lifts about +y, those that mesh with it turn the other way."""
+    steel = scene.gear_material
+    specs = []
+    for number, (table, (x, z)) in enumerate(zip(scene.shafts, layout.axes, strict=True)):
+        specs.append(
+            ShaftSpec(
+                name=f"shaft_{number + 1}",
+                x=x,
+                z=z,
+                sense=layout.senses[number],
+                sections=tuple(section.made() for section in table.sections),
+                disks=tuple(_disks(scene, layout, number)),
+                elastic_modulus=steel.si.elastic_modulus,
+                poisson_ratio=steel.poisson_ratio,
+                density=steel.density_kg_m3,
+                damping_time=scene.shaft_model.si.damping_time,
+                element_length=scene.shaft_model.si.element_length,
+                model=scene.shaft_model.model,
+            )
+        )
+    return tuple(specs)
+
+
+def coupling_spec(number: int, table: CouplingTable) -> ShaftCoupling:
+    """The coupling between two shafts with a number in the scene."""
+    radial, tilt = table.si.radial_stiffness, table.tilt_stiffness_N_m_per_rad
+    common: dict[str, Any] = {
+        "name": f"coupling_{number}",
+        "shafts": (f"shaft_{table.shafts[0]}", f"shaft_{table.shafts[1]}"),
+        "y": table.si.positions,
+        "torsional_stiffness": table.torsional_stiffness_N_m_per_rad,
+        "radial_stiffness": radial,
+        "axial_stiffness": table.si.axial_stiffness,
+        "tilt_stiffness": tilt,
+        "damping_time": table.si.damping_time,
+    }
+    if not table.turns:
+        return ShaftCoupling(**common)
+    from mbd.excitations.misaligned_coupling import MisalignedCoupling
+
+    across = table.si.radial_stiffness_across, table.tilt_stiffness_across_N_m_per_rad
+    return MisalignedCoupling(
+        **common,
+        radial_stiffness_across=radial if across[0] is None else across[0],
+        tilt_stiffness_across=tilt if across[1] is None else across[1],
+        offset=table.si.offset,
+        tilt=table.si.tilt,
+        angle=table.si.stiff_axis,
+        joint=table.universal_joint,
+    )
+
+
+def gear_teeth(
+    table: DeviationTable, prescribed: PrescribedDeviations | None, faults: Sequence[Fault], stage: int, gear: str
+) -> GearTeeth:
+    """The teeth of one gear.
+
+    Parameters
+    ----------
+    table : of the deviations that are drawn; where they are switched off there are no others either
+    prescribed : deviations that are stated
+    faults : of all stages
+    stage, gear : number of the stage, from 1, and "pinion" or "wheel"
+    """
+    deviations = None
+    if table.enabled and table.include:
+        seed = 1000 * table.seed + 2 * (stage - 1) + GEARS.index(gear)  # every gear its own sequence
+        deviations = ToothDeviations(grade=table.iso_grade, include=table.include, seed=seed)
+    own = [fault for fault in faults if fault.stage == stage and fault.gear == gear]
+    return GearTeeth(
+        deviations=deviations,
+        prescribed=prescribed if table.enabled else None,
+        clearances=tuple((f.tooth, f.damage.clearance) for f in own if f.tooth is not None and f.damage.clearance),
+        damaged=tuple(damaged_teeth(own, stage, gear)),
+    )
+
+
+def gear_meshes(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> tuple[GearMesh, ...]:
+    """All meshes."""
+    return tuple(
+        GearMesh(
+            name=f"mesh_{number}",
+            driving=f"shaft_{driving + 1}",
+            driven=f"shaft_{driven + 1}",
+            y=stage.si.position,
+            pair=pair,
+            pinion=gear_teeth(
+                scene.deviations, prescribed_deviations(stage, number, "pinion", sense), faults, number, "pinion"
+            ),
+            wheel=gear_teeth(
+                scene.deviations, prescribed_deviations(stage, number, "wheel", sense), faults, number, "wheel"
+            ),
+            damping_time=stage.si.mesh_damping_time,
+            cycle_at_start=layout.cycles_at_start[number - 1],
+            film=film_spec(scene.film, pair),
+        )
+        for number, (stage, pair, (driving, driven), sense) in enumerate(
+            zip(scene.stages, layout.pairs, layout.pair_shafts, layout.pinion_senses, strict=True), 1
+        )
+    )
+
+
+def film_spec(table: FilmModel, pair: GearPair) -> Film | None:
+    """The film between the flanks of a pair: curvature at the pitch point, mean length of the contact lines."""
+    slope = math.tan(pair.working_pressure_angle)
+    pinion, wheel = pair.pinion.base_radius * slope, pair.wheel.base_radius * slope
+    lead = math.cos(pair.base_helix_angle)
+    found: Film | None = table.made(
+        radius=pinion * wheel / (pinion + wheel) / lead,
+        length=pair.transverse_contact_ratio * pair.face_width / lead,
+    )
+    return found
+
+
+def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault], problems: Problems) -> MachineParts:
+    """All parts of the machine of a scene.
+
+    Parameters
+    ----------
+    scene, layout : the scene, and where its shafts are
+    faults : of the teeth
+    problems : take what the parts refuse; with any, the parts are not complete
+    """
+    drive, driven = scene.drive, f"shaft_{layout.driven + 1}"
+    ends = motor_places(drive, scene.shafts[layout.driven])
+    places = load_places(scene.load, scene.shafts[layout.loaded])
+    brake = drive.brake_torque_N_m if isinstance(drive, SpeedDrive) else 0.0
+    profile, load = speed_profile(drive), problems.made("load", hanging_load, scene.load, layout.loaded, places)
+    if load is not None and isinstance(drive, SpeedDrive):
+        problems.made("load", load.check_run, profile, layout.shaft_ratios[layout.loaded], scene.simulation.end_s)
+    return MachineParts(
+        shafts=problems.made("shafts", shaft_specs, scene, layout) or (),
+        bearings=bearing_specs(scene, problems),
+        meshes=gear_meshes(scene, layout, faults),
+        motors=motor_couplings(drive, layout.driven, ends),
+        driven=driven,
+        drive=profile,
+        load=load,
+        couplings=problems.each("couplings", (partial(coupling_spec, *one) for one in enumerate(scene.couplings, 1))),
+        forces=(
+            *(problems.made("drive", motor_torques, drive, layout.driven, ends) or ()),
+            *(problems.made("load", torque_load, scene.load, layout.loaded, places) or ()),
+            *problems.each("forces", (partial(table.spec, n) for n, table in enumerate(scene.forces, 1))),
+            *(force for number, table in enumerate(scene.disks, 1) for force in table.unbalances(number)),
+        ),
+        losses=scene.losses.made(),
+        brake=Brake(shaft=driven, y=ends[0], torque=brake) if brake else None,
+        gyroscopic=scene.shaft_model.gyroscopic,
+        probes=tuple(table.made(shaft=f"shaft_{table.shaft}") for table in scene.probes),
+    )

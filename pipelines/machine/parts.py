@@ -1,0 +1,101 @@
+"""The parts of the machine and of its motion, in SI: what the step `simulate` reads besides laws and casing.
+
+No scene is known here: a result hangs on the values, not on the code that converts them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fem.gears.geometry import GearPair
+from fem.gears.prescribed import PrescribedDeviations
+from mbd.parts import channels
+from mbd.parts.bearings import BearingSpec
+from mbd.parts.couplings import ShaftCoupling
+from mbd.parts.drive import CouplingSpec, SpeedProfile
+from mbd.parts.film import Film
+from mbd.parts.load import Excitation, Load
+from mbd.parts.losses import Brake, Losses
+from mbd.parts.machine import Machine
+from mbd.parts.probe import Probe
+from mbd.parts.shafts import ShaftSpec
+
+
+@dataclass(frozen=True, kw_only=True)
+class ToothDeviations:
+    """Deviations of the teeth of a gear: flank tolerance class of ISO 1328-1, which kinds, seed of their sequence."""
+
+    grade: int
+    include: tuple[str, ...]
+    seed: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class GearTeeth:
+    """What is particular about the teeth of a gear; the n-th damaged tooth is variant n of the mesh law.
+
+    `deviations` are drawn, `prescribed` ones stated; None: there are none.
+    `clearances` are numbers of teeth with what their faults add on either flank, m (inf: the tooth is missing).
+    """
+
+    deviations: ToothDeviations | None
+    prescribed: PrescribedDeviations | None
+    clearances: tuple[tuple[int, float], ...]
+    damaged: tuple[int, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class GearMesh:
+    """A gear pair in the machine without its laws: on shafts `driving` and `driven`, mid face at `y` (m).
+
+    `cycle_at_start` is the mesh cycle at t = 0, `damping_time` (s) gives damping = this time * stiffness.
+    """
+
+    name: str
+    driving: str
+    driven: str
+    y: float
+    pair: GearPair
+    pinion: GearTeeth
+    wheel: GearTeeth
+    damping_time: float
+    cycle_at_start: float
+    film: Film | None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MachineParts:
+    """Everything that the multibody model is made of but the laws of its meshes and its casing."""
+
+    shafts: tuple[ShaftSpec, ...]
+    bearings: tuple[BearingSpec, ...]
+    meshes: tuple[GearMesh, ...]
+    motors: tuple[CouplingSpec, ...]  # of prescribed speed; none: torques among `forces` drive
+    driven: str
+    drive: SpeedProfile
+    load: Load | None
+    couplings: tuple[ShaftCoupling, ...]
+    forces: tuple[Excitation, ...]
+    losses: Losses
+    brake: Brake | None
+    gyroscopic: bool
+    probes: tuple[Probe, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recorded:
+    """What is recorded beside the machine's own channels: the sensors, and without a casing the journals instead."""
+
+    sensors: tuple[str, ...]
+    journals: bool
+
+    def channels(self, machine: Machine) -> tuple[str, ...]:
+        """All channels of a machine that are recorded."""
+        names = channels.channel_names(machine, self.sensors)
+        if self.journals:
+            names += tuple(
+                channels.journal_acceleration(bearing.name, axis)
+                for bearing in machine.bearings
+                for axis in channels.DIRECTIONS
+            )
+        return names

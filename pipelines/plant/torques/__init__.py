@@ -1,1 +1,0 @@
-"""What drives and loads the machine of a scene, in SI."""

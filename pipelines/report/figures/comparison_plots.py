@@ -1,0 +1,137 @@
+"""Figures of a comparison, a panel per recording over the same axes. Every function returns the figure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
+
+from pipelines.diagnosis.comparison.curves import Curves
+from pipelines.report.figures.plots import FIRST, MARK, SECOND, dress, new_figure, plain
+from pipelines.report.figures.spectrum_plots import DECADES
+from pipelines.signals.orders.kinematics import Kinematics
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+MESH_ORDERS = 3  # shown of the fastest mesh
+ENVELOPE_ORDERS = 10.0  # shown at least
+ROOM = 0.04  # of the width, for the name of a mark
+BEHIND = "#c9c9c9"  # the first recording, behind the others
+
+
+def spectra_figure(found: Curves, names: Sequence[str], kinematics: Kinematics) -> Figure:
+    """Order spectra, with the mesh orders of the first recording's machine marked."""
+    meshes = kinematics.mesh_orders()
+    marks = {
+        f"{'' if n == 1 else n} $f_{{m{stage}}}$": n * order
+        for stage, order in meshes.items()
+        for n in range(1, MESH_ORDERS + 1)
+    }
+    top = min(float(found.orders[-1]), (MESH_ORDERS + 0.4) * max(meshes.values(), default=found.orders[-1]))
+    title = f"Order spectra at {' '.join(found.channel)}, {_blocks(found)}"
+    return _panels(found.orders, found.spectrum, names, title, "amplitude, m/s²", top, marks)
+
+
+def envelopes_figure(found: Curves, names: Sequence[str], kinematics: Kinematics) -> Figure:
+    """Order spectra of the squared envelope, with the orders of the shafts and of the bearings marked."""
+    marks = {plain(shaft.name): shaft.ratio for shaft in kinematics.shafts}
+    passes = {
+        plain(strike): order * kinematics.shaft(bearing.shaft).ratio
+        for bearing in kinematics.bearings
+        for strike, order in bearing.strikes.items()
+    }
+    top = min(float(found.orders[-1]), max(ENVELOPE_ORDERS, 2.2 * max(passes.values(), default=0.0)))
+    low, high = found.band
+    title = (
+        f"Envelope order spectra at {' '.join(found.channel)}, of the orders {low:.4g} to {high:.4g}, {_blocks(found)}"
+    )
+    return _panels(found.orders, found.envelope, names, title, "share of the mean", top, marks | passes)
+
+
+def averages_figure(found: Curves, names: Sequence[str]) -> Figure:
+    """Time-synchronous averages over a turn of the shaft."""
+    figure = new_figure(0.9 + 1.7 * len(names))
+    panels = figure.subplots(len(names), 1, sharex=True, sharey=True)
+    angle = np.arange(found.average.shape[1]) * 360.0 / found.average.shape[1]
+    for number, (axes, name, average) in enumerate(zip(panels, names, found.average, strict=True)):
+        if number:
+            axes.plot(angle, found.average[0], color=BEHIND, lw=0.9)
+        axes.plot(angle, average, color=SECOND if number else FIRST, lw=0.9)
+        axes.set_xlim(0.0, 360.0)
+        turned = ", shifted to match A" if found.turned[number] else ""
+        last = number == len(names) - 1
+        dress(axes, plain(name + turned), f"angle of {found.shaft}, °" if last else "", "m/s²")
+    figure.suptitle(plain(f"Time-synchronous averages at {' '.join(found.channel)}, mean over the turns"))
+    return figure
+
+
+def rms_figure(rms: np.ndarray, sensors: Sequence[str], names: Sequence[str]) -> Figure:
+    """Root mean squares (recording, channel) as bars, a group per sensor: the root of the sum over its axes.
+
+    Parameters
+    ----------
+    rms : m/s2
+    sensors : of the channels
+    names : of the recordings
+    """
+    known = list(dict.fromkeys(sensors))
+    sums = np.array(
+        [[np.sqrt(sum(row[i] ** 2 for i, s in enumerate(sensors) if s == one)) for one in known] for row in rms]
+    )
+    figure = new_figure(3.4 + 0.2 * len(names))
+    axes = figure.subplots()
+    width = 0.8 / len(names)
+    for number, (name, row) in enumerate(zip(names, sums, strict=True)):
+        axes.bar(np.arange(len(known)) + (number + 0.5) * width - 0.4, row, width, label=plain(name))
+    axes.set_xticks(range(len(known)), [plain(one) for one in known], rotation=0 if len(known) < 10 else 90)
+    dress(axes, "RMS of each sensor in its windows, root sum square of the common axes", "", "m/s²")
+    figure.legend(loc="outside lower left", ncols=1, frameon=False, fontsize=9)
+    return figure
+
+
+def _panels(
+    orders: np.ndarray,
+    rows: np.ndarray,
+    names: Sequence[str],
+    title: str,
+    unit: str,
+    top: float,
+    marks: Mapping[str, float],
+) -> Figure:
+    """A panel per recording with the first one behind; the names of the marks stand in the first panel."""
+    figure = new_figure(0.9 + 1.7 * len(names))
+    panels = figure.subplots(len(names), 1, sharex=True, sharey=True)
+    shown = (orders > 0.0) & (orders <= top)
+    for number, (axes, name, row) in enumerate(zip(panels, names, rows, strict=True)):
+        if number:
+            axes.semilogy(orders[shown], rows[0][shown], color=BEHIND, lw=0.9)
+        axes.semilogy(orders[shown], row[shown], color=SECOND if number else FIRST, lw=0.8)
+        axes.yaxis.set_minor_locator(NullLocator())  # minor ticks of a log axis take half the time of a figure
+        _mark(axes, {label: order for label, order in marks.items() if order <= top}, top, named=not number)
+        dress(axes, plain(name), "order of the first shaft" if number == len(names) - 1 else "", unit)
+    high = 4.0 * float(rows[:, shown].max())
+    panels[0].set_ylim(max(0.5 * float(np.min(rows[:, shown])), high / 10**DECADES), high)
+    panels[0].set_xlim(0.0, top)
+    figure.suptitle(plain(title))
+    return figure
+
+
+def _mark(axes: Axes, marks: Mapping[str, float], top: float, *, named: bool) -> None:
+    """Dashed lines; in a crowd the first of the marks have their names."""
+    placed: list[float] = []
+    for label, order in marks.items():
+        axes.axvline(order, color=MARK, lw=0.6, ls=(0, (4, 3)), zorder=0)
+        if named and all(abs(order - other) > ROOM * top for other in placed):
+            placed.append(order)
+            axes.annotate(
+                label, (order, 1.0), xycoords=("data", "axes fraction"), xytext=(2, -2), textcoords="offset points",
+                ha="left", va="top", fontsize=8, color=MARK,
+            )  # fmt: skip
+
+
+def _blocks(found: Curves) -> str:
+    return f"blocks of {found.turns} turn{'' if found.turns == 1 else 's'}"

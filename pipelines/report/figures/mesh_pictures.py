@@ -1,0 +1,201 @@
+"""Pictures of the mesh of a stage: contact lines in three dimensions, stiffness and load share, healthy over faulty."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pipelines.io.user_files import write_whole
+from pipelines.report.figures.film import film_page, png, save_figure, write_gif
+from pipelines.report.figures.mesh_frames import MeshFrames
+from pipelines.report.figures.render import render_mesh, show_window
+from pipelines.report.figures.views import GearPairView, LeftOut, Picture
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MILLISECONDS = 160  # per frame of a film
+STILL_SIZE, FILM_SIZE = (1000, 690), (600, 414)  # pixels of a rendered state
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MeshView:
+    """What is shown: the gears, the cycles of the frames, and one or two states of the teeth, the healthy one first.
+
+    `marked` names the damaged tooth of the second state, "" without one.
+    """
+
+    title: str
+    gears: GearPairView
+    damaged: GearPairView | None
+    marked: str
+    model: str
+    force: float  # N
+    cycles: np.ndarray
+    states: tuple[MeshFrames, ...]
+
+
+def write_still(view: MeshView, stem: Path) -> Path | LeftOut:
+    """<stem>.png of the middle frame; the reason if it cannot be rendered."""
+    pictures = _rendered(view)
+    if isinstance(pictures, LeftOut):
+        return pictures
+    middle, still = len(view.cycles) // 2, stem.with_suffix(".png")
+    save_figure(mesh_figure(view, [frames[middle] for frames in pictures], middle, _most(view)), still, dpi=115)
+    return still
+
+
+def write_film(view: MeshView, stem: Path, progress: Callable[[float], None]) -> list[Path] | LeftOut:
+    """<stem>.gif and .html with all frames; the reason if they cannot be rendered.
+
+    Parameters
+    ----------
+    view : what is shown
+    stem : of the files
+    progress : is told the part that is done, from 0 to 1
+    """
+    progress(0.0)
+    pictures = _rendered(view, FILM_SIZE)
+    if isinstance(pictures, LeftOut):
+        return pictures
+    frames, count = [], len(view.cycles)
+    for n in range(count):
+        progress(0.5 + 0.5 * n / count)
+        frames.append(png(mesh_figure(view, [of_state[n] for of_state in pictures], n, _most(view))))
+    film, page = stem.with_suffix(".gif"), stem.with_suffix(".html")
+    write_gif(frames, film, MILLISECONDS)
+    labels = [f"mesh cycle {cycle:.3f}" for cycle in view.cycles]
+    write_whole(page, film_page(view.title, frames, "position", labels, MILLISECONDS))
+    progress(1.0)
+    return [film, page]
+
+
+def _rendered(view: MeshView, size: tuple[int, int] = STILL_SIZE) -> list[list[Picture]] | LeftOut:
+    """All frames of every state, the states side by side: rendering takes a processor each."""
+    gears = [view.gears if n == 0 or view.damaged is None else view.damaged for n in range(len(view.states))]
+    with ThreadPoolExecutor(len(gears)) as pool:
+        found = list(pool.map(lambda g, s: render_mesh(g, view.cycles, s, _most(view), size), gears, view.states))
+    rendered = []
+    for pictures in found:
+        if isinstance(pictures, LeftOut):
+            return pictures
+        rendered.append(pictures)
+    return rendered
+
+
+def _most(view: MeshView) -> float:
+    """The greatest line load of all states, N/m."""
+    return max(float(np.nanmax(state.load)) for state in view.states)
+
+
+def show_mesh(view: MeshView, image: Path | None = None) -> None:
+    """The same in a window with a slider for the position, until it is closed; with `image` only until it is written.
+
+    Raises
+    ------
+    InputError : no display, or the window cannot be opened
+    """
+    gears = [view.gears if n == 0 or view.damaged is None else view.damaged for n in range(len(view.states))]
+    marked = ["" if n == 0 or not view.marked else f", {view.marked} red" for n in range(len(view.states))]
+    load = f"load {view.force:.4g} N, law {view.model}"
+    show_window(view.title, load, view.cycles, gears, view.states, marked, image)
+
+
+def mesh_figure(view: MeshView, pictures: Sequence[Picture], frame: int, most: float) -> Figure:
+    """One frame: a row per state of the teeth, and both curves with the position marked.
+
+    Parameters
+    ----------
+    view : what is shown
+    pictures : the rendered frame of every state
+    frame : its number, from 0
+    most : N/m, line load at the end of the colours
+    """
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    from pipelines.report.figures.colours import LOAD_COLOURS
+    from pipelines.report.figures.plots import new_figure, plain
+
+    rows = len(pictures)
+    figure = new_figure(2.4 + 3.4 * rows, 13.0)
+    cycle = float(view.cycles[frame])
+    figure.suptitle(f"{plain(view.title)}\nmesh cycle {cycle:.3f}, load {view.force:.4g} N, law {view.model}")
+    halves: Any = figure.subfigures(1, 2, width_ratios=[1.15, 1.0])
+    left, right = halves
+    boxes = np.atleast_1d(left.subplots(rows, 1))
+    for axes, picture, state in zip(boxes, pictures, view.states, strict=True):
+        _draw_picture(axes, picture, view, state, frame)
+    scale = ScalarMappable(Normalize(0.0, most / 1000), cmap=LOAD_COLOURS)
+    left.colorbar(scale, ax=boxes.tolist(), location="bottom", shrink=0.7, aspect=40).set_label("line load, N/mm")
+    stiffness, *shares = np.atleast_1d(right.subplots(1 + rows, 1, sharex=True))
+    _draw_stiffness(stiffness, view, cycle)
+    for axes, state in zip(shares, view.states, strict=True):
+        _draw_shares(axes, state, cycle)
+    shares[-1].set_xlabel("mesh cycle")
+    return figure
+
+
+def _draw_picture(axes: Axes, picture: Picture, view: MeshView, state: MeshFrames, frame: int) -> None:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    from pipelines.report.figures.callouts import corner_axes, show
+    from pipelines.report.figures.colours import GONE, PINION, WHEEL
+
+    show(axes, picture, whole=True)
+    corner_axes(axes, picture)
+    most = np.nanmax(state.pressure[frame]) / 1e6 if np.isfinite(state.pressure[frame]).any() else 0.0
+    axes.set_title(f"{state.name}: Hertz pressure up to {most:.0f} MPa at this position\nface width "
+                   f"{1000 * view.gears.face_width:.4g} mm along y; x, y, z 1:1", fontsize=9, loc="left")  # fmt: skip
+    handles: list[Patch | Line2D] = [
+        Patch(color=PINION, alpha=0.6, label="pinion"),
+        Patch(color=WHEEL, alpha=0.6, label="wheel"),
+        Line2D([], [], color="#21918c", lw=4, label="contact lines (colour: load)"),
+    ]
+    if state is not view.states[0] and view.marked:
+        handles.append(
+            Patch(color=GONE, alpha=0.5 if view.damaged and view.damaged.missing else 1.0, label=view.marked)
+        )
+    # below the picture: over it a legend would hide contact lines
+    axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=2, fontsize=8, frameon=False)
+
+
+def _draw_stiffness(axes: Axes, view: MeshView, cycle: float) -> None:
+    from pipelines.report.figures.plots import FAULTY, HEALTHY, dress, legend
+
+    for state, colour in zip(view.states, (HEALTHY, FAULTY), strict=False):
+        curve = state.curve
+        axes.plot(curve.cycle, curve.secant / 1e6, color=colour, label=state.name)
+        here = float(np.interp(cycle, curve.cycle, curve.secant)) / 1e6
+        axes.plot([cycle], [here], "o", color=colour, ms=7)
+    axes.axvline(cycle, color="black", lw=0.9, ls=":")
+    axes.set_ylim(0, None)
+    axes.margins(x=0)
+    dress(axes, "Mesh stiffness (secant)", "", "stiffness, N/µm")
+    legend(axes)
+
+
+def _draw_shares(axes: Axes, state: MeshFrames, cycle: float) -> None:
+    from pipelines.report.figures.colours import PAIR_COLOURS
+    from pipelines.report.figures.plots import dress
+
+    curve = state.curve
+    for number, share in zip(curve.pair, curve.share.T, strict=True):
+        loaded = np.where(share > 0.0, share, np.nan)
+        colour = PAIR_COLOURS[int(number) % len(PAIR_COLOURS)]
+        axes.plot(curve.cycle, 100 * loaded, color=colour, lw=1.3, label=f"pair {number}")
+        here = float(np.interp(cycle, curve.cycle, share))
+        if here > 0.0:
+            axes.plot([cycle], [100 * here], "o", color=colour, ms=6)
+    axes.axvline(cycle, color="black", lw=0.9, ls=":")
+    axes.set_ylim(0, 105)
+    axes.margins(x=0)
+    dress(axes, f"Load share of the tooth pairs, {state.name}", "", "share, %")
+    axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)

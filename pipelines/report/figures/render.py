@@ -1,0 +1,376 @@
+"""Pictures of a gear pair and of a casing: rendered by a child process, labelled here.
+
+Where rendering is not possible a picture is left out with the reason and the remedy, and the caller goes on.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fem.processes.child import command, environment
+from pipelines.io.errors import InputError
+from pipelines.report.figures.mesh_frames import MeshFrames
+from pipelines.report.figures.render_failures import Failure, ended, no_picture, too_slow
+from pipelines.report.figures.scene_frame import placed, turned_away
+from pipelines.report.figures.solids import gear_surface, prism_surface, without_tooth
+from pipelines.report.figures.tooth_shape import DrawnTooth, turned_in
+from pipelines.report.figures.views import CasingView, GearPairView, LeftOut, Picture, Teeth
+
+log = logging.getLogger(__name__)
+
+KINDS = ("ground", "bearing", "sensor")
+UP = (0.0, 0.0, 1.0)
+AXES_PLACES = ("origin", "x", "y", "z")  # which no point may be called
+TIMEOUT = 900.0  # s, against a renderer that hangs; a software renderer on a busy machine takes minutes
+RENDERER = "pipelines.report.figures.view"
+
+
+def kind_of(point: str) -> str:
+    """Which of KINDS a key point of the casing is; sensors have any name."""
+    return next((kind for kind in KINDS if point.startswith(f"{kind}_")), "sensor")
+
+
+def render_gears(view: GearPairView, size: tuple[int, int] = (1100, 900)) -> Picture | LeftOut:
+    """The gear pair in three dimensions, the damaged tooth in red; places "pinion", "wheel", "marked"."""
+    arrays, places = _gear_arrays(view)
+    direction = (0.25, view.seen_from, 0.4)
+    return _single(_render("gears", "gear pair", arrays, _in_scene(places, view), size, direction, UP, 1.3))
+
+
+def render_tooth(view: GearPairView, size: tuple[int, int] = (900, 900)) -> Picture | LeftOut:
+    """The damaged tooth on its gear from near, its mate left out; places "mesh", "x", "y", "z" at the tooth."""
+    arrays, places = _gear_arrays(view)
+    gear, tooth = view.marked_gear, view.tooth
+    mate = "wheel" if gear == "pinion" else "pinion"
+    arrays = {name: value for name, value in arrays.items() if not name.startswith(f"{mate}_")}
+    arrays["near"] = np.array(True)
+    centre = 0.0 if gear == "pinion" else view.centre_distance
+    teeth = view.pinion_teeth if gear == "pinion" else view.wheel_teeth
+    radius = float(np.linalg.norm(places["marked"][:2] - [centre, 0.0]))
+    half = 0.62 * max(view.face_width, 4 * np.pi * radius / teeth)
+    outward, around = turned_in(np.eye(3)[:2], view.marked_angle, 0.0)
+    end = view.sense * view.seen_from
+    toward = 0.7 * outward + 0.6 * (tooth.flank if tooth is not None else 1) * around + 0.55 * end * np.eye(3)[2]
+    direction, up = (tuple(turned_away(vector, view.frame).tolist()) for vector in (toward, outward))
+    middle = placed(turned_in(np.array([radius, 0.0, 0.0]), view.marked_angle, centre), view.frame)
+    named = {"mesh": middle} | _directions(middle, 0.2 * half)
+    return _single(
+        _render("gears", "damaged tooth", arrays, named, size, direction, up, 1.0, focus=(*middle.tolist(), half))
+    )
+
+
+def _in_scene(places: Mapping[str, np.ndarray], view: GearPairView) -> dict[str, np.ndarray]:
+    return {name: placed(np.asarray(place), view.frame) for name, place in places.items()}
+
+
+def _directions(origin: np.ndarray, length: float) -> dict[str, np.ndarray]:
+    return {axis: origin + length * np.eye(3)[i] for i, axis in enumerate("xyz")}
+
+
+def _gear_arrays(view: GearPairView) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """Surfaces of the gears and of the damaged tooth, and where their names stand."""
+    shifts = {"pinion": np.zeros(3), "wheel": np.array([view.centre_distance, 0.0, 0.0])}
+    teeth = {"pinion": view.pinion_teeth, "wheel": view.wheel_teeth}
+    outlines = {"pinion": view.pinion_outline, "wheel": view.wheel_outline}
+    twists = {"pinion": view.pinion_twist, "wheel": view.wheel_twist}
+    bores = {"pinion": view.pinion_bore, "wheel": view.wheel_bore}
+    front = _front(view)
+    webs = {"pinion": view.pinion_web, "wheel": view.wheel_web}
+    arrays: dict[str, Any] = {"marked_gear": np.array(view.marked_gear), "marked_missing": np.array(view.missing)}
+    arrays["frame"] = view.frame
+    places = {}
+    for gear, outline in outlines.items():
+        if gear == view.marked_gear:
+            outline, tooth = without_tooth(outline, teeth[gear], view.marked_angle)
+            points, quads = prism_surface(tooth, twists[gear], view.face_width)
+            arrays["marked_points"], arrays["marked_quads"] = points + shifts[gear], quads
+            if view.tooth is not None and not view.tooth.missing:
+                arrays |= _tooth_arrays(view.tooth, view.marked_angle, float(shifts[gear][0]))
+            angle = view.marked_angle + twists[gear] * float(front[2])
+            middle = np.hypot(*tooth.T).mean() * np.array([np.cos(angle), np.sin(angle), 0.0])
+            places["marked"] = middle + front + shifts[gear]
+        points, quads = gear_surface(outline, bores[gear], twists[gear], view.face_width, web=webs[gear])
+        arrays[f"{gear}_points"], arrays[f"{gear}_quads"] = points + shifts[gear], quads
+        places[gear] = front + shifts[gear]
+    return arrays, places
+
+
+def _tooth_arrays(tooth: DrawnTooth, angle: float, centre: float) -> dict[str, Any]:
+    """Surface of a damaged tooth at its place, its faces of fracture, wear, and cracks."""
+    sheets = {f"sheet_{n}": turned_in(sheet, angle, centre) for n, sheet in enumerate(tooth.sheets)}
+    lines = {f"crack_{n}": turned_in(line, angle, centre) for n, line in enumerate(tooth.lines)}
+    return {
+        "marked_points": turned_in(tooth.points, angle, centre),
+        "marked_quads": tooth.quads,
+        "marked_broken": tooth.broken,
+        "marked_depth": tooth.depth,
+        **sheets,
+        **lines,
+    }
+
+
+def render_casing(view: CasingView, size: tuple[int, int] = (1400, 900)) -> Picture | LeftOut:
+    """The casing with its key points; places are the points' names and "origin", "x", "y", "z" for the axes."""
+    arrays: dict[str, Any] = {
+        "nodes": np.asarray(view.nodes, dtype=float),
+        "triangles": np.asarray(view.triangles, dtype=int),
+    }
+    for kind in KINDS:
+        chosen = [np.asarray(place, dtype=float) for name, place in view.points.items() if kind_of(name) == kind]
+        arrays[f"{kind}_points"] = np.array(chosen).reshape(-1, 3)
+    low = arrays["nodes"].min(axis=0)
+    length = 0.12 * float(np.linalg.norm(np.ptp(arrays["nodes"], axis=0)))
+    places = {name: np.asarray(place, dtype=float) for name, place in view.points.items()}
+    places |= {"origin": low} | {axis: low + length * np.eye(3)[i] for i, axis in enumerate("xyz")}
+    return _single(_render("casing", "casing", arrays, places, size, (-0.55, -1.0, 0.75), (0.0, 0.0, 1.0), 1.1))
+
+
+def render_mode(
+    nodes: np.ndarray, triangles: np.ndarray, shape: np.ndarray, frames: int, size: tuple[int, int] = (1100, 750)
+) -> list[Picture] | LeftOut:
+    """A period of a mode; the largest displacement is drawn as 8 % of the body's diagonal.
+
+    Parameters
+    ----------
+    nodes, triangles : float (n, 3), m, and int (t, 3), surface of the body
+    shape : (n, 3), the largest length 1
+    frames : pictures of the period
+    size : width and height of a picture, pixels
+    """
+    diagonal, low = float(np.linalg.norm(np.ptp(nodes, axis=0))), nodes.min(axis=0)
+    arrays = {"nodes": nodes, "triangles": triangles, "shape": shape, "reach": np.array(0.08 * diagonal)}
+    arrays["frames"] = np.array(frames)
+    places = {"origin": low} | {axis: low + 0.1 * diagonal * np.eye(3)[i] for i, axis in enumerate("xyz")}
+    return _render(
+        "mode", "casing mode", arrays, places, size, (-0.55, -1.0, 0.75), (0.0, 0.0, 1.0), 1.35, frames=frames
+    )
+
+
+def render_mesh(
+    view: GearPairView, cycles: np.ndarray, frames: MeshFrames, most_load: float, size: tuple[int, int] = (900, 620)
+) -> list[Picture] | LeftOut:
+    """The teeth in mesh at every cycle, seen through, with their contact lines; places "mesh", "x", "y", "z".
+
+    Parameters
+    ----------
+    view : the gears
+    cycles : (frame,) mesh cycles
+    frames : contact lines of every cycle
+    most_load : N/m, line load at the end of the colours
+    size : width and height of a picture, pixels
+    """
+    arrays, places, focus = _mesh_arrays(view, cycles, frames, most_load)
+    return _render(
+        "mesh", "contact lines", arrays, places, size, _mesh_direction(view), UP, 1.0,
+        frames=len(cycles), focus=focus,
+    )  # fmt: skip
+
+
+def _mesh_arrays(
+    view: GearPairView, cycles: np.ndarray, frames: MeshFrames, most_load: float
+) -> tuple[dict[str, Any], dict[str, np.ndarray], tuple[float, float, float, float]]:
+    """What `draw_mesh` draws, the named places, and the point to look at with half the height seen."""
+    pitch = view.centre_distance * view.pinion_teeth / (view.pinion_teeth + view.wheel_teeth)
+    half = 0.75 * max(view.face_width, 9 * pitch / view.pinion_teeth)
+    arrays, _ = _gear_arrays(view)
+    arrays |= {
+        "line_points": frames.points,
+        "line_load": frames.load,
+        "most_load": np.array(most_load),
+        "line_radius": np.array(0.02 * half),
+        "seen": np.array([pitch, 2.5 * half]),
+        "toward": 6 * half * np.array(_mesh_direction(view)) @ view.frame[:3, :3],  # parallel: nothing hides them then
+        "centre_distance": np.array(view.centre_distance),
+        "pinion_turn": 2 * np.pi * cycles / view.pinion_teeth,
+        "wheel_turn": -2 * np.pi * cycles / view.wheel_teeth,
+    }
+    middle = placed(np.array([pitch, 0.0, 0.0]), view.frame)
+    return arrays, {"mesh": middle} | _directions(middle, 0.2 * half), (*middle.tolist(), half)
+
+
+def _front(view: GearPairView) -> np.ndarray:
+    """From mid face to the end that is seen, in the frame of the gears."""
+    return np.array([0.0, 0.0, view.sense * view.seen_from * view.face_width / 2])
+
+
+def _mesh_direction(view: GearPairView) -> tuple[float, float, float]:
+    return -0.5, view.seen_from, 0.45
+
+
+def show_window(
+    title: str,
+    load: str,
+    cycles: np.ndarray,
+    gears: Sequence[GearPairView],
+    states: Sequence[MeshFrames],
+    marked: Sequence[str],
+    image: Path | None,
+) -> None:
+    """States of the teeth in a window with a slider, stiffness and load share beside them, until it is closed.
+
+    Parameters
+    ----------
+    title, load : texts of the window: its title, load and law
+    cycles : (frame,) mesh cycles
+    gears, states, marked : gears, contact lines and a word on the damaged tooth ("" for none) of every state
+    image : file for a picture, with which the window closes at once, or None
+
+    Raises
+    ------
+    InputError : no display, or the window cannot be opened
+    """
+    if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        raise InputError(
+            "--screen: there is no display (DISPLAY is not set). Run it on a desktop or over ssh -X, or leave --screen "
+            "out: the page mesh_<stage>.html has the same slider."
+        )
+    most = max(float(np.nanmax(state.load)) for state in states)
+    arrays: dict[str, Any] = {"cycles": cycles}
+    for number, (view, state) in enumerate(zip(gears, states, strict=True)):
+        own, _, focus = _mesh_arrays(view, cycles, state, most)
+        own |= {
+            "toward": np.zeros(3),
+            "seen": np.array([0.0, np.inf]),  # a window can be turned and moved
+            "curve_cycle": state.curve.cycle,
+            "secant": state.curve.secant,
+            "share": state.curve.share,
+        }
+        arrays |= {f"{number}_{key}": value for key, value in (own | {"curve_pair": state.curve.pair}).items()}
+    with tempfile.TemporaryDirectory(prefix="gearcase-") as folder:
+        job: dict[str, Any] = {
+            "kind": "screen",
+            "arrays": str(Path(folder) / "arrays.npz"),
+            "images": [] if image is None else [str(image)],
+            "size": [1500, 950],
+            "title": title,
+            "load": load,
+            "names": [state.name for state in states],
+            "marked": list(marked),
+            "direction": _mesh_direction(gears[-1]),
+            "up": UP,
+            "focus": focus,
+        }
+        np.savez(job["arrays"], **arrays)
+        path = Path(folder) / "job.json"
+        path.write_text(json.dumps(job), encoding="utf-8")
+        failure = _run_child(path, timeout=None)
+    if failure is not None:
+        raise InputError(f"--screen: the window is not opened: {failure.what}. {failure.remedy}")
+
+
+def render_stress(
+    view: GearPairView, cycle: float, teeth: Teeth, most: float, size: tuple[int, int] = (1000, 620)
+) -> Picture | LeftOut:
+    """Loaded teeth coloured by von Mises stress; places "mesh", "pinion", "wheel", "x", "y", "z".
+
+    Parameters
+    ----------
+    view : the gears
+    cycle : mesh cycle
+    teeth : the loaded teeth with their stress
+    most : Pa, stress at the end of the colours
+    size : width and height of the picture, pixels
+    """
+    pitch = view.centre_distance * view.pinion_teeth / (view.pinion_teeth + view.wheel_teeth)
+    module = view.centre_distance * 2 / (view.pinion_teeth + view.wheel_teeth)
+    half = 0.56 * max(view.face_width, 9 * module)
+    arrays, _ = _gear_arrays(view)
+    arrays |= {
+        "points": teeth.points,
+        "cells": teeth.cells,
+        "von_mises": teeth.von_mises,
+        "most": np.array(most),
+        "line_points": teeth.line_points,
+        "line_load": teeth.line_load,
+        "line_radius": np.array(0.011 * half),
+        "toward": 6 * half * np.array(_mesh_direction(view)) @ view.frame[:3, :3],
+        "centre_distance": np.array(view.centre_distance),
+        "pinion_turn": np.array([2 * np.pi * cycle / view.pinion_teeth]),
+        "wheel_turn": np.array([-2 * np.pi * cycle / view.wheel_teeth]),
+    }
+    middle, front = placed(np.array([pitch, 0.0, 0.0]), view.frame), _front(view)
+    places = _in_scene({name: np.array([pitch + side * 3.2 * module, 0.0, 0.0]) + front
+                        for name, side in (("pinion", -1), ("wheel", 1))}, view)  # fmt: skip
+    places |= {"mesh": middle} | _directions(middle, 0.2 * half)
+    return _single(
+        _render(
+            "stress", "stress", arrays, places, size, _mesh_direction(view), UP, 1.0, focus=(*middle.tolist(), half),
+        )
+    )  # fmt: skip
+
+
+def _render(
+    kind: str,
+    name: str,
+    arrays: dict[str, Any],
+    places: Mapping[str, np.ndarray],
+    size: tuple[int, int],
+    direction: tuple[float, float, float],
+    up: tuple[float, float, float],
+    zoom: float,
+    frames: int = 1,
+    focus: tuple[float, float, float, float] | None = None,
+) -> list[Picture] | LeftOut:
+    with tempfile.TemporaryDirectory(prefix="gearcase-") as folder:
+        job: dict[str, Any] = {
+            "kind": kind,
+            "arrays": str(Path(folder) / "arrays.npz"),
+            "images": [str(Path(folder) / f"picture_{number}.png") for number in range(frames)],
+            "pixels": str(Path(folder) / "pixels.json"),
+            "size": list(size),
+            "direction": list(direction),
+            "up": list(up),
+            "zoom": zoom,
+            "focus": focus,
+            "places": {key: [float(v) for v in place] for key, place in places.items()},
+        }
+        np.savez(job["arrays"], **arrays)
+        job_path = Path(folder) / "job.json"
+        job_path.write_text(json.dumps(job), encoding="utf-8")
+        failure = _run_child(job_path, TIMEOUT)
+        if failure is None and not all(Path(file).exists() for file in (*job["images"], job["pixels"])):
+            failure = no_picture()
+        if failure is not None:
+            reason = f"The picture of the {name} is left out: {failure.what}. {failure.remedy}"
+            log.warning("%s", reason)
+            return LeftOut(reason=reason)
+        pixels = json.loads(Path(job["pixels"]).read_text("utf-8"))
+        return [Picture(image=_read_image(file), places=pixels) for file in job["images"]]
+
+
+def _single(pictures: list[Picture] | LeftOut) -> Picture | LeftOut:
+    return pictures if isinstance(pictures, LeftOut) else pictures[0]
+
+
+def _run_child(job: Path, timeout: float | None) -> Failure | None:
+    """Start the renderer; None if it ended well, else what happened."""
+    try:
+        done = subprocess.run(
+            [*command(RENDERER), str(job)],
+            env=environment(),
+            capture_output=True,
+            text=True,
+            encoding="utf-8",
+            errors="replace",
+            timeout=timeout,
+            check=False,
+        )
+    except subprocess.TimeoutExpired as error:
+        return too_slow(error.timeout)
+    return None if done.returncode == 0 else ended(done.returncode, done.stderr)
+
+
+def _read_image(path: str) -> np.ndarray:
+    from matplotlib.image import imread
+
+    return np.rint(imread(path)[..., :3] * 255).astype(np.uint8)

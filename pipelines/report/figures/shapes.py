@@ -1,0 +1,194 @@
+"""From gear pairs and casing meshes to what pictures are drawn from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fem.contact.faults.tooth_fault import ToothFault
+from fem.contact.law import MeshLaw
+from fem.elements.facets import corner_triangles
+from fem.gears.gear import Gear
+from fem.gears.geometry import GearPair
+from fem.gears.profile import half_tooth_profile
+from pipelines.machine.flanks import Fault, first_tooth_fault
+from pipelines.machine.plant import Plant
+from pipelines.report.figures.damage import drawn_tooth
+from pipelines.report.figures.scene_frame import scene_frame
+from pipelines.report.figures.tooth_shape import DrawnTooth
+from pipelines.report.figures.views import CasingView, GearPairView
+
+VISIBLE = 1 / 7  # of a turn before it meshes: there a damaged tooth is not hidden by the other gear
+
+
+def gear_view(
+    pair: GearPair,
+    marked: tuple[str, int] | None = None,
+    *,
+    missing: bool = True,
+    in_mesh: bool = False,
+    tooth: DrawnTooth | None = None,
+    frame: np.ndarray | None = None,
+    sense: int = 1,
+) -> GearPairView:
+    """The pair at a whole mesh cycle, tooth pairs touching at the pitch point.
+
+    The pinion turns counter-clockwise and drives; seen in the picture pinion tooth i follows tooth i - 1 clockwise and
+    wheel tooth j follows tooth j - 1 counter-clockwise, so that pair (i, i) follows pair (i - 1, i - 1). With a marked
+    tooth the cycle is chosen so that it meshes after a seventh of a turn of its gear.
+
+    Parameters
+    ----------
+    pair : the gears in mesh
+    marked : gear ("pinion" or "wheel") and number of the damaged tooth, or None
+    missing : the marked tooth is not there
+    in_mesh : keep the cycle 0 instead
+    tooth : the marked one with its damage, or None: all of it is red
+    frame, sense : place in the scene, see `pipelines.report.figures.scene_frame`; None: the pinion's axis along y
+    """
+    radii = pair.working_radii
+    # tooth 0 touches at the pitch point with its upper (pinion) or lower (wheel) flank; its middle lies beside it
+    pinion_zero = -pair.pinion.half_thickness_angle(radii[0])
+    wheel_zero = math.pi - pair.wheel.half_thickness_angle(radii[1])
+    cycle, angle = 0, 0.0
+    if marked is not None:
+        gear, number = marked
+        teeth = pair.pinion.teeth if gear == "pinion" else pair.wheel.teeth
+        cycle = 0 if in_mesh else shown_cycle(pair, marked)
+        rotation = 2 * math.pi * (cycle - number) / teeth
+        angle = pinion_zero + rotation if gear == "pinion" else wheel_zero - rotation
+    return GearPairView(
+        pinion_outline=outline(pair.pinion, pinion_zero),
+        wheel_outline=outline(pair.wheel, wheel_zero),
+        pinion_teeth=pair.pinion.teeth,
+        wheel_teeth=pair.wheel.teeth,
+        pinion_bore=pair.pinion.bore_radius,
+        wheel_bore=pair.wheel.bore_radius,
+        pinion_twist=twist(pair.pinion),
+        wheel_twist=twist(pair.wheel),
+        face_width=pair.face_width,
+        centre_distance=pair.axis_distance,
+        marked_gear="" if marked is None else marked[0],
+        marked_angle=angle,
+        missing=missing,
+        tooth=tooth,
+        pinion_web=_web(pair.pinion),
+        wheel_web=_web(pair.wheel),
+        frame=scene_frame((0.0, 0.0), (1.0, 0.0), 0.0, 1) if frame is None else frame,
+        sense=sense,
+    )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PlacedPair:
+    """A gear pair at its place in the scene, the fault that is shown, and all damage of that tooth."""
+
+    pair: GearPair
+    frame: np.ndarray  # (4, 4), see `pipelines.report.figures.scene_frame`
+    sense: int
+    fault: Fault | None
+    damage: tuple[ToothFault, ...]
+
+
+def placed_pair(plant: Plant, stage: int) -> PlacedPair:
+    """The pair of a stage (from 1) of a plant."""
+    pinion, wheel = plant.layout.pair_shafts[stage - 1]
+    sense = plant.layout.pinion_senses[stage - 1]
+    axes = plant.layout.axes
+    fault = shown_fault(plant.faults, stage)
+    return PlacedPair(
+        pair=plant.layout.pairs[stage - 1],
+        frame=scene_frame(axes[pinion], axes[wheel], plant.machine.meshes[stage - 1].y, sense),
+        sense=sense,
+        fault=fault,
+        damage=() if fault is None else tooth_damage(plant.faults, fault),
+    )
+
+
+def stage_view(placed: PlacedPair, law: MeshLaw | None, *, in_mesh: bool = False, damaged: bool = True) -> GearPairView:
+    """The pair at its place.
+
+    Parameters
+    ----------
+    placed : the pair
+    law : of the drive flank, which gives the depth of wear; None if `needs_law` is not true of the damage
+    in_mesh : as for `gear_view`
+    damaged : with the damaged tooth, and all its faults
+    """
+    pair, frame, sense, fault = placed.pair, placed.frame, placed.sense, placed.fault
+    if fault is None:
+        return replace(gear_view(pair, frame=frame, sense=sense, in_mesh=in_mesh), seen_from=_open_end(pair, sense))
+    gear: Gear = getattr(pair, fault.gear)
+    tooth = drawn_tooth(pair, law, fault.gear, twist(gear), placed.damage)
+    marked = (fault.gear, fault.tooth or 0)
+    view = gear_view(pair, marked, missing=tooth.missing, in_mesh=in_mesh, tooth=tooth, frame=frame, sense=sense)
+    view = replace(view, seen_from=sense * tooth.end or _open_end(pair, sense))
+    return view if damaged else replace(view, marked_gear="", tooth=None)
+
+
+def shown_fault(faults: Sequence[Fault], stage: int) -> Fault | None:
+    """The fault of a stage (from 1) that is shown: that of a single tooth first, else one of all teeth, on tooth 0."""
+    return first_tooth_fault(faults, stage) or next((fault for fault in faults if fault.stage == stage), None)
+
+
+def tooth_damage(faults: Sequence[Fault], shown: Fault) -> tuple[ToothFault, ...]:
+    """All damage of the tooth that has a fault."""
+    same = (fault for fault in faults if (fault.stage, fault.gear) == (shown.stage, shown.gear))
+    return tuple(fault.damage for fault in same if fault.tooth in (None, shown.tooth or 0))
+
+
+def shown_cycle(pair: GearPair, marked: tuple[str, int] | None) -> int:
+    """The mesh cycle at which a view out of mesh shows the pair."""
+    return 0 if marked is None else marked[1] - round(VISIBLE * getattr(pair, marked[0]).teeth)
+
+
+def outline(gear: Gear, centre_angle: float) -> np.ndarray:
+    """The transverse profile of all teeth, counter-clockwise (n, 2) in m, the middle of one tooth at `centre_angle`."""
+    half = half_tooth_profile(gear, n_fillet=6, n_flank=8, n_tip=2).points  # mid space at x > 0 to mid tooth on +y
+    tooth = np.vstack([half[:-1], half[::-1] * [-1.0, 1.0]])[:-1]  # counter-clockwise, mid space kept once
+    corners = []
+    for number in range(gear.teeth):
+        angle = centre_angle - math.pi / 2 + 2 * math.pi * number / gear.teeth
+        rotation = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
+        corners.append(tooth @ rotation)
+    return np.concatenate(corners)
+
+
+def casing_view(nodes: np.ndarray, facets: np.ndarray, names: Sequence[str], positions: np.ndarray) -> CasingView:
+    """Surface of a casing: its corner nodes alone, and its key points.
+
+    Parameters
+    ----------
+    nodes : float (n, 3), m
+    facets : int (f, k), see `fem.elements.facets`
+    names, positions : key points, float (p, 3), m
+    """
+    corners = corner_triangles(np.asarray(facets)).reshape(-1, 3)
+    used, triangles = np.unique(corners, return_inverse=True)
+    return CasingView(
+        nodes=np.asarray(nodes, dtype=float)[used],
+        triangles=triangles.reshape(corners.shape),
+        points={name: np.asarray(place, dtype=float) for name, place in zip(names, positions, strict=True)},
+    )
+
+
+def _open_end(pair: GearPair, sense: int) -> int:
+    """The end of the shafts, along the global y, from which an offset web lies deeper; -1 without one."""
+    offset = max((pair.pinion.web_offset, pair.wheel.web_offset), key=abs)
+    return 1 if sense * offset < 0.0 else -1
+
+
+def _web(gear: Gear) -> tuple[float, float, float] | None:
+    """Inner radius of the rim and ends of the web along the face; None for a solid body."""
+    if gear.web_ratio >= 1.0:
+        return None
+    half = gear.web_ratio * gear.face_width / 2
+    return gear.rim_inner_radius, gear.web_offset - half, gear.web_offset + half
+
+
+def twist(gear: Gear) -> float:
+    """Rotation of the section per metre along the axis, rad/m: tan(beta) / r, positive for a right hand."""
+    return gear.hand_sign * math.tan(abs(gear.helix_angle)) / gear.reference_radius

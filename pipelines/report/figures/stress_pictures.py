@@ -1,0 +1,171 @@
+"""Pictures and files of the stress in loaded teeth: von Mises stress on both gears in mesh, healthy over faulty."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.contact.models.solid_stress import LoadedTeeth
+from pipelines.io.errors import InputError
+from pipelines.io.shown import shown
+from pipelines.io.user_files import whole_file, writable_file
+from pipelines.report.figures.film import save_figure
+from pipelines.report.figures.mesh_frames import contact_places
+from pipelines.report.figures.render import render_stress
+from pipelines.report.figures.scene_frame import placed, turned_away
+from pipelines.report.figures.views import GearPairView, LeftOut, Picture, Teeth
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from fem.gears.gear import Gear
+    from fem.gears.geometry import GearPair
+
+FORMATS = (".vtu", ".inp", ".msh", ".bdf")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StressView:
+    """What is shown: one or two states of the teeth, the healthy one first; `marked` names the damaged tooth."""
+
+    title: str
+    gears: GearPairView
+    damaged: GearPairView | None
+    marked: str
+    note: str  # what the stress does not hold, "" if nothing
+    model: str
+    force: float  # N
+    cycle: float
+    names: tuple[str, ...]
+    states: tuple[Teeth, ...]
+
+
+def teeth_in_mesh(pair: GearPair, found: LoadedTeeth) -> Teeth:
+    """Both gears turned to their places; of a missing tooth the rim below the root circle remains."""
+    points, cells, gears, numbers, motion, stress = [], [], [], [], [], []
+    count = 0
+    for number, (name, field) in enumerate((("pinion", found.pinion), ("wheel", found.wheel)), 1):
+        gear: Gear = getattr(pair, name)
+        radius = pair.working_radii[number - 1]
+        angle = (3 - 2 * number) * 2 * math.pi * found.cycle / gear.teeth - gear.half_thickness_angle(radius)
+        centre = 0.0 if name == "pinion" else pair.axis_distance
+        angle += 0.0 if name == "pinion" else math.pi
+        mirror = found.hand * (3 - 2 * number)  # z is hand * zeta, and zeta of the wheel is -z
+        cosine, sine = math.cos(angle), math.sin(angle)
+        place = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, mirror]])
+        order = slice(None) if mirror > 0 else [4, 5, 6, 7, 0, 1, 2, 3]  # a mirrored cell turned right side out
+        for tooth in range(len(field.pair)):
+            own = field.cells
+            if found.missing[number - 1, tooth]:
+                corner = np.linalg.norm(field.points[tooth, :, :2], axis=1)[own]
+                own = own[corner.mean(axis=1) <= gear.root_radius]
+            points.append(field.points[tooth] @ place.T + [centre, 0.0, 0.0])
+            motion.append(field.displacement[tooth] @ place.T)
+            stress.append(field.von_mises[tooth])
+            cells.append(own[:, order] + count)
+            gears.append(np.full(len(own), number))
+            numbers.append(np.full(len(own), field.pair[tooth]))
+            count += len(points[-1])
+    return Teeth(
+        points=np.vstack(points),
+        cells=np.vstack(cells),
+        gear=np.concatenate(gears),
+        tooth_pair=np.concatenate(numbers),
+        displacement=np.vstack(motion),
+        von_mises=np.concatenate(stress),
+        line_points=contact_places(pair, found.xi, found.hand * found.face),
+        line_load=np.where(found.line_load > 0.0, found.line_load, np.nan),
+    )
+
+
+def checked_mesh_file(name: str) -> Path:
+    """The path of an export of teeth; InputError for an ending that is not known."""
+    path = writable_file(name, "--mesh")
+    if path.suffix.lower() not in FORMATS:
+        raise InputError(
+            f"--mesh {shown(name)}: the ending must be one of {', '.join(FORMATS)}. Correct the file name."
+        )
+    return path
+
+
+def write_teeth(teeth: Teeth, path: Path, frame: np.ndarray) -> None:
+    """The hexahedra with the groups pinion and wheel; displacement (m) and von Mises stress (Pa) in .vtu and .msh.
+
+    `frame` (4, 4) takes them to their place in the scene, see `pipelines.report.figures.scene_frame`.
+    """
+    from fem.casing.mesh.mesh_file import write_hexahedra
+
+    used, cells = np.unique(teeth.cells, return_inverse=True)
+    moved = turned_away(teeth.displacement[used], frame)
+    fields = {"displacement, m": moved, "von Mises stress, Pa": teeth.von_mises[used]}
+    groups = {"pinion": teeth.gear == 1, "wheel": teeth.gear == 2}
+    with whole_file(path) as partial:
+        write_hexahedra(placed(teeth.points[used], frame), cells.reshape(teeth.cells.shape), fields, groups, partial)
+
+
+def write_stress(view: StressView, path: Path) -> Path | LeftOut:
+    """The picture; the reason if it cannot be rendered."""
+    most = max(float(state.von_mises[np.unique(state.cells)].max()) for state in view.states)
+    pictures = []
+    for number, state in enumerate(view.states):
+        gears = view.gears if number == 0 or view.damaged is None else view.damaged
+        picture = render_stress(gears, view.cycle, state, most)
+        if isinstance(picture, LeftOut):
+            return picture
+        pictures.append(picture)
+    save_figure(stress_figure(view, pictures, most), path, dpi=115)
+    return path
+
+
+def stress_figure(view: StressView, pictures: Sequence[Picture], most: float) -> Figure:
+    """A row per state of the teeth, one colour bar for all."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    from pipelines.report.figures.colours import STRESS_COLOURS
+    from pipelines.report.figures.plots import new_figure, plain
+
+    figure = new_figure(2.2 + 4.6 * len(pictures), 9.0)
+    figure.suptitle(
+        f"{plain(view.title)}\nvon Mises stress, mesh cycle {view.cycle:.4g}, load {view.force:.4g} N\n{view.model}",
+        fontsize=11,
+    )
+    boxes = np.atleast_1d(figure.subplots(len(pictures), 1))
+    for number, (axes, picture) in enumerate(zip(boxes, pictures, strict=True)):
+        _draw(axes, picture, view, number)
+    scale = ScalarMappable(Normalize(0.0, most / 1e6), cmap=STRESS_COLOURS)
+    figure.colorbar(scale, ax=list(boxes), location="bottom", shrink=0.7, aspect=40).set_label("von Mises stress, MPa")
+    return figure
+
+
+def _draw(axes: Axes, picture: Picture, view: StressView, number: int) -> None:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    from pipelines.report.figures.callouts import corner_axes, show
+    from pipelines.report.figures.colours import CONTACT, GONE
+
+    show(axes, picture, whole=True)
+    corner_axes(axes, picture)
+    state = view.states[number]
+    greatest = state.von_mises[np.unique(state.cells)].max() / 1e6
+    axes.set_title(f"{view.names[number]}: greatest {greatest:.0f} MPa", fontsize=10, loc="left")
+    for gear in ("pinion", "wheel"):
+        column, row = picture.places[gear]
+        axes.text(column, row, gear, ha="center", va="center", fontsize=10, fontweight="bold",
+                  bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.5})  # fmt: skip
+    handles: list[Patch | Line2D] = [Line2D([], [], color=CONTACT, lw=3, label="contact lines (shown in front)")]
+    if number and view.marked:
+        handles.append(Patch(color=GONE, alpha=0.6, label=view.marked))
+    axes.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, fontsize=8, frameon=False)
+    note = f"face width {1000 * view.gears.face_width:.4g} mm along y; x, y, z 1:1, not deformed"
+    note += "\nstress within 0.3 modules of a contact line is smoothed; mesh_<stage>.png gives the Hertz pressure there"
+    if number and view.note:
+        note += f"\n{view.note}"
+    axes.text(0.0, -0.01, note, fontsize=8, transform=axes.transAxes, va="top")

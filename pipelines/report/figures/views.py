@@ -1,0 +1,81 @@
+"""What pictures are drawn from (gear pairs, casings, loaded teeth) and what comes of it: a picture, or a reason."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pipelines.report.figures.scene_frame import scene_frame
+from pipelines.report.figures.tooth_shape import DrawnTooth
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class GearPairView:
+    """Two gears in the transverse section at mid face, each about its own centre, turned as they mesh.
+
+    The wheel's centre lies at (centre_distance, 0) from the pinion's. Outlines float (n, 2), counter-clockwise, m,
+    with all teeth; twists rad per m of face width. `marked_gear` "pinion" | "wheel" | "" and `marked_angle` (rad,
+    polar angle of the middle of the tooth about its own centre) draw one tooth red, see-through if it is
+    `missing`, or as the `tooth` with its damage. Webs are (inner radius of the rim, end, end along the face), m.
+    `frame` (4, 4) takes points to the scene, `sense` is +1 where the face coordinate runs along the global y.
+    """
+
+    pinion_outline: np.ndarray
+    wheel_outline: np.ndarray
+    pinion_teeth: int
+    wheel_teeth: int
+    pinion_bore: float
+    wheel_bore: float
+    pinion_twist: float
+    wheel_twist: float
+    face_width: float
+    centre_distance: float
+    marked_gear: str = ""
+    marked_angle: float = 0.0
+    missing: bool = True
+    tooth: DrawnTooth | None = None
+    pinion_web: tuple[float, float, float] | None = None
+    wheel_web: tuple[float, float, float] | None = None
+    frame: np.ndarray = field(default_factory=lambda: scene_frame((0.0, 0.0), (1.0, 0.0), 0.0, 1))
+    sense: int = 1
+    seen_from: int = -1  # the end of the shafts, along the global y
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CasingView:
+    """Surface of a casing, nodes float (n, 3) m, triangles int (m, 3), and its key points name -> (3,) m."""
+
+    nodes: np.ndarray
+    triangles: np.ndarray
+    points: Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Teeth:
+    """Loaded teeth of both gears in the frame of `mesh_frames`, one mesh; nodes of neighbours coincide."""
+
+    points: np.ndarray  # (node, 3), m
+    cells: np.ndarray  # (cell, 8), hexahedra in the order of VTK
+    gear: np.ndarray  # (cell,), 1 pinion, 2 wheel
+    tooth_pair: np.ndarray  # (cell,), number of the tooth pair
+    displacement: np.ndarray  # (node, 3), m
+    von_mises: np.ndarray  # (node,), Pa
+    line_points: np.ndarray  # (pair, slice, 3), m
+    line_load: np.ndarray  # (pair, slice), N/m, nan where nothing touches
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Picture:
+    """A rendered picture: image (rows, columns, 3) in 0..255, and the pixel (column, row) of every named place."""
+
+    image: np.ndarray
+    places: Mapping[str, tuple[float, float]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class LeftOut:
+    """A picture that could not be made: what is missing and what to install."""
+
+    reason: str

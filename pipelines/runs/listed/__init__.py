@@ -1,1 +1,0 @@
-"""Finished runs under ./runs: found, compared, removed."""

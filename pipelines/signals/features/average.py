@@ -1,0 +1,89 @@
+"""The time-synchronous average of a signal over the turns of a shaft, and what is left of it without regular orders.
+
+What repeats with the shaft stays in the average, all else is divided by the root of the number of turns. A turn has
+whole orders, so that every order of the average is one line of its Fourier transform and nothing leaks.
+
+References
+----------
+McFadden (1987), Mech. Syst. Signal Process. 1(1), 83-95 (average); Stewart (1977), Report MHM/R/10/77, University of
+Southampton, as given by Zakrajsek, Townsend & Decker (1993), NASA TM-105950 (residual and difference signal).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+FEWEST_TURNS = 3  # of an average
+
+Meshes = Mapping[int, int]  # number of the pair -> teeth of its gear on the shaft
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Average:
+    """`values` (channel, place) over one turn of a shaft, of `turns` turns; `orders` below half of the sampling rate.
+
+    `meshes` are the gears on the shaft.
+    """
+
+    values: np.ndarray
+    turns: int
+    orders: int
+    meshes: Meshes
+
+    @cached_property
+    def amplitudes(self) -> np.ndarray:
+        """One-sided peak amplitudes (channel, order), NaN from `orders` on."""
+        lines = 2.0 * np.abs(np.fft.rfft(self.values, axis=-1)) / self.values.shape[-1]
+        lines[:, 0] /= 2.0
+        lines[:, self.orders :] = np.nan
+        return lines
+
+    def amplitude(self, order: int) -> np.ndarray:
+        """Amplitude (channel,) of an order, NaN beyond half of the sampling rate."""
+        lines = self.amplitudes
+        return lines[:, order] if order < lines.shape[1] else np.full(len(lines), np.nan)
+
+    @property
+    def residual(self) -> np.ndarray:
+        """The average (channel, place) without its mean, the first order of the shaft and all orders of its meshes."""
+        return self._without({0, 1} | self._of_meshes())
+
+    @property
+    def regular(self) -> np.ndarray:
+        """What the residual lacks of the average (channel, place): its mean, the first order, the mesh orders."""
+        lines = np.fft.rfft(self.values, axis=-1)
+        kept = np.zeros_like(lines)
+        orders = [order for order in {0, 1} | self._of_meshes() if order < lines.shape[1]]
+        kept[:, orders] = lines[:, orders]
+        return np.fft.irfft(kept, self.values.shape[-1], axis=-1)
+
+    @property
+    def difference(self) -> np.ndarray:
+        """The residual without the first sidebands of the mesh orders and the second order of the shaft."""
+        of_meshes = self._of_meshes()
+        return self._without({0, 1, 2} | of_meshes | {order + side for order in of_meshes for side in (-1, 1)})
+
+    def _of_meshes(self) -> set[int]:
+        return {n * teeth for teeth in self.meshes.values() for n in range(1, self.orders // teeth + 1)}
+
+    def _without(self, orders: Iterable[int]) -> np.ndarray:
+        lines = np.fft.rfft(self.values, axis=-1)
+        lines[:, [order for order in orders if order < lines.shape[1]]] = 0.0
+        lines[:, self.orders :] = 0.0
+        return np.fft.irfft(lines, self.values.shape[-1], axis=-1)
+
+
+def average(turns: np.ndarray, orders: int, meshes: Meshes) -> Average:
+    """The average of turns (channel, turn, place), which should be FEWEST_TURNS or more.
+
+    Parameters
+    ----------
+    turns : as `pipelines.signals.orders.revolutions.revolutions` gives them
+    orders : of the shaft, below half of the sampling rate
+    meshes : teeth of the gears on the shaft
+    """
+    return Average(values=turns.mean(axis=1), turns=turns.shape[1], orders=orders, meshes=meshes)

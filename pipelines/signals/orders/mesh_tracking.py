@@ -1,0 +1,191 @@
+"""The angle of a machine from its vibration alone: the phase of its mesh lines over time.
+
+A line of the order o turns by o times the angle of the first shaft. With an angle that is nearly right the line is
+brought to rest, x(t) exp(-i o angle(t)), and averaged under Hann windows of TURNS turns of the slower shaft of the
+pair: the sidebands of that shaft fall on zeros of the window. What is left of the phase, divided by o, is the error of
+the angle. Lines are weighted by the steadiness of their phase, the channels of a line by its largest principal
+component; the mended angle brings the lines to rest anew. The rough angle to begin with is that of
+`pipelines.signals.orders.speed_search`.
+
+Limits. A line that sweeps through more than the width of a window's line, 1/L, in its length L is lost: the speed may
+change by 1/(o L^2) Hz per second at most, o being the lowest mesh order. What modulates the phase of all lines alike,
+slower than 1/L, is taken for a change of speed, as it must be.
+
+References
+----------
+Bonnardot, El Badaoui, Randall, Daniere & Guillet (2005), Mech. Syst. Signal Process. 19(4), 766-785 (angle from the
+phase of a mesh line); Urbanek, Barszcz & Antoni (2013), Mech. Syst. Signal Process. 38(1), 96-102; Peeters, Antoni,
+Leclere, Verstraeten & Helsen (2022), Mech. Syst. Signal Process. 167, 108533 (many lines, weighted).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from pipelines.signals.orders.kinematics import Kinematics
+from pipelines.signals.orders.revolutions import HIGHEST
+from pipelines.signals.orders.rotation import Rotation, RotationError
+from pipelines.signals.orders.smoothing import smooth
+from pipelines.signals.orders.speed_search import RANGE, speed_path
+
+TURNS = 2  # of the slower shaft in a window of the phase
+HARMONICS = 5  # of a mesh
+SIDEBANDS = 2  # of each shaft on either side that the rough search looks at
+CHANNELS = 6  # of the steadiest mesh lines
+SWING = 3e-4  # rad, of a geared shaft within a tooth mesh, which no window resolves
+ROUNDS = 4  # of bringing to rest and mending
+FEWEST_WINDOWS = 6
+STEADY = 0.6  # rad; the second difference of a phase must scatter less, a phase at random scatters by 1.8
+LARGEST = 2.5  # rad; of a second difference: one near pi may hide a turn of the phase that is lost
+NEIGHBOURS = 4.0 / 3.0  # power of the slow part of the noise: windows that overlap by half correlate by 1/6
+
+
+class _Line(NamedTuple):
+    """A mesh line at rest: order, phasor (window,), scatter and largest second difference of its phase, rad."""
+
+    order: float
+    phasor: np.ndarray
+    scatter: float
+    largest: float
+
+
+def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) -> Rotation:
+    """The rotation from the signals alone.
+
+    Parameters
+    ----------
+    signals : float (time,) of every channel, all finite
+    rate : Hz
+    kinematics : with gears and a nominal speed, known within RANGE
+
+    Raises
+    ------
+    RotationError : the machine's teeth or speed are not known, the recording is too short, no mesh line is clear or
+        the speed changes too fast
+    """
+    if not kinematics.gears or kinematics.frequency is None:
+        missing = "its nominal speed" if kinematics.gears else "the teeth of its gears"
+        raise RotationError(
+            f"no angle, no tachometer, and {missing} unknown: the speed cannot be found in the vibration. Record a "
+            f"tachometer, or give {missing} in the description of the machine."
+        )
+    nominal = kinematics.frequency
+    stage, mesh = max(kinematics.mesh_orders().items(), key=lambda item: item[1])
+    slow = min(kinematics.shaft(gear.shaft).ratio for gear in kinematics.gears if gear.stage == stage)
+    seconds = TURNS / (slow * nominal)
+    duration = len(signals[0]) / rate
+    if duration < (FEWEST_WINDOWS + 1) * seconds / 2:
+        raise RotationError(
+            f"the recording lasts {duration:.3g} s; the phase of the mesh of stage {stage} needs "
+            f"{(FEWEST_WINDOWS + 1) * seconds / 2:.3g} s. Use a longer recording, or one with a tachometer."
+        )
+    change = 1.0 / (mesh * seconds**2)
+    orders = mesh * np.arange(1, HARMONICS + 1)
+    orders = orders[orders * nominal * (1.0 + RANGE) < HIGHEST * rate]
+    if not len(orders):
+        raise RotationError(
+            f"the mesh of stage {stage} lies at {mesh * nominal:.4g} Hz, beyond {HIGHEST:g} of the sampling rate of "
+            f"{rate:g} Hz. Sample faster, or record a tachometer."
+        )
+    search = _search_orders(kinematics, rate)
+    middles, speeds = speed_path(signals, rate, search, nominal, 2.0 * seconds, change)
+    time = np.arange(len(signals[0])) / rate
+    turned = np.interp(time, middles, speeds)
+    angle = 2.0 * np.pi * np.concatenate([[0.0], np.cumsum(0.5 * (turned[1:] + turned[:-1]))]) / rate
+    size = round(seconds * rate)
+    signals = _clearest(signals, angle, orders, size)
+    error, used = np.inf, 0
+    for _ in range(ROUNDS):
+        lines = [_at_rest(signals, angle, order, size) for order in orders]
+        steady = [line for line in lines if line.scatter < STEADY and line.largest < LARGEST]
+        if not steady:
+            raise RotationError(
+                f"the speed cannot be found from the mesh vibration. Either no line at a mesh order of stage {stage} "
+                f"has a steady phase: its scatter is {min(line.scatter for line in lines):.2g} rad or more, and the "
+                f"limit is {STEADY:g} rad. Or shaft 1 does not turn at {nominal:.4g} Hz within {100 * RANGE:g} %, or "
+                f"its speed changes by more than {change:.3g} Hz per second. Correct speed_rpm, record a tachometer, "
+                "or cut the recording to a part at steady speed."
+            )
+        angle, error = _mend(steady, angle, size)
+        used = len(steady)
+    return Rotation(
+        angle=np.maximum.accumulate(angle - angle[0]),
+        source=f"phase of {used} mesh line{'s' if used > 1 else ''} of stage {stage} in the vibration",
+        error=float(np.hypot(error, SWING)) / float(angle[-1] - angle[0]),
+        absolute=False,
+    )
+
+
+def _search_orders(kinematics: Kinematics, rate: float) -> dict[float, float]:
+    """Weights by order: the meshes of all pairs with the sidebands of their shafts, below half the rate.
+
+    A sideband counts half as much as the line next to it, so that a group without sidebands is not found beside itself.
+    """
+    found: dict[float, float] = {}
+    top = HIGHEST * rate / ((kinematics.frequency or 0.0) * (1.0 + RANGE))
+    for gear in kinematics.gears:
+        ratio = kinematics.shaft(gear.shaft).ratio
+        for harmonic in range(1, HARMONICS + 1):
+            for k in range(-SIDEBANDS, SIDEBANDS + 1):
+                order = round(ratio * (harmonic * gear.teeth + k), 9)
+                if 0.0 < order < top:
+                    found[order] = max(found.get(order, 0.0), 0.5 ** abs(k))
+    return found
+
+
+def _clearest(signals: Sequence[np.ndarray], angle: np.ndarray, orders: np.ndarray, size: int) -> Sequence[np.ndarray]:
+    """The channels whose steadiest mesh line is steadier than those of others."""
+    if len(signals) <= CHANNELS:
+        return signals
+    scatter = [min(_at_rest([signal], angle, order, size).scatter for order in orders) for signal in signals]
+    return [signals[i] for i in np.argsort(scatter)[:CHANNELS]]
+
+
+def _at_rest(signals: Sequence[np.ndarray], angle: np.ndarray, order: float, size: int) -> _Line:
+    """A line brought to rest, of all channels together."""
+    window = np.hanning(size + 1)[:-1]
+    carrier = np.exp(-1j * order * angle)
+    view = np.lib.stride_tricks.sliding_window_view
+    phasors = np.array([view(signal * carrier, size)[:: size // 2] @ window for signal in signals])
+    _, vectors = np.linalg.eigh(phasors @ phasors.conj().T)
+    phasor = vectors[:, -1].conj() @ phasors
+    second = np.angle(phasor[2:] * phasor[:-2] * phasor[1:-1].conj() ** 2)
+    return _Line(order, phasor, float(np.sqrt(np.mean(second**2))), float(np.abs(second).max()))
+
+
+def _mend(lines: list[_Line], angle: np.ndarray, size: int) -> tuple[np.ndarray, float]:
+    """The mended angle (time,) and the standard uncertainty of its climb from end to end, rad.
+
+    The latter is the larger one of two: what the scatter of the phase about its smooth curve lets expect, and how far
+    the lines disagree.
+    """
+    from scipy.interpolate import CubicSpline
+
+    orders = np.array([line.order for line in lines])
+    weights = (orders / np.array([line.scatter for line in lines])) ** 2
+    weights /= weights.sum()
+    steps = np.array([np.angle(line.phasor[1:] * line.phasor[:-1].conj()) / line.order for line in lines])
+    off = np.concatenate([[0.0], np.cumsum(weights @ steps)])
+    left = np.array([_residual(line, off) for line in lines])
+    off = off + weights @ left
+    half = size // 2
+    middles = half * (1 + np.arange(len(off)))
+    after = -(-(len(angle) - middles[-1]) // half)
+    found = smooth(angle[middles] + off, 1, after)
+    nodes = half * np.arange(len(found.values))
+    climb = np.sqrt(NEIGHBOURS) * found.climb
+    if len(lines) > 1:
+        place = np.linspace(-0.5, 0.5, left.shape[1])
+        slopes = left @ place / (place @ place)
+        slopes -= weights @ slopes
+        climb = max(climb, float(np.sqrt(weights @ slopes**2 / (len(lines) - 1))))
+    return CubicSpline(nodes, found.values)(np.arange(len(angle))), climb
+
+
+def _residual(line: _Line, off: np.ndarray) -> np.ndarray:
+    """What is left of a line's phase beside `off`, in rad of the first shaft, without its mean."""
+    phasor = line.phasor * np.exp(-1j * line.order * off)
+    return np.angle(phasor * np.conj(phasor.sum())) / line.order

@@ -1,0 +1,91 @@
+"""The rotation of a machine from the best source that a recording has."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pipelines.io.shown import shown
+from pipelines.signals.orders.kinematics import Kinematics
+from pipelines.signals.orders.mesh_tracking import track
+from pipelines.signals.orders.rotation import Rotation, RotationError
+from pipelines.signals.orders.tachometer import angle_from_pulses, find_pulses
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def rotation_of(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
+    """The rotation from recorded shaft angles, else from a tachometer, else from the vibration alone.
+
+    Parameters
+    ----------
+    recording : `acceleration` (time, sensor, axis), coordinate `time` in s at even steps; `shaft_angle` (time, shaft)
+        in rad or `tachometer` (time), if there are any, the latter with the attributes `pulses_per_turn`, `shaft` and,
+        where it is known, `level` of a pulse
+    kinematics : of the machine
+
+    Raises
+    ------
+    RotationError : no shaft of the machine is recorded, it stands, its tachometer gives no angle, or, without either,
+        the vibration does not tell (see `pipelines.signals.orders.mesh_tracking.track`)
+    """
+    if "shaft_angle" in recording:
+        return _recorded(recording, kinematics)
+    if "tachometer" in recording:
+        return _from_pulses(recording, kinematics)
+    time = np.asarray(recording.time, dtype=float)
+    acceleration = np.asarray(recording.acceleration.transpose("time", "sensor", "axis"))
+    channels = acceleration.reshape(len(time), -1).T
+    whole = [channel for channel in channels if np.isfinite(channel).all()]
+    if not whole:
+        raise RotationError(
+            "no angle, no tachometer, and no channel whose values are all numbers: the speed cannot be found. Record a "
+            "tachometer, or repair the channels."
+        )
+    return track(whole, (len(time) - 1) / float(time[-1] - time[0]), kinematics)
+
+
+def _recorded(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
+    names = [str(name) for name in recording.shaft.values]
+    known = [shaft for shaft in kinematics.shafts if shaft.name in names]
+    if not known:
+        raise RotationError(
+            f"the recording has the angles of {_listed(names)}, the machine the shafts "
+            f"{_listed([shaft.name for shaft in kinematics.shafts])}. Name them alike."
+        )
+    shaft = known[0]
+    angle = np.asarray(recording.shaft_angle.sel(shaft=shaft.name), dtype=float) / shaft.ratio
+    if not np.isfinite(angle).all() or np.ptp(angle) == 0.0:
+        what = "does not change" if np.isfinite(angle).all() else "holds values that are not numbers"
+        raise RotationError(f"the recorded angle of {shown(shaft.name)} {what}. Leave it out, or repair the recording.")
+    return Rotation(angle=angle, source=f"recorded angle of {shown(shaft.name)}", error=0.0, absolute=True)
+
+
+def _from_pulses(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
+    tachometer = recording.tachometer
+    per_turn, name = float(tachometer.attrs["pulses_per_turn"]), str(tachometer.attrs["shaft"])
+    known = {shaft.name: shaft for shaft in kinematics.shafts}
+    if name not in known:
+        raise RotationError(
+            f"the tachometer is on {shown(name)}, the machine has the shafts {_listed(list(known))}. Name one of them."
+        )
+    if not per_turn > 0.0:
+        raise RotationError(f"tachometer: {per_turn:g} pulses per turn. Give a number above 0.")
+    time = np.asarray(recording.time, dtype=float)
+    pulses = find_pulses(np.asarray(tachometer, dtype=float), time, tachometer.attrs.get("level"))
+    turning = angle_from_pulses(pulses, per_turn, time)
+    mended = [f"{number} {kind}" for number, kind in ((pulses.missing, "missing"), (pulses.double, "double")) if number]
+    words = f"tachometer on {shown(name)}, {per_turn:g} pulse{'' if per_turn == 1.0 else 's'} per turn"
+    return Rotation(
+        angle=turning.angle / known[name].ratio,
+        source=words + (f"; {' and '.join(mended)} pulses corrected" if mended else ""),
+        error=turning.error / float(turning.angle[-1] - turning.angle[0]),
+        absolute=per_turn == 1.0,
+        mark=name,
+    )
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(shown(name) for name in names)

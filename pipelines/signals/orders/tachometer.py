@@ -1,0 +1,138 @@
+"""The angle of a shaft from the pulses of a tachometer or an encoder.
+
+A pulse begins where the signal rises through a level, after it was HYSTERESIS of its range below; the time is
+interpolated between samples. Times between pulses are compared with those around: one that is a whole multiple
+tells of missing pulses, one that is far too short of a double pulse; both are mended and counted. The times of even
+angles, PER_TURN of them in a turn at most, are means over the pulses around; a smooth curve through them
+(`pipelines.signals.orders.smoothing`) takes off their jitter.
+
+References
+----------
+Fyfe & Munck (1997), Mech. Syst. Signal Process. 11(2), 187-205 (angle from pulses); Andre, Girardin, Bourdon, Antoni &
+Remond (2014), Mech. Syst. Signal Process. 44(1-2), 99-111 (precision of elapsed times).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from pipelines.signals.orders.rotation import RotationError
+from pipelines.signals.orders.smoothing import smooth
+
+HYSTERESIS = 0.2  # of the range of the signal
+PER_TURN = 8  # means of pulses
+FEWEST_PULSES = 8
+_AROUND = 9  # intervals of which the middle one is compared with the median
+_DOUBLE = 0.4  # of the usual interval: the next pulse comes too early
+_MOST_MISSING = 5  # at one place; the machine stops rather than lose more
+_NEAR = 0.2  # of an interval from a whole multiple
+
+
+class Pulses(NamedTuple):
+    """`time` (pulse,) s, `number` (pulse,) of each, 0 for the first one, and how many were missing and double."""
+
+    time: np.ndarray
+    number: np.ndarray
+    missing: int
+    double: int
+
+
+class Turning(NamedTuple):
+    """`angle` (time,) rad of the shaft, 0 at the first pulse; `error`: standard uncertainty of its climb, rad."""
+
+    angle: np.ndarray
+    error: float
+
+
+def find_pulses(signal: np.ndarray, time: np.ndarray, level: float | None = None) -> Pulses:
+    """The pulses of a tachometer.
+
+    Parameters
+    ----------
+    signal : float (time,), any unit, rising at a pulse
+    time : float (time,), s
+    level : of a pulse, in the unit of the signal; half way if None
+
+    Raises
+    ------
+    RotationError : values that are not numbers, or fewer than FEWEST_PULSES pulses
+    """
+    if not np.isfinite(signal).all():
+        raise RotationError(
+            f"tachometer: {np.count_nonzero(~np.isfinite(signal))} of {len(signal)} values are not numbers. Leave it "
+            "out, or repair the recording."
+        )
+    low, high = float(signal.min()), float(signal.max())
+    upper = 0.5 * (low + high) if level is None else level
+    lower = upper - HYSTERESIS * (high - low)
+    state = np.where(signal >= upper, 1, np.where(signal < lower, -1, 0))
+    known = np.flatnonzero(state)
+    rises = known[1:][(state[known[1:]] == 1) & (state[known[:-1]] == -1)]
+    if high == low or len(rises) < FEWEST_PULSES:
+        raise RotationError(
+            f"tachometer: {len(rises) if high > low else 0} pulses through {upper:.3g} in values from {low:.3g} to "
+            f"{high:.3g}; at least {FEWEST_PULSES} are needed. Use a longer recording, another level or channel."
+        )
+    share = (upper - signal[rises - 1]) / (signal[rises] - signal[rises - 1])
+    at = time[rises - 1] + share * (time[rises] - time[rises - 1])
+    return _mended(at)
+
+
+def _mended(at: np.ndarray) -> Pulses:
+    """Pulses counted as if none were missing or double."""
+    found = len(at)
+    while np.any(early := np.diff(at) <= _DOUBLE * _around(np.diff(at))):
+        at = at[np.concatenate([[True], ~early])]
+    spans = np.diff(at)
+    beside = np.concatenate([spans[1:2], spans, spans[-2:-1]])
+    usual = np.maximum(_around(spans), 0.5 * (beside[:-2] + beside[2:]))  # the latter where the speed changes fast
+    multiple = spans / usual
+    passed = np.rint(multiple).astype(int)
+    passed[(passed < 1) | (passed > _MOST_MISSING + 1) | (np.abs(multiple - passed) > _NEAR)] = 1
+    return Pulses(at, np.concatenate([[0], np.cumsum(passed)]), int(np.sum(passed - 1)), found - len(at))
+
+
+def _around(spans: np.ndarray) -> np.ndarray:
+    """The median of the intervals around each."""
+    from scipy.ndimage import median_filter
+
+    return median_filter(spans, size=min(_AROUND, len(spans)), mode="nearest")
+
+
+def angle_from_pulses(pulses: Pulses, pulses_per_turn: float, time: np.ndarray) -> Turning:
+    """The angle of the shaft that carries the tachometer.
+
+    The uncertainty is that of the smooth curve from the first time to the last, at least that of the sampling: one
+    step over sqrt(12) for a pulse at each end. Around a stop the curve swings; then the times are joined as they are,
+    by a cubic that never falls.
+
+    Parameters
+    ----------
+    pulses : the pulses
+    pulses_per_turn : of the shaft
+    time : float (time,), s, even
+    """
+    from scipy.interpolate import CubicSpline, PchipInterpolator
+
+    together = max(1, min(math.floor(pulses_per_turn / PER_TURN), len(pulses.time) // FEWEST_PULSES))
+    each = np.interp(np.arange(pulses.number[-1] + 1), pulses.number, pulses.time)
+    at = each[: len(each) // together * together].reshape(-1, together).mean(axis=1)
+    before = math.ceil((at[0] - time[0]) / (at[1] - at[0])) + 1
+    after = math.ceil((time[-1] - at[-1]) / (at[-1] - at[-2])) + 1
+    places = np.arange(-before, len(at) + after)
+    curve = smooth(at, before, after)
+    reached = curve.values[0] <= time[0] and curve.values[-1] >= time[-1]
+    if reached and np.all(np.diff(curve.values) > 0.0) and curve.noise < _DOUBLE * np.diff(at).min():
+        turned = CubicSpline(curve.values, places)(time)
+    else:
+        ends = at[0] - np.arange(before, 0, -1) * (at[1] - at[0]), at[-1] + np.arange(1, after + 1) * (at[-1] - at[-2])
+        turned = PchipInterpolator(np.concatenate([ends[0], at, ends[1]]), places)(time)
+    angle = 2.0 * np.pi / pulses_per_turn * (together * turned + 0.5 * (together - 1))
+    sampled = float(time[1] - time[0]) / math.sqrt(6.0 * together)
+    speed = (angle[-1] - angle[0]) / (time[-1] - time[0])
+    return Turning(
+        angle=angle, error=float(speed * max(curve.climb * (time[-1] - time[0]) / np.ptp(curve.values), sampled))
+    )

@@ -1,0 +1,92 @@
+"""Which sensor to buy: how well every sensor and axis alone tells damaged machines from healthy ones.
+
+The detectability index of a feature is d' = (m1 - m0) / s0: the mean level of damaged machines over that of healthy
+ones, in standard deviations of the healthy ones (at least LEAST_SPREAD, as p-values take them). A channel counts by
+its best feature of the damaged component, the same one for all sizes of the damage.
+
+References
+----------
+Green & Swets (1966), Signal Detection Theory and Psychophysics, ch. 3 (d').
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipelines.diagnosis.prediction import LEAST_SPREAD
+from pipelines.diagnosis.verdict import ALARM, least_p
+from pipelines.signals.features.table import FeatureTable
+from pipelines.studies.detect.probability import Machines, Share, share
+
+
+@dataclass(frozen=True, kw_only=True)
+class Channel:
+    """A sensor and axis alone: index d' of its best feature in the mean over all sizes, and what it detects of all."""
+
+    sensor: str
+    axis: str
+    index: float
+    component: str
+    feature: str
+    detected: Share
+
+
+def channels(sizes: Sequence[Machines]) -> tuple[Channel, ...]:
+    """All channels, the highest index first.
+
+    Parameters
+    ----------
+    sizes : machines of every size of the damage, and of every load; all of the same channels and features
+
+    Raises
+    ------
+    ValueError : the damaged component has no features
+    """
+    table = sizes[0].baseline[0]
+    damaged = {component for component, _ in sizes[0].damaged[0][1]}
+    own = [line for line, component in enumerate(table.component) if component in damaged]
+    if not own:
+        raise ValueError(f"{', '.join(sorted(damaged))}: no features in these recordings")
+    indices = np.mean([_indices(one) for one in sizes], axis=0)  # (channel, line)
+    best = [own[int(np.argmax(indices[channel, own]))] for channel in range(len(table.sensor))]
+    found = [
+        Channel(
+            sensor=table.sensor[channel],
+            axis=table.axis[channel],
+            index=float(indices[channel, line]),
+            component=table.component[line],
+            feature=table.feature[line],
+            detected=_detected(sizes, channel),
+        )
+        for channel, line in enumerate(best)
+    ]
+    return tuple(sorted(found, key=lambda channel: -channel.index))
+
+
+def _indices(machines: Machines) -> np.ndarray:
+    """d' (channel, line) of the damaged machines over all healthy ones."""
+    healthy = np.array([table.channel_levels for table in (*machines.baseline, *machines.healthy)])
+    damaged = np.array([table.channel_levels for table, _ in machines.damaged])
+    spread = np.maximum(healthy.std(axis=0, ddof=1), LEAST_SPREAD)
+    return np.asarray((damaged.mean(axis=0) - healthy.mean(axis=0)) / spread)
+
+
+def _detected(sizes: Sequence[Machines], channel: int) -> Share:
+    """Alarms that damaged machines of all sizes give at one channel alone."""
+    found = []
+    for machines in sizes:
+        baseline = [_alone(table, channel) for table in machines.baseline]
+        found += [least_p(_alone(table, channel), baseline) <= ALARM for table, _ in machines.damaged]
+    return share(found)
+
+
+def _alone(table: FeatureTable, channel: int) -> FeatureTable:
+    """The features at one channel."""
+    return table.replaced(
+        sensor=table.sensor[channel : channel + 1],
+        axis=table.axis[channel : channel + 1],
+        value=table.value[channel : channel + 1],
+    )

@@ -1,0 +1,188 @@
+"""A study of detectability as text, as a table of plain values, and as a figure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from pipelines.diagnosis.verdict import ALARM
+from pipelines.diagnosis.words import NAMES
+from pipelines.io.grid import Grid
+from pipelines.studies.detect.probability import Detection, Share
+from pipelines.studies.detect.study import Detectability, Point
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+MOSTLY = 0.9  # of the damaged machines: a size that is found reliably
+
+
+def text(found: Detectability) -> str:
+    """All of it for the terminal and for detectability.txt."""
+    parts = [
+        headline(found),
+        conditions(found),
+        probability_grid(found).to_text(),
+        false_alarm_grid(found).to_text(),
+        channel_grid(found).to_text(),
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def headline(found: Detectability) -> str:
+    """What is found, noise by noise, in one sentence each."""
+    return " ".join(_answer(found, noise) for noise in found.noises)
+
+
+def _answer(study: Detectability, noise: float) -> str:
+    own = [point for point in study.points if point.noise == noise]
+    seen = [point for point in own if point.detection.detected.value >= MOSTLY]
+    where = f"With {noise:g} m/s2 of noise"
+    if len(own) == 1:
+        return f"{where}, {words(own[0].detection.detected)} are detected."
+    if not seen:
+        most = max(own, key=lambda point: point.detection.detected.value)
+        share = words(most.detection.detected)
+        return f"{where}, no value is detected in {100 * MOSTLY:g} % of the machines; the most is {share}."
+    found = ", ".join(_values(point.values) for point in seen)
+    return f"{where}, these values are detected in {100 * MOSTLY:g} % of the machines or more: {found}."
+
+
+def conditions(found: Detectability) -> str:
+    """What was damaged, what it was compared with, and what an alarm is."""
+    design = found.design
+    return (
+        f"Damage: {found.damage}, at the next tooth in each further machine. {design.damaged} damaged machines per "
+        "value "
+        f"are compared with a baseline of {design.baseline} healthy ones; {design.healthy} other healthy ones test "
+        f"for false alarms. No two machines have the same deviations. An alarm is a corrected p-value of at most "
+        f"{ALARM:g}. Intervals are 95 % confidence intervals."
+    )
+
+
+def probability_grid(found: Detectability) -> Grid:
+    """A row per value and noise."""
+    keys = [over.last_key for over in found.design.over]
+    rows = []
+    for point in found.points:
+        one = point.detection
+        shares = (one.detected, one.above_healthy, one.shaft_first)
+        tooth = "-" if one.tooth_found is None else words(one.tooth_found)
+        cells = (*(f"{value}" for value in point.values.values()), f"{point.noise:g}")
+        rows.append((*cells, *map(words, shares), tooth))
+    headers = (*keys, "noise m/s2", "detected", "above all healthy", "shaft ranks first", "tooth within one")
+    return Grid(title="Probability of detection", headers=headers, rows=tuple(rows))
+
+
+def false_alarm_grid(found: Detectability) -> Grid:
+    """A row per noise, and per value that healthy machines have, too."""
+    rows: dict[tuple[str, str], Detection] = {}
+    for point in found.points:
+        shared = {key: value for key, value in point.values.items() if key in found.shared}
+        rows.setdefault((_values(shared) or "all", f"{point.noise:g}"), point.detection)
+    return Grid(
+        title="False alarms of healthy machines, against this baseline and against as many other healthy machines",
+        headers=("machines", "noise m/s2", "this baseline", "other baselines"),
+        rows=tuple((*names, words(one.false_alarms), words(one.other_baselines)) for names, one in rows.items()),
+    )
+
+
+def channel_grid(found: Detectability) -> Grid:
+    """A row per sensor and axis alone, the best first."""
+    rows = tuple(
+        (
+            str(rank),
+            one.sensor,
+            one.axis,
+            f"{one.index:.1f}",
+            f"{one.component} {NAMES.get(one.feature, one.feature)}",
+            words(one.detected),
+        )
+        for rank, one in enumerate(found.channels, 1)
+    )
+    return Grid(
+        title=f"Each channel alone, over all values, with {found.noises[0]:g} m/s2 of noise",
+        headers=("rank", "sensor", "axis", "d'", "by", "detected"),
+        rows=rows,
+    )
+
+
+def words(one: Share) -> str:
+    """ "9 of 10 (55 to 100 %)"."""
+    low, high = one.interval
+    return f"{one.count} of {one.trials} ({_percent(low)} to {_percent(high)} %)"
+
+
+def _percent(value: float) -> str:
+    return f"{100 * value:.2g}" if value < 0.995 else "100"
+
+
+def plain(found: Detectability) -> dict[str, Any]:
+    """All of it as detectability.json holds it."""
+    return {
+        "name": found.name,
+        "damage": found.damage,
+        "alarm_p": ALARM,
+        "baseline": found.design.baseline,
+        "points": [
+            {"values": dict(point.values), "noise_m_s2": point.noise}
+            | {name: _share(value) for name, value in vars(point.detection).items()}
+            for point in found.points
+        ],
+        "channels": [
+            {**vars(one), "rank": rank, "detected": _share(one.detected)} for rank, one in enumerate(found.channels, 1)
+        ],
+    }
+
+
+def _share(one: Share | None) -> dict[str, Any] | None:
+    return None if one is None else {"count": one.count, "trials": one.trials, "interval": list(one.interval)}
+
+
+def figure(found: Detectability) -> Figure:
+    """Probability of detection with its intervals over the first key that is varied; a line per noise and the rest."""
+    from pipelines.report.figures.plots import dress, new_figure
+    from pipelines.report.figures.plots import plain as plain_words
+
+    made = new_figure(4.5)
+    axes = made.subplots()
+    lines: dict[tuple[float, str], list[Point]] = {}
+    for point in found.points:
+        rest = _values(dict(list(point.values.items())[1:]))
+        lines.setdefault((point.noise, rest), []).append(point)
+    steps = list(dict.fromkeys(str(next(iter(point.values.values()), "")) for point in found.points))
+    numbers = [_number(step) for step in steps]
+    even = any(math.isnan(number) for number in numbers)
+    width = len(steps) - 1 if even else max(numbers) - min(numbers)
+    for number, ((noise, rest), points) in enumerate(lines.items()):
+        at = [str(next(iter(point.values.values()), "")) for point in points]
+        aside = 0.006 * number * width  # so that bars of equal values do not hide one another
+        places = [aside + (steps.index(one) if even else _number(one)) for one in at]
+        shares = [point.detection.detected for point in points]
+        values = [100 * one.value for one in shares]
+        below = [100 * (one.value - one.interval[0]) for one in shares]
+        above = [100 * (one.interval[1] - one.value) for one in shares]
+        label = ", ".join(filter(None, (f"noise {noise:g} m/s²", rest)))
+        axes.errorbar(
+            places, values, yerr=(below, above), marker="o", ms=4, lw=1.2, capsize=3, label=plain_words(label)
+        )
+    if even:
+        axes.set_xticks(range(len(steps)), labels=[plain_words(step) for step in steps])
+    axes.set_ylim(-3, 103)
+    key = found.design.over[0].key if found.design.over else ""
+    dress(axes, plain_words(f"{found.damage}: alarms with 95 % confidence intervals"), plain_words(key), "detected, %")
+    axes.legend(frameon=False, fontsize=9)
+    return made
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
+
+
+def _values(values: Mapping[str, Any]) -> str:
+    """ "depth_mm 0.5, torque_N_m 50"."""
+    return ", ".join(f"{key.rpartition('.')[2]} {value}" for key, value in values.items())

@@ -1,0 +1,200 @@
+"""The study of detectability: the runs of its campaign by what they have in common, and what is found in them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pipelines.datasets.plan import Plan
+from pipelines.datasets.rows import DONE, read_rows
+from pipelines.datasets.scenes import scene_of
+from pipelines.diagnosis.prediction import FEWEST_FOR_P
+from pipelines.diagnosis.simulated import FeatureSettings
+from pipelines.io.errors import InputError
+from pipelines.machine.kinematics import kinematics_of
+from pipelines.machine.plant import make_drivetrain
+from pipelines.signals.features.table import FeatureTable
+from pipelines.signals.orders.kinematics import Kinematics
+from pipelines.steps.verdict import known_faults
+from pipelines.studies.detect.channels import Channel, channels
+from pipelines.studies.detect.design import HEALTHY, SPECIMEN, STATE, Design
+from pipelines.studies.detect.over import Over
+from pipelines.studies.detect.probability import Damage, Detection, Machines, detection
+from pipelines.studies.detect.tables import TableJob, make_tables
+
+Values = tuple[Any, ...]  # of the keys that are varied, in their order
+
+
+@dataclass(frozen=True, kw_only=True)
+class Point:
+    """One combination of the values that are varied, by the key of the scene, at one noise (m/s2 rms)."""
+
+    values: Mapping[str, Any]
+    noise: float
+    detection: Detection
+
+
+@dataclass(frozen=True, kw_only=True)
+class Detectability:
+    """What a study found: `points` noise by noise, and all `channels` alone at the first noise, the best one first.
+
+    `shared` are the keys whose values healthy machines have, too.
+    """
+
+    name: str
+    damage: str
+    design: Design
+    shared: tuple[str, ...]
+    noises: tuple[float, ...]
+    points: tuple[Point, ...]
+    channels: tuple[Channel, ...]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Run:
+    """A run that is done: its number, whether it is healthy, the number of its machine, its values, those that healthy
+    machines share, checksums."""
+
+    run: int
+    healthy: bool
+    specimen: int
+    values: Values
+    shared: Values
+    drawn: Mapping[str, Any]
+    checksums: Mapping[str, Any]
+
+
+def study(
+    plan: Plan,
+    folder: Path,
+    design: Design,
+    windows: Mapping[str, tuple[float, float]],
+    noises: Sequence[float],
+    executor: Executor,
+    told: Callable[[int, int], None] = lambda done, left: None,
+) -> Detectability:
+    """Features of all runs of a campaign, and how the damaged ones are found among them.
+
+    Parameters
+    ----------
+    plan, folder : the campaign, as `pipelines.studies.detect.design.detection_plan` makes its plan
+    design : of that plan
+    windows : in which the machines are looked at, s; the whole run if there are none
+    noises : rms of the sensor noise that is added, m/s2
+    executor : of the work
+    told : is told how many features of how many are done
+
+    Raises
+    ------
+    InputError : too few runs were simulated, or the damaged component has no features
+    """
+    runs = _runs(plan, folder, design)
+    points = dict.fromkeys(run.values for run in runs if not run.healthy)
+    if not points:
+        raise InputError(
+            "all damaged machines failed, see the column reason of rows.parquet. Correct the scene or --over."
+        )
+    known: dict[Values, Kinematics] = {}
+    damages: dict[int, list[Damage]] = {}
+    for run in runs:
+        if not run.healthy:
+            train = make_drivetrain(scene_of(plan, run.drawn).scene, plan.name)
+            damages[run.run] = list(known_faults(train))
+            known.setdefault(run.shared, kinematics_of(train.layout, train.rolling))
+    jobs = [
+        TableJob(
+            folder=folder,
+            run=run.run,
+            settings=FeatureSettings(kinematics=known[run.shared], windows=windows),
+            noise=noise,
+            checksums=run.checksums,
+        )
+        for noise in noises
+        for run in runs
+        if run.shared in known
+    ]
+    made = make_tables(jobs, executor, told)
+    tables = {(job.run, job.noise): table for job, table in zip(jobs, made, strict=True) if table is not None}
+    found = []
+    first: list[Machines] = []
+    for noise in noises:
+        here = {run: table for (run, at), table in tables.items() if at == noise}
+        for values in points:
+            machines = _machines(runs, values, here, damages, known, design)
+            _check_seen(machines)
+            named = dict(zip((over.key for over in design.over), values, strict=True))
+            found.append(Point(values=named, noise=noise, detection=detection(machines)))
+            if noise == noises[0]:
+                first.append(machines)
+    return Detectability(
+        name=plan.name,
+        damage=plan.table.title.partition(": ")[2],
+        design=design,
+        shared=tuple(over.key for over in shared_over(plan, design)),
+        noises=tuple(noises),
+        points=tuple(found),
+        channels=channels(first),
+    )
+
+
+def shared_over(plan: Plan, design: Design) -> list[Over]:
+    """What is varied of healthy machines, too: all that does not belong to the fault."""
+    return [over for over in design.over if over.first_key not in plan.table.cases[STATE][HEALTHY]]
+
+
+def _runs(plan: Plan, folder: Path, design: Design) -> list[_Run]:
+    """The runs of the campaign that are done."""
+    names = [over.variable for over in design.over]
+    shared = [over.variable for over in shared_over(plan, design)]
+    return [
+        _Run(
+            run=row["run"],
+            healthy=row["values"][STATE] == HEALTHY,
+            specimen=row["values"][SPECIMEN],
+            values=tuple(row["values"][name] for name in names),
+            shared=tuple(row["values"][name] for name in shared),
+            drawn=row["values"],
+            checksums=row["checksums"],
+        )
+        for row in read_rows(folder)
+        if row["status"] == DONE
+    ]
+
+
+def _machines(
+    runs: Sequence[_Run],
+    values: Values,
+    tables: Mapping[int, FeatureTable],
+    damages: Mapping[int, Sequence[Damage]],
+    known: Mapping[Values, Kinematics],
+    design: Design,
+) -> Machines:
+    """The damaged machines of some values, and the healthy ones that they are compared with."""
+    own = [run for run in runs if not run.healthy and run.values == values]
+    shared = own[0].shared
+    others = [run for run in runs if run.healthy and run.shared == shared and run.run in tables]
+    baseline = [tables[run.run] for run in others if run.specimen <= design.baseline]
+    if len(baseline) < FEWEST_FOR_P:
+        raise InputError(
+            f"{len(baseline)} healthy machines of the baseline have features, p-values need {FEWEST_FOR_P} or more. "
+            "The "
+            "column reason of rows.parquet gives the cause. Increase --baseline, or correct the scene."
+        )
+    return Machines(
+        kinematics=known[shared],
+        baseline=baseline,
+        healthy=[tables[run.run] for run in others if run.specimen > design.baseline],
+        damaged=[(tables[run.run], damages[run.run]) for run in own if run.run in tables],
+    )
+
+
+def _check_seen(machines: Machines) -> None:
+    """InputError if the damaged component makes too few revolutions for features."""
+    table = machines.baseline[0]
+    damaged = list(dict.fromkeys(component for _, damage in machines.damaged for component, _ in damage))
+    if not set(damaged) & set(table.component):
+        reasons = "; ".join(table.left_out) or "their orders are above half of the sampling rate"
+        raise InputError(f"{', '.join(damaged)}: no features in these runs ({reasons}). Increase simulation.end_s.")

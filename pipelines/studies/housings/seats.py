@@ -1,0 +1,53 @@
+"""The shafts of a scene and the bores of a file: which bore is the seat of which bearing, in which unit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from fem.casing.mesh.imported import UNITS
+from fem.casing.recognition.contents import Bore, Contents
+from fem.casing.recognition.shaft_fit import ShaftFit, ShaftPlace, fit_shafts
+from pipelines.machine.bearings import bearing_names
+from pipelines.machine.layout import lay_out
+from pipelines.scene.scene import Scene
+
+
+def shaft_places(scene: Scene, source: str) -> tuple[ShaftPlace, ...]:
+    """The shafts that have bearings in the casing; SceneError if its gears do not work."""
+    layout = lay_out(scene, source)
+    found: dict[int, list[tuple[str, float]]] = {}
+    for name, shaft, place in bearing_names(scene.shafts):
+        if name.startswith("bearing"):
+            found.setdefault(shaft, []).append((name, scene.shafts[shaft].si.bearing_positions[place]))
+    return tuple(
+        ShaftPlace(
+            x=layout.axes[shaft][0],
+            z=layout.axes[shaft][1],
+            bearings=tuple(bearings),
+            diameter=min(_diameter(scene, shaft, y) for _, y in bearings),
+        )
+        for shaft, bearings in found.items()
+    )
+
+
+def _diameter(scene: Scene, shaft: int, y: float) -> float:
+    """Of the shaft at a bearing (m)."""
+    sections = (one.made() for one in scene.shafts[shaft].sections)
+    return min(one.outer_diameter for one in sections if one.y_start <= y <= one.y_end)
+
+
+def fitting_units(contents: Contents, shafts: Sequence[ShaftPlace]) -> dict[str, ShaftFit]:
+    """Units of length in which bores lie where the shafts are, each with its fit; the best first."""
+    wanted = sum(len(shaft.bearings) for shaft in shafts)
+    found = {}
+    for unit, factor in UNITS.items():
+        scale = factor / UNITS[contents.unit]
+        fit = fit_shafts([_scaled(bore, scale) for bore in contents.bores], shafts)
+        if fit is not None and len(fit.seats) >= min(wanted, 2):
+            found[unit] = fit
+    return dict(sorted(found.items(), key=lambda item: (-len(item[1].seats), round(item[1].off, 6))))
+
+
+def _scaled(bore: Bore, scale: float) -> Bore:
+    return replace(bore, centre=scale * bore.centre, diameter=scale * bore.diameter, length=scale * bore.length)

@@ -1,0 +1,187 @@
+"""The reduced casing as a free body that finite-element programs read: nodes, equations, matrices; SI.
+
+The reduced coordinates q are relative to the ground. With the ground as a node g of six motions at the centre of
+gravity the casing is a free body again:
+
+    u = T q + R g,    q_absolute = q + B g
+
+B are the motions of the interface by g; modal coordinates stay relative. All feet move with the node g; springs under
+the feet are part of the stiffness. The body is held where g is held.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, TYPE_CHECKING
+
+import numpy as np
+
+from pipelines.io.errors import InputError
+from pipelines.io.user_files import whole_file
+
+if TYPE_CHECKING:
+    from fem.casing.reduced.body import ReducedBody
+
+_AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Superelement:
+    """Stiffness, mass and damping of a free body, what its equations are, and the rows of its sensors."""
+
+    stiffness: np.ndarray  # (n, n)
+    mass: np.ndarray  # (n, n)
+    damping: np.ndarray  # (n, n)
+    equations: np.ndarray  # int (n, 2), node and axis 1 to 6; axis 0: modal coordinate, whose node is a scalar point
+    node_names: tuple[str, ...]
+    nodes: np.ndarray  # (k, 4), number and place in m
+    row_names: tuple[str, ...]
+    rows: np.ndarray  # (row, n), absolute motion of the sensors
+
+    def files(self) -> Mapping[str, np.ndarray]:
+        """Matrices by the names that Nastran gives them."""
+        return {"KAA": self.stiffness, "MAA": self.mass, "BAA": self.damping}
+
+
+def superelement(
+    body: ReducedBody, participation: np.ndarray, mass: float, centre: np.ndarray, inertia: np.ndarray
+) -> Superelement:
+    """The free body of a reduced casing.
+
+    Parameters
+    ----------
+    body : in its ground
+    participation : T^T M R (coordinate, 6), R the rigid motions about the centre of gravity
+    mass, centre, inertia : kg, (3,) m, (3, 3) kg m2 about the centre
+    """
+    size, interface = len(body.mass), [name for name in body.coordinate_names if ":" in name]
+    places = dict(zip(body.point_names, body.point_positions, strict=True))
+    points = list(dict.fromkeys(name.split(":")[0] for name in interface))
+    by_ground = np.zeros((size, 6))
+    numbers = np.zeros((size + 6, 2), int)
+    for place, name in enumerate(interface):
+        point, axis = name.split(":")
+        by_ground[place] = _rigid(places[point] - centre)[_AXES.index(axis)]
+        numbers[place] = points.index(point) + 1, _AXES.index(axis) + 1
+    ground = len(points) + 1
+    numbers[len(interface) : size, 0] = ground + 1 + np.arange(size - len(interface))
+    numbers[size:] = np.column_stack([np.full(6, ground), np.arange(1, 7)])
+    relative = np.hstack([np.eye(size), -by_ground])  # q from (q_absolute, g)
+    both = np.vstack([relative, np.hstack([np.zeros((6, size)), np.eye(6)])])
+    whole = np.zeros((6, 6))
+    whole[:3, :3], whole[3:, 3:] = mass * np.eye(3), inertia
+    inertial = np.block([[body.mass, participation], [participation.T, whole]])
+    sensors = [name for name in body.row_names if name not in interface]
+    rows = np.zeros((len(sensors), size + 6))
+    for row, name in zip(rows, sensors, strict=True):
+        shift = body.row_shifts[body.row_names.index(name)]
+        row[:] = body.row(name) @ relative
+        row[size:] += shift @ _rigid(places[name.split(":")[0]] - centre)[:3]
+    located = np.array([*(places[point] for point in points), centre])
+    return Superelement(
+        stiffness=_symmetric(relative.T @ body.stiffness @ relative),
+        mass=_symmetric(both.T @ inertial @ both),
+        damping=_symmetric(relative.T @ body.damping @ relative),
+        equations=numbers,
+        node_names=(*points, "ground"),
+        nodes=np.column_stack([np.arange(1, ground + 1), located]),
+        row_names=tuple(sensors),
+        rows=rows,
+    )
+
+
+def _rigid(arm: np.ndarray) -> np.ndarray:
+    """Motion (6, 6) of a point at `arm` (3,) from the node that moves."""
+    x, y, z = arm
+    found = np.eye(6)
+    found[:3, 3:] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
+    return found
+
+
+def _symmetric(matrix: np.ndarray) -> np.ndarray:
+    return np.asarray(0.5 * (matrix + matrix.T))
+
+
+def write_npz(found: Superelement, path: Path, target: Path) -> list[Path]:
+    """All in one file of NumPy."""
+    with path.open("wb") as file:
+        np.savez_compressed(
+            file,
+            stiffness=found.stiffness,
+            mass=found.mass,
+            damping=found.damping,
+            equations=found.equations,
+            nodes=found.nodes,
+            node_names=np.array(found.node_names),
+            rows=found.rows,
+            row_names=np.array(found.row_names),
+        )
+    return []
+
+
+def write_matrix_market(found: Superelement, path: Path, target: Path) -> list[Path]:
+    """The stiffness; mass, damping, nodes and equations in files of their names next to it."""
+    from scipy.io import mmwrite
+
+    def written(matrix: np.ndarray, file: Path) -> None:
+        with file.open("wb") as stream:
+            mmwrite(stream, matrix, precision=17, symmetry="symmetric")
+
+    written(found.stiffness, path)
+    others = {"mass": found.mass, "damping": found.damping}
+    further = [target.with_name(f"{target.stem}-{name}.mtx") for name in others]
+    for file, matrix in zip(further, others.values(), strict=True):
+        with whole_file(file) as partial:
+            written(matrix, partial)
+    return [*further, *_write_map(found, target)]
+
+
+def write_output4(found: Superelement, path: Path, target: Path) -> list[Path]:
+    """KAA, MAA, BAA and ROWS in binary; nodes and equations in files next to it."""
+    try:
+        from pyyeti.nastran import op4
+    except ImportError as error:
+        raise _without_writer(target) from error
+    op4.write(str(path), {**found.files(), **({"ROWS": found.rows} if len(found.rows) else {})})
+    return _write_map(found, target)
+
+
+def write_punch(found: Superelement, path: Path, target: Path) -> list[Path]:
+    """GRID and SPOINT cards, then KAAX, MAAX and BAAX as DMIG."""
+    try:
+        import pandas as pd
+        from pyyeti.nastran import bulk
+    except ImportError as error:
+        raise _without_writer(target) from error
+    index = pd.MultiIndex.from_arrays(found.equations.T, names=["id", "dof"])
+    with path.open("w", encoding="ascii") as file:
+        for name, (number, x, y, z) in zip(found.node_names, found.nodes, strict=True):
+            file.write(f"$ {name}\nGRID*   {int(number):16d}{0:16d}{x:16.9E}{y:16.9E}*\n*       {z:16.9E}{0:16d}\n")
+        for number in found.equations[found.equations[:, 1] == 0, 0]:
+            file.write(f"SPOINT  {int(number):8d}\n")
+        bulk.wtdmig(file, {f"{n}X": pd.DataFrame(A, index=index, columns=index) for n, A in found.files().items()})
+    return []
+
+
+def _without_writer(target: Path) -> InputError:
+    return InputError(f"--export {target.name} needs the package pyyeti: pip install 'gearcase[nastran]'")
+
+
+def _write_map(found: Superelement, target: Path) -> list[Path]:
+    """What nodes and equations are, as comma-separated rows."""
+    nodes, equations = (target.with_name(f"{target.stem}-{what}.csv") for what in ("nodes", "equations"))
+    _write_text(nodes, lambda file: _node_rows(found, file))
+    _write_text(equations, lambda file: np.savetxt(file, found.equations, "%d", ",", header="node, axis (0: modal)"))
+    return [nodes, equations]
+
+
+def _node_rows(found: Superelement, file: IO[str]) -> None:
+    for name, (number, x, y, z) in zip(found.node_names, found.nodes, strict=True):
+        file.write(f"# {name}: number, x, y, z in m\n{int(number)},{x:.17g},{y:.17g},{z:.17g}\n")
+
+
+def _write_text(target: Path, write: Callable[[IO[str]], None]) -> None:
+    with whole_file(target) as partial, partial.open("w", encoding="ascii") as file:
+        write(file)

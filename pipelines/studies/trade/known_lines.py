@@ -1,0 +1,52 @@
+"""How well the lines of a fault are known: what the error bars of a scene say before its choices are compared."""
+
+from __future__ import annotations
+
+from statistics import median
+
+from pipelines.diagnosis.uncertainty.line_bars import LineBars
+from pipelines.engine.step import Graph
+from pipelines.engine.working import Work
+from pipelines.scene.file import LoadedScene
+from pipelines.steps.results import bars_step, casing_taken
+from pipelines.steps.study import plan_study
+
+
+def known_lines(loaded: LoadedScene, work: Work) -> str:
+    """In a sentence, how wide the numerical error bars of the detected lines are; "" where there is no fault to see.
+
+    Runs the scene and its control where they are not in the cache.
+
+    Raises
+    ------
+    SceneError, InputError : the scene or its control cannot be run, or its signals find no room
+    WorkError : a step failed
+    """
+    study = plan_study(loaded, both_loads=False)
+    if study.control is None or study.plant.diagnosis is None:
+        return ""
+    if len(casing_taken(study.graph)) == 1:
+        return (
+            "How well the lines of the fault are known is not: the error of the casing's mesh is measured with "
+            "casing.extrapolated = true alone."
+        )
+    step = bars_step(study)
+    bars = work.build(Graph([*study.graph, step]), [step.name]).value(step.name)
+    return widths(bars) if isinstance(bars, LineBars) else bars
+
+
+def widths(bars: LineBars) -> str:
+    """The sentence.
+
+    Parameters
+    ----------
+    bars : of all windows
+    """
+    found = [bar.numerical.width / 2 for bar in bars.bars if bar.detected and bar.numerical is not None]
+    if not found:
+        return "No detected line has an error bar."
+    return (
+        f"The casing's mesh and the time step leave the {len(found)} detected lines of the fault known to "
+        f"{median(found):.2g} dB in the median, {max(found):.2g} dB at worst (half the error bar, 5 to 95 %): what "
+        "differs by less is equal."
+    )

@@ -1,0 +1,189 @@
+"""What people care about, read from finished steps: each probe names the steps it needs and gives named values.
+
+gears     mean secant stiffness and peak-to-peak transmission error of each pair at its load
+transmission  transmission error of each pair at its load, over one mesh cycle
+casing    natural frequencies of the casing in its ground
+modes     more of them, each with its shape at bearings and sensors: modes that change their order are told apart
+frf       level of the transfer function from the first bearing to the diagnosed sensor, by third octave
+machine   natural frequencies of small motion about the loaded rest
+signals   rms of each sensor in each constant-speed window
+lines     levels of the fault's lines in the envelope of the diagnosed sensor
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipelines.engine.run_graph import Outcome
+from pipelines.machine.plant import Plant
+from pipelines.steps.pair_curves import law_names, pair_laws
+
+FREQUENCIES = 10  # lowest ones that are compared
+MODES = 30  # lowest ones that tell a common order
+POSITIONS = 256  # of a mesh cycle at which the transmission error is read
+OCTAVE_POINTS = 8  # frequencies per third octave
+DECIBEL = "dB"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Value:
+    """One number of a scene; levels in dB are compared by difference, everything else by ratio.
+
+    `firm` is False where the number is not worth comparing with: a line that does not rise over its floor. `shape`
+    holds the displacements of a mode.
+    """
+
+    name: str
+    unit: str
+    value: float
+    firm: bool = True
+    shape: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class Probe:
+    """`steps` names what must be built for a scene, `read` takes the values from it."""
+
+    steps: Callable[[Plant], Sequence[str]]
+    read: Callable[[Plant, Outcome], list[Value]]
+
+
+def _gears(plant: Plant, outcome: Outcome) -> list[Value]:
+    values = []
+    for found in pair_laws(plant, {name: outcome.value(name) for name in law_names(plant)}):
+        number, curve = found.stage, found.stiffness()
+        ripple = float(np.ptp(curve.transmission_error))
+        values.append(Value(name=f"stage {number} stiffness", unit="N/um", value=float(curve.secant.mean()) / 1e6))
+        values.append(Value(name=f"stage {number} TE peak-to-peak", unit="um", value=ripple * 1e6))
+    return values
+
+
+def _transmission(plant: Plant, outcome: Outcome) -> list[Value]:
+    cycle = np.arange(POSITIONS) / POSITIONS
+    return [
+        Value(name=f"stage {found.stage} TE at {place:.4f}", unit="um", value=float(error) * 1e6)
+        for found in pair_laws(plant, {name: outcome.value(name) for name in law_names(plant)})
+        for place, error in zip(cycle, found.stiffness(cycle).transmission_error, strict=True)
+    ]
+
+
+def _casing(plant: Plant, outcome: Outcome) -> list[Value]:
+    return _natural_modes(outcome, FREQUENCIES)
+
+
+def _modes(plant: Plant, outcome: Outcome) -> list[Value]:
+    return _natural_modes(outcome, MODES)
+
+
+def _natural_modes(outcome: Outcome, count: int) -> list[Value]:
+    from scipy.linalg import eigh
+
+    body = outcome.value("casing")
+    last = min(count, len(body.mass)) - 1
+    if last < 0:
+        return []
+    squares, vectors = eigh(body.stiffness, body.mass, subset_by_index=(0, last))
+    moving = [name.endswith((":ux", ":uy", ":uz")) for name in body.row_names]
+    shapes = body.rows[moving] @ vectors
+    return [
+        Value(
+            name=f"casing mode {number}",
+            unit="Hz",
+            value=float(np.sqrt(max(square, 0.0))) / (2 * np.pi),
+            shape=tuple(shape.tolist()),
+        )
+        for number, (square, shape) in enumerate(zip(squares, shapes.T, strict=True), 1)
+    ]
+
+
+def _frf(plant: Plant, outcome: Outcome) -> list[Value]:
+    """Norm of the 3 x 3 accelerance (m/s2 per N) over the third octaves up to 5 kHz."""
+    if not plant.sensors:
+        return []
+    body = outcome.value("casing")
+    out = np.array([body.row(f"{plant.looked_for.sensor}:{axis}") for axis in ("ux", "uy", "uz")])
+    into = np.array([body.row(f"bearing_1:{axis}") for axis in ("ux", "uy", "uz")])
+    values = []
+    for centre in 1000.0 * 2.0 ** (np.arange(-10, 8) / 3):
+        total = 0.0
+        for frequency in centre * 2.0 ** ((np.arange(OCTAVE_POINTS) + 0.5) / OCTAVE_POINTS / 3 - 1 / 6):
+            w = 2 * np.pi * frequency
+            transfer = out @ np.linalg.solve(body.stiffness + 1j * w * body.damping - w * w * body.mass, into.T)
+            total += float(np.linalg.norm(w * w * transfer)) ** 2
+        level = 10 * np.log10(total / OCTAVE_POINTS)
+        values.append(Value(name=f"FRF at {centre:.0f} Hz", unit=DECIBEL, value=float(level)))
+    return values
+
+
+def _machine(plant: Plant, outcome: Outcome) -> list[Value]:
+    from mbd.system.linearised import linear_modes
+    from pipelines.machine.assembly import assemble_machine, assemble_system
+
+    machine = assemble_machine(plant.machine, [outcome.value(name) for name in plant.law_names])
+    modes = linear_modes(assemble_system(machine, outcome.value("casing"), plant.recorded))
+    return [
+        Value(name=f"machine mode {number}", unit="Hz", value=float(frequency))
+        for number, frequency in enumerate(modes.frequencies[:FREQUENCIES], 1)
+    ]
+
+
+def _signals(plant: Plant, outcome: Outcome) -> list[Value]:
+    """Over the three axes of every sensor (of every journal without a casing)."""
+    from pipelines.signals.analysis import channel, channel_names
+    from pipelines.signals.response import make_response
+
+    run = make_response(outcome.value("simulate"), plant.labels)
+    windows = plant.looked_for.windows or {"whole run": (0.0, plant.motion.end)}
+    values = []
+    for window, (start, end) in windows.items():
+        piece = run.sel(time=slice(start, end))
+        for name in channel_names(run):
+            signal = channel(piece, name).values.astype(float)
+            rms = float(np.sqrt((signal**2).sum(axis=1).mean()))
+            values.append(Value(name=f"{name} rms, {window}", unit="m/s2", value=rms))
+    return values
+
+
+def _lines(plant: Plant, outcome: Outcome) -> list[Value]:
+    from pipelines.signals.analysis import analyse
+    from pipelines.signals.measured_speed import at_measured_speed
+    from pipelines.signals.response import make_response
+
+    settings = plant.diagnosis
+    if settings is None or not plant.faults:
+        return []
+    run = make_response(outcome.value("simulate"), plant.labels)
+    if not settings.speed_is_known:
+        settings = at_measured_speed(settings, (run,))
+    found = analyse(run, settings, stream=1)
+    orders = np.arange(1, settings.envelope_harmonics + 1)
+    values = []
+    for window, envelope in found.envelopes.items():
+        lines = envelope.lines(orders * settings.revolution_frequency)
+        floors = envelope.floors(orders * settings.revolution_frequency)
+        for order, line, floor in zip(orders, lines, floors, strict=True):
+            over = 20 * np.log10(line / floor)
+            values.append(
+                Value(
+                    name=f"envelope {order} f_r, {window}",
+                    unit=DECIBEL,
+                    value=float(20 * np.log10(line)),
+                    firm=bool(over >= settings.floor_limit),
+                )
+            )
+    return values
+
+
+PROBES = {
+    "gears": Probe(law_names, _gears),
+    "transmission": Probe(law_names, _transmission),
+    "casing": Probe(lambda _: ["casing"], _casing),
+    "modes": Probe(lambda _: ["casing"], _modes),
+    "frf": Probe(lambda _: ["casing"], _frf),
+    "machine": Probe(lambda plant: [*plant.law_names, "casing"], _machine),
+    "signals": Probe(lambda _: ["simulate"], _signals),
+    "lines": Probe(lambda _: ["simulate"], _lines),
+}

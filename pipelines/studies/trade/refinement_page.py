@@ -1,0 +1,144 @@
+"""A refinement study as a table, a figure and a verdict in words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from pipelines.io.grid import Grid
+from pipelines.report.contents import grid
+from pipelines.studies.trade.axes import AXES
+from pipelines.studies.trade.refinement import RefinementStudy
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+MESH_MODELS = {  # distance from converged contact in space, docs/choosing-a-model.md
+    "iso": "about 10 % softer than plane, with another shape over the mesh cycle",
+    "energy": "within 10 % in single contact, up to half too stiff in double contact",
+    "plane": "2 to 14 % too stiff by the pair: 2 to 3 % wide, 5 % narrow spur, 7 to 14 % narrow helical",
+    "solid": "within 0.6 % of converged contact in space",
+}
+CASINGS = {
+    "rigid": "its elasticity is left out",
+    "none": "it is left out",
+    "static": "its inertia is that of the static shapes alone",
+    "craig-bampton": "0.7 % in frequency on the shipped mesh of the rig, 3 % with tetrahedra of that size",
+}
+LABELLED = 7  # quantities with the widest error bands, which get a colour
+REACH = {  # probes whose settings move what a study looks at
+    "gears": ("gears",),
+    "modes": ("modes",),
+    "machine": ("gears", "modes", "machine"),
+    "signals": ("gears", "modes", "machine", "signals"),
+}
+
+
+def convergence_table(name: str, found: RefinementStudy) -> Grid:
+    """One row per quantity: its value at every level, order, limit, and the error and band of the setting in use."""
+    rows = []
+    for quantity, convergence in found.quantities.items():
+        row: dict[str, object] = {"quantity": f"{quantity}, {found.units[quantity]}"}
+        for fineness, value in zip(found.fineness, convergence.values, strict=True):
+            row["in use" if fineness == 1.0 else f"x{fineness:.3g}"] = f"{value:.6g}"
+        row["order"] = convergence.kind if convergence.order is None else convergence.order
+        row["limit"] = f"{convergence.limit:.6g}"
+        row["error %"] = 100 * convergence.errors[found.in_use]
+        row["band %"] = 100 * convergence.relative_bands[found.in_use]
+        rows.append(row)
+    costs: dict[str, object] = {"quantity": "computing time, s"}
+    for fineness, level in zip(found.fineness, found.levels, strict=True):
+        costs["in use" if fineness == 1.0 else f"x{fineness:.3g}"] = f"{level.total_seconds:.3g}"
+    return grid(f"{name}: convergence over the {AXES[found.axis].words} (x2: twice as fine)", [*rows, costs])
+
+
+def verdict(found: RefinementStudy, wanted: float) -> str:
+    """Whether the setting in use keeps every quantity within the wanted error (a part of 1)."""
+    bands = {quantity: c.relative_bands[found.in_use] for quantity, c in found.quantities.items()}
+    worst = max(bands, key=lambda quantity: bands[quantity])
+    outside = [quantity for quantity, band in bands.items() if band > wanted]
+    widest = f"the widest error band is {100 * bands[worst]:.2g} % ({worst})"
+    if not outside:
+        return f"The setting in use is fine enough for {100 * wanted:g} %: {widest}."
+    return (
+        f"The setting in use is not shown to be fine enough for {100 * wanted:g} %: {len(outside)} of {len(bands)} "
+        f"quantities have a wider error band, {widest}. Refine the {AXES[found.axis].words}, or accept the band."
+    )
+
+
+def not_refined(mesh_models: Sequence[str], casing: str, axis: str) -> str:
+    """What a study over `axis` leaves as it is, so that no error band holds it, with the sizes that are known.
+
+    Parameters
+    ----------
+    mesh_models : of the stages
+    casing : model of the casing
+    axis : one of AXES
+    """
+    probe = AXES[axis].probe
+    models = dict.fromkeys(mesh_models) if probe != "modes" else ()
+    known = [f"mesh model {model}, {MESH_MODELS[model]}" for model in models]
+    if probe != "gears" and casing in CASINGS:
+        known.append(f"casing model {casing}, {CASINGS[casing]}")
+    others = [AXES[other].words for other in AXES if other != axis and AXES[other].probe in REACH[probe]]
+    if others:
+        known.append(f"the other settings ({', '.join(others)}), each by its --over")
+    return f"Not refined, and in no error band: {'; '.join(known)}." if known else ""
+
+
+def pairing_words(found: RefinementStudy) -> str:
+    """How many modes of the finest level were followed through all levels, and why not the others; "" without modes."""
+    if AXES[found.axis].probe != "modes":
+        return ""
+    from fem.casing.uncertainty.pairing import LEAST_MAC
+
+    count = len(found.quantities) + len(found.unpaired)
+    text = f"{len(found.quantities)} of {count} modes have a counterpart on every level."
+    if not found.unpaired:
+        return text
+    modes = ", ".join(f"{name.removeprefix('casing mode ')} ({mac:.2f})" for name, mac in found.unpaired.items())
+    return (
+        f"{text} Left out: modes {modes}. In brackets: MAC of the most similar mode on another level; a pair needs "
+        f"{LEAST_MAC:g} or more and no better partner. Close modes mix from mesh to mesh: refine the mesh, or judge "
+        "them together."
+    )
+
+
+def convergence_figure(name: str, found: RefinementStudy) -> Figure:
+    """Error of every quantity over the size of the levels, both logarithmic, with the bands of the setting in use.
+
+    The `LABELLED` quantities with the widest bands have a colour and a name, all others are grey.
+    """
+    from matplotlib.ticker import FuncFormatter, NullFormatter
+
+    from pipelines.report.figures.plots import dress, new_figure, plain
+
+    figure = new_figure(6.0)
+    axes = figure.subplots()
+    sizes = [1 / fineness for fineness in found.fineness]
+    known = [error for c in found.quantities.values() for error in (*c.errors, *c.relative_bands) if error > 0.0]
+    floor = max(min(known, default=1.0) / 10, 1e-10)  # where a finest value, taken as the limit itself, is drawn
+    worst = sorted(found.quantities, key=lambda name: found.quantities[name].relative_bands[found.in_use])[-LABELLED:]
+    for quantity, convergence in found.quantities.items():
+        errors = [100 * max(error, floor) for error in convergence.errors]
+        looks: dict[str, Any] = {"color": "0.75", "lw": 0.8, "zorder": 1.5}
+        if quantity in worst:
+            order = convergence.kind if convergence.order is None else f"order {convergence.order:.2g}"
+            looks = {"color": f"C{worst.index(quantity)}", "lw": 1.4, "label": f"{quantity} ({order})", "zorder": 2.5}
+        (line,) = axes.loglog(sizes, errors, marker="o", ms=4, **looks)
+        band = 100 * max(convergence.relative_bands[found.in_use], floor)
+        axes.plot([1.0], [band], marker="_", ms=14, mew=2, color=line.get_color(), zorder=looks["zorder"])
+    rest = len(found.quantities) - len(worst)
+    if rest:
+        axes.plot([], [], color="0.75", marker="o", ms=4, lw=0.8, label=f"{rest} others, with narrower bands")
+    axes.axvline(1.0, color="black", lw=0.8, ls=":", label="setting in use; dashes: its error bands")
+    title = f"{plain(name)}: convergence over the {AXES[found.axis].words}"
+    dress(axes, title, "size relative to the setting in use", "error relative to the limit, % (0 at the lower edge)")
+    axes.set_xticks(sizes, labels=[f"{size:.3g}" for size in sizes])
+    axes.set_xticks([], minor=True)
+    low, high = axes.get_ylim()
+    numbers = FuncFormatter(lambda value, _: f"{value:g}")
+    axes.yaxis.set_major_formatter(numbers)
+    axes.yaxis.set_minor_formatter(numbers if high < 10 * low else NullFormatter())
+    figure.legend(loc="outside lower center", ncols=2, frameon=False, fontsize=9)
+    return figure

@@ -1,0 +1,178 @@
+"""The trade of a scene: what every choice costs, how far it is from the reference, and which ones are worth it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from fem.storage import shown_html
+from pipelines.engine.working import Work
+from pipelines.io.errors import SceneError
+from pipelines.scene.file import LoadedScene, changed
+from pipelines.studies.trade.choices import PRESET, Choice, choices
+from pipelines.studies.trade.known_lines import known_lines
+from pipelines.studies.trade.probes import DECIBEL, PROBES, Value
+from pipelines.studies.trade.variants import Measured, measure, step_costs
+
+JUDGE = "signals"  # the probe whose error ranks the choices
+LINES = "lines"  # the probe whose levels, where a scene has a fault, count for the front, too
+
+
+@dataclass(frozen=True, kw_only=True)
+class Priced:
+    """A choice with its cost and, by probe, its largest error against the reference: a part of 1, or dB."""
+
+    choice: Choice
+    measured: Measured
+    errors: Mapping[str, float]
+    decibels: Mapping[str, float]
+    dominated: bool
+
+    @property
+    def seconds(self) -> float:
+        """Cold, everything the choice needs."""
+        return self.measured.total_seconds
+
+    @property
+    def error(self) -> float:
+        """Of the sensor rms, by which choices are ranked; NaN where the choice has no such signals."""
+        return self.errors.get(JUDGE, math.nan)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tradeoff:
+    """All choices, the reference first; `refused` names those the scene cannot take, with the reason.
+
+    `known` says how well the lines of the fault are known in the reference itself, "" without a fault.
+    """
+
+    name: str
+    priced: tuple[Priced, ...]
+    refused: Mapping[str, str]
+    known: str
+
+    def __repr__(self) -> str:
+        return f"<Tradeoff: {len(self.priced)} choices of {self.name}, {len(self.refused)} refused>"
+
+    def _repr_html_(self) -> str:
+        """Every choice with its cost and its error, for a notebook."""
+        rows = [(one.choice.name, one.seconds, 100 * one.error, "" if one.dominated else "yes") for one in self.priced]
+        head = ("choice", "s", "error of the sensor rms, %", "nothing is faster and better")
+        return shown_html.table(f"Choices of {self.name}", head, rows)
+
+    @property
+    def front(self) -> tuple[Priced, ...]:
+        """Choices that nothing beats in time, error and lines of the fault together, cheapest first."""
+        return tuple(sorted((p for p in self.priced if not p.dominated), key=lambda p: p.seconds))
+
+    def cheapest(self, error: float) -> Priced | None:
+        """The cheapest choice within an error of sensor rms (a part of 1)."""
+        return min((p for p in self.priced if p.error <= error), key=lambda p: p.seconds, default=None)
+
+    def most_accurate(self, seconds: float) -> Priced | None:
+        """The choice with the least error within a time."""
+        return min((p for p in self.front if p.seconds <= seconds), key=lambda p: p.error, default=None)
+
+
+def trade(loaded: LoadedScene, work: Work) -> Tradeoff:
+    """Run every choice of a scene and compare it with the reference.
+
+    A choice whose motion alone is sure to take longer than all of the reference, which has no error, is not run.
+
+    Raises
+    ------
+    WorkError : a step failed
+    """
+    found, scenes, refused = _variants(loaded)
+    costs = step_costs(scenes.values(), work)
+    first, best = next(iter(scenes.items()))
+    whole = measure({first: best}, list(PROBES), work)[first].total_seconds
+    for name, variant in list(scenes.items())[1:]:
+        settings = variant.scene.simulation.made()
+        motion = costs[settings.integrator] * settings.steps
+        if motion > whole:
+            del scenes[name]
+            refused[name] = (
+                f"its motion alone would take about {motion:.0f} s, the whole reference takes {whole:.0f} s in all"
+            )
+    measured, failed = _measured(scenes, work)
+    refused |= failed
+    reference = measured[first]
+    prices = {name: differences(one, reference) for name, one in measured.items()}
+    places = {
+        name: (one.total_seconds, prices[name][0].get(JUDGE, math.nan), prices[name][1].get(LINES, 0.0))
+        for name, one in measured.items()
+    }
+    priced = tuple(
+        Priced(
+            choice=found[name],
+            measured=one,
+            errors=prices[name][0],
+            decibels=prices[name][1],
+            dominated=_beaten(places[name], (place for other, place in places.items() if other != name)),
+        )
+        for name, one in measured.items()
+    )
+    return Tradeoff(name=loaded.name, priced=priced, refused=refused, known=known_lines(best, work))
+
+
+def _variants(loaded: LoadedScene) -> tuple[dict[str, Choice], dict[str, LoadedScene], dict[str, str]]:
+    """Choices and scenes by name, each different scene once and all presets; why the others cannot be."""
+    found: dict[str, Choice] = {}
+    scenes: dict[str, LoadedScene] = {}
+    refused: dict[str, str] = {}
+    for choice in choices(loaded.scene):
+        try:
+            variant = changed(loaded, choice.settings)
+        except SceneError as error:
+            refused[choice.name] = " ".join(str(error).split())
+            continue
+        if choice.effect == PRESET or all(variant.scene != other.scene for other in scenes.values()):
+            scenes[choice.name], found[choice.name] = variant, choice
+    return found, scenes, refused
+
+
+def _measured(scenes: dict[str, LoadedScene], work: Work) -> tuple[dict[str, Measured], dict[str, str]]:
+    """All at once; if a step refuses its scene, one by one on what is built, with the reasons of those that failed."""
+    probes = list(PROBES)
+    try:
+        return measure(scenes, probes, work), {}
+    except (ValueError, RuntimeError):
+        measured: dict[str, Measured] = {}
+        failed: dict[str, str] = {}
+        for name, loaded in scenes.items():
+            try:
+                measured |= measure({name: loaded}, probes, work)
+            except (ValueError, RuntimeError) as error:
+                failed[name] = " ".join(str(error).split())
+        return measured, failed
+
+
+def differences(one: Measured, reference: Measured) -> tuple[dict[str, float], dict[str, float]]:
+    """Largest relative difference and largest difference of levels, by probe, over the values both have."""
+    known = {value.name: value for value in one.values}
+    errors: dict[str, float] = {}
+    decibels: dict[str, float] = {}
+    for probe, values in reference.by_probe.items():
+        for value in values:
+            other = known.get(value.name)
+            if other is None or not value.firm:
+                continue
+            table, size = _difference(value, other)
+            place = decibels if table == DECIBEL else errors
+            place[probe] = max(place.get(probe, 0.0), size)
+    return errors, decibels
+
+
+def _difference(reference: Value, other: Value) -> tuple[str, float]:
+    if reference.unit == DECIBEL:
+        return DECIBEL, abs(other.value - reference.value)
+    return "", abs(other.value - reference.value) / (abs(reference.value) or 1.0)
+
+
+def _beaten(place: tuple[float, ...], others: Iterable[tuple[float, ...]]) -> bool:
+    """Whether another choice is no worse in anything and better in something; one without an error is beaten."""
+    if any(math.isnan(value) for value in place):
+        return True
+    return any(all(o <= own for o, own in zip(other, place, strict=True)) and other != place for other in others)

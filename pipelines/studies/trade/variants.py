@@ -1,0 +1,98 @@
+"""Variants of a scene: built through the same cached steps as any run, with what each step cost when it was built."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from pipelines.engine.run_graph import Outcome
+from pipelines.engine.step import Graph, Step
+from pipelines.engine.working import Work
+from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.plant import Plant
+from pipelines.scene.file import LoadedScene, changed
+from pipelines.signals.motion_warnings import log_warnings
+from pipelines.steps.graph import plant_steps
+from pipelines.steps.study import add_steps
+from pipelines.studies.trade.probes import PROBES, Value
+
+SHORT_SECONDS = (0.01, 0.02, 0.06)  # of motion: to compile a time loop, and to see what a step costs
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measured:
+    """The values of a variant and its cost; a step that was reused counts with what building it took."""
+
+    by_probe: Mapping[str, tuple[Value, ...]]
+    seconds: dict[str, float]  # by step
+    peak_bytes: int
+
+    @property
+    def values(self) -> tuple[Value, ...]:
+        """Of all probes."""
+        return tuple(value for values in self.by_probe.values() for value in values)
+
+    @property
+    def total_seconds(self) -> float:
+        """Sum over the steps."""
+        return sum(self.seconds.values())
+
+
+def measure(
+    scenes: Mapping[str, LoadedScene],
+    probes: Sequence[str],
+    work: Work,
+) -> dict[str, Measured]:
+    """Build what the named probes need of every scene, each distinct step once, and read them; by variant.
+
+    Raises
+    ------
+    SceneError, InputError, WorkError : a scene cannot be used, or a step failed
+    """
+    steps: list[Step] = []
+    names, wanted, plants = {}, {}, {}
+    for variant, loaded in scenes.items():
+        plants[variant] = plant = checked_plant(loaded.scene, loaded.source.shown)
+        new = plant_steps(plant)
+        names[variant] = add_steps(steps, new, f"{variant}: ")
+        needed = [name for probe in probes for name in PROBES[probe].steps(plant)]
+        wanted[variant] = Graph(new).needed(needed).steps
+    graph = Graph(steps)
+    every = dict.fromkeys(names[variant][step] for variant, needed in wanted.items() for step in needed)
+    outcome = work.build(graph, every)
+    motions = [outcome.value(step.name) for step in graph if step.name in every and step.kind == "simulate"]
+    log_warnings(motions, ("repeat",))  # the others are errors that the comparison itself shows
+    return {
+        variant: _measured(plant, probes, {step: names[variant][step] for step in wanted[variant]}, outcome)
+        for variant, plant in plants.items()
+    }
+
+
+def step_costs(scenes: Iterable[LoadedScene], work: Work) -> dict[str, float]:
+    """Seconds per time step of every integrator of the scenes, from two short runs; compiles what is not yet compiled.
+
+    Raises
+    ------
+    as `measure`
+    """
+    costs: dict[str, float] = {}
+    for integrator, loaded in {loaded.scene.simulation.integrator: loaded for loaded in scenes}.items():
+        seconds = []
+        for end in SHORT_SECONDS:
+            short = changed(loaded, {"simulation.end_s": end, "diagnosis.windows_s": {}})
+            name = f"first {end:g} s, {integrator}"
+            found = measure({name: short}, ["signals"], work)
+            seconds.append(found[name].seconds["simulate"])
+        steps = (SHORT_SECONDS[-1] - SHORT_SECONDS[-2]) / loaded.scene.simulation.made().step
+        costs[integrator] = max(seconds[-1] - seconds[-2], 0.0) / steps
+    return costs
+
+
+def _measured(plant: Plant, probes: Sequence[str], names: Mapping[str, str], outcome: Outcome) -> Measured:
+    own = Outcome({step: outcome.results[name] for step, name in names.items()})
+    distinct = {record.key: (step, record) for step, record in zip(own.results, own.records, strict=True)}
+    return Measured(
+        by_probe={probe: tuple(PROBES[probe].read(plant, own)) for probe in probes},
+        seconds={step: record.seconds for step, record in distinct.values()},
+        peak_bytes=max(record.peak_bytes for _, record in distinct.values()),
+    )

@@ -1,0 +1,145 @@
+"""The measures before, and the verdict on every claim after: words, tables and a file that programs read."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pipelines.io.grid import Grid
+from pipelines.studies.verification.claims import CLAIMS, UNTESTED, Claim, Evidence
+from pipelines.studies.verification.judgement import HOLDS, Judgement, judge
+
+if TYPE_CHECKING:
+    import xarray
+
+_WORDS = {"static-torque": "constant torque", "none": "no losses"}
+RULE = (
+    "Each cell gives the mean over the seeds of the deviations ± its standard error, in dB, and a verdict. The 95 % "
+    "confidence interval of the mean (Student) is ± 2.8 standard errors for five seeds. A claim holds if the whole "
+    "interval is at least the limit. It does not hold if the whole interval is below the limit. Otherwise it is "
+    "undecided."
+)
+
+Verdicts = dict[str, list[tuple[Claim, dict[str, Judgement]]]]
+
+
+def stated() -> str:
+    """All claims with their measures and limits, as they are printed before anything is computed."""
+    parts = []
+    for heading, claims in CLAIMS.items():
+        rows = tuple((claim.words, claim.measure, f"{claim.least:g}") for claim in claims)
+        parts.append(Grid(title=heading, headers=("claim", "measure", "at least, dB"), rows=rows).to_text())
+    return "\n\n".join([RULE, *parts]) + "\n"
+
+
+def verdicts(evidence: Evidence) -> Verdicts:
+    """The judgement on every claim under every condition, by heading."""
+    return {
+        heading: [
+            (
+                claim,
+                {
+                    name: judge(values.values, claim.least)
+                    for name, values in _conditions(claim.compare(evidence, claim.measure))
+                },
+            )
+            for claim in claims
+        ]
+        for heading, claims in CLAIMS.items()
+    }
+
+
+def grids(found: Verdicts) -> list[Grid]:
+    """One table per group of claims: a row per claim, a column per condition."""
+    out = []
+    for heading, judged in found.items():
+        conditions = tuple(judged[0][1])
+        rows = tuple(
+            (
+                claim.words,
+                f"{claim.least:g}",
+                *(f"{one.words()} {one.verdict}" for one in by_condition.values()),
+            )
+            for claim, by_condition in judged
+        )
+        out.append(Grid(title=heading, headers=("claim", "at least, dB", *conditions), rows=rows))
+    return out
+
+
+def reasons(found: Verdicts) -> dict[str, str]:
+    """Why claims do not hold or are undecided, by heading: each reason once, "" where all claims hold."""
+    return {
+        heading: " ".join(
+            dict.fromkeys(
+                reason
+                for claim, by_condition in judged
+                if any(one.verdict != HOLDS for one in by_condition.values())
+                for reason in claim.reasons
+            )
+        )
+        for heading, judged in found.items()
+    }
+
+
+def text(found: Verdicts) -> str:
+    """Tables and reasons for the terminal."""
+    return _with_reasons(found, [grid.to_text() for grid in grids(found)])
+
+
+def markdown(found: Verdicts) -> str:
+    """Tables and reasons for a page."""
+    return _with_reasons(found, [f"**{grid.title}**\n\n{grid.to_markdown()}" for grid in grids(found)])
+
+
+def write(folder: Path, evidence: Evidence, found: Verdicts, facts: Mapping[str, Any]) -> tuple[Path, Path]:
+    """Write claims.md and claims.json: the verdicts, and every measure of every seed they are made of.
+
+    Parameters
+    ----------
+    folder : of both files, made if there is none
+    evidence, found : the measures and the verdicts
+    facts : how they were made, for the head of claims.json
+
+    Raises
+    ------
+    OSError : nothing can be written there
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    page, data = folder / "claims.md", folder / "claims.json"
+    page.write_text(markdown(found), encoding="utf-8")
+    told = {
+        **facts,
+        "claims": [
+            {
+                "heading": heading,
+                "claim": claim.words,
+                "measure": claim.measure,
+                "least_dB": claim.least,
+                "conditions": {name: asdict(one) for name, one in by_condition.items()},
+            }
+            for heading, judged in found.items()
+            for claim, by_condition in judged
+        ],
+        "levels": evidence.levels.to_dict(),
+        "loads": evidence.loads.to_dict(),
+    }
+    data.write_text(json.dumps(told, indent=1), encoding="utf-8")
+    return page, data
+
+
+def _with_reasons(found: Verdicts, tables: list[str]) -> str:
+    """How to read the tables, each table with its reasons below, and the claims that no table holds."""
+    parts = [part for both in zip(tables, reasons(found).values(), strict=True) for part in both if part]
+    return "\n\n".join([RULE, *parts, *(f"{words}: {why}" for words, why in UNTESTED.items())]) + "\n"
+
+
+def _conditions(values: xarray.DataArray) -> Iterator[tuple[str, xarray.DataArray]]:
+    """Values (seed,) by the words of their condition: the load or the stretch of time, then the losses."""
+    where = next(str(name) for name in values.dims if name not in ("losses", "seed"))
+    for losses in values.losses.values:
+        for place in values[where].values:
+            words = f"{_WORDS.get(str(place), str(place))}, {_WORDS.get(str(losses), str(losses))}"
+            yield words, values.sel({where: place, "losses": losses})

@@ -1,0 +1,148 @@
+"""The eight cases of the rig, simulated over seeds of the deviations, and what is read from them.
+
+With and without the missing tooth, with the container on its rope and as a constant torque, with and without friction.
+Lifting and lowering lie in one simulation. The cases are the shipped scenes; nothing of them is changed but the seed,
+the friction, and that sensor 3 alone is recorded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray
+
+from pipelines.diagnosis.control_diagnosis import STATES
+from pipelines.engine.step import Graph, Step
+from pipelines.machine.checks.validity import checked_plant
+from pipelines.scene.file import LoadedScene, load_scene
+from pipelines.scene.presets import preset_on
+from pipelines.signals.analysis import DiagnosisSettings
+from pipelines.signals.motion_warnings import log_warnings
+from pipelines.signals.response import make_response
+from pipelines.steps.graph import plant_steps
+from pipelines.steps.study import add_steps
+from pipelines.studies.verification.claims import Evidence
+from pipelines.studies.verification.measures import Levels, fault_levels, load_levels
+
+if TYPE_CHECKING:
+    from pipelines.engine.working import Work
+
+LOADS = ("rope", "static-torque")
+LOSSES: Mapping[str, Mapping[str, Any]] = {
+    "none": {"losses.model": "none"},
+    "friction": {"losses.model": "coulomb", "losses.tooth_friction": 0.05, "losses.bearing_friction": 0.0015},
+}
+SCENES = {
+    ("faulty", "rope"): "rig-missing-tooth",
+    ("faulty", "static-torque"): "rig-missing-tooth-torque",
+    ("healthy", "rope"): "rig-healthy",
+    ("healthy", "static-torque"): "rig-healthy-torque",
+}
+SENSOR = {"name": "sensor_3", "position_mm": [76.7, -150.0, 35.5]}  # as in the scenes; others would cost time alone
+STRETCHES = {  # s; the ramps last from 0.2 to 0.3 s and from 2.6 to 2.9 s
+    "steady": ((0.5, 2.5), (3.0, 5.0)),
+    "start": ((0.2, 0.5),),
+    "reversal": ((2.6, 3.0),),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """One simulation."""
+
+    losses: str
+    load: str
+    seed: int
+    state: str
+
+    @property
+    def name(self) -> str:
+        """For progress."""
+        return f"{self.state}, {self.load}, losses {self.losses}, seed {self.seed}: "
+
+
+def cases(seeds: int) -> Iterator[Case]:
+    """Eight cases for each of the seeds 1, 2, ..."""
+    for seed in range(1, seeds + 1):
+        for losses in LOSSES:
+            for load in LOADS:
+                for state in STATES:
+                    yield Case(losses=losses, load=load, seed=seed, state=state)
+
+
+def scene_of(case: Case, preset: str) -> LoadedScene:
+    """The shipped scene of a case with its seed and friction, computed with the accuracy of the preset."""
+    own = {"deviations.seed": case.seed, "sensors": [SENSOR], **LOSSES[case.losses]}
+    return preset_on(load_scene(SCENES[case.state, case.load], own), preset)
+
+
+def simulated(seeds: int, preset: str, work: Work) -> Evidence:
+    """Simulate all cases, or take them from the cache, and read the measures.
+
+    Parameters
+    ----------
+    seeds : 1 to so many of the deviations, two or more for a standard error
+    preset : see `pipelines.scene.presets`
+    work : how it is built
+
+    Raises
+    ------
+    SceneError, WorkError : a scene does not fit, or a step failed; finished ones stay in the cache
+    """
+    steps: list[Step] = []
+    motions, labels = {}, {}
+    looked_for: dict[str, DiagnosisSettings] = {}  # by load
+    for case in cases(seeds):
+        loaded = scene_of(case, preset)
+        plant = checked_plant(loaded.scene, loaded.source.shown)
+        motions[case] = add_steps(steps, plant_steps(plant), case.name)["simulate"]
+        labels[case] = plant.labels
+        if plant.diagnosis is not None and case.state == "faulty":
+            looked_for[case.load] = plant.diagnosis
+    outcome = work.build(Graph(steps), motions.values())
+    log_warnings((outcome.value(name) for name in motions.values()), ("step", "energy"))
+
+    def run(case: Case) -> xarray.Dataset:
+        return make_response(outcome.value(motions[case]), labels[case])
+
+    levels: dict[tuple[str, ...], Levels] = {}
+    loads: dict[tuple[str, ...], Levels] = {}
+    for seed in range(1, seeds + 1):
+        for losses in LOSSES:
+            runs = {
+                (state, load): run(Case(losses=losses, load=load, seed=seed, state=state))
+                for state in STATES
+                for load in LOADS
+            }
+            for load, settings in looked_for.items():
+                pair = fault_levels(runs["faulty", load], runs["healthy", load], settings)
+                levels |= {(losses, load, str(seed), *where): found for where, found in pair.items()}
+            for stretch, found in _load_levels(runs, looked_for["rope"]).items():
+                loads[losses, str(seed), stretch] = found
+    return Evidence(
+        levels=_table(levels, ("losses", "load", "seed", "state", "window", "measure")),
+        loads=_table(loads, ("losses", "seed", "stretch", "measure")),
+    )
+
+
+def _load_levels(runs: Mapping[tuple[str, str], xarray.Dataset], settings: DiagnosisSettings) -> dict[str, Levels]:
+    """By stretch of time; where it has several windows, their mean."""
+    rope, torque = runs["faulty", "rope"], runs["faulty", "static-torque"]
+    out = {}
+    for stretch, windows in STRETCHES.items():
+        found = [load_levels(rope, torque, settings.sensor, settings.axis, times) for times in windows]
+        out[stretch] = {name: float(np.mean([one[name] for one in found])) for name in found[0]}
+    return out
+
+
+def _table(found: Mapping[tuple[str, ...], Levels], dims: tuple[str, ...]) -> xarray.DataArray:
+    """An array with named axes from values by place."""
+    flat = {(*place, measure): value for place, levels in found.items() for measure, value in levels.items()}
+    names = [list(dict.fromkeys(place[axis] for place in flat)) for axis in range(len(dims))]
+    values = np.full([len(one) for one in names], np.nan)
+    for place, value in flat.items():
+        values[tuple(one.index(word) for one, word in zip(names, place, strict=True))] = value
+    return xarray.DataArray(values, dims=dims, coords=dict(zip(dims, names, strict=True)), attrs={"units": "dB"})
