@@ -1,7 +1,7 @@
 """Mesh laws of two versions of the code at random states: `python -m benchmarks.law_equality FOLDER [STATES]`.
 
-FOLDER is a worktree of the other version. It evaluates the same laws at the same states in a child process. Every answer
-is compared on its own scale; a state whose force is below a millionth of the nominal one counts on that of the nominal.
+FOLDER is a worktree of the other version. It evaluates the same laws at the same states in a child process. Every
+answer is compared on its own scale, but at least on a millionth of the median.
 """
 
 from __future__ import annotations
@@ -74,7 +74,9 @@ def _case(law: MeshLaw, pair: Any) -> Case:
     evaluator = LawEvaluator(law)
     for terms in evaluator.teeth(pair.pinion_faults, pair.wheel_faults):
         sizes = {"clearance": 3e-6, "profile_slope": 3e-6, "profile_curvature": 2e-6, "lead_slope": 4e-6}
-        deviations = tooth_terms(len(terms), **{name: draw.normal(0.0, size, len(terms)) for name, size in sizes.items()})
+        deviations = tooth_terms(
+            len(terms), **{name: draw.normal(0.0, size, len(terms)) for name, size in sizes.items()}
+        )
         teeth.append(terms + deviations)
     return {"law": law, "teeth": teeth, "force": pair.force}
 
