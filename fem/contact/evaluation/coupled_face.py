@@ -18,30 +18,24 @@ A slice loads few pairs, so lines that never meet in one slice share a row: two 
 slices of at most two or three pairs, however many the face holds. Hertz contacts bend little, so three or four steps
 reach round-off. Bodies that tilt can bring pairs into contact that the free approach leaves open; the candidates are
 then collected anew for an approach wide enough, and the answer is checked against it. What does not settle so, slices
-of more pairs and neighbours that pull are solved with all pairs within reach as candidates: the slices exactly, at
-fixed fields and body displacements, then those by a Newton step, in turn, with halved steps after a while.
+of more pairs and neighbours that pull are solved by `fem.contact.evaluation.damaged_face.settle_exactly`.
 """
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
-from numba import njit, types
+from numba import njit
 
 from fem.contact.evaluation.coupled_newton import covered, solve_face
-from fem.contact.evaluation.coupled_system import face_sums, newton_step, take_state
-from fem.contact.evaluation.fields import block_rows, face_room, field_rows, gather_face
-from fem.contact.evaluation.law_tables import LANES, unpacked
+from fem.contact.evaluation.damaged_face import keep_all_loads, settle_exactly
+from fem.contact.evaluation.fields import face_room, gather_face
+from fem.contact.evaluation.law_tables import unpacked
 from fem.contact.evaluation.near_pairs import NEAR_ROOM, near_pairs
-from fem.contact.evaluation.slice_loads import solve_slices
-from fem.contact.evaluation.slice_rows import NEVER, STATES, States, state_of
-from fem.contact.evaluation.slice_sums import ANSWER, ANSWER_ROOM, keep_loads, totals
-from fem.numerics.compiled import FLOAT, INLINE, INTEGER, MATRIX, SPREAD, VECTOR, apart, inner, stored
+from fem.contact.evaluation.slice_rows import STATES, States, state_alone, state_of
+from fem.contact.evaluation.slice_sums import ANSWER, ANSWER_ROOM, totals
+from fem.numerics.compiled import MATRIX, SPREAD, VECTOR, apart, stored
 
 ROOM = ANSWER_ROOM + NEAR_ROOM
-EXACT_STEPS = 40
-EXACT_CLOSE = 1e-11  # step of the fields, relative to the largest, at which the loads found before it are taken
 
 
 @apart(ANSWER, VECTOR, STATES, MATRIX, MATRIX, MATRIX)
@@ -105,102 +99,6 @@ def _evaluate(packed, states, pinion, wheel, loads, memory):
         if good and loads.size > 0:
             keep_all_loads(law, own_cycle, memory, loads)
         if not good and (found > 0 or law.pulls > 0.0):
-            sums = _evaluate_exactly(packed, states, which, pinion, wheel, loads)
-            for i in range(7):
-                answer[7 * which + i] = sums[i]
+            settle_exactly(packed, state_alone(states, which), pinion, wheel, loads, answer[7 * which : 7 * which + 7])
         fresh, cold = wider, wider or not good
     return most
-
-
-@njit(**SPREAD)
-def keep_all_loads(law, own_cycle, memory, loads):
-    """Line loads of all blocks, as in `keep_loads`.
-
-    Parameters
-    ----------
-    law, own_cycle, memory : as for `fields.gather_face`
-    loads : (place, slice) out, N/m
-    """
-    for block in range(len(law.block)):
-        keep_loads(block_rows(memory, block), block, math.floor(own_cycle), loads)
-
-
-@apart(types.UniTuple(FLOAT, 7), VECTOR, STATES, INTEGER, MATRIX, MATRIX, MATRIX)
-@stored(__file__, entry=False)
-def _evaluate_exactly(packed, states, which, pinion, wheel, loads):
-    """The seven numbers of one of the states (dU/dc' for dU/dc), by exact slices of any number of pairs."""
-    law, n, found = unpacked(packed), 1, 2
-    delta, psi = state_of(states, which)
-    alone = States(states.cycle, delta, psi, delta, psi, 1)
-    own_cycle, answer = law.sign * states.cycle + law.offset, np.zeros(7)
-    teeth, numbers = np.empty(NEAR_ROOM), np.empty(0)
-    near = near_pairs(law, own_cycle, pinion, wheel, teeth)
-    while found > n:
-        n += 1
-        numbers = np.empty(face_room(len(law.block), n))
-        found = gather_face(law, near, own_cycle, alone, NEVER, (numbers, 0, numbers[:n]))
-    if found == n:
-        _solve_face_exactly(law, alone, (numbers, 0, numbers[:n]), answer)
-        if loads.size > 0:
-            keep_all_loads(law, own_cycle, (numbers, 0, numbers[:n]), loads)
-        numbers[0] = teeth[0] = 0.0  # views of them were lent
-    return answer[0], answer[1], answer[2], answer[3], answer[4], answer[5], answer[6]
-
-
-@njit(**SPREAD)
-def _solve_face_exactly(law, states, memory, answer):
-    """Loads, fields and bodies of a gathered face at a single state, and its seven numbers into answer (7,)."""
-    d = t = scale = 0.0
-    stiffness = (0.0, 0.0, 0.0)
-    take_state(law, states, 0, memory)
-    for step in range(EXACT_STEPS):
-        for block in range(len(law.block)):
-            rows = block_rows(memory, block)
-            relieve(d, t, rows, field_rows(memory, block))
-            solve_slices(law.slope, True, rows)
-        new_d, new_t, stiffness = newton_step(law, memory)
-        largest = abs(new_d - d) + abs(new_t - t) * abs(block_rows(memory, 0).y[0])
-        for block in range(len(law.block)):
-            largest = max(largest, largest_move(field_rows(memory, block)))
-        scale = max(scale, largest)
-        part = 1.0 if step < 8 or largest <= 1e-3 * scale else 0.5
-        d, t = d + part * (new_d - d), t + part * (new_t - t)
-        for block in range(len(law.block)):
-            move_fields(part, field_rows(memory, block))
-        if largest <= EXACT_CLOSE * scale:
-            break
-    face_sums(law, d, t, stiffness, memory, answer)
-
-
-@inner(**INLINE)
-def relieve(d, t, rows, fields):
-    """The approaches that fields and body displacements leave to the slices of a block.
-
-    Parameters
-    ----------
-    d, t : body displacements, m and rad
-    rows, fields : `Rows`, out, and `FieldRows` of the block
-    """
-    for a in range(len(rows.order)):
-        for s in range(LANES):
-            taken = d + t * rows.y[s] + fields.gain[a, s] * fields.field[a, s]
-            rows.approach[a, s] = fields.free[a, s] - taken
-            fields.before[a, s] = fields.field[a, s]
-
-
-@inner(**INLINE)
-def largest_move(fields):
-    """The largest |g dv| of a step of the fields, m."""
-    largest = 0.0
-    for a in range(len(fields.order)):
-        for s in range(LANES):
-            largest = max(largest, abs(fields.gain[a, s] * (fields.field[a, s] - fields.before[a, s])))
-    return largest
-
-
-@inner(**INLINE)
-def move_fields(part, fields):
-    """Take only a part of the step of the fields."""
-    for a in range(len(fields.order)):
-        for s in range(LANES):
-            fields.field[a, s] = fields.before[a, s] + part * (fields.field[a, s] - fields.before[a, s])

@@ -14,7 +14,9 @@ F, M, U and their derivatives stay those of the minimum. Sound teeth do not come
 
 A mode may lift a tooth at one end where it is loaded at the other, so pairs that come near without touching are
 collected, too, and the answer is checked against what was collected. What does not settle, slices of more than three
-pairs and neighbours that pull are solved as there: exact slices in turn with the rest.
+pairs and neighbours that pull are solved by `settle_exactly`, with all pairs within reach as candidates: the slices
+exactly, at fixed fields, bodies and modes, then those by a Newton step, in turn. It solves every law: without modes a
+coupled face, without modes, fields and bodies independent slices.
 """
 
 from __future__ import annotations
@@ -25,24 +27,18 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit, types
 
-from fem.contact.evaluation.coupled_face import (
-    EXACT_CLOSE,
-    EXACT_STEPS,
-    keep_all_loads,
-    largest_move,
-    move_fields,
-    relieve,
-)
 from fem.contact.evaluation.coupled_newton import CLOSE, STEPS, advance, finish, guess
 from fem.contact.evaluation.coupled_system import face_sums, linearise, take_state
 from fem.contact.evaluation.fields import block_rows, eliminate, face_room, field_rows, gather_face, substitute
 from fem.contact.evaluation.law_tables import LANES, LARGEST_NEAR, slices_of, unpacked
 from fem.contact.evaluation.near_pairs import NEAR_ROOM, damaged_teeth, near_pairs
 from fem.contact.evaluation.slice_loads import solve_slices
-from fem.contact.evaluation.slice_rows import NEVER, STATES, States, cell_of, state_of
-from fem.contact.evaluation.slice_sums import ANSWER, totals
+from fem.contact.evaluation.slice_rows import NEVER, STATES, cell_of, state_alone
+from fem.contact.evaluation.slice_sums import ANSWER, keep_loads, totals
 from fem.numerics.compiled import INLINE, MATRIX, SPREAD, VECTOR, apart, inner, stored
 
+EXACT_STEPS = 40
+EXACT_CLOSE = 1e-11  # step of the fields, relative to the largest, at which the loads found before it are taken
 ASIDE = 0.25  # of the approach: pairs this far apart are collected, for modes that lift a tooth towards its mate
 
 
@@ -71,14 +67,13 @@ def evaluate_damaged(packed, states, pinion, wheel, loads):
     """
     law, answer = unpacked(packed), np.zeros(14)
     for which in range(states.asked):
-        delta, psi = state_of(states, which)
-        alone = States(states.cycle, delta, psi, delta, psi, 1)
+        alone = state_alone(states, which)
         own = answer[7 * which : 7 * which + 7]
         good = False
         if law.pulls == 0.0:
             good = _settle(packed, alone, pinion, wheel, loads, own)
         if not good:
-            _settle_exactly(packed, alone, pinion, wheel, loads, own)
+            settle_exactly(packed, alone, pinion, wheel, loads, own)
     return totals(answer, law.sign)
 
 
@@ -105,8 +100,16 @@ def _settle(packed, states, pinion, wheel, loads, answer):
 
 @apart(types.none, VECTOR, STATES, MATRIX, MATRIX, MATRIX, VECTOR)
 @stored(__file__, entry=False)
-def _settle_exactly(packed, states, pinion, wheel, loads, answer):
-    """The seven numbers of a single state by exact slices of any number of pairs."""
+def settle_exactly(packed, states, pinion, wheel, loads, answer):
+    """The seven numbers of a single state by exact slices of any number of pairs, for every law: with or without
+    fields, bodies and modes.
+
+    Parameters
+    ----------
+    packed, pinion, wheel, loads : those of `coupled_face.evaluate_coupled`
+    states : `States`, a single state
+    answer : (7,) out: as in `coupled_system.face_sums`; left as it is where no pair is within reach
+    """
     law, n, found = unpacked(packed), 1, 2
     own_cycle = law.sign * states.cycle + law.offset
     teeth, numbers = np.empty(NEAR_ROOM), np.empty(0)
@@ -194,7 +197,7 @@ def _solve(law, states, modes, memory, answer):
 
 @njit(**SPREAD)
 def _solve_in_turn(law, states, modes, memory, answer):
-    """As `coupled_face._solve_face_exactly`."""
+    """Slices exactly at fixed fields, bodies and modes, then those by a Newton step, in turn; halved steps later."""
     d = t = scale = 0.0
     stiffness = (0.0, 0.0, 0.0)
     take_state(law, states, 0, memory)
@@ -203,13 +206,13 @@ def _solve_in_turn(law, states, modes, memory, answer):
         for block in range(len(law.block)):
             rows, fields = block_rows(memory, block), field_rows(memory, block)
             _shift(1.0, modes, block, fields)
-            relieve(d, t, rows, fields)
+            _relieve(d, t, rows, fields)
             _shift(-1.0, modes, block, fields)
             solve_slices(law.slope, True, rows)
         new_d, new_t, stiffness = _newton_step(law, modes, memory)
         largest = abs(new_d - d) + abs(new_t - t) * abs(block_rows(memory, 0).y[0])
         for block in range(len(law.block)):
-            largest = max(largest, largest_move(field_rows(memory, block)))
+            largest = max(largest, _largest_move(field_rows(memory, block)))
         for k in range(len(before)):
             largest = max(largest, abs(modes.share[k] - before[k]) * np.abs(modes.value[k]).max())
         scale = max(scale, largest)
@@ -218,11 +221,58 @@ def _solve_in_turn(law, states, modes, memory, answer):
         for k in range(len(before)):
             modes.share[k] = before[k] + part * (modes.share[k] - before[k])
         for block in range(len(law.block)):
-            move_fields(part, field_rows(memory, block))
+            _move_fields(part, field_rows(memory, block))
         if largest <= EXACT_CLOSE * scale:
             break
     face_sums(law, d, t, stiffness, memory, answer)
     _add_modes(modes, memory, answer)
+
+
+@njit(**SPREAD)
+def keep_all_loads(law, own_cycle, memory, loads):
+    """Line loads of all blocks, as in `keep_loads`.
+
+    Parameters
+    ----------
+    law, own_cycle, memory : as for `fields.gather_face`
+    loads : (place, slice) out, N/m
+    """
+    for block in range(len(law.block)):
+        keep_loads(block_rows(memory, block), block, math.floor(own_cycle), loads)
+
+
+@inner(**INLINE)
+def _relieve(d, t, rows, fields):
+    """The approaches that fields and body displacements leave to the slices of a block.
+
+    Parameters
+    ----------
+    d, t : body displacements, m and rad
+    rows, fields : `Rows`, out, and `FieldRows` of the block
+    """
+    for a in range(len(rows.order)):
+        for s in range(LANES):
+            taken = d + t * rows.y[s] + fields.gain[a, s] * fields.field[a, s]
+            rows.approach[a, s] = fields.free[a, s] - taken
+            fields.before[a, s] = fields.field[a, s]
+
+
+@inner(**INLINE)
+def _largest_move(fields):
+    """The largest |g dv| of a step of the fields, m."""
+    largest = 0.0
+    for a in range(len(fields.order)):
+        for s in range(LANES):
+            largest = max(largest, abs(fields.gain[a, s] * (fields.field[a, s] - fields.before[a, s])))
+    return largest
+
+
+@inner(**INLINE)
+def _move_fields(part, fields):
+    """Take only a part of the step of the fields."""
+    for a in range(len(fields.order)):
+        for s in range(LANES):
+            fields.field[a, s] = fields.before[a, s] + part * (fields.field[a, s] - fields.before[a, s])
 
 
 @njit(**SPREAD)

@@ -14,13 +14,22 @@ import numpy as np
 from numba import njit
 
 from fem.contact.evaluation.coupled_face import evaluate_coupled
-from fem.contact.evaluation.damaged_face import evaluate_damaged
+from fem.contact.evaluation.damaged_face import evaluate_damaged, settle_exactly
 from fem.contact.evaluation.law_tables import unpacked
 from fem.contact.evaluation.near_pairs import NEAR_ROOM, damaged_teeth, near_pairs
 from fem.contact.evaluation.slice_loads import move_approach, solve_slices
-from fem.contact.evaluation.slice_rows import NEVER, STATES, States, gather, nearest_approach, rows_in, rows_room
+from fem.contact.evaluation.slice_rows import (
+    NEVER,
+    STATES,
+    States,
+    gather,
+    nearest_approach,
+    rows_in,
+    rows_room,
+    state_alone,
+)
 from fem.contact.evaluation.slice_sums import ANSWER, ANSWER_ROOM, add_to, block_sums, keep_loads, totals
-from fem.numerics.compiled import INLINE, INTEGER, MATRIX, SPREAD, VECTOR, apart, inner, stored
+from fem.numerics.compiled import INLINE, MATRIX, SPREAD, VECTOR, apart, inner, stored
 
 ROOM = ANSWER_ROOM + NEAR_ROOM
 
@@ -32,49 +41,43 @@ def _evaluate_independent(packed, states, pinion, wheel, loads):
     law = unpacked(packed)
     memory = np.empty(ROOM + rows_room(2))
     answer = memory[:14]  # holds the memory as long as it is used; all other views are lent
-    answer[:] = 0.0
-    own_cycle, lowest = law.sign * states.cycle + law.offset, NEVER if law.pulls > 0.0 else 0.0
-    near = near_pairs(law, own_cycle, pinion, wheel, memory[ANSWER_ROOM:])
-    rows = rows_in(memory, ROOM, (0, 1))
-    for block in range(len(law.block)):
-        found = gather(law, near, block, own_cycle, states, lowest, rows)
-        if found == 2:
-            _solve_block(law, block, states, rows, loads, answer)
-        elif found > 2:
-            add_to(answer, 0, _block_of_three(packed, block, states, pinion, wheel, loads))
+    if _solve_blocks(law, states, pinion, wheel, loads, (memory, ROOM, (0, 1))) > 2:
+        return _evaluate_three(packed, states, pinion, wheel, loads)
     return totals(answer, law.sign)
 
 
-@apart(ANSWER, VECTOR, INTEGER, STATES, MATRIX, MATRIX, MATRIX)
+@apart(ANSWER, VECTOR, STATES, MATRIX, MATRIX, MATRIX)
 @stored(__file__, entry=False)
-def _block_of_three(packed, block, states, pinion, wheel, loads):
-    """What one block adds to the answer where up to three pairs approach in a slice."""
-    law, memory = unpacked(packed), np.zeros(ROOM + rows_room(3))
-    answer = memory[:14]
-    own_cycle, lowest = law.sign * states.cycle + law.offset, NEVER if law.pulls > 0.0 else 0.0
-    near = near_pairs(law, own_cycle, pinion, wheel, memory[ANSWER_ROOM:])
-    rows = rows_in(memory, ROOM, (0, 1, 2))
-    if gather(law, near, block, own_cycle, states, lowest, rows) > 3:
-        return _block_of_many(packed, block, states, pinion, wheel, loads)
-    _solve_block(law, block, states, rows, loads, answer)
-    return totals(answer, 1.0)
-
-
-@apart(ANSWER, VECTOR, INTEGER, STATES, MATRIX, MATRIX, MATRIX)
-@stored(__file__, entry=False)
-def _block_of_many(packed, block, states, pinion, wheel, loads):
-    """What one block adds to the answer, for any number of pairs; not by vector instructions."""
+def _evaluate_three(packed, states, pinion, wheel, loads):
+    """`_evaluate_independent` where more than two pairs approach in a slice; more than three are solved exactly."""
     law = unpacked(packed)
+    memory = np.empty(ROOM + rows_room(3))
+    answer = memory[:14]
+    if _solve_blocks(law, states, pinion, wheel, loads, (memory, ROOM, (0, 1, 2))) > 3:
+        answer[:] = 0.0
+        for which in range(states.asked):
+            settle_exactly(packed, state_alone(states, which), pinion, wheel, loads, answer[7 * which : 7 * which + 7])
+    return totals(answer, law.sign)
+
+
+@njit(**SPREAD)
+def _solve_blocks(law, states, pinion, wheel, loads, memory):
+    """The answer (14,) at the start of memory, as for `fields.block_rows`; the rows that are needed, if they are more.
+
+    All blocks take turns in the memory of the first.
+    """
+    answer, near_room, most = memory[0][:14], memory[0][ANSWER_ROOM:], len(memory[2])
     own_cycle, lowest = law.sign * states.cycle + law.offset, NEVER if law.pulls > 0.0 else 0.0
-    teeth, answer = np.empty(NEAR_ROOM), np.zeros(14)
-    near = near_pairs(law, own_cycle, pinion, wheel, teeth)
-    n = max(near.pairs, 2)
-    memory = np.empty(rows_room(n))
-    rows = rows_in(memory, 0, memory[:n])
-    gather(law, near, block, own_cycle, states, lowest, rows)
-    _solve_block(law, block, states, rows, loads, answer)
-    memory[0] = teeth[0] = 0.0  # views of them were lent
-    return totals(answer, 1.0)
+    answer[:] = 0.0
+    near = near_pairs(law, own_cycle, pinion, wheel, near_room)
+    rows = rows_in(memory[0], memory[1], memory[2])
+    for block in range(len(law.block)):
+        found = gather(law, near, block, own_cycle, states, lowest, rows)
+        if found > most:
+            return found
+        if found > 0:
+            _solve_block(law, block, states, rows, loads, answer)
+    return most
 
 
 @njit(**SPREAD)

@@ -92,6 +92,13 @@ def state_of(states, which):
 
 
 @inner(**INLINE)
+def state_alone(states, which):
+    """State 0 or 1 as a single one."""
+    delta, psi = state_of(states, which)
+    return States(states.cycle, delta, psi, delta, psi, 1)
+
+
+@inner(**INLINE)
 def largest_approach(states, y):
     """The larger approach of the two states at face coordinate y."""
     return max(states.delta + states.psi * y, states.other_delta + states.other_psi * y)
