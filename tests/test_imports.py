@@ -63,12 +63,6 @@ def test_a_file_imports_only_what_it_may():
     assert not wrong, "\n".join(wrong)
 
 
-def test_a_file_has_at_most_400_lines():
-    lines = {module_name(path): len(text(path).splitlines()) for path in FILES}
-    long = [f"{name}: {count} lines" for name, count in lines.items() if count > 400]
-    assert not long, "\n".join(long)
-
-
 def test_package_files_are_light():
     packages = [path for path in FILES if path.name == "__init__.py"]
     assert len(packages) > 30
