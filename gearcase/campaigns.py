@@ -26,8 +26,6 @@ def campaign(
 ) -> Finished:
     """Simulate every scene of a plan that the data set does not hold yet.
 
-    In a script, local processes need the usual guard, ``if __name__ == "__main__":``.
-
     Parameters
     ----------
     plan : file of the campaign, see docs/campaigns.md

@@ -58,6 +58,17 @@ def make_nothing(message):
     raise ValueError(message)
 
 
+class OddError(Exception):
+    """It cannot be pickled: it takes two arguments and keeps one."""
+
+    def __init__(self, one, other):
+        super().__init__(f"{one} {other}")
+
+
+def fail_oddly(_):
+    raise OddError("odd", "words")
+
+
 def count_children(_, slow=()):
     return {"children": [child.pid for child in psutil.Process().children()], "slow": len(slow)}
 
@@ -300,6 +311,12 @@ def test_an_error_keeps_its_kind_and_names_the_stage_from_another_process_too(ca
     with pytest.raises(ValueError, match=r"reason [12]") as there:
         run_graph(Graph(stages), cache, ["bad_1", "bad_2"], processes=2)
     assert there.value.__notes__[0].startswith("in step bad_")
+
+
+def test_an_error_that_cannot_leave_its_process_arrives_in_words(cache):
+    stages = [Step(name=f"odd_{n}", kind="odd", build=fail_oddly, spec=n, seconds=9.0) for n in range(2)]
+    with pytest.raises(WorkError, match="OddError: odd words"):
+        run_graph(Graph(stages), cache, ["odd_0", "odd_1"], processes=2)
 
 
 def test_a_process_that_dies_is_reported(cache):

@@ -43,6 +43,10 @@ class ProcessEnded(Exception):
         return signal.Signals(-self.code).name if self.code < 0 else f"code {self.code}"
 
 
+class RemoteError(RuntimeError):
+    """What a call in a child raised, in words: an error of a type that does not survive pickle."""
+
+
 def tell_share(share: float) -> None:
     """Report to the listener that this share (0 to 1) of the work is done; without one nothing happens."""
     if listener := _LISTENER.get():
@@ -208,7 +212,7 @@ def _sendable(error: Exception) -> Exception:
             return error
     except Exception as reason:
         logging.getLogger(__name__).debug("%r cannot be sent: %r", error, reason)
-    kind = ValueError if isinstance(error, ValueError) else RuntimeError
+    kind = ValueError if isinstance(error, ValueError) else RemoteError
     return kind(f"{type(error).__name__}: {error}")
 
 

@@ -14,7 +14,7 @@ from concurrent.futures import Future, wait
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from fem.processes.executor import ProcessEnded, Processes, in_thread, listening
+from fem.processes.executor import ProcessEnded, Processes, RemoteError, in_thread, listening
 from pipelines.engine.build_step import Result, build_here, one_thread, step_record
 from pipelines.engine.cache import Cache
 from pipelines.engine.step import Graph, Step, StepRecord, stored
@@ -125,6 +125,8 @@ def run_graph(
             _keep(results, step, event.result(), observer)
         except ProcessEnded as ended:
             raise _lost(step, ended.code) from ended
+        except RemoteError as error:
+            raise WorkError(str(error)) from error
         except Exception as error:
             if child is not None:
                 raise
