@@ -36,7 +36,7 @@ def test_a_central_force_turns_the_ends_by_the_slope_of_the_beam(support):
     slope = MASS / 2 * GRAVITY * LENGTH**2 / (16 * MODULUS * INERTIA)
     assert more["bearing_1:misalignment_x"] == pytest.approx(-slope, rel=1e-6)  # the middle sinks along -z
     assert more["bearing_2:misalignment_x"] == pytest.approx(slope, rel=1e-6)
-    assert abs(more["bearing_1:misalignment_z"]) < 1e-9 * slope
+    assert abs(more["bearing_1:misalignment_z"]) < 1e-6 * slope  # no force along x; as exact as the others
 
 
 @pytest.mark.slow
