@@ -163,7 +163,7 @@ SCENES = {
                   "position_mm": -90.0, "motors": 1, **ROTOR},
         "load": {"model": "torque", "speeds_rpm": [0.0, 400.0], "torques_N_m": [0.0, 40.0], "shaft": 2,
                  "position_mm": 100.0},
-        "forces": [INDUCTION, CONTROLLED], "diagnosis.windows_s": {},
+        "forces": [INDUCTION, CONTROLLED], "diagnosis.windows_s": {}, "simulation.channels": ["bearing-misalignment"],
     }),
     "motors": ("minimal", {
         "drive": {"motors": 2, "start_rpm": 900.0, **{k: v for k, v in INDUCTION.items() if k in MOTOR_ALONE}},
