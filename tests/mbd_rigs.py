@@ -124,6 +124,7 @@ def train(n_stages=1, *, load="torque", speed=94.2477796, profile=None, model="t
                 disks=tuple(disks),
                 model=model,
                 damping_time=options.get("shaft_tau", 1e-6),
+                element_length=0.05,
             )
         )
         for k, y in enumerate((-0.1, 0.1)):

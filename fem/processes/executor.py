@@ -100,7 +100,13 @@ class Processes(Executor):
     def listened(
         self, listener: Callable[[float], None] | None, call: Callable[..., Any], /, *args: Any, **kwargs: Any
     ) -> Future:
-        """The result of a call in a child; the listener is called with its shares, in a thread."""
+        """The result of a call in a child.
+
+        Parameters
+        ----------
+        listener : called with the shares (0 to 1) of the work that is done, in a thread; None: nobody
+        call, *args, **kwargs : function of a module, and what it is called with
+        """
         return self._threads.submit(self._answered, listener, pickle.dumps((call, args, kwargs)))
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
