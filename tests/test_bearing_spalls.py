@@ -8,7 +8,8 @@ import pytest
 from mbd_rigs import no_casing
 from test_rolling_bearings import loaded_shaft
 
-from mbd.elements.element import ENERGY, evaluated
+from mbd.elements.element import ENERGY
+from mbd.elements.rule_call import evaluated
 from mbd.excitations.cage_slip import PITCHES, CageSlip, lag_at
 from mbd.excitations.faulty_bearing import FaultyContacts, faulty_rule, with_faults
 from mbd.excitations.spall import Spall, race_radius

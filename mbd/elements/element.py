@@ -38,14 +38,12 @@ busy machine) and compiles every kind into every loop.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import types
 
-from fem.numerics.compiled import FLOAT, MATRIX, VECTOR, Signature, stored
 from mbd.elements.mode_words import ModeWords
 
 LARGEST_APPROACH = 1e-2  # m: contacts that would have to give way further are not followed
@@ -82,19 +80,21 @@ class Answer(NamedTuple):
     log: np.ndarray  # (LOG_COLUMNS,): ENERGY, BY_ANGLE or FROZEN_ENERGY
 
 
-MOTION = types.NamedTuple((FLOAT, FLOAT, FLOAT, VECTOR, VECTOR, VECTOR, VECTOR, MATRIX, VECTOR, MATRIX), Motion)
-ANSWER = types.NamedTuple((VECTOR, MATRIX, VECTOR, MATRIX, MATRIX, VECTOR, MATRIX, VECTOR), Answer)
-RULE = Signature(types.none, VECTOR, MOTION, ANSWER)
-call_rule: Any = RULE.call
+@dataclass(frozen=True, eq=False)
+class Rule:
+    """The function of a kind in ``file``, with options of the compiler; `mbd.elements.rule_call` compiles it.
+
+    This file does not import the compiler, so that a file may define both options of a scene and a rule.
+    """
+
+    file: str
+    function: Callable
+    options: Mapping[str, Any]
 
 
-def rule(file: str, **options: Any) -> Callable[[Callable], int]:
-    """Decorator of a kind's rule in ``file``: compiled when it is first called, kept on disk."""
-
-    def decorate(function: Callable) -> int:
-        return RULE.cell(stored(file, entry=False, **options)(function))
-
-    return decorate
+def rule(file: str, **options: Any) -> Callable[[Callable], Rule]:
+    """Decorator of a kind's rule in ``file``; further options are those of the compiler."""
+    return lambda function: Rule(file, function, options)
 
 
 class Signal(NamedTuple):
@@ -127,7 +127,7 @@ class Element:
     name: str  # of this element alone, e.g. "mesh_1:drive"
     part: str  # whose energy it counts to; "" for forces that do no work
     words: ModeWords | None = None  # of natural modes whose energy is in its stiffness; None: it has none
-    rule: int  # from `rule`
+    rule: Rule
     values: np.ndarray | Sequence[float]  # numbers that the rule reads
     rows: np.ndarray  # (n, coordinate)
     row_names: tuple[str, ...]  # (n,) behind the name
@@ -151,36 +151,3 @@ class Element:
     def reference(self, name: str) -> np.ndarray:
         """``stiffness``, ``damping`` or ``guess`` (n,), zeros if left out."""
         return np.array(getattr(self, name) or (0.0,) * len(self.rows))
-
-
-@stored(__file__)
-def _evaluate_rule(chosen, values, motion, answer):
-    """A rule for callers in Python."""
-    call_rule(chosen, values, motion, answer)
-
-
-def evaluated(
-    chosen: int, values: np.ndarray, u: np.ndarray, v: np.ndarray | None = None, angle: float = 0.0,
-    seen: np.ndarray | None = None,
-) -> Answer:  # fmt: skip
-    """What a rule answers at given rows, the motor at rest.
-
-    Parameters
-    ----------
-    chosen : number of the rule, from `rule`
-    values : (k,) numbers of the element as its kind packs them
-    u : (n,) displacements of its rows, m or rad
-    v : (n,) their rates, m/s or rad/s; None: at rest
-    angle : of the motor, rad
-    seen : (k,) displacements of the rows that it observes, m or rad; None: it observes none
-    """
-    n = len(u)
-    none, still = np.zeros(0), np.zeros(n) if v is None else np.array(v, dtype=float)
-    empty, observed = np.zeros((0, WIDTH)), none if seen is None else np.array(seen, dtype=float)
-    motion = Motion(angle, 0.0, 0.0, np.array(u, dtype=float), still, observed, none, empty, none, empty)
-    answer = Answer(
-        *(np.zeros(n), np.zeros((n, WIDTH)), np.zeros(n), np.zeros((n, WIDTH)), np.zeros((n, WIDTH))),
-        *(np.zeros(n), np.zeros((n, WIDTH)), np.zeros(len(LOG_COLUMNS))),
-    )
-    _evaluate_rule(chosen, np.ascontiguousarray(values, dtype=float), motion, answer)
-    return answer

@@ -19,8 +19,8 @@ from mbd.elements.element import (
     Answer,
     Element,
     Motion,
-    call_rule,
 )
+from mbd.elements.rule_call import call_rule, rule_number
 
 LOG_WIDTH = len(LOG_COLUMNS)
 
@@ -84,7 +84,7 @@ def element_table(elements: Sequence[Element], n_coordinates: int) -> tuple[Tabl
         for name in ("stiffness", "damping", "scale")
     }
     table = Table(
-        rule=np.array([element.rule for element in elements], dtype=np.int64),
+        rule=np.array([rule_number(element.rule) for element in elements], dtype=np.int64),
         row=first,
         value=_starts(len(values) for values in packed),
         values=np.concatenate([np.zeros(0), *packed]),

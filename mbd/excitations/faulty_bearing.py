@@ -24,7 +24,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.numerics.compiled import inner
-from mbd.elements.element import ENERGY, FROZEN_ENERGY, WIDTH, Answer, Element, Motion, call_rule, rule
+from mbd.elements.element import ENERGY, FROZEN_ENERGY, WIDTH, Answer, Element, Motion, rule
+from mbd.elements.rule_call import call_rule, rule_number
 from mbd.excitations.cage_slip import CageSlip, lag_at
 from mbd.excitations.spall import SURFACES, Spall, check_apart, race_radius
 from mbd.excitations.spall_drop import drop_at
@@ -125,7 +126,7 @@ class FaultyContacts:
         per = pass_frequencies(elements)
         knots = np.zeros((0, 2)) if self.slip is None else self.slip.walk(FULL / elements.count)
         numbers = np.zeros(REST)
-        numbers[SOUND], numbers[GAP] = self.contacts.rule, 0 if elements.kind == "ball" else 3
+        numbers[SOUND], numbers[GAP] = rule_number(self.contacts.rule), 0 if elements.kind == "ball" else 3
         numbers[SENSE], numbers[RATIO], numbers[CAGE], numbers[ROLL] = sense, ratio, per.cage, per.spin / per.cage
         numbers[ELEMENT], numbers[REACH] = elements.diameter / 2, math.cos(elements.contact_angle)
         numbers[OUTER], numbers[INNER] = (race_radius(elements, race) for race in SURFACES[:2])

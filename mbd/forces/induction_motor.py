@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mbd.elements.element import rule
+from mbd.elements.element import Rule, rule
 from mbd.forces.torque_source import TorqueSource
 from mbd.parts.checks import MachineError, finite, positive
 
@@ -54,7 +54,7 @@ class InductionMotor(TorqueSource):
             raise MachineError(f"{self.name}: breakdown_slip {self.breakdown_slip!r} must lie between 0 and 1.")
 
     @property
-    def rule(self) -> int:
+    def rule(self) -> Rule:
         """Kloss' formula."""
         return induction_rule
 

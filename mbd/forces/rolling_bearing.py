@@ -34,7 +34,8 @@ import numpy as np
 
 from fem.numerics.compiled import inner
 from fem.numerics.root import brentq
-from mbd.elements.element import BY_ANGLE, ENERGY, Element, Signal, evaluated, rule
+from mbd.elements.element import BY_ANGLE, ENERGY, Element, Rule, Signal, rule
+from mbd.elements.rule_call import evaluated
 from mbd.parts.bearings import BEARING_AXES, BearingSpec, bearing_force
 from mbd.parts.rolling_elements import RollingElements, pass_frequencies, reference_load
 
@@ -212,7 +213,7 @@ class RollingContacts:
     damping_time: float = 0.0
 
     @property
-    def rule(self) -> int:
+    def rule(self) -> Rule:
         """The rule of the elements' shape."""
         return ball_rule if self.elements.kind == "ball" else roller_rule
 

@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mbd.elements.element import Element, Signal, rule
+from mbd.elements.element import Element, Rule, Signal, rule
 from mbd.elements.linear import Part, part_on_rows
 from mbd.elements.lookup import cell_below, interpolated
 from mbd.elements.mode_words import ModeWords
@@ -99,7 +99,7 @@ class SpeedController(TorqueSource):
         finite(f"{self.name} starting_torque", self.starting_torque)
 
     @property
-    def rule(self) -> int:
+    def rule(self) -> Rule:
         """The controller."""
         return controller_rule
 

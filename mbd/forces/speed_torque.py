@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mbd.elements.element import rule
+from mbd.elements.element import Rule, rule
 from mbd.elements.lookup import interpolated
 from mbd.forces.torque_source import TorqueSource
 from mbd.parts.checks import frozen_array, rising_pairs
@@ -35,7 +35,7 @@ class SpeedTorque(TorqueSource):
         rising_pairs(self.name, ("speeds", self.speeds), ("torques", self.torques))
 
     @property
-    def rule(self) -> int:
+    def rule(self) -> Rule:
         """Interpolation over the speed."""
         return speed_torque_rule
 

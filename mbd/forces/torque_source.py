@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mbd.elements.element import Element, Signal
+from mbd.elements.element import Element, Rule, Signal
 from mbd.elements.linear import LinearElement, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
@@ -66,7 +66,7 @@ class TorqueSource(OutsideForce):
 
     @property
     @abstractmethod
-    def rule(self) -> int:
+    def rule(self) -> Rule:
         """Rule of the element, see `mbd.elements.element.rule`."""
 
     @abstractmethod
