@@ -27,7 +27,6 @@ from pipelines.machine.checks.strength import (
     torsions,
 )
 from pipelines.machine.checks.validity import checked_plant
-from pipelines.machine.hoist import load_spec
 from pipelines.machine.layout import lay_out
 from pipelines.machine.plant import make_drivetrain
 from pipelines.scene.file import load_scene
@@ -273,7 +272,7 @@ def test_the_channels_counted_are_those_recorded(scene):
     meshes = [name for n in range(len(loaded.stages)) for name in mesh_channels(f"mesh_{n}")]
     others = SimpleNamespace(channel_names=(*motors, *shafts, *meshes))
     drums = (0.0,) * len(loaded.load.drum_positions_mm or (0, 0))
-    load = load_spec(loaded.load, "shaft_2", drums)
+    load = loaded.load.made().load("shaft_2", drums)
     recorded = SimpleNamespace(components=(others, *bearing_specs(loaded, Problems()), load))
     names = channel_names(recorded, tuple(sensor.name for sensor in loaded.sensors))
     assert cost.cost(loaded).channels == len(names)

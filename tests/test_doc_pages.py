@@ -12,6 +12,7 @@ from benchmarks.__main__ import RESULTS
 from benchmarks.modules import modules
 from fem.contact.models.registry import MODELS as MESHES
 from mbd.forces.bearing_models import BEARINGS
+from mbd.forces.load_models import LOADS
 from mbd.integrators.methods import METHODS
 from pipelines.scene.tables import casing, losses, motion, shafts
 
@@ -24,10 +25,10 @@ def choices(table, field="model"):
 
 MODELS = [
     *MESHES,
-    *(choices(t)[0] for t in (*casing.CASING_TABLES, motion.StaticTorqueTable, motion.RopeTable)),
+    *(choices(t)[0] for t in casing.CASING_TABLES),
+    *LOADS,
     *BEARINGS,
     *(choices(t)[0] for t in typing.get_args(typing.get_args(losses.LossModel)[0])),
-    *choices(motion.RopePendulumTable),
     *choices(shafts.ShaftModelTable),
     *choices(motion.SimulationTable, "integrator"),
 ]

@@ -53,35 +53,76 @@ def copy(tmp_path_factory):
     return folder
 
 
-MOST_FILES = {
-    "A mesh model": 2,
-    "A tooth fault": 2,
-    "A bearing": 3,
-    "A load": 3,
-    "A command": 3,
-    "A channel": 2,
-    "A recording format": 2,
-}
+KINDS = (
+    "A mesh model",
+    "A tooth fault",
+    "A bearing",
+    "A load",
+    "An excitation",
+    "A casing kind",
+    "A command",
+    "A channel",
+    "A recording format",
+)
 
 
 def test_the_page_has_all_examples():
-    assert EXAMPLES.keys() == MOST_FILES.keys()
+    assert tuple(EXAMPLES) == KINDS
 
 
-@pytest.mark.parametrize(("example", "most"), MOST_FILES.items())
-def test_an_extension_touches_few_files(example, most):
-    assert len({path for _, path, _ in blocks(example) if path}) <= most
+@pytest.mark.parametrize("example", KINDS)
+def test_an_extension_is_one_file_and_one_line_of_a_registry(example):
+    found = [(kind, text) for kind, _, text in blocks(example)]
+    assert [kind for kind, _ in found] == ["new", "diff", "check"]
+    assert [line[0] for line in found[1][1].splitlines() if line[0] != " "] == ["+"]
+
+
+def run_check(copy, example):
+    """The code after "Check" of an example, run in the product with the examples."""
+    (code,) = [text for kind, _, text in blocks(example) if kind == "check"]
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    return subprocess.run(
+        [sys.executable, "-c", code], cwd=copy, env=environment, capture_output=True, text=True, check=False
+    )
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("example", EXAMPLES)
 def test_what_the_page_says_holds(copy, example):
-    (code,) = [text for kind, _, text in blocks(example) if kind == "check"]
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=copy, env=environment, capture_output=True, text=True, check=False
-    )
+    done = run_check(copy, example)
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_an_extension_without_its_line_is_refused_by_name(copy, example):
+    path, diff = next((path, text) for kind, path, text in blocks(example) if kind == "diff")
+    (line,) = [text[1:] for text in diff.splitlines(keepends=True) if text[0] == "+"]
+    names = re.findall(r'"([\w .-]+)"', line)  # of a format also the endings
+    file = copy / path
+    whole = file.read_text(encoding="utf-8")
+    file.write_text(whole.replace(line, ""), encoding="utf-8")
+    try:
+        done = run_check(copy, example)
+    finally:
+        file.write_text(whole, encoding="utf-8")
+    assert done.returncode != 0
+    assert any(name in done.stderr for name in names), done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_an_extension_without_its_file_is_refused_by_name(copy, example):
+    (path,) = [path for kind, path, _ in blocks(example) if kind == "new"]
+    file = copy / path
+    whole = file.read_text(encoding="utf-8")
+    file.unlink()
+    try:
+        done = run_check(copy, example)
+    finally:
+        file.write_text(whole, encoding="utf-8")
+    assert done.returncode != 0
+    assert path.removesuffix(".py").replace("/", ".") in done.stderr, done.stderr
 
 
 def test_the_examples_keep_the_rules_of_the_code(copy):

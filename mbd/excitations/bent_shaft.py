@@ -24,8 +24,9 @@ import numpy as np
 
 from mbd.elements.component import Place
 from mbd.elements.element import ENERGY, Element, rule
-from mbd.excitations.turning import TurningForce, turned_direction
+from mbd.excitations.turning import turned_direction
 from mbd.parts.checks import MachineError, finite, positive
+from mbd.parts.load import TurningForce
 
 if TYPE_CHECKING:
     from mbd.elements.coordinates import Coordinates

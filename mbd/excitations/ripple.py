@@ -9,11 +9,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
+from fem.options import check_options, option
 from mbd.elements.element import ENERGY, Element, rule
-from mbd.excitations.turning import TurningForce
-from mbd.parts.checks import finite, positive
+from mbd.parts.checks import MachineError, finite
+from mbd.parts.load import TurningForce
 
 if TYPE_CHECKING:
     from mbd.elements.coordinates import Coordinates
@@ -33,16 +34,16 @@ def ripple_rule(values, motion, answer):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TorqueRipple(TurningForce):
-    """``amplitude`` (N m) of the ``order`` of the shaft's rotation, at the phase ``angle`` at t = 0."""
+    """A torque that varies with the angle of a shaft, at one order of its rotation."""
 
-    amplitude: float
-    order: float
+    model: Literal["torque-ripple"] = "torque-ripple"
+    amplitude: float = option(unit="N m", gt=0, text="amplitude of the torque")
+    order: float = option(gt=0, text="periods per revolution of the shaft")
+    angle: float = option(0.0, unit="deg", key="phase_deg", text="phase of the cosine at t = 0")
 
     def __post_init__(self) -> None:
         finite(f"{self.name} y", self.y)
-        positive(f"{self.name} amplitude (N m)", self.amplitude)
-        positive(f"{self.name} order", self.order, "The order 0 is a constant torque.")
-        finite(f"{self.name} angle", self.angle)
+        check_options(self, MachineError)
 
     def elements(self, lay: Coordinates) -> Iterator[Element]:
         """The torque on the rotation of its shaft."""

@@ -31,9 +31,10 @@ import numpy as np
 from mbd.elements.element import Element, rule
 from mbd.elements.linear import LinearElement, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
-from mbd.excitations.turning import TurningForce, turned_direction
+from mbd.excitations.turning import turned_direction
 from mbd.parts.checks import finite, positive
 from mbd.parts.couplings import CouplingSprings
+from mbd.parts.load import TurningForce
 
 if TYPE_CHECKING:
     from mbd.elements.coordinates import Coordinates

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
@@ -152,3 +152,21 @@ class OutsideForce(Excitation):
     def places(self) -> tuple[Place, ...]:
         """Where it acts."""
         return (Place(self.name, self.shaft, self.y),)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TurningForce(OutsideForce):
+    """A force that turns with its shaft; ``angle`` alpha (rad) holds once the shaft has turned by ``rolled`` (rad, in
+    its own sense) less."""
+
+    angle: float = 0.0
+    rolled: float = 0.0
+
+    def turned(self, turns: Mapping[str, float]) -> Self:
+        """The force after its shaft has turned."""
+        return replace(self, rolled=self.rolled + turns[self.shaft])
+
+    def direction(self, lay: Coordinates) -> tuple[float, float, float]:
+        """The first arguments of `mbd.excitations.turning.turned_direction`."""
+        sense = float(lay.sense(self.shaft))
+        return self.angle - sense * self.rolled, sense, lay.ratios[self.shaft]

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mbd.forces.load_models import HangingLoad
 from mbd.parts.train import power_flow
-from pipelines.machine.hoist import Hoist
 from pipelines.machine.layout import Layout
 
 USUAL_LINE_LOAD = 100e3  # N/m
@@ -91,7 +91,7 @@ def stage_facts(layout: Layout) -> list[StageFacts]:
     return stages
 
 
-def derive(layout: Layout, hoist: Hoist | None) -> Facts:
+def derive(layout: Layout, hoist: HangingLoad | None) -> Facts:
     """All derived quantities."""
     speed = motor_speed(layout)
     return Facts(
@@ -102,6 +102,8 @@ def derive(layout: Layout, hoist: Hoist | None) -> Facts:
         stages=tuple(stage_facts(layout)),
         rope_frequency=None if hoist is None else hoist.rope_frequency(),
         container_speed=(
-            None if hoist is None else speed * layout.shaft_ratios[layout.loaded] * hoist.drum_radius / hoist.reeving
+            None
+            if hoist is None
+            else speed * layout.shaft_ratios[layout.loaded] * hoist.drum_radius / hoist.reeving_ratio
         ),
     )

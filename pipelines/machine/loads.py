@@ -1,10 +1,10 @@
-"""The load of a scene, in SI: a torque, or what hangs on drums (`pipelines.machine.hoist`)."""
+"""The load of a scene, in SI: a torque, or what hangs on drums."""
 
 from __future__ import annotations
 
+from mbd.forces.load_models import HangingLoad
 from mbd.forces.torque_source import TorqueSource
 from mbd.parts.load import Load
-from pipelines.machine.hoist import drums, load_spec, output_torque
 from pipelines.machine.places import shaft_ends
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.motion import LoadBase, LoadModel, TorqueLoad
@@ -19,20 +19,25 @@ def loaded_shaft(scene: Scene) -> int:
 def load_places(table: LoadModel, shaft: ShaftTable) -> tuple[float, ...]:
     """y (m) where the load acts on its shaft: the drums, or the place of the torque (left out: the +y end)."""
     if isinstance(table, LoadBase):
-        return drums(table, shaft)
+        return table.si.drum_positions or shaft_ends(shaft)
     return (shaft_ends(shaft)[1] if table.position_mm is None else table.si.position,)
 
 
 def load_torque(table: LoadModel, shaft: int) -> float:
     """Torque (N m) of greatest magnitude with which the load resists the rotation of its shaft (number from 0)."""
-    if isinstance(table, TorqueLoad):
-        return -_source(table, shaft, 0.0).largest
-    return output_torque(table)
+    hanging = weight(table)
+    return -_source(table, shaft, 0.0).largest if hanging is None else hanging.torque
+
+
+def weight(table: LoadModel) -> HangingLoad | None:
+    """What hangs on the drums; None where nothing does."""
+    return table.made() if isinstance(table, LoadBase) else None
 
 
 def hanging_load(table: LoadModel, shaft: int, places: tuple[float, ...]) -> Load | None:
-    """What hangs on drums at ``places`` (m) of a shaft (number from 0); None where nothing does."""
-    return load_spec(table, f"shaft_{shaft + 1}", places) if isinstance(table, LoadBase) else None
+    """The load on drums at ``places`` (m) of a shaft (number from 0); None where nothing hangs."""
+    hanging = weight(table)
+    return None if hanging is None else hanging.load(f"shaft_{shaft + 1}", places)
 
 
 def torque_load(table: LoadModel, shaft: int, places: tuple[float, ...]) -> tuple[TorqueSource, ...]:

@@ -6,12 +6,12 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from mbd.forces.load_models import HangingLoad
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.rolling_elements import pass_frequencies
 from pipelines.machine.bearings import BearingFault, RollingBearing
 from pipelines.machine.facts import stage_facts
 from pipelines.machine.flanks import Fault
-from pipelines.machine.hoist import Hoist
 from pipelines.machine.layout import Layout
 from pipelines.scene.shaft_faults import MAIN_ORDER, ShaftFault
 from pipelines.signals.analysis import DiagnosisSettings
@@ -42,7 +42,7 @@ class LookedFor:
 def diagnosis_settings(
     asked: LookedFor,
     layout: Layout,
-    hoist: Hoist | None,
+    hoist: HangingLoad | None,
     profile: SpeedProfile,
     rolling: Sequence[RollingBearing],
     faults: Sequence[Fault],
@@ -69,9 +69,9 @@ def diagnosis_settings(
         words = f"lines of the stage {asked.stage} {asked.gear} (damaged is {_tooth_words(faults)})"
     ratio = layout.shaft_ratios[layout.loaded]
     modes = {
-        name: hoist.rope_frequency(hoist.rope_length_at(sum(window) / 2, profile, ratio))
+        name: hoist.rope_frequency_at(sum(window) / 2, profile, ratio)
         for name, window in asked.windows.items()
-        if hoist is not None and hoist.rope_strength is not None and asked.speed_is_known
+        if hoist is not None and asked.speed_is_known
     }
     return DiagnosisSettings(
         revolution_frequency=stage.wheel_frequency if on_wheel else stage.pinion_frequency,

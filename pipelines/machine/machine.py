@@ -16,7 +16,6 @@ from pipelines.io.errors import Problems
 from pipelines.machine.bearings import bearing_specs
 from pipelines.machine.drives import motor_couplings, motor_places, motor_torques, speed_profile
 from pipelines.machine.flanks import GEARS, Fault, damaged_teeth, prescribed_deviations
-from pipelines.machine.hoist import drums
 from pipelines.machine.layout import Layout
 from pipelines.machine.loads import hanging_load, load_places, torque_load
 from pipelines.machine.parts import GearMesh, GearTeeth, MachineParts, ToothDeviations
@@ -68,7 +67,7 @@ def _disks(scene: Scene, layout: Layout, shaft: int) -> list[Disk]:
     load = scene.load
     if shaft == layout.loaded and isinstance(load, LoadBase):
         radius = load.si.drum_radius
-        for number, y in enumerate(drums(load, scene.shafts[layout.loaded]), 1):
+        for number, y in enumerate(load_places(load, scene.shafts[layout.loaded]), 1):
             # a drum is a thin shell: diametral inertia half the polar one, its length neglected
             found.append(
                 Disk(

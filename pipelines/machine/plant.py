@@ -17,6 +17,7 @@ from fem.contact.frame import ModelError
 from fem.contact.models.mesh_model import LawSpec
 from fem.contact.models.registry import loaded_model
 from fem.gears.geometry import GeometryError
+from mbd.forces.load_models import HangingLoad
 from mbd.integrators.settings import MotionSettings
 from mbd.parts.checks import MachineError
 from pipelines.io.errors import Problem, Problems
@@ -25,8 +26,8 @@ from pipelines.machine.casing import casing
 from pipelines.machine.facts import Facts, derive, stage_facts
 from pipelines.machine.flanks import Fault, flanks_spec, tooth_faults
 from pipelines.machine.flanks_spec import FlanksSpec
-from pipelines.machine.hoist import Hoist, hoist
 from pipelines.machine.layout import Layout, lay_out
+from pipelines.machine.loads import weight
 from pipelines.machine.looked_for import LookedFor, diagnosis_settings
 from pipelines.machine.machine import machine_parts
 from pipelines.machine.parts import MachineParts, Recorded
@@ -54,7 +55,7 @@ class Drivetrain:
     laws: tuple[LawSpec, ...]
     flanks: tuple[FlanksSpec, ...]
     machine: MachineParts
-    hoist: Hoist | None
+    hoist: HangingLoad | None
     rolling: tuple[RollingBearing, ...]
     faults: tuple[Fault, ...]  # of teeth
     spalls: tuple[BearingFault, ...]
@@ -157,7 +158,7 @@ def _drivetrain(scene: Scene, layout: Layout, problems: Problems) -> Drivetrain:
             for number, (pair, modifications) in enumerate(zip(layout.pairs, layout.modifications, strict=True), 1)
         ),
         machine=machine_parts(scene, layout, faults, problems),
-        hoist=hoist(scene.load),
+        hoist=weight(scene.load),
         rolling=() if problems else rolling_bearings(scene),
         faults=faults,
         spalls=tuple(bearing_faults(scene).values()),

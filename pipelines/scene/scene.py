@@ -114,7 +114,8 @@ class Scene(Table):
                     )
         elif self.sensors and not isinstance(self.casing, FlexibleBase):
             yield (
-                f'sensors: {len(self.sensors)} sensors on a casing, but casing.model = "none". Set sensors = [], or '
+                f'sensors: {len(self.sensors)} sensors on a casing, but casing.model = "{self.casing.model}". Set '
+                "sensors = [], or "
                 "another casing.model"
             )
         names = [sensor.name for sensor in self.sensors]

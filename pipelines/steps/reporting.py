@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mbd.forces.load_models import HangingLoad
 from pipelines.engine.step import CountedResult
-from pipelines.machine.hoist import Hoist
 from pipelines.machine.looked_for import pass_rates, shaft_lines
 from pipelines.machine.plant import Plant
 from pipelines.signals.motion_warnings import gathered, told
@@ -162,9 +162,9 @@ def _summary(plant: Plant) -> dict[str, Any]:
     }
 
 
-def _hoist_summary(hoist: Hoist, rope_frequency: float | None) -> dict[str, str]:
+def _hoist_summary(hoist: HangingLoad, rope_frequency: float | None) -> dict[str, str]:
     return {
-        "mass of the container": f"{hoist.mass:g} kg",
+        "mass of the container": f"{hoist.container_mass:g} kg",
         "natural frequency on the rope at the start": f"{rope_frequency:.3g} Hz" if rope_frequency else "no rope",
     }
 

@@ -20,7 +20,7 @@ from pipelines.machine.plant import Plant, fault_labels
 from pipelines.scene.file import LoadedScene, control_of
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.gears import DeviationTable
-from pipelines.scene.tables.motion import LoadBase, RopeTable, StaticTorqueTable
+from pipelines.scene.tables.motion import LoadModel, StaticTorqueTable
 from pipelines.steps.graph import plant_steps
 
 HEALTHY = "healthy "  # before the names of a control's own steps
@@ -124,7 +124,7 @@ def _baseline(loaded: LoadedScene, control: LoadedScene | None, count: int) -> I
 
 def _variants(scene: Scene, both_loads: bool, seeds: int) -> list[tuple[str, Scene]]:
     loads = [("", scene)]
-    if both_loads and isinstance(scene.load, RopeTable):
+    if both_loads and _on_rope(scene.load):
         loads.append(("torque ", scene.model_copy(update={"load": _as_torque(scene.load)})))
     out = list(loads)
     for name, loaded in loads:
@@ -140,15 +140,19 @@ def _variants(scene: Scene, both_loads: bool, seeds: int) -> list[tuple[str, Sce
     return out
 
 
-def _as_torque(rope: RopeTable) -> StaticTorqueTable:
+def _on_rope(load: LoadModel) -> bool:
+    return load.model in ("rope", "rope-pendulum")
+
+
+def _as_torque(rope: LoadModel) -> LoadModel:
     """The weight of the same container as a constant torque."""
-    shared = {name: getattr(rope, name) for name in LoadBase.model_fields}
+    shared = {name: getattr(rope, name) for name in StaticTorqueTable.model_fields if name != "model"}
     return StaticTorqueTable(**shared)
 
 
 def _like(control: Scene, scene: Scene, deviations: DeviationTable) -> Scene:
     """The control with the load of a variant and with deviations."""
-    if isinstance(scene.load, StaticTorqueTable) and isinstance(control.load, RopeTable):
+    if scene.load.model == "static-torque" and _on_rope(control.load):
         control = control.model_copy(update={"load": _as_torque(control.load)})
     return control.model_copy(update={"deviations": deviations})
 

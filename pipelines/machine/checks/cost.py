@@ -19,6 +19,7 @@ from mbd.parts.checks import MachineError
 from pipelines.io.errors import Problem, SceneError
 from pipelines.io.shown import duration
 from pipelines.scene.scene import Scene
+from pipelines.scene.tables.casing import FlexibleBase
 
 MOST_STEPS = 1e9  # of one simulation: half a day
 MOST_VALUES = 1e9  # samples times channels of one simulation: 8 GB
@@ -136,7 +137,7 @@ def _channels(scene: Scene) -> int:
     """Signals that are recorded, see `mbd.parts.channels.channel_names`."""
     bearings = sum(len(shaft.bearing_positions_mm) for shaft in scene.shafts)
     count = 3 * scene.drive.motors + 2 * len(scene.shafts) + 4 * len(scene.stages) + 3 * bearings
-    count += 3 * (bearings if scene.casing.model == "none" else len(scene.sensors))
+    count += 3 * (len(scene.sensors) if isinstance(scene.casing, FlexibleBase) else bearings)
     things = {"bearing": bearings, "shaft": len(scene.shafts), "stage": len(scene.stages)}
     for name in scene.simulation.channels:
         kind = further_class(name, MachineError).kind

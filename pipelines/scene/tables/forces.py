@@ -1,7 +1,7 @@
 """Tables of forces from outside besides drive and load, each with what it is for the multibody model.
 
-A new kind is a table here, in `ForceModel`, and its class in `mbd.forces` or `mbd.excitations`; nothing else knows the
-kinds.
+Those of `mbd.excitations.registry` have derived tables. Any other kind is a table here, in `ForceModel`, and its class
+in `mbd.forces` or `mbd.excitations`; nothing else knows the kinds.
 """
 
 from __future__ import annotations
@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
+from mbd.excitations.registry import EXCITATIONS, excitation_class
 from pipelines.scene.tables.base import NotNegative, Number, Positive, Table, Whole
+from pipelines.scene.tables.derived import DerivedTable, choice, table
 from pipelines.scene.tables.samples import Samples, check_pairs, pairs
 from pipelines.scene.tables.torques import ControlledTable, InductionTable, TorqueCurve
 
@@ -178,22 +180,6 @@ class UnbalanceTable(PlacedTable):
         return Unbalance(**self.place(number), size=self.si.unbalance, angle=self.si.angle)
 
 
-class TorqueRippleTable(PlacedTable):
-    """A torque that varies with the angle of a shaft, at one order of its rotation."""
-
-    model: Literal["torque-ripple"] = "torque-ripple"
-    amplitude_N_m: Annotated[Positive, Field(description="amplitude of the torque")]
-    order: Annotated[Positive, Field(description="periods per revolution of the shaft")]
-    phase_deg: Annotated[Number, Field(description="phase of the cosine at t = 0")] = 0.0
-
-    def spec(self, number: int) -> OutsideForce:
-        """The torque in SI."""
-        from mbd.excitations.ripple import TorqueRipple
-
-        phase = self.si.phase
-        return TorqueRipple(**self.place(number), amplitude=self.amplitude_N_m, order=self.order, angle=phase)
-
-
 class BentShaftTable(PlacedTable):
     """A bent shaft, bowed as by a force at position_mm between two places that stay straight."""
 
@@ -281,15 +267,29 @@ class BaseAccelerationTable(Table):
         return BaseAcceleration(name=name, axis=self.axis, acceleration=self.acceleration.waveform(name))
 
 
-ForceModel = Annotated[
-    TorqueTable
-    | FurtherInductionMotor
-    | FurtherControlledMotor
-    | TorqueRippleTable
-    | UnbalanceTable
-    | BentShaftTable
-    | ShaftForceTable
-    | CasingForceTable
-    | BaseAccelerationTable,
-    Field(discriminator="model"),
-]
+class ExcitationBase(PlacedTable, DerivedTable):
+    """Where an excitation of `mbd.excitations.registry` acts."""
+
+    def spec(self, number: int) -> OutsideForce:
+        """The excitation in SI."""
+        made: OutsideForce = self.made(**self.place(number))
+        return made
+
+
+if TYPE_CHECKING:
+    ForceModel = Any
+else:
+    ForceModel = choice(
+        (
+            TorqueTable,
+            FurtherInductionMotor,
+            FurtherControlledMotor,
+            *(table(excitation_class(name), ExcitationBase) for name in EXCITATIONS),
+            UnbalanceTable,
+            BentShaftTable,
+            ShaftForceTable,
+            CasingForceTable,
+            BaseAccelerationTable,
+        ),
+        "model",
+    )

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from mbd.forces.load_models import LOADS, StaticTorqueLoad, load_model
 from mbd.integrators.settings import MotionSettings
 from pipelines.scene.tables.base import Number, Table, Whole
-from pipelines.scene.tables.derived import table
+from pipelines.scene.tables.derived import DerivedTable, choice, table
 from pipelines.scene.tables.samples import ColumnTable, Samples, check_pairs
 from pipelines.scene.tables.torques import ControlledTable, InductionTable, SomewhereTable, TorqueCurve
 
@@ -108,88 +109,26 @@ class TorqueLoad(SomewhereTable, TorqueCurve):
     model: Literal["torque"] = "torque"
 
 
-class LoadBase(Table):
-    """What every load has: a weight on two drums. `channels` of its own are recorded."""
+class LoadBase(DerivedTable):
+    """Where the drums are that a weight hangs on."""
 
-    channels: ClassVar[int] = 0
-
-    container_kg: Annotated[Number, Field(ge=0, description="hanging mass")]
-    drum_radius_mm: Annotated[Number, Field(gt=0, description="radius to the centre of the rope")]
-    drum_mass_kg: Annotated[Number, Field(gt=0, description="mass of each drum")]
-    drum_inertia_kg_m2: Annotated[Number, Field(gt=0, description="moment of inertia of each drum about the shaft")]
-    reeving_ratio: Annotated[
-        Number, Field(gt=0, description="rope speed at the drum over speed of the hanging mass")
-    ] = 2.0
     shaft: Annotated[
         Whole | None, Field(ge=1, description="number of the shaft of the drums; without it: the last")
     ] = None
     drum_positions_mm: Annotated[
         tuple[Number, ...], Field(description="y of the drums; empty: both ends of their shaft")
     ] = ()
-    rope_direction_deg: Annotated[
-        Number | None,
-        Field(
-            ge=-180,
-            le=180,
-            description="direction of the rope force on the drums: 0 is +x, 90 is up; without it: the drums load "
-            "the shaft by torque only",
-        ),
-    ] = None
+
+    @property
+    def channels(self) -> int:
+        """Number of channels of its own that are recorded."""
+        return load_model(self.model).channels
 
 
-class StaticTorqueTable(LoadBase):
-    """The weight of a hanging mass, as a constant torque on the drums."""
-
-    model: Literal["static-torque"] = "static-torque"
-
-
-class RopeTable(LoadBase):
-    """A hanging mass on an elastic rope: stiffness of the current length, tension only."""
-
-    channels: ClassVar[int] = 3
-    model: Literal["rope"] = "rope"
-    rope_diameter_mm: Annotated[Number, Field(gt=0, description="nominal diameter")] = 10.0
-    rope_modulus_GPa: Annotated[Number, Field(gt=0, description="elastic modulus on the metallic area")] = 100.0
-    rope_fill_factor: Annotated[
-        Number, Field(gt=0, le=1, description="metallic area divided by the area of the circle")
-    ] = 0.455
-    rope_falls: Annotated[Whole, Field(ge=1, description="number of falls that carry the mass")] = 8
-    rope_length_m: Annotated[Number, Field(gt=0, description="free length at t = 0")] = 5.0
-    rope_damping_ratio: Annotated[
-        Number, Field(ge=0, lt=1, description="damping ratio of the vertical vibration at the initial length")
-    ] = 0.02
-    ground_level_m: Annotated[
-        Number | None,
-        Field(
-            description="height of the ground above the position of the mass on the unstretched rope "
-            "at t = 0. If it is positive, the mass rests on the ground and the rope is "
-            "slack by this amount; without it: no ground"
-        ),
-    ] = None
-    ground_stiffness_N_per_um: Annotated[Number, Field(gt=0, description="stiffness of the ground")] = 10.0
-    ground_damping_ratio: Annotated[
-        Number, Field(ge=0, lt=10, description="damping ratio of the mass on the ground")
-    ] = 0.1
-
-
-class RopePendulumTable(RopeTable):
-    """As rope, and the mass swings below a fixed trolley."""
-
-    channels: ClassVar[int] = 5
-    model: Literal["rope-pendulum"] = "rope-pendulum"  # type: ignore[assignment]
-    sway_x_deg: Annotated[
-        Number,
-        Field(gt=-60, lt=60, description="angle of the ropes at t = 0 in the plane of x and z, released from rest"),
-    ] = 0.0
-    sway_y_deg: Annotated[
-        Number, Field(gt=-60, lt=60, description="angle of the ropes at t = 0 in the plane of y and z")
-    ] = 0.0
-
-
-LoadModel = Annotated[TorqueLoad | StaticTorqueTable | RopeTable | RopePendulumTable, Field(discriminator="model")]
-
-
+StaticTorqueTable = table(StaticTorqueLoad, LoadBase)
 if TYPE_CHECKING:
+    LoadModel = Any
     SimulationTable = Any
 else:
+    LoadModel = choice((TorqueLoad, *(table(load_model(name), LoadBase) for name in LOADS)), "model")
     SimulationTable = table(MotionSettings)
