@@ -131,7 +131,7 @@ def test_every_problem_is_listed_at_once_with_value_limit_and_remedy(tmp_path):
         "Write the number alone, without quotes and unit.",
         "simulation.container_kg": "simulation.container_kg = 3: is not a key of [simulation]. "
         "Did you mean load.container_kg?",
-        "drive": "drive: times_s must rise strictly, but 1 s follows 2 s. Correct them",
+        "drive": "drive: times_s must increase strictly, but 1 s follows 2 s. Correct them",
         "load.container_kg": "load.container_kg = nan: must be a finite number in kg. Correct the value.",
         "a..b": "a..b: is not the path of a key. Join keys by single dots, as in stages.1.face_width_mm.",
         "--set x": "--set x: has no value. Write KEY=VALUE, as in --set stages.1.face_width_mm=32.",

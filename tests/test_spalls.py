@@ -162,7 +162,7 @@ def test_worn_profiles_are_what_the_table_says(laws):
         (SpalledTooth(height=1e-3, length=3e-3, depth=1e-4, diameter=60e-3), "is not on the flank"),
         (PittedTooth(height=1e-3, density=0.2, pit=0.8e-3), "half the pitted area"),
         (PittedTooth(height=1e-3, density=0.3, pit=5e-6), "pits, more than"),
-        (WornTooth(depth=1e-5, place="profile", diameters=(0.04, 0.039), parts=(0.0, 1.0)), "must rise"),
+        (WornTooth(depth=1e-5, place="profile", diameters=(0.04, 0.039), parts=(0.0, 1.0)), "must increase"),
         (WornTooth(depth=1e-5, place="profile", diameters=(0.04,), parts=(0.0,)), "two or more"),
         (WornTooth(depth=1e-5, extent=13e-3), "extent"),
         (WornTooth(depth=1e-5, fading=True), "needs extent_mm"),
