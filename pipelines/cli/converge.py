@@ -35,8 +35,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         type=count,
         metavar="N",
         default=3,
-        help="number of values of the setting, 3 or more: the value of the scene, a finer one, and coarser ones (default "
-        "3)",
+        help="number of values of the setting, 3 or more: the value of the scene, a finer one and coarser ones "
+        "(default 3)",
     )
     sub.add_argument(
         "--error", type=share, metavar="E", default=0.01, help="target error, a fraction or as in 1%% (default 1%%)"

@@ -66,7 +66,8 @@ def _even_steps(clock: Channel, source: str) -> tuple[float, float]:
     step = (end - start) / (clock.size - 1)
     if not step > 0.0:
         raise InputError(
-            f"{where} goes from {start:g} to {end:g}; it must increase. Set time = false and rate_Hz in the machine file."
+            f"{where} goes from {start:g} to {end:g}; it must increase. Set time = false and rate_Hz in the machine "
+            "file."
         )
     grain = max(_last_digit(clock.read(slice(0, 1000)).astype(float)), _spacing(clock.dtype, end))
     allowed = min(JITTER * step + grain, LOST * step)

@@ -25,11 +25,18 @@ UNITS = {  # by the suffix of a key, longer suffixes first
 _OTHER_UNITS = ("mpa", "ms", "khz", "kn", "nm", "percent")  # which users append to keys
 
 RENAMED = {"casing.coupling": "attachment"}  # keys of earlier versions
+_TORQUE = "The load gives the torque of a stage: set it in [load], or use --torque of gearcase gears."
 _ELSEWHERE = {  # what is often written as a key of a table that has none, by table and key
     ("", "preset"): "Use the option --preset.",
     ("", "extends"): 'Write extends = "..." in the scene file.',
-    ("stages", "torque_N_m"): "The load gives the torque of a stage: set it in [load], or use --torque of gearcase gears.",
-    ("stages", "torques_N_m"): "The load gives the torque of a stage: set it in [load], or use --torque of gearcase gears.",
+    (
+        "stages",
+        "torque_N_m",
+    ): "The load gives the torque of a stage: set it in [load], or use --torque of gearcase gears.",
+    (
+        "stages",
+        "torques_N_m",
+    ): "The load gives the torque of a stage: set it in [load], or use --torque of gearcase gears.",
 }
 _MOST_WORDED = 50  # findings of one validation; a file of another program has thousands
 _MOST_ITEMS = 30  # of one list, when keys are looked for elsewhere
