@@ -29,14 +29,8 @@ _TORQUE = "The load gives the torque of a stage: set it in [load], or use --torq
 _ELSEWHERE = {  # what is often written as a key of a table that has none, by table and key
     ("", "preset"): "Use the option --preset.",
     ("", "extends"): 'Write extends = "..." in the scene file.',
-    (
-        "stages",
-        "torque_N_m",
-    ): "The load gives the torque of a stage: set it in [load], or use --torque of gearcase gears.",
-    (
-        "stages",
-        "torques_N_m",
-    ): "The load gives the torque of a stage: set it in [load], or use --torque of gearcase gears.",
+    ("stages", "torque_N_m"): _TORQUE,
+    ("stages", "torques_N_m"): _TORQUE,
 }
 _MOST_WORDED = 50  # findings of one validation; a file of another program has thousands
 _MOST_ITEMS = 30  # of one list, when keys are looked for elsewhere
