@@ -149,7 +149,7 @@ class PlanTable(Table):
                 yield f"{name}: no motion depends on it; delete it (noise and pieces are made from the stored signals)"
             elif path in varied and name.startswith(_FIXED):
                 yield (
-                    f"{name}: must be alike in all scenes, as one array holds their signals; set a constant in "
+                    f"{name}: must be equal in all scenes, because one array holds their signals; set a constant in "
                     "[settings]"
                 )
 

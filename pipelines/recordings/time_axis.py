@@ -77,7 +77,7 @@ def _even_steps(clock: Channel, source: str) -> tuple[float, float]:
         worst = int(np.argmax(off))
         if not off[worst] <= allowed:
             raise InputError(
-                f"{where} is uneven: sample {first + worst + 1} deviates from even steps by {off[worst] / step:.2g} "
+                f"{where} is uneven: sample {first + worst + 1} deviates from even steps by {off[worst] / step:.3g} "
                 "steps, "
                 f"{allowed / step:.2g} are allowed. Resample it; if the time only has too few digits, set time = false "
                 "and rate_Hz in the machine file."
