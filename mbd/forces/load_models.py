@@ -1,4 +1,4 @@
-"""LOADS: the loads that hang on drums by name, each a frozen class of options that makes a load of the machine."""
+"""LOADS: the loads on drums by name, each a frozen class of options that makes a load of the machine."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def load_model(name: str) -> type[HangingLoad]:
 
 @dataclass(frozen=True, kw_only=True)
 class HangingLoad(ABC):
-    """A weight on drums. `channels` is the number of channels of its own that are recorded."""
+    """A weight on drums. `channels` is the number of its channels that are recorded."""
 
     channels: ClassVar[int] = 0
 

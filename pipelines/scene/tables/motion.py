@@ -121,7 +121,7 @@ class LoadBase(DerivedTable):
 
     @property
     def channels(self) -> int:
-        """Number of channels of its own that are recorded."""
+        """Number of its channels that are recorded."""
         return load_model(self.model).channels
 
 
