@@ -9,8 +9,7 @@ from scipy.integrate import solve_ivp
 
 from mbd.forces.induction_motor import InductionMotor, breakdown_slip
 from mbd.forces.speed_controller import SpeedController
-from mbd.forces.speed_torque import SpeedTorque
-from mbd.forces.torque import Torque
+from mbd.forces.torque import SpeedTorque, Torque
 from mbd.forces.torque_source import Rotor
 from mbd.integrators.settings import Settings
 from mbd.output.simulate import simulate

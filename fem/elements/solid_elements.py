@@ -35,6 +35,9 @@ class ElementError(ValueError):
 class SolidElement:
     """A solid element; `degree` is that of the polynomials that it holds completely.
 
+    A scene may request it if it is `offered`. `instead` names an element to use where the discretisation error must be
+    estimated; "": the error of this element is estimated.
+
     `tetrahedron-20` and `hexahedron-32` are of ten and 20 nodes; `fem.elements.cubic` adds displacements to them.
     """
 
@@ -44,6 +47,8 @@ class SolidElement:
     degree: int
     meshio: str
     mesh: str  # class of scikit-fem
+    instead: str = ""
+    offered: bool = True
 
     @property
     def mesh_type(self) -> Any:
@@ -74,16 +79,16 @@ class SolidElement:
 SOLIDS = {
     one.name: one
     for one in (
-        SolidElement("tetrahedron-4", 4, 4, 1, "tetra", "MeshTet1"),
+        SolidElement("tetrahedron-4", 4, 4, 1, "tetra", "MeshTet1", instead="tetrahedron-10"),
         SolidElement("tetrahedron-10", 10, 4, 2, "tetra10", "MeshTet2"),
         SolidElement("tetrahedron-20", 10, 4, 3, "tetra10", "MeshTet2"),  # cubic on the shapes of ten nodes
-        SolidElement("hexahedron-8", 8, 8, 1, "hexahedron", "MeshHex1"),
-        SolidElement("hexahedron-20", 20, 8, 2, "hexahedron20", "MeshHexS2"),
-        SolidElement("hexahedron-27", 27, 8, 2, "hexahedron27", "MeshHex2"),
+        SolidElement("hexahedron-8", 8, 8, 1, "hexahedron", "MeshHex1", instead="hexahedron-32", offered=False),
+        SolidElement("hexahedron-20", 20, 8, 2, "hexahedron20", "MeshHexS2", instead="hexahedron-32"),
+        SolidElement("hexahedron-27", 27, 8, 2, "hexahedron27", "MeshHex2", instead="hexahedron-32"),
         SolidElement("hexahedron-32", 20, 8, 3, "hexahedron20", "MeshHexS2"),  # cubic on the shapes of 20 nodes
     )
 }
-CHOICES = tuple(name for name in SOLIDS if name != "hexahedron-8")  # which locks
+CHOICES = tuple(one.name for one in SOLIDS.values() if one.offered)  # hexahedron-8 locks
 _BY_NODES = {one.nodes: one for one in SOLIDS.values() if one.degree < 3}
 _LINEAR = {4: SOLIDS["tetrahedron-4"], 8: SOLIDS["hexahedron-8"]}  # by corners
 

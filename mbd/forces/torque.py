@@ -1,8 +1,9 @@
-"""Torque over time on a shaft or rotor."""
+"""Torque over time or over speed on a shaft or rotor: drives, brakes, fans and pumps known by their characteristic."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -18,18 +19,39 @@ def torque_rule(values, motion, answer):
     answer.lost[0] = -interpolated(values, 0, len(values) // 2, motion.time)[0]
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Torque(TorqueSource):
-    """Torque (N m, driving positive) over time (s), linear between the times and constant outside."""
+@rule(__file__)
+def speed_torque_rule(values, motion, answer):
+    """Torque on a rotation, linear between speeds and constant outside; ratio, speeds, torques."""
+    speed = motion.v[0] + values[0] * motion.speed
+    torque, slope = interpolated(values, 1, (len(values) - 1) // 2, speed)
+    answer.lost[0], answer.lost_by_v[0, 0] = -torque, -slope
 
-    times: np.ndarray
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TorqueCurve(TorqueSource):
+    """Torque (N m, driving positive), linear between places and constant outside; `places_are` names their field."""
+
+    places_are: ClassVar[str]
     torques: np.ndarray
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        object.__setattr__(self, "times", frozen_array(self.times))
-        object.__setattr__(self, "torques", frozen_array(self.torques))
-        rising_pairs(self.name, ("times", self.times), ("torques", self.torques))
+        for name in (self.places_are, "torques"):
+            object.__setattr__(self, name, frozen_array(getattr(self, name)))
+        rising_pairs(self.name, (self.places_are, getattr(self, self.places_are)), ("torques", self.torques))
+
+    @property
+    def largest(self) -> float:
+        """N m."""
+        return float(self.torques[int(np.argmax(abs(self.torques)))])
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Torque(TorqueCurve):
+    """Torque over time (s)."""
+
+    places_are: ClassVar[str] = "times"
+    times: np.ndarray
 
     @property
     def rule(self) -> Rule:
@@ -40,11 +62,27 @@ class Torque(TorqueSource):
         """Times, then torques."""
         return np.concatenate([self.times, self.torques])
 
-    @property
-    def largest(self) -> float:
-        """N m."""
-        return float(self.torques[int(np.argmax(abs(self.torques)))])
-
     def at_start(self, speed: float) -> float:
         """N m at t = 0."""
         return float(np.interp(0.0, self.times, self.torques))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SpeedTorque(TorqueCurve):
+    """Torque over the speed (rad/s) of its shaft or rotor."""
+
+    places_are: ClassVar[str] = "speeds"
+    speeds: np.ndarray
+
+    @property
+    def rule(self) -> Rule:
+        """Interpolation over the speed."""
+        return speed_torque_rule
+
+    def values(self, ratio: float) -> np.ndarray:
+        """The ratio, the speeds, the torques."""
+        return np.concatenate([[ratio], self.speeds, self.torques])
+
+    def at_start(self, speed: float) -> float:
+        """N m at a speed (rad/s)."""
+        return float(np.interp(speed, self.speeds, self.torques))

@@ -2,7 +2,7 @@
 
 A source acts on the rotation of a shaft, or on a rotor of its own (inertia J) behind a coupling that only holds the
 rotation (k, c). Its torque depends on the time or on its speed; positive drives in the positive sense of the shaft.
-What kinds there are stands in `mbd.forces.torque`, `speed_torque`, `induction_motor` and `speed_controller`.
+What kinds there are stands in `mbd.forces.torque`, `induction_motor` and `speed_controller`.
 """
 
 from __future__ import annotations

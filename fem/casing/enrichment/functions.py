@@ -143,7 +143,8 @@ def edge_functions(
     joined: Sequence[np.ndarray] = (),
     cubic: CubicFunctions | None = None,
 ) -> EdgeFunctions:
-    """Functions at all edges of a mesh where stresses grow without bound; none unless it is one of hexahedra.
+    """Functions at all edges of a mesh where stresses grow without bound; none unless it is one of
+    hexahedra with mid-side nodes.
 
     Parameters
     ----------
@@ -155,7 +156,8 @@ def edge_functions(
     parts: dict[int, list[_Part]] = defaultdict(list)
     numbers: list[int] = []
     between: dict[int, list[np.ndarray]] = defaultdict(list)  # by the first unknown of a node
-    if solid_element(mesh.elements).corners != 8:
+    kind = solid_element(mesh.elements)
+    if kind.corners != 8 or kind.degree == 1:
         return EdgeFunctions(np.zeros(0, int), np.zeros((0, 3)), mesh, material, cubic, {})
     topology = Topology(mesh.nodes, mesh.elements, mesh.facets, mesh.facet_patch)
     for facets in joined:

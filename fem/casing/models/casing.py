@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from fem.casing.models.meshing import Meshing
 from fem.casing.models.stage import MESH, PlannedStage, body_of
+from fem.elements.solid_elements import CHOICES
 from fem.options import Option, option
 
 if TYPE_CHECKING:
@@ -25,6 +26,10 @@ if TYPE_CHECKING:
     from fem.casing.reduced.grounded import ForcedPoint
     from fem.elements.materials import Material
 
+if TYPE_CHECKING:
+    ElementName = str
+else:
+    ElementName = Literal[CHOICES]
 Frequency = Annotated[float, Option(text="Hz", ge=0)]
 
 
@@ -97,9 +102,7 @@ class HousingCasing(Casing):
         gt=0,
         text="edge length of the elements; the model rigid needs a mesh only if the housing is not a plain box",
     )
-    element: Literal[
-        "tetrahedron-4", "tetrahedron-10", "tetrahedron-20", "hexahedron-20", "hexahedron-27", "hexahedron-32"
-    ] = option(
+    element: ElementName = option(
         "tetrahedron-10",
         text="element type. tetrahedron-4 is too stiff in thin walls: for comparison only. tetrahedron-20 and "
         "hexahedron-32 have cubic displacements: for walls one element thick. Hexahedra need a parametric housing "

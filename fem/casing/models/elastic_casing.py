@@ -24,11 +24,6 @@ TRIAL = "trial casing"  # modes that the element size is predicted from
 COARSER = ("coarser casing", "coarsest casing")  # modes that a casing is extrapolated from: with larger elements, or
 QUADRATIC = "quadratic casing"  # with quadratic displacements on the mesh of cubic elements
 MOST_ERROR = 0.05  # that can be asked of frequencies
-NOT_EXTRAPOLATED = {  # elements whose error is not estimated, and what to take instead
-    "tetrahedron-4": "tetrahedron-10",
-    "hexahedron-20": "hexahedron-32",
-    "hexahedron-27": "hexahedron-32",
-}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,10 +69,10 @@ class ElasticCasing(HousingCasing):
         if self.error is not None and not 0.0 < self.target_error <= MOST_ERROR:
             raise ValueError(f'error = "{self.error}" must be above 0 and at most {100 * MOST_ERROR:g} %. Correct it')
         for key, asked in (("error", self.error is not None), ("extrapolated", self.extrapolated)):
-            if asked and self.element in NOT_EXTRAPOLATED:
+            if asked and (instead := SOLIDS[self.element].instead):
                 raise ValueError(
                     f"{key}: the discretisation error of {self.element} is not estimated. Set element = "
-                    f'"{NOT_EXTRAPOLATED[self.element]}", or delete {key}'
+                    f'"{instead}", or delete {key}'
                 )
         names = [part.name for part in self.damped_parts]
         if repeated := sorted({name for name in names if names.count(name) > 1}):

@@ -6,7 +6,7 @@ in `mbd.forces` or `mbd.excitations`; nothing else knows the kinds.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
@@ -42,8 +42,9 @@ class PlacedTable(Table):
 
 
 class SweepTable(Table):
-    """A swept sine: frequency linear in time, amplitude rising and falling as sin^2."""
+    """A swept sine: frequency linear in time, amplitude rising and falling as sin^2; `amplitude` is the key of it."""
 
+    amplitude: ClassVar[str]
     model: Literal["sweep"] = "sweep"
     start_s: Annotated[NotNegative, Field(description="start of the sweep")]
     end_s: Annotated[Positive, Field(description="end of the sweep")]
@@ -60,8 +61,8 @@ class SweepTable(Table):
             )
         return self
 
-    def wave(self, name: str, amplitude: float) -> Waveform:
-        """The waveform in SI."""
+    def waveform(self, name: str) -> Waveform:
+        """The value over time in SI."""
         from mbd.excitations.waveform import SweepWave
 
         return SweepWave(
@@ -71,73 +72,59 @@ class SweepTable(Table):
             first=self.from_Hz,
             last=self.to_Hz,
             ramp=self.ramp_s,
-            amplitude=amplitude,
+            amplitude=getattr(self, self.amplitude),
         )
 
 
 class ForceSweepTable(SweepTable):
     """A swept sine: frequency linear in time, amplitude rising and falling as sin^2."""
 
+    amplitude: ClassVar[str] = "amplitude_N"
     amplitude_N: Annotated[Positive, Field(description="amplitude of the force")]
-
-    def waveform(self, name: str) -> Waveform:
-        """The force in SI."""
-        return self.wave(name, self.amplitude_N)
 
 
 class BaseSweepTable(SweepTable):
     """A swept sine: frequency linear in time, amplitude rising and falling as sin^2."""
 
+    amplitude: ClassVar[str] = "amplitude_m_s2"
     amplitude_m_s2: Annotated[Positive, Field(description="amplitude of the acceleration")]
 
-    def waveform(self, name: str) -> Waveform:
-        """The acceleration in SI."""
-        return self.wave(name, self.amplitude_m_s2)
 
+class TimesTable(Table):
+    """Values over time, linear between the times and constant outside; `levels` is the key of the values."""
 
-class BaseTimesTable(Table):
-    """Values over time, linear between the times and constant outside."""
-
+    levels: ClassVar[str]
     model: Literal["table"] = "table"
     times_s: Annotated[Samples, Field(description="times, strictly rising")]
+
+    @model_validator(mode="after")
+    def _pairs(self) -> TimesTable:
+        check_pairs(self, "times_s", self.levels)
+        return self
+
+    def waveform(self, name: str) -> Waveform:
+        """The value over time in SI."""
+        from mbd.excitations.waveform import TableWave
+
+        times, values = pairs(self, "times_s", self.levels, f"{name} ([[forces]])")
+        return TableWave(name=name, times=times, levels=values)
+
+
+class BaseTimesTable(TimesTable):
+    """Values over time, linear between the times and constant outside."""
+
+    levels: ClassVar[str] = "accelerations_m_s2"
     accelerations_m_s2: Annotated[Samples, Field(description="acceleration at these times")]
 
-    @model_validator(mode="after")
-    def _pairs(self) -> BaseTimesTable:
-        check_pairs(self, "times_s", "accelerations_m_s2")
-        return self
 
-    def waveform(self, name: str) -> Waveform:
-        """The acceleration in SI."""
-        return table_wave(self, name, "accelerations_m_s2")
-
-
-class ForceTimesTable(Table):
+class ForceTimesTable(TimesTable):
     """Values over time, linear between the times and constant outside."""
 
-    model: Literal["table"] = "table"
-    times_s: Annotated[Samples, Field(description="times, strictly rising")]
+    levels: ClassVar[str] = "forces_N"
     forces_N: Annotated[Samples, Field(description="force at these times")]
-
-    @model_validator(mode="after")
-    def _pairs(self) -> ForceTimesTable:
-        check_pairs(self, "times_s", "forces_N")
-        return self
-
-    def waveform(self, name: str) -> Waveform:
-        """The force in SI."""
-        return table_wave(self, name, "forces_N")
 
 
 ForceOverTime = Annotated[ForceTimesTable | ForceSweepTable, Field(discriminator="model")]
-
-
-def table_wave(table: Table, name: str, levels: str) -> Waveform:
-    """The waveform of a table over `times_s`, in SI; `levels` is the key of its values."""
-    from mbd.excitations.waveform import TableWave
-
-    times, values = pairs(table, "times_s", levels, f"{name} ([[forces]])")
-    return TableWave(name=name, times=times, levels=values)
 
 
 class TorqueTable(PlacedTable, TorqueCurve):

@@ -97,8 +97,7 @@ class TorqueCurve(SourceTable):
         """
         import numpy as np
 
-        from mbd.forces.speed_torque import SpeedTorque
-        from mbd.forces.torque import Torque
+        from mbd.forces.torque import SpeedTorque, Torque
         from pipelines.scene.tables.samples import pairs
 
         if self.torque_N_m is not None:
