@@ -164,7 +164,7 @@ def count_fixed_modes(interface: Interface, K: sp.spmatrix, M: sp.spmatrix, high
     for step in range(3):
         shift = (2.0 * math.pi * highest * (1.0 - 1e-6 * step)) ** 2
         try:
-            return count_negative(plan, sp.csr_matrix(K - shift * M), interface.rows)
+            return count_negative(plan, K, M, shift, interface.rows)
         except NearlySingularError as error:
             reason = str(error)
     raise EigenError(f"the modes below {highest:g} Hz cannot be counted ({reason}); choose another band")
