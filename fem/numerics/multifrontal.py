@@ -139,7 +139,9 @@ def count_negative(plan: Elimination, K: sp.spmatrix, M: sp.spmatrix, shift: flo
     Parameters
     ----------
     plan : of a matrix whose pattern contains that of A
-    K, M : sparse (n, n); rows : sparse R (b, n)
+    K, M : sparse (n, n)
+    shift : 1/s2
+    rows : sparse R (b, n)
 
     Raises
     ------

@@ -30,7 +30,6 @@ from fem.casing.enrichment.lines import GRID, gauss, graded, quadratic
 from fem.casing.enrichment.profiles import ALONG, Profiles
 from fem.casing.enrichment.topology import Sector, Topology
 from fem.casing.mesh.mesh import CasingMesh
-from fem.elements.added_unknowns import AddedUnknowns
 from fem.elements.cubic import CubicFunctions
 from fem.elements.cubic_shapes import element_shapes
 from fem.elements.materials import Material
@@ -51,16 +50,26 @@ class _Part:
 
 
 @dataclass(frozen=True, eq=False)
-class EdgeFunctions(AddedUnknowns):
-    """The unknowns of all nodes on edges, and the elements that have part in them; places as of `_between`."""
+class EdgeFunctions:
+    """The unknowns of all nodes on edges, and the elements that have part in them."""
 
+    numbers: np.ndarray  # (m,), of an unknown among those of its place
+    places: np.ndarray  # (m, 3), m, see `_between`
     mesh: CasingMesh
     material: Material
     cubic: CubicFunctions | None  # of the same mesh, whose unknowns stand before these
     parts: dict[int, list[_Part]]  # by element
 
+    def __len__(self) -> int:
+        return len(self.numbers)
+
     def matrices(self, elements: Collection[int] | None = None) -> tuple[sp.csr_matrix, sp.csr_matrix]:
-        """As `AddedUnknowns.matrices`."""
+        """Stiffness (N/m) and mass (kg) with all other unknowns before them, whose own entries are left out.
+
+        Parameters
+        ----------
+        elements : numbers of those that contribute; all by default
+        """
         chosen = self.parts if elements is None else {one: self.parts[one] for one in elements if one in self.parts}
         same: dict[bytes, list[int]] = defaultdict(list)
         for element, own in chosen.items():

@@ -22,6 +22,7 @@ from fem.numerics.threads import side_by_side
 
 _TOLERANCE = 1e-7  # residual of a Ritz pair over its theta; the eigenvalue is then good to about its square
 _CHUNK = 8  # blocks that share one array
+_NOTHING = 1e-11  # share of a new block that reorthogonalisation removes, below which M times it need not be computed
 _RANK = 1e-12  # directions of a new block below this part of its largest (in mass norm squared) are dropped
 
 
@@ -93,7 +94,8 @@ def block_lanczos(
         W -= before @ link.T
         W -= X @ diagonal
         MW = product(M, W)
-        basis.remove(W, basis.products(MW))  # full reorthogonalisation
+        removed = basis.products(MW)
+        basis.remove(W, removed)  # full reorthogonalisation
         T = _bordered(T, link, diagonal)
         combine, rest = m_orthonormal(W, MW)  # MW of before: what was removed is small, and a second pass follows
         exhausted = basis.used >= n or not rest.size or abs(rest).max() < 1e-13 * abs(np.diag(T)).max()
@@ -106,7 +108,7 @@ def block_lanczos(
                 return value[:number], basis.combined(vector[:, :number])
         before = X
         X = W @ combine
-        MX = product(M, X)
+        MX = MW @ combine if abs(removed @ combine).max() <= _NOTHING else product(M, X)
         again, more = m_orthonormal(X, MX)  # the first pass squares the condition of the block
         X, MX, link = X @ again, MX @ again, more @ rest
     raise EigenError(
