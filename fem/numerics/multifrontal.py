@@ -118,16 +118,12 @@ def _up(x: np.ndarray, store: Store, begin: int, end: int) -> None:
         first, k = starts[s], starts[s + 1] - starts[s]
         own = rows[row_ends[s - 1] if s else 0 : row_ends[s]]
         m = k + len(own)
-        y = np.empty((x.shape[1], m))
-        for c in range(len(y)):
-            for j in range(k):
-                y[c, j] = x[first + j, c]
-            for i, row in enumerate(own):
-                y[c, k + i] = -x[row, c]
-        z = np.dot(y, panels[ends[s] - k * m : ends[s]].reshape(k, m).T)
-        for j in range(k):
-            for c in range(len(y)):
-                x[first + j, c] = z[c, j]
+        y = np.empty((m, x.shape[1]))
+        y[:k] = x[first : first + k]
+        for i, row in enumerate(own):
+            for c in range(x.shape[1]):
+                y[k + i, c] = -x[row, c]
+        x[first : first + k] = np.dot(panels[ends[s] - k * m : ends[s]].reshape(k, m), y)
 
 
 def count_negative(plan: Elimination, K: sp.spmatrix, M: sp.spmatrix, shift: float, rows: sp.spmatrix) -> int:

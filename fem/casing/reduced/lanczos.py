@@ -88,7 +88,7 @@ def block_lanczos(
     while basis.used + (width := X.shape[1]) <= min(n, largest_basis):
         basis.append(X)
         step += 1
-        W = operator(MX)
+        W = np.ascontiguousarray(operator(MX))
         diagonal = MX.T @ W
         diagonal = 0.5 * (diagonal + diagonal.T)
         W -= before @ link.T
@@ -159,7 +159,7 @@ class _Basis:
         if fits:
             self._parts[-1][:, self._end : self._end + fits] = X[:, :fits]
         if fits < X.shape[1]:
-            self._parts.append(np.empty((self._n, self._chunk), order="F"))
+            self._parts.append(np.empty((self._n, self._chunk)))
             self._parts[-1][:, : X.shape[1] - fits] = X[:, fits:]
         self._end = (self._end + X.shape[1] - 1) % self._chunk + 1
         self.used += X.shape[1]
@@ -174,23 +174,24 @@ class _Basis:
         return np.vstack([some for both in zip(left, right, strict=True) for some in both])
 
     def remove(self, W: np.ndarray, coefficients: np.ndarray) -> None:
-        """W -= Q @ coefficients in place, W (n, k)."""
-        W[...] = self._added(np.asfortranarray(W), coefficients, -1.0)
+        """W -= Q @ coefficients in place, W (n, k) by rows."""
+        self._add(W, coefficients, -1.0)
 
     def combined(self, coefficients: np.ndarray) -> np.ndarray:
         """Q @ coefficients (n, k)."""
-        return self._added(np.zeros((self._n, coefficients.shape[1]), order="F"), coefficients, 1.0)
+        out = np.zeros((self._n, coefficients.shape[1]))
+        self._add(out, coefficients, 1.0)
+        return out
 
-    def _added(self, W: np.ndarray, coefficients: np.ndarray, factor: float) -> np.ndarray:
-        """W + factor Q @ coefficients, W by columns, overwritten; by halves of the rows."""
+    def _add(self, W: np.ndarray, coefficients: np.ndarray, factor: float) -> None:
+        """W += factor Q @ coefficients in place, W by rows; by halves of these."""
+        turned = np.asfortranarray(coefficients.T)
 
         def run(rows: slice) -> None:
             start = 0
             for part in self._filled():
-                some = np.asfortranarray(coefficients[start : start + part.shape[1]])
-                blas.add_product(part[rows], some, W[rows], factor)
+                blas.add_product(turned[:, start : start + part.shape[1]], part[rows].T, W[rows].T, factor)
                 start += part.shape[1]
 
         half = self._n // 2
         side_by_side(lambda: run(slice(half)), lambda: run(slice(half, None)))
-        return W
