@@ -61,9 +61,8 @@ class AddedUnknowns:
         )
         if not len(self.edges):
             return K, M
-        stiffness, mass = self.edges.matrices(None if elements is None else elements.tolist())
-        size = stiffness.shape[0]
-        return sp.csr_matrix(extended(K, size) + stiffness), sp.csr_matrix(extended(M, size) + mass)
+        below = self.edges.matrices(None if elements is None else elements.tolist())
+        return _bordered(K, below[0]), _bordered(M, below[1])
 
 
 def added_functions(
@@ -84,6 +83,12 @@ def added_functions(
     """
     cubic = cubic_functions(mesh.nodes, mesh.elements, mesh.facets_of([*held, *rigid])) if mesh.cubic else None
     return AddedUnknowns(cubic, edge_functions(mesh, material, held=held, joined=joined, cubic=cubic))
+
+
+def _bordered(matrix: sp.csr_matrix, rows: sp.csr_matrix) -> sp.csr_matrix:
+    """A symmetric matrix (k, k) with further rows (m, k + m) and the columns that they are."""
+    columns = sp.csr_matrix(rows[:, : matrix.shape[0]].T)
+    return sp.csr_matrix(sp.vstack([sp.hstack([matrix, columns], format="csr"), rows], format="csr"))
 
 
 def extended(matrix: sp.csr_matrix, size: int) -> sp.csr_matrix:

@@ -64,7 +64,7 @@ class EdgeFunctions:
         return len(self.numbers)
 
     def matrices(self, elements: Collection[int] | None = None) -> tuple[sp.csr_matrix, sp.csr_matrix]:
-        """Stiffness (N/m) and mass (kg) with all other unknowns before them, whose own entries are left out.
+        """Rows (m, k + m) of stiffness (N/m) and mass (kg), k other unknowns before these.
 
         Parameters
         ----------
@@ -76,7 +76,6 @@ class EdgeFunctions:
             same[_shape_key(self.mesh.nodes[self.mesh.elements[element]], own)].append(element)
         alike = list(same.values())
         before = 3 * len(self.mesh.nodes) + (0 if self.cubic is None else len(self.cubic))
-        size = before + len(self)
         rows: list[np.ndarray] = []
         columns: list[np.ndarray] = []
         stiffness: list[np.ndarray] = []
@@ -85,20 +84,21 @@ class EdgeFunctions:
         for members, found in zip([*alike[::2], *alike[1::2]], first + other, strict=True):
             K_element, K_own, M_element, M_own = found
             for element in members:
-                added = before + _unknowns(self.parts[element])
+                added = _unknowns(self.parts[element])
                 at, sign = self._of_element(element)
                 moving = np.flatnonzero(at.ravel() >= 0)
-                row, column = np.repeat(added, len(moving)), np.tile(at.ravel()[moving], len(added))
-                rows += [row, column, np.repeat(added, len(added))]
-                columns += [column, row, np.tile(added, len(added))]
+                touched = np.concatenate([at.ravel()[moving], before + added])
+                rows.append(np.repeat(added, len(touched)))
+                columns.append(np.tile(touched, len(added)))
                 for entries, across, among in ((stiffness, K_element, K_own), (mass, M_element, M_own)):
-                    coupled = (across * sign).reshape(len(added), -1)[:, moving].ravel()
-                    entries += [coupled, coupled, among.ravel()]
+                    coupled = (across * sign).reshape(len(added), -1)[:, moving]
+                    entries.append(np.hstack([coupled, among]).ravel())
+        shape = (len(self), before + len(self))
         if not rows:
-            return sp.csr_matrix((size, size)), sp.csr_matrix((size, size))
+            return sp.csr_matrix(shape), sp.csr_matrix(shape)
         place = (np.concatenate(rows), np.concatenate(columns))
-        K = sp.csr_matrix((np.concatenate(stiffness), place), shape=(size, size))
-        return K, sp.csr_matrix((self.material.density * np.concatenate(mass), place), shape=(size, size))
+        K = sp.csr_matrix((np.concatenate(stiffness), place), shape=shape)
+        return K, sp.csr_matrix((self.material.density * np.concatenate(mass), place), shape=shape)
 
     def _of_element(self, element: int) -> tuple[np.ndarray, np.ndarray]:
         """Numbers (3, a) of its unknowns along x, y, z, -1 of those that are held, and signs (a,) of its functions."""

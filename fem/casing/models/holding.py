@@ -78,6 +78,7 @@ class CasingReduction(Stage):
             lower = (lowest_modes(assembled.quadratic(), static=self.static),) if self.quadratic else ()
             casing = assembled.held()
             modes, reduction = self.reduced(casing)
+            casing = replace(casing, interface=casing.interface.whole)
             found = check_up(casing, reduction)
         if found.failures:
             raise CasingError(

@@ -25,7 +25,7 @@ import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
 from fem.casing.reduced.lanczos import block_lanczos
-from fem.casing.reduced.reduction import Interface, Reduction, held_interface, reduce_and_count
+from fem.casing.reduced.reduction import Interface, Reduction, held_interface, largest_entry, reduce_and_count
 from fem.numerics.linear_solver import Factor, Solver
 from fem.numerics.memory import give_back
 from fem.numerics.threads import side_by_side
@@ -53,6 +53,11 @@ class MirroredInterface(Interface):
     """The interface of a whole body, held by halves."""
 
     halves: tuple[Half, Half]
+
+    @property
+    def whole(self) -> Interface:
+        """Without the matrices of the halves."""
+        return Interface(self.factor, self.rows, self.constraint, self.stiffness)
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,7 +261,7 @@ def _unchanged(matrix: sp.csr_matrix, reflection: _Reflection, expansion: sp.csr
     """Whether S A S = A of A = E^T matrix E, by products with a random vector."""
     x = np.random.default_rng(0).standard_normal(expansion.shape[1])
     reflected, product = (expansion.T @ (matrix @ (expansion @ some)) for some in (reflection(x), x))
-    return bool(abs(reflected - reflection(product)).max() <= _ROUNDING * abs(matrix.data).max() * np.linalg.norm(x))
+    return bool(abs(reflected - reflection(product)).max() <= _ROUNDING * largest_entry(matrix) * np.linalg.norm(x))
 
 
 def _of_interface(rows: sp.csr_matrix, reflection: _Reflection) -> np.ndarray | None:
@@ -303,11 +308,13 @@ def _mirrored(
 
     halves = side_by_side(lambda: held(1.0), lambda: held(-1.0))
 
-    def solve(b: np.ndarray) -> np.ndarray:
-        def of(half: Half) -> np.ndarray:
-            return np.asarray(half.motions @ half.interface.factor.solve(half.motions.T @ b))
+    solvers = tuple((half.motions, half.interface.factor.solve) for half in halves)  # all that is kept by `solve`
 
-        one, other = side_by_side(lambda: of(halves[0]), lambda: of(halves[1]))
+    def solve(b: np.ndarray) -> np.ndarray:
+        def of(motions: sp.csr_matrix, inverse: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+            return np.asarray(motions @ inverse(motions.T @ b))
+
+        one, other = side_by_side(lambda: of(*solvers[0]), lambda: of(*solvers[1]))
         return one + other
 
     return MirroredInterface(
