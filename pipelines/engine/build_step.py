@@ -20,6 +20,8 @@ from pipelines.engine.step import CountedResult, Step, StepRecord
 from pipelines.engine.storage import StorageError, digest, load_value, save_value
 from pipelines.io.errors import WorkError
 
+LONG_SECONDS = 3.0  # steps expected to take longer may go to a process of their own
+
 
 @dataclass(frozen=True)
 class Result:
@@ -49,6 +51,15 @@ class Result:
     def stored(self) -> Result:
         """The same without the value, where the cache holds it."""
         return self if self.entry is None else Result(self.record, self.entry)
+
+
+@dataclass(frozen=True)
+class Event:
+    """What happens to a step of a run: it starts, a share of it (0 to 1) is done, or its result is there."""
+
+    step: Step
+    share: float | None = None
+    result: Result | None = None
 
 
 def build_here(step: Step, key: str, upstream: Mapping[str, Result], cache: Cache) -> Result:

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from traceback import format_exception
 
-from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, StepRecord
 from pipelines.engine.working import Work
 from pipelines.io.errors import WorkError
@@ -64,14 +63,10 @@ def run_scene(loaded: LoadedScene, options: Options) -> Finished:
     graph = Graph([*study.graph, *(result_steps(loaded, study) if options.with_report else [])])
     wanted = graph.steps if options.with_report else study.motions
     failure: Exception | None = None
-    with (
-        claimed(loaded.name, options.out) as claim,
-        run_folder.logged_to(claim.folder / "log.jsonl"),
-        options.work.observed(graph.needed(wanted)) as observer,
-    ):
-        written = Written(claim.folder, loaded, study, observer)
+    with claimed(loaded.name, options.out) as claim, run_folder.logged_to(claim.folder / "log.jsonl"):
+        written = Written(claim.folder, loaded, study)
         try:
-            run_graph(graph, options.work.cache, wanted, observer=written, processes=options.work.processes)
+            options.work.build(graph, wanted, written.add)
         except Exception as error:
             if not written.signals:
                 raise

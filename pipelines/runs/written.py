@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from pipelines.diagnosis.uncertainty.words import bars_words
 from pipelines.engine.build_step import Result
 from pipelines.engine.code_version import library_versions
-from pipelines.engine.run_graph import Observer, Outcome
+from pipelines.engine.run_graph import Outcome
 from pipelines.engine.step import Step
 from pipelines.report.contents import RunCost
 from pipelines.report.report import write_report
@@ -31,17 +31,16 @@ WRITERS = ("h5py", "h5netcdf", "xarray")  # of the signals
 
 
 class Written:
-    """An observer of a run that writes what is finished into a folder.
+    """The files of a run in a folder.
 
     Parameters
     ----------
     folder : that exists
     loaded, study : the scene, and what is run of it
-    observer : of the same run, which every event is passed to
     """
 
-    def __init__(self, folder: Path, loaded: LoadedScene, study: Study, observer: Observer) -> None:
-        self._folder, self._loaded, self._study, self._observer = folder, loaded, study, observer
+    def __init__(self, folder: Path, loaded: LoadedScene, study: Study) -> None:
+        self._folder, self._loaded, self._study = folder, loaded, study
         self._results: dict[str, Result] = {}
         self._words: dict[str, str] = {}
         self.signals = False  # whether they are written
@@ -58,17 +57,8 @@ class Written:
         order = (VERDICT, DIAGNOSIS) if self._study.baseline else (DIAGNOSIS, VERDICT)
         return "\n".join(self._words[name] for name in order if name in self._words)
 
-    def started(self, step: Step) -> None:
-        """Pass on."""
-        self._observer.started(step)
-
-    def advanced(self, step: Step, share: float) -> None:
-        """Pass on."""
-        self._observer.advanced(step, share)
-
-    def finished(self, step: Step, result: Result) -> None:
-        """Pass on, then write what can be written now."""
-        self._observer.finished(step, result)
+    def add(self, step: Step, result: Result) -> None:
+        """Write what can be written with one more result."""
         self._results[step.name] = result
         if not self.signals and all(name in self._results for name in self._study.motions):
             self._write_signals()
