@@ -11,8 +11,8 @@ from waiting import HANGING
 
 import gearcase
 from fem.processes.executor import listening, tell_share
-from pipelines.engine.cache import Cache
 from pipelines.engine.build_step import Event
+from pipelines.engine.cache import Cache
 from pipelines.engine.progress import StepReporter
 from pipelines.engine.remaining import Remaining, Task
 from pipelines.engine.run_graph import run_graph

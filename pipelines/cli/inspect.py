@@ -96,7 +96,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         yield from _casing_mode(graph, plant, options.casing_mode, folder, work)
         return
     outcome = work.build(graph, law_names(plant))
-    pairs = pair_laws(plant, {name: outcome.value(name) for name in law_names(plant)})
+    pairs = pair_laws(plant, outcome.value)
     laws = pairs[stage - 1]
     if options.torque is not None:
         laws = dataclasses.replace(laws, force=options.torque / laws.pair.pinion.base_radius)

@@ -16,16 +16,17 @@ from typing import Any
 
 import numpy as np
 
-from pipelines.datasets.facts import read_facts
+from pipelines.datasets.layout import read_facts
 from pipelines.datasets.pieces import noisy_run
+from pipelines.datasets.plan import Plan, stored_plan
 from pipelines.datasets.reading import VIBRATION
-from pipelines.datasets.rows import DONE, numbers, read_row, read_rows, row_path, sweep_rows, write_row
+from pipelines.datasets.rows import DONE, numbers, read_row, read_rows, row_path, sweep_rows, write_parquet, write_row
+from pipelines.datasets.scenes import scene_of
 from pipelines.datasets.store import read_run
-from pipelines.datasets.stored_plan import shaft_meshes, stored_plan
-from pipelines.datasets.tables import write_parquet
 from pipelines.engine.code_version import code_version
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
+from pipelines.scene.train import stage_shafts
 from pipelines.signals.features.average import FEWEST_TURNS, Meshes, average
 from pipelines.signals.features.statistics import statistics
 from pipelines.signals.features.synchronous import synchronous
@@ -60,7 +61,7 @@ def make_features(
     executor: Executor,
     start: float = 0.0,
     noise: float = 0.0,
-    told: Callable[[int, int], None] = lambda done, left: None,
+    on_progress: Callable[[int, int], None] = lambda done, left: None,
 ) -> tuple[int, int]:
     """Write the features of all runs that are done, and the table of them; how many were made now, lines of the table.
 
@@ -70,7 +71,7 @@ def make_features(
     executor : of the work
     start : s, of the part of every run that is looked at
     noise : rms of the sensor noise that is added, m/s2, as `pipelines.datasets.pieces.pieces` does with seed 0
-    told : is told how many of how many are done
+    on_progress : called with how many of how many are done
 
     Raises
     ------
@@ -88,7 +89,7 @@ def make_features(
     for run in numbers(folder, FEATURE_ROWS) - wanted:
         row_path(folder, run, FEATURE_ROWS).unlink(missing_ok=True)
     for count, _ in enumerate(executor.map(write_features, jobs), 1):
-        told(count, len(jobs))
+        on_progress(count, len(jobs))
     sweep_rows(folder, FEATURE_ROWS)
     return len(jobs), write_parquet(folder / FEATURES, lambda: _lines(folder))
 
@@ -127,7 +128,7 @@ def _jobs(folder: Path, facts: Mapping[str, Any], start: float, noise: float) ->
                 sensors=tuple(layout["names"]["sensor" if signal == VIBRATION[0] else "bearing"]),
                 axes=tuple(layout["names"]["axis"]),
                 shafts=tuple(layout["names"]["shaft"]) if angle else (),
-                meshes=tuple(shaft_meshes(plan, row["values"])),
+                meshes=tuple(_shaft_meshes(plan, row["values"])),
                 rate=layout["rate"],
                 start=start,
                 noise=noise,
@@ -186,3 +187,16 @@ def _lines(folder: Path) -> Iterator[dict[str, Any]]:
     for row in read_rows(folder, FEATURE_ROWS):
         for channel in row["channels"]:
             yield {"run": row["run"], **channel}
+
+
+def _shaft_meshes(plan: Plan, values: Mapping[str, Any]) -> list[dict[int, int]]:
+    """For every shaft of the scene of these values, the teeth of its gears by the number of their stage.
+
+    SceneError, ExpressionError as `pipelines.datasets.scenes.scene_of`.
+    """
+    scene = scene_of(plan, values).scene
+    found: list[dict[int, int]] = [{} for _ in scene.shafts]
+    for number, (stage, ends) in enumerate(zip(scene.stages, stage_shafts(scene.stages), strict=True), 1):
+        for shaft, teeth in zip(ends, (stage.pinion_teeth, stage.wheel_teeth), strict=True):
+            found[shaft][number] = teeth
+    return found

@@ -1,25 +1,27 @@
 """Rows: one small file per run with its values, labels and outcome; a run is done when its row is there.
 
 A row is written after the signals of its run, aside, to the disk, and then moved into place. So what a killed worker
-leaves is no row, and the run is simulated again. Two writers of one run write the same row.
+leaves is no row, and the run is simulated again. Two writers of one run write the same row. The
+rows of a table may be too many for memory: they are read twice, for types and for values.
 """
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import re
-import uuid
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from pipelines.datasets.tables import write_parquet
 from pipelines.io.errors import InputError
+from pipelines.io.user_files import whole_file
 
 ROWS = "rows"
 TABLE = "rows.parquet"
 DONE, FAILED = "done", "failed"
+_BATCH = 2000  # rows that are in memory at once
 _NAME = re.compile(r"(\d+)\.json")
 
 
@@ -37,17 +39,10 @@ def write_row(folder: Path, run: int, row: Mapping[str, Any], rows: str = ROWS) 
     ------
     OSError : it cannot be written
     """
-    place = folder / rows
-    aside = place / f".{run}-{uuid.uuid4().hex[:12]}.partial"
-    try:
-        with open(aside, "w", encoding="utf-8") as file:
-            json.dump(row, file, allow_nan=False)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(aside, row_path(folder, run, rows))
-    except BaseException:
-        aside.unlink(missing_ok=True)
-        raise
+    with whole_file(row_path(folder, run, rows)) as aside, open(aside, "w", encoding="utf-8") as file:
+        json.dump(row, file, allow_nan=False)
+        file.flush()
+        os.fsync(file.fileno())
 
 
 def row_path(folder: Path, run: int, rows: str = ROWS) -> Path:
@@ -90,8 +85,9 @@ def read_rows(folder: Path, rows: str = ROWS) -> Iterator[dict[str, Any]]:
 
 def sweep_rows(folder: Path, rows: str = ROWS) -> None:
     """Remove what writers that were killed left; to be called when nobody writes."""
-    for path in (folder / rows).glob(".*.partial"):
-        path.unlink(missing_ok=True)
+    for pattern in (".*.json", ".*.partial"):  # the second is that of earlier versions
+        for path in (folder / rows).glob(pattern):
+            path.unlink(missing_ok=True)
 
 
 def write_table(folder: Path) -> int:
@@ -116,3 +112,62 @@ def flat(row: Mapping[str, Any]) -> dict[str, Any]:
         else:
             out[name] = json.dumps(value) if isinstance(value, list) else value
     return out
+
+
+def write_parquet(path: Path, rows: Callable[[], Iterable[Mapping[str, Any]]]) -> int:
+    """Write a table, whole or not at all; how many rows it has.
+
+    A column has the type of its values: text if any is text, whole numbers if all are.
+
+    Parameters
+    ----------
+    path : of the table
+    rows : gives all rows anew each time; plain values
+
+    Raises
+    ------
+    OSError : it cannot be written
+    """
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    fields: dict[str, Any] = {}
+    for row in rows():
+        for name, value in row.items():
+            fields[name] = _wider(fields.get(name, pa.null()), value)
+    schema = pa.schema([pa.field(name, kind) for name, kind in fields.items()])
+    count = 0
+    with whole_file(path) as aside, pq.ParquetWriter(aside, schema) as writer:
+        left = iter(rows())
+        while batch := list(itertools.islice(left, _BATCH)):
+            columns = [
+                pa.array([cell(row.get(field.name), field.type) for row in batch], field.type) for field in schema
+            ]
+            writer.write_table(pa.Table.from_arrays(columns, schema=schema))
+            count += len(batch)
+    return count
+
+
+def _wider(kind: Any, value: Any) -> Any:
+    """The type that holds a column so far and one more value."""
+    import pyarrow as pa
+
+    if value is None or kind == pa.string():
+        return kind
+    if isinstance(value, str):
+        return pa.string()
+    own = pa.bool_() if isinstance(value, bool) else pa.int64() if isinstance(value, int) else pa.float64()
+    if kind in (pa.null(), own):
+        return own
+    return pa.string() if pa.bool_() in (kind, own) else pa.float64()
+
+
+def cell(value: Any, kind: Any) -> Any:
+    """A plain value as a column of a type of Arrow holds it."""
+    import pyarrow as pa
+
+    if value is None:
+        return None
+    if kind == pa.string():
+        return value if isinstance(value, str) else json.dumps(value)
+    return float(value) if kind == pa.float64() else value

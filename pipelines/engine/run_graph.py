@@ -136,7 +136,11 @@ class _Run:
         """
         ready, at_work = [], self._away.keys() | self._beside.keys()
         for step in self._graph:
-            if step.name in self._results or step.name in at_work or any(name not in self._results for name in step.inputs):
+            if (
+                step.name in self._results
+                or step.name in at_work
+                or any(name not in self._results for name in step.inputs)
+            ):
                 continue
             contents = {name: self._results[name].record.content for name in step.inputs}
             key = step.key(contents)

@@ -84,9 +84,11 @@ class Step:
 
     def facts(self, contents: Mapping[str, str]) -> dict[str, Any]:
         """Everything the result depends on, in a form that can be compared; `contents` are digests by step name."""
+        return {**self._inputs(contents), "fields": flat(self.spec)}
+
+    def _inputs(self, contents: Mapping[str, str]) -> dict[str, Any]:
         return {
             "kind": self.kind,
-            "fields": flat(self.spec),
             "spec": digest(self.spec),
             "takes": self.received(contents.__getitem__),
             "code": self.code,
@@ -95,8 +97,7 @@ class Step:
 
     def key(self, contents: Mapping[str, str]) -> str:
         """SHA-256 of what the result depends on."""
-        facts = {name: value for name, value in self.facts(contents).items() if name != "fields"}
-        return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()
+        return hashlib.sha256(json.dumps(self._inputs(contents), sort_keys=True).encode()).hexdigest()
 
 
 @dataclass(frozen=True)
@@ -211,6 +212,25 @@ def stored(step: Step, cache: Cache, contents: Mapping[str, str], *, thorough: b
         if same and others == facts["fields"] and isinstance(given, int | float) and given > wanted:
             serving.append((given, entry.facts["key"]))
     return cache.find(step.kind, min(serving)[1], thorough=thorough) if serving else None
+
+
+def stored_contents(steps: Iterable[Step], cache: Cache, known: Mapping[str, str]) -> tuple[dict[str, str], list[Step]]:
+    """Digests of the results that are known or stored, by name; and the steps of the others that could be built now.
+
+    Parameters
+    ----------
+    steps, cache : each step after those it takes, and where results are stored
+    known : digests by name
+    """
+    contents, missing = dict(known), []
+    for step in steps:
+        if step.name not in contents and all(name in contents for name in step.inputs):
+            entry = stored(step, cache, contents, thorough=False)
+            if entry is None:
+                missing.append(step)
+            else:
+                contents[step.name] = entry.facts["content"]
+    return contents, missing
 
 
 def explain(graph: Graph, cache: Cache) -> list[StepStatus]:

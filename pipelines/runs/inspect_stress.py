@@ -59,7 +59,7 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
     target = None if options.mesh is None else checked_mesh_file(options.mesh)
     pair, model = plant.layout.pairs[stage - 1], stress_model(plant.laws[stage - 1])
     outcome = work.build(graph, law_names(plant))
-    found = pair_laws(plant, {name: outcome.value(name) for name in law_names(plant)})[stage - 1]
+    found = pair_laws(plant, outcome.value)[stage - 1]
     index = round((acting(found) if options.position is None else options.position) * model.positions)
     force = plant.facts.stages[stage - 1].shown_force
     if options.torque is not None:

@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipelines.datasets.facts import read_facts, stored_layout
-from pipelines.datasets.layout import RunLayout
+from pipelines.datasets.layout import RunLayout, read_facts, stored_layout
 from pipelines.datasets.rows import read_row, sweep_rows, write_row
 from pipelines.datasets.store import read_run
 from pipelines.diagnosis.simulated import FeatureSettings, run_features
