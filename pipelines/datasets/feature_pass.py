@@ -20,7 +20,7 @@ from pipelines.datasets.layout import read_facts
 from pipelines.datasets.pieces import noisy_run
 from pipelines.datasets.plan import Plan, stored_plan
 from pipelines.datasets.reading import VIBRATION
-from pipelines.datasets.rows import DONE, numbers, read_row, read_rows, row_path, sweep_rows, write_parquet, write_row
+from pipelines.datasets.rows import DONE, RowJob, compute_rows, numbers, read_rows, row_path, write_parquet
 from pipelines.datasets.scenes import scene_of
 from pipelines.datasets.store import read_run
 from pipelines.engine.code_version import code_version
@@ -40,11 +40,9 @@ ANGLE = "shaft_angle"
 
 
 @dataclass(frozen=True, kw_only=True)
-class FeatureJob:
-    """A run whose features are wanted: its signal with the names along it, its shafts and their meshes."""
+class FeatureJob(RowJob):
+    """The features of a run: its signal with the names along it, its shafts and their meshes."""
 
-    folder: Path
-    run: int
     signal: str
     sensors: tuple[str, ...]
     axes: tuple[str, ...]
@@ -53,7 +51,25 @@ class FeatureJob:
     rate: float
     start: float
     noise: float
-    made_of: Mapping[str, Any]
+
+    @property
+    def rows(self) -> str:
+        """The folder of the rows of features."""
+        return FEATURE_ROWS
+
+    @property
+    def made_of(self) -> dict[str, Any]:
+        """The code with the signals, and the part and the noise of them."""
+        code = code_version(
+            "pipelines.signals.features.statistics",
+            "pipelines.signals.features.synchronous",
+            "pipelines.signals.features.turns",
+        )
+        return {"code": code, "start_s": self.start, "noise_m_s2": self.noise, "checksums": self.checksums}
+
+    def computed(self) -> dict[str, Any]:
+        """The features of every channel."""
+        return {"channels": list(_channels(self))}
 
 
 def make_features(
@@ -79,25 +95,11 @@ def make_features(
     OSError : the features cannot be written
     """
     facts = read_facts(folder)
-    (folder / FEATURE_ROWS).mkdir(exist_ok=True)
-    wanted: set[int] = set()
-    jobs = []
-    for job in _jobs(folder, facts, start, noise):
-        wanted.add(job.run)
-        if not _made(job):
-            jobs.append(job)
-    for run in numbers(folder, FEATURE_ROWS) - wanted:
+    jobs = list(_jobs(folder, facts, start, noise))
+    for run in numbers(folder, FEATURE_ROWS) - {job.run for job in jobs}:
         row_path(folder, run, FEATURE_ROWS).unlink(missing_ok=True)
-    for count, _ in enumerate(executor.map(write_features, jobs), 1):
-        on_progress(count, len(jobs))
-    sweep_rows(folder, FEATURE_ROWS)
-    return len(jobs), write_parquet(folder / FEATURES, lambda: _lines(folder))
-
-
-def write_features(job: FeatureJob) -> None:
-    """Compute the features of a run and write their row."""
-    row = {"run": job.run, "made_of": dict(job.made_of), "channels": list(_channels(job))}
-    write_row(job.folder, job.run, row, FEATURE_ROWS)
+    count = compute_rows(jobs, executor, on_progress)
+    return count, write_parquet(folder / FEATURES, lambda: _lines(folder))
 
 
 def _jobs(folder: Path, facts: Mapping[str, Any], start: float, noise: float) -> Iterator[FeatureJob]:
@@ -114,11 +116,6 @@ def _jobs(folder: Path, facts: Mapping[str, Any], start: float, noise: float) ->
         raise InputError(f"--start {start:g}: the runs last {length:g} s. Set a time from 0 to below that.")
     plan = stored_plan(facts)
     angle = ANGLE in stored
-    code = code_version(
-        "pipelines.signals.features.statistics",
-        "pipelines.signals.features.synchronous",
-        "pipelines.signals.features.turns",
-    )
     for row in read_rows(folder):
         if row["status"] == DONE:
             yield FeatureJob(
@@ -132,21 +129,8 @@ def _jobs(folder: Path, facts: Mapping[str, Any], start: float, noise: float) ->
                 rate=layout["rate"],
                 start=start,
                 noise=noise,
-                made_of={
-                    "code": code,
-                    "start_s": start,
-                    "noise_m_s2": noise,
-                    "checksums": [row["checksums"].get(name) for name in (signal, ANGLE)],
-                },
+                checksums=[row["checksums"].get(name) for name in (signal, ANGLE)],
             )
-
-
-def _made(job: FeatureJob) -> bool:
-    """True if the row of a run is there and made of these signals in this way."""
-    try:
-        return read_row(job.folder, job.run, FEATURE_ROWS).get("made_of") == job.made_of
-    except InputError:
-        return False
 
 
 def _channels(job: FeatureJob) -> Iterator[dict[str, Any]]:

@@ -17,7 +17,7 @@ from typing import Any
 from fem.processes.executor import ProcessEnded, Processes, RemoteError, in_thread, listening
 from pipelines.engine.build_step import LONG_SECONDS, Event, Result, build_here, one_thread, step_record
 from pipelines.engine.cache import Cache
-from pipelines.engine.step import Graph, Step, StepRecord, stored
+from pipelines.engine.step import Graph, Step, StepRecord, seconds_to_the_end, stored
 from pipelines.io.errors import WorkError
 
 _LOG = logging.getLogger(__name__)
@@ -98,7 +98,8 @@ class _Run:
         self._results = {name: result for name, result in known.items() if name in self._graph.steps}
         self._errors: list[Exception] = []
         self._verified: set[str] = set()
-        self._urgency = self._graph.seconds_to_the_end()  # what the most must wait for starts first
+        # what the most must wait for starts first
+        self._urgency = seconds_to_the_end((step.name, step.seconds, step.inputs) for step in self._graph)
         self._awaited = self._graph.needed(step.name for step in self._graph if step.seconds >= LONG_SECONDS).steps
         self._prepared: dict[str, Future] = {}  # by step: its own work ahead of its turn
         self._away: dict[str, str] = {}  # keys of the steps in children, by name

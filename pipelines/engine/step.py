@@ -38,10 +38,10 @@ class Step:
     """One step of a run: ``build(spec, **results of takes)``.
 
     `kind` names the cache entries; steps of one kind with equal inputs share one entry. `build` is a function of a
-    module (not a lambda), it may return `CountedResult` to report counts. `takes` are the names of other steps by the
-    parameters of `build` that receive their results; several names give a list. `seconds` is what it is expected to
-    take: long steps that do not wait for each other run side by side. `reads` are functions of a module that take from
-    a large result what the build needs.
+    module (not a lambda); what it counts (`fem.storage.ledger`) is kept with the result. `takes` are the names of other
+    steps by the parameters of `build` that receive their results; several names give a list. `seconds` is what it is
+    expected to take: long steps that do not wait for each other run side by side. `reads` are functions of a module
+    that take from a large result what the build needs.
     """
 
     name: str
@@ -101,15 +101,13 @@ class Step:
 
 
 @dataclass(frozen=True)
-class CountedResult:
-    """What a step may return instead of the bare value: the value with counts for the build ledger.
+class Unkept:
+    """What a step returns instead of a value that is not to be stored.
 
-    A value that is not to be `kept` lacks something that another attempt may have, a picture for want of memory say.
+    It lacks something that another attempt may have, a picture for want of memory say.
     """
 
     value: Any
-    ledger: Mapping[str, int] = field(default_factory=dict)
-    kept: bool = True
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -176,15 +174,20 @@ class Graph:
                 dropped.add(step.name)
         return Graph(step for step in self if step.name not in dropped)
 
-    def seconds_to_the_end(self) -> dict[str, float]:
-        """Expected seconds of every step with the longest chain of steps that follow it."""
-        behind = dict.fromkeys(self.steps, 0.0)
-        whole = {}
-        for step in reversed(self.steps.values()):
-            whole[step.name] = step.seconds + behind[step.name]
-            for name in step.inputs:
-                behind[name] = max(behind[name], whole[step.name])
-        return whole
+
+def seconds_to_the_end(tasks: Iterable[tuple[str, float, Sequence[str]]]) -> dict[str, float]:
+    """Seconds of every task with the longest chain of those that wait for it.
+
+    Parameters
+    ----------
+    tasks : name, seconds, and names of the tasks that it waits for, which come before it
+    """
+    chain: dict[str, float] = {}
+    behind: dict[str, float] = {}
+    for name, seconds, takes in reversed(list(tasks)):
+        chain[name] = seconds + behind.get(name, 0.0)
+        behind |= {other: max(behind.get(other, 0.0), chain[name]) for other in takes}
+    return chain
 
 
 def stored(step: Step, cache: Cache, contents: Mapping[str, str], *, thorough: bool) -> Entry | None:
