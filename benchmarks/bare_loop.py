@@ -12,7 +12,7 @@ from pipelines.datasets.plan import load_plan
 from pipelines.datasets.scenes import make_draws, scene_of
 from pipelines.datasets.workshop import Workshop
 from pipelines.engine.build_step import one_thread
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.machine.checks.validity import checked_plant
 from pipelines.steps.motion import moved
 

@@ -10,7 +10,7 @@ from gearcase.scenes import Scene, Settings, loaded_scene
 from gearcase.working import ProgressFunction
 from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.uncertainty.line_bars import LineBars
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError, WorkError
 from pipelines.runs.diagnosed import diagnose_folder, folder_bars
 from pipelines.runs.run import Options, run_scene

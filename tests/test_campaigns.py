@@ -19,8 +19,8 @@ from pipelines.datasets.rows import numbers, read_row, read_rows, row_path, writ
 from pipelines.datasets.scenes import make_draws, scene_of
 from pipelines.datasets.store import SIGNALS, read_run
 from pipelines.datasets.workers import Workers
+from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph
-from pipelines.engine.working import Work
 from pipelines.io.errors import InputError, SceneError, WorkError
 from pipelines.machine.checks.validity import checked_plant
 from pipelines.machine.plant import make_plant

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray
 
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.io.errors import SceneError
 from pipelines.report.figures import render
 from pipelines.runs import run_folder

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError
 from pipelines.runs.recorded import Recorded, other_speeds, recording_path
 from pipelines.runs.run import Options, run_scene

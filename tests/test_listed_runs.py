@@ -9,7 +9,7 @@ import pytest
 
 from pipelines.cli.main import main
 from pipelines.cli.runs import chosen
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError
 from pipelines.runs.kept_runs import kept_runs
 from pipelines.runs.run import Options, run_scene

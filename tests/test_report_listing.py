@@ -3,8 +3,8 @@
 import re
 import sys
 
+from pipelines.engine.run_graph import Work
 from pipelines.engine.storage import digest
-from pipelines.engine.working import Work
 from pipelines.machine.plant import make_plant
 from pipelines.report.figures import render
 from pipelines.runs import run_folder

@@ -15,9 +15,8 @@ from pipelines.io.argument_types import count, mode_number, number, path, positi
 if TYPE_CHECKING:
     import numpy as np
 
-    from pipelines.engine.run_graph import Outcome
+    from pipelines.engine.run_graph import Outcome, Work
     from pipelines.engine.step import Graph
-    from pipelines.engine.working import Work
     from pipelines.machine.plant import Plant
     from pipelines.report.figures.views import LeftOut
     from pipelines.runs.inspect_gears import InspectedStage

@@ -25,8 +25,8 @@ from pipelines.datasets.store import sweep, write_run
 from pipelines.datasets.workers import Workers, lost
 from pipelines.datasets.workshop import Workshop
 from pipelines.engine.progress import reported_count
+from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph
-from pipelines.engine.working import Work
 from pipelines.io.errors import InputError, SceneError, WorkError
 from pipelines.machine.checks.cost import cost
 from pipelines.machine.checks.cost import words as size_words

@@ -188,7 +188,7 @@ def write_parquet(path: Path, rows: Callable[[], Iterable[Mapping[str, Any]]]) -
     Parameters
     ----------
     path : of the table
-    rows : gives all rows anew each time; plain values
+    rows : gives all rows each time that it is called; plain values
 
     Raises
     ------

@@ -11,12 +11,13 @@ import queue
 import signal
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Future, wait
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from fem.processes.executor import ProcessEnded, Processes, RemoteError, in_thread, listening
 from pipelines.engine.build_step import LONG_SECONDS, Event, Result, build_here, one_thread, step_record
 from pipelines.engine.cache import Cache
+from pipelines.engine.progress import ProgressFunction, reported_steps
 from pipelines.engine.step import Graph, Step, StepRecord, seconds_to_the_end, stored
 from pipelines.io.errors import WorkError
 
@@ -75,6 +76,32 @@ def run_graph(
     stay in the cache. A short step that fails while long ones are at work does not stop those.
     """
     return _Run(graph, cache, set(wanted), on_event, side_by_side(processes), known or {}).outcome()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Work:
+    """`processes` long steps are built side by side (None: 2, or 1 on a single core); `progress` is called for each."""
+
+    processes: int | None = None
+    quiet: bool = True
+    progress: ProgressFunction | None = None
+    cache: Cache = field(default_factory=Cache)
+
+    def build(
+        self, graph: Graph, wanted: Iterable[str], on_result: Callable[[Step, Result], None] = lambda step, result: None
+    ) -> Outcome:
+        """The wanted steps and what they take, from the cache or built; `on_result` is called with each of them."""
+        wanted = tuple(wanted)
+        processes = side_by_side(self.processes)
+        steps = graph.needed(wanted)
+        with reported_steps(steps, self.cache, processes, quiet=self.quiet, on_progress=self.progress) as report:
+
+            def on_event(event: Event) -> None:
+                report(event)
+                if event.result is not None:
+                    on_result(event.step, event.result)
+
+            return run_graph(steps, self.cache, wanted, on_event=on_event, processes=processes)
 
 
 class _Run:

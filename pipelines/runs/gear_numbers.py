@@ -25,7 +25,7 @@ from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, Pass
 if TYPE_CHECKING:
     import xarray
 
-    from pipelines.engine.working import Work
+    from pipelines.engine.run_graph import Work
     from pipelines.scene.file import LoadedScene
 
 PER_CYCLE = 40  # positions

@@ -14,8 +14,8 @@ from pipelines.report.figures.views import LeftOut
 if TYPE_CHECKING:
     from fem.contact.models.mesh_model import LawSpec
     from fem.contact.models.solid import Solid
+    from pipelines.engine.run_graph import Work
     from pipelines.engine.step import Graph, Step
-    from pipelines.engine.working import Work
     from pipelines.machine.plant import Plant
 
 _CRACK = "the crack is not in the finite elements: the stress is that of an uncracked tooth"

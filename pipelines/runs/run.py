@@ -18,9 +18,8 @@ from typing import TYPE_CHECKING, Any
 from pipelines.diagnosis.uncertainty.words import bars_words
 from pipelines.engine.build_step import Result
 from pipelines.engine.code_version import library_versions
-from pipelines.engine.run_graph import Outcome
+from pipelines.engine.run_graph import Outcome, Work
 from pipelines.engine.step import Graph, Step, StepRecord
-from pipelines.engine.working import Work
 from pipelines.io.errors import WorkError
 from pipelines.report.contents import RunCost
 from pipelines.report.report import write_report

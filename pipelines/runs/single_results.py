@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from fem.casing.uncertainty.frequency_limits import FrequencyLimits
     from mbd.system.linearised import LinearModes
     from mbd.system.system import System
+    from pipelines.engine.run_graph import Work
     from pipelines.engine.step import Graph, StepRecord
-    from pipelines.engine.working import Work
     from pipelines.machine.plant import Plant
     from pipelines.scene.file import LoadedScene
     from pipelines.steps.pair_curves import PairLaws
