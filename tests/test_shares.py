@@ -13,7 +13,7 @@ import gearcase
 from fem.processes.executor import listening, tell_share
 from pipelines.engine.build_step import Event
 from pipelines.engine.cache import Cache
-from pipelines.engine.progress import StepReporter
+from pipelines.engine.progress import StepReporter, reported_count
 from pipelines.engine.remaining import Remaining, Task
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, Step
@@ -121,3 +121,37 @@ def test_the_bar_shows_the_share_and_the_time_left():
         now[0] = 12.0
         report(Event(step, 0.5))
         assert progress.tasks[0].description == "s0 50 %, 4 s left"
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+def test_a_count_is_a_bar_at_a_terminal_with_lines_above_it(monkeypatch):
+    monkeypatch.setenv("TERM", "xterm-256color")
+    monkeypatch.setattr("sys.stderr", terminal := Terminal())
+    with reported_count("scenes", quiet=False) as report:
+        report(1, 4)
+        time.sleep(0.3)  # the bar is drawn ten times a second
+        report.line("scene 2 failed: no oil")
+        report(2, 4, 1)
+    assert "1/4" in terminal.getvalue()
+    assert "2/4" in terminal.getvalue()
+    assert "scene 2 failed: no oil" in terminal.getvalue()
+    assert "scenes, 1 failed" in terminal.getvalue()
+    assert " left" in terminal.getvalue()
+
+
+@pytest.mark.parametrize("quiet", [False, True])
+def test_a_count_is_lines_in_a_pipe_and_nothing_if_quiet(quiet, monkeypatch):
+    now = [100.0]
+    monkeypatch.setattr("time.monotonic", lambda: now[0])
+    monkeypatch.setattr("sys.stderr", pipe := io.StringIO())
+    with reported_count("runs", quiet=quiet) as report:
+        report.line("4 runs")
+        now[0] = 110.0
+        report(1, 4)  # not again so soon
+        now[0] = 140.0
+        report(2, 4)
+    assert pipe.getvalue() == ("" if quiet else "4 runs\n2 of 4 runs, about 40 s left\n")

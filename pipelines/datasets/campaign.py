@@ -131,6 +131,7 @@ def run_campaign(
                 done = f", {len(draws) - len(left)} already done" if len(left) < len(draws) else ""
                 board = f"; {hands.dashboard}" if hands.dashboard else ""
                 report.line(f"{len(draws)} scenes{done}; {count} workers{board}")
+                report(0, len(left))
                 start = time.perf_counter()
                 for number, finished in enumerate(_outcomes(jobs, hands), 1):
                     with stored_or_said(folder):

@@ -18,7 +18,7 @@ from pipelines.engine.step import Step
 from pipelines.io.shown import duration
 
 if TYPE_CHECKING:
-    from rich.progress import Progress
+    from rich.progress import Progress, TaskID
 
 _LOG = logging.getLogger("pipelines.engine.step")
 _MOTION = re.compile(  # names of the steps of a study, as `pipelines.steps.study` composes them
@@ -33,7 +33,7 @@ Write = Callable[[str], Any]
 
 @dataclass(frozen=True, kw_only=True)
 class StepProgress:
-    """What a progress function is told: a step of the work was started, built (in `seconds`) or reused."""
+    """What a progress function is called with: a step of the work was started, built (in `seconds`) or reused."""
 
     name: str
     state: Literal["started", "built", "reused"]
@@ -48,7 +48,7 @@ class StepReporter:
 
     Parameters
     ----------
-    remaining : the account of what is left to do
+    remaining : the tasks that are not finished
     on_progress : called when a step starts or is done
     write : takes lines about steps that are long or built
     bar : shows the steps at work, with their share and the time left
@@ -118,20 +118,20 @@ class StepReporter:
 
 
 class CountReporter:
-    """Reports how many of many like things are done: ``reporter(done, total, failed)``.
+    """Reports how many of many like things (`unit`, in the plural) are done: ``reporter(done, total, failed)``."""
 
-    Parameters
-    ----------
-    unit : name of the things, in the plural
-    write : takes a line twice a minute
-    bar : shows the count
-    """
-
-    def __init__(self, unit: str, *, write: Write | None = None, bar: Progress | None = None) -> None:
-        self._unit, self._write, self._bar = unit, write, bar
+    def __init__(self, unit: str) -> None:
+        self._unit = unit
+        self._write: Write | None = None
+        self._bar: Progress | None = None
+        self._task: TaskID | None = None
         self._start = self._reported = time.monotonic()
-        self._task = None if bar is None else bar.add_task(unit, total=None)
         self._done = self._total = 0
+
+    def show_on(self, write: Write | None, bar: Progress | None) -> None:
+        """Write a line twice a minute, or show the count on a bar."""
+        self._write, self._bar = write, bar
+        self._task = None if bar is None else bar.add_task(self._unit, total=None)
 
     def __call__(self, done: int, total: int, failed: int = 0) -> None:
         """So many are done."""
@@ -196,8 +196,9 @@ def reported_steps(
 @contextlib.contextmanager
 def reported_count(unit: str, *, quiet: bool) -> Iterator[CountReporter]:
     """The reporter of a count of things (their name in the plural); it shows nothing if `quiet`."""
-    with _standard_error(lambda: reporter.left(), quiet=quiet) as (write, bar):
-        reporter = CountReporter(unit, write=write, bar=bar)
+    reporter = CountReporter(unit)
+    with _standard_error(reporter.left, quiet=quiet) as (write, bar):
+        reporter.show_on(write, bar)
         yield reporter
 
 

@@ -107,8 +107,8 @@ class Work:
 class _Run:
     """The state of a run: the results so far, and what is at work.
 
-    Long steps are built in child processes (`_away`) where two of them can be, one short step in a thread beside them,
-    and all others here.
+    Long steps are built in child processes (`_away`) where two of them can be, one short step in a thread at the same
+    time (`_beside`), and all others here.
     """
 
     def __init__(
@@ -195,7 +195,7 @@ class _Run:
         return dropped
 
     def _send_away(self, ready: Ready, children: Processes) -> Ready:
-        """Give long steps to children if two can be at work at the same time; what is left to be built here."""
+        """Give long steps to children if two can be at work at the same time; the others are built here."""
         long = [(step, key) for step, key in ready if step.seconds >= LONG_SECONDS]
         alone = len({key for _, key in long}) < 2 and not (long and self._away)
         if self._processes < 2 or alone:
@@ -211,7 +211,7 @@ class _Run:
         return [(step, key) for step, key in ready if step.seconds < LONG_SECONDS]
 
     def _prepare(self) -> None:
-        """Begin what steps can do ahead of their turn: compiling takes longer than most steps."""
+        """Begin what steps can do before their turn: compiling takes longer than most steps."""
         for step in self._graph:
             waiting = step.name not in {*self._results, *self._prepared}
             if step.ahead and waiting and self._results.keys() >= {*step.ahead_takes}:
@@ -280,7 +280,7 @@ class _Run:
 
 
 def _work_ahead(step: Step, taken: list[Result]) -> None:
-    """The work of a step ahead of its turn."""
+    """What a step can do before its turn."""
     assert step.ahead is not None
     try:
         step.ahead(step.spec, *(result.load() for result in taken))
