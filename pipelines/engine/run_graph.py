@@ -60,12 +60,12 @@ def run_graph(
     processes: int | None = None,
     known: Mapping[str, Result] | None = None,
 ) -> Outcome:
-    """Build or reuse the wanted steps and what they take.
+    """Build or reuse steps and what they take.
 
     Parameters
     ----------
     graph, cache : the steps, and where their results are stored
-    wanted : names of steps
+    wanted : names of the steps
     on_event : called with what happens to every step
     processes : long steps built at the same time; default 2, or 1 on a single core
     known : results of steps of this graph that are at hand
@@ -75,7 +75,7 @@ def run_graph(
     whatever a step raises, with the step's name added; WorkError if a process ends without an answer. Finished steps
     stay in the cache. A short step that fails while long ones are at work does not stop those.
     """
-    return _Run(graph, cache, set(wanted), on_event, side_by_side(processes), known or {}).outcome()
+    return _Run(graph, cache, set(wanted), on_event, process_count(processes), known or {}).outcome()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,9 +90,9 @@ class Work:
     def build(
         self, graph: Graph, wanted: Iterable[str], on_result: Callable[[Step, Result], None] = lambda step, result: None
     ) -> Outcome:
-        """The wanted steps and what they take, from the cache or built; `on_result` is called with each of them."""
+        """Some steps and what they take, from the cache or built; `on_result` is called with each of them."""
         wanted = tuple(wanted)
-        processes = side_by_side(self.processes)
+        processes = process_count(self.processes)
         steps = graph.needed(wanted)
         with reported_steps(steps, self.cache, processes, quiet=self.quiet, on_progress=self.progress) as report:
 
@@ -160,7 +160,7 @@ class _Run:
     def _reuse(self) -> Ready:
         """Move steps that need no work into the results; those that are ready to be built.
 
-        Only what is wanted is verified to the last byte now, the rest when it is read.
+        Only the steps of `run_graph` are verified to the last byte now, the rest when it is read.
         """
         ready, at_work = [], self._away.keys() | self._beside.keys()
         for step in self._graph:
@@ -310,6 +310,6 @@ def _lost(step: Step, code: int) -> WorkError:
     )
 
 
-def side_by_side(processes: int | None) -> int:
-    """Number of long steps that are built at the same time: as asked, else 2, or 1 on a single core."""
+def process_count(processes: int | None) -> int:
+    """Number of long steps that are built at the same time: as given, else 2, or 1 on a single core."""
     return min(2, os.cpu_count() or 1) if processes is None else processes

@@ -10,7 +10,7 @@ import json
 import logging
 import platform
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from traceback import format_exception
 from typing import TYPE_CHECKING, Any
@@ -39,19 +39,6 @@ _WRITERS = ("h5py", "h5netcdf", "xarray")  # of the signals
 
 
 @dataclass(frozen=True, kw_only=True)
-class Options:
-    """How much is run, and how."""
-
-    out: str | Path | None = None
-    with_control: bool = True
-    with_report: bool = True  # diagnosis and report; without them only the signals
-    both_loads: bool = True
-    seeds: int = 0
-    baseline: int = 0  # healthy machines with other deviations, to judge against
-    work: Work = field(default_factory=Work)
-
-
-@dataclass(frozen=True, kw_only=True)
 class Finished:
     """A run that is written: its folder, the verdict, and what was done."""
 
@@ -62,34 +49,53 @@ class Finished:
     left_out: tuple[str, ...]
 
 
-def run_scene(loaded: LoadedScene, options: Options) -> Finished:
+def run_scene(
+    loaded: LoadedScene,
+    *,
+    out: str | Path | None = None,
+    with_control: bool = True,
+    with_report: bool = True,
+    both_loads: bool = True,
+    seeds: int = 0,
+    baseline: int = 0,
+    work: Work | None = None,
+) -> Finished:
     """Run a loaded scene and write its result folder: the signals first, so that nothing after them can cost them.
+
+    Parameters
+    ----------
+    loaded : the scene
+    out : folder of the results instead of ./runs/<scene>/<time>
+    with_control, both_loads, seeds, baseline : as `plan_study`
+    with_report : write diagnosis and report; without them only the signals
+    work : how the steps are built
 
     Raises
     ------
-    SceneError, InputError : the scene cannot be used, or `options.out`
+    SceneError, InputError : the scene cannot be used, or `out`
     WorkError : a step failed; where that was the diagnosis or the report, the folder with the signals is named
     """
+    work = work or Work()
     study = plan_study(
         loaded,
-        with_control=options.with_control,
-        both_loads=options.both_loads and options.with_report,
-        seeds=options.seeds,
-        baseline=options.baseline if options.with_report else 0,
+        with_control=with_control,
+        both_loads=both_loads and with_report,
+        seeds=seeds,
+        baseline=baseline if with_report else 0,
     )
-    graph = Graph([*study.graph, *(result_steps(loaded, study) if options.with_report else [])])
-    wanted = graph.steps if options.with_report else study.motions
+    graph = Graph([*study.graph, *(result_steps(loaded, study) if with_report else [])])
+    wanted = graph.steps if with_report else study.motions
     failure: Exception | None = None
-    with claimed(loaded.name, options.out) as claim, run_folder.logged_to(claim.folder / "log.jsonl"):
+    with claimed(loaded.name, out) as claim, run_folder.logged_to(claim.folder / "log.jsonl"):
         written = _Files(claim.folder, loaded, study)
         try:
-            options.work.build(graph, wanted, written.add)
+            work.build(graph, wanted, written.add)
         except Exception as error:
             if not written.signals:
                 raise
             failure = error
             _LOG.info("after the signals: %r", error, extra={"facts": {"traceback": format_exception(error)}})
-    if options.out is None:
+    if out is None:
         run_folder.note_latest(claim.final)
     if failure is not None:
         raise _kept(failure, claim.final) from failure
