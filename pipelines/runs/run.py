@@ -25,7 +25,6 @@ from pipelines.report.contents import RunCost
 from pipelines.report.report import write_report
 from pipelines.runs import run_folder
 from pipelines.runs.claims import claimed
-from pipelines.runs.single_results import misread_sensors
 from pipelines.scene.file import LoadedScene, control_differences
 from pipelines.signals.motion_warnings import log_warnings
 from pipelines.steps.results import BARS, DIAGNOSIS, REPORT, VERDICT, result_steps
@@ -168,6 +167,8 @@ class _Files:
         loaded, study, results = self._loaded, self._study, self._results
         log_warnings(results[name].load() for name in study.motions)
         if "casing" in results:
+            from pipelines.runs.single_results import misread_sensors
+
             positions = {sensor.name: sensor.position for sensor in study.plant.sensors}
             for words in misread_sensors(results["casing"].load(), positions):
                 _LOG.warning("%s", words)
