@@ -19,7 +19,7 @@ from fem.casing.reduced.grounded import assembled_casing, ground_casing
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.uncertainty.extrapolation import lowest_modes
 from fem.elements.materials import CAST_IRON
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.io.errors import SceneError
 from pipelines.machine.plant import make_plant
 from pipelines.runs.single_results import build_casing

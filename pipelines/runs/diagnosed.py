@@ -16,7 +16,7 @@ from pipelines.runs import run_folder
 if TYPE_CHECKING:
     from pipelines.diagnosis.control_diagnosis import Diagnosis
     from pipelines.diagnosis.uncertainty.line_bars import LineBars
-    from pipelines.engine.working import Work
+    from pipelines.engine.run_graph import Work
     from pipelines.scene.file import Settings
 
 

@@ -53,7 +53,7 @@ class Probe:
 
 def _gears(plant: Plant, outcome: Outcome) -> list[Value]:
     values = []
-    for found in pair_laws(plant, {name: outcome.value(name) for name in law_names(plant)}):
+    for found in pair_laws(plant, outcome.value):
         number, curve = found.stage, found.stiffness()
         ripple = float(np.ptp(curve.transmission_error))
         values.append(Value(name=f"stage {number} stiffness", unit="N/um", value=float(curve.secant.mean()) / 1e6))
@@ -65,7 +65,7 @@ def _transmission(plant: Plant, outcome: Outcome) -> list[Value]:
     cycle = np.arange(POSITIONS) / POSITIONS
     return [
         Value(name=f"stage {found.stage} TE at {place:.4f}", unit="um", value=float(error) * 1e6)
-        for found in pair_laws(plant, {name: outcome.value(name) for name in law_names(plant)})
+        for found in pair_laws(plant, outcome.value)
         for place, error in zip(cycle, found.stiffness(cycle).transmission_error, strict=True)
     ]
 

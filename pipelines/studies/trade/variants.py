@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from pipelines.engine.run_graph import Outcome
+from pipelines.engine.run_graph import Outcome, Work
 from pipelines.engine.step import Graph, Step
-from pipelines.engine.working import Work
 from pipelines.machine.checks.validity import checked_plant
 from pipelines.machine.plant import Plant
 from pipelines.scene.file import LoadedScene, changed

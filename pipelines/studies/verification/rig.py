@@ -28,7 +28,7 @@ from pipelines.studies.verification.claims import Evidence
 from pipelines.studies.verification.measures import Levels, fault_levels, load_levels
 
 if TYPE_CHECKING:
-    from pipelines.engine.working import Work
+    from pipelines.engine.run_graph import Work
 
 LOADS = ("rope", "static-torque")
 LOSSES: Mapping[str, Mapping[str, Any]] = {
