@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.rolling_elements import pass_frequencies
 from pipelines.machine.bearings import BearingFault, RollingBearing
-from pipelines.machine.facts import stage_facts
 from pipelines.machine.flanks import Fault
 from pipelines.machine.hoist import Hoist
 from pipelines.machine.layout import Layout
@@ -61,7 +60,7 @@ def diagnosis_settings(
     """
     if not asked.possible:
         return None
-    stage = stage_facts(layout)[asked.stage - 1]
+    stage = layout.stages[asked.stage - 1]
     on_wheel = asked.gear == "wheel"
     shaft = layout.pair_shafts[asked.stage - 1][on_wheel]
     words = _tooth_words([f for f in faults if layout.pair_shafts[f.stage - 1][f.gear == "wheel"] == shaft])

@@ -14,14 +14,14 @@ from mbd.parts.losses import Brake
 from mbd.parts.shafts import Disk, ShaftSpec
 from pipelines.io.errors import Problems
 from pipelines.machine.bearings import bearing_specs
-from pipelines.machine.drives import motor_couplings, motor_places, motor_torques, speed_profile
+from pipelines.machine.drives import motor_couplings, motor_torques, speed_profile
 from pipelines.machine.flanks import GEARS, Fault, damaged_teeth, prescribed_deviations
 from pipelines.machine.hoist import drums
 from pipelines.machine.layout import Layout
 from pipelines.machine.loads import hanging_load, load_places, torque_load
 from pipelines.machine.parts import GearMesh, GearTeeth, MachineParts, ToothDeviations
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.gears import DeviationTable
+from pipelines.scene.tables.gears import DeviationTable, StageTable
 from pipelines.scene.tables.losses import FilmModel
 from pipelines.scene.tables.motion import LoadBase, SpeedDrive
 
@@ -129,8 +129,13 @@ def gear_teeth(
     )
 
 
-def gear_meshes(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> tuple[GearMesh, ...]:
-    """All meshes."""
+def gear_meshes(scene: Scene, layout: Layout, faults: Sequence[Fault], problems: Problems) -> tuple[GearMesh, ...]:
+    """All meshes; `problems` take files of measured flanks that cannot be used."""
+
+    def teeth(stage: StageTable, number: int, gear: str, sense: int) -> GearTeeth:
+        prescribed = problems.made(f"stages.{number}", prescribed_deviations, stage, number, gear, sense)
+        return gear_teeth(scene.deviations, prescribed, faults, number, gear)
+
     return tuple(
         GearMesh(
             name=f"mesh_{number}",
@@ -138,12 +143,8 @@ def gear_meshes(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> tuple[
             driven=f"shaft_{driven + 1}",
             y=stage.si.position,
             pair=pair,
-            pinion=gear_teeth(
-                scene.deviations, prescribed_deviations(stage, number, "pinion", sense), faults, number, "pinion"
-            ),
-            wheel=gear_teeth(
-                scene.deviations, prescribed_deviations(stage, number, "wheel", sense), faults, number, "wheel"
-            ),
+            pinion=teeth(stage, number, "pinion", sense),
+            wheel=teeth(stage, number, "wheel", sense),
             damping_time=stage.si.mesh_damping_time,
             cycle_at_start=layout.cycles_at_start[number - 1],
             film=film_spec(scene.film, pair),
@@ -176,17 +177,20 @@ def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault], problem
     problems : take what the parts refuse; with any, the parts are not complete
     """
     drive, driven = scene.drive, f"shaft_{layout.driven + 1}"
-    ends = motor_places(drive, scene.shafts[layout.driven])
+    ends = layout.motors
     places = load_places(scene.load, scene.shafts[layout.loaded])
     brake = drive.brake_torque_N_m if isinstance(drive, SpeedDrive) else 0.0
-    profile, load = speed_profile(drive), problems.made("load", hanging_load, scene.load, layout.loaded, places)
-    if load is not None and isinstance(drive, SpeedDrive):
+    profile, load = (
+        problems.made("drive", speed_profile, drive),
+        problems.made("load", hanging_load, scene.load, layout.loaded, places),
+    )
+    if load is not None and profile is not None and isinstance(drive, SpeedDrive):
         problems.made("load", load.check_run, profile, layout.shaft_ratios[layout.loaded], scene.simulation.end_s)
     bearings = bearing_specs(scene, problems)
     return MachineParts(
         shafts=problems.made("shafts", shaft_specs, scene, layout) or (),
         bearings=bearings,
-        meshes=gear_meshes(scene, layout, faults),
+        meshes=gear_meshes(scene, layout, faults, problems),
         couplings=motor_couplings(drive, layout.driven, ends),
         input_shaft=driven,
         profile=profile,

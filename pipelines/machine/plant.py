@@ -22,11 +22,10 @@ from mbd.parts.checks import MachineError
 from pipelines.io.errors import Problem, Problems
 from pipelines.machine.bearings import BearingFault, RollingBearing, bearing_faults, bearing_points, rolling_bearings
 from pipelines.machine.casing import casing
-from pipelines.machine.facts import Facts, derive, stage_facts
 from pipelines.machine.flanks import Fault, flanks_spec, tooth_faults
 from pipelines.machine.flanks_spec import FlanksSpec
 from pipelines.machine.hoist import Hoist, hoist
-from pipelines.machine.layout import Layout, lay_out
+from pipelines.machine.layout import Layout, StageFacts, lay_out
 from pipelines.machine.looked_for import LookedFor, diagnosis_settings
 from pipelines.machine.machine import machine_parts
 from pipelines.machine.parts import MachineParts, Recorded
@@ -38,6 +37,19 @@ from pipelines.scene.tables.motion import DriveModel, SpeedDrive
 from pipelines.signals.analysis import DiagnosisSettings
 
 REFUSALS = (MachineError, GeometryError, ModelError)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Facts:
+    """Derived quantities of a plant (SI)."""
+
+    motor_speed: float
+    total_ratio: float
+    output_torque: float
+    input_torque: float
+    stages: tuple[StageFacts, ...]
+    rope_frequency: float | None
+    container_speed: float | None  # None where nothing is hoisted
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -78,7 +90,17 @@ class Drivetrain:
     @property
     def facts(self) -> Facts:
         """What follows from it before anything is computed."""
-        return derive(self.layout, self.hoist)
+        layout, hoist = self.layout, self.hoist
+        drums = layout.motor_speed * layout.shaft_ratios[layout.loaded]
+        return Facts(
+            motor_speed=layout.motor_speed,
+            total_ratio=layout.ratio,
+            output_torque=layout.load_torque,
+            input_torque=layout.input_torque,
+            stages=layout.stages,
+            rope_frequency=None if hoist is None else hoist.rope_frequency(),
+            container_speed=None if hoist is None else drums * hoist.drum_radius / hoist.reeving,
+        )
 
     @property
     def diagnosis(self) -> DiagnosisSettings | None:
@@ -118,33 +140,40 @@ class Plant(Drivetrain):
         return self.structure.sensors
 
 
-def make_plant(scene: Scene, source: str = "scene", layout: Layout | None = None) -> Plant:
+def make_plant(scene: Scene, source: str = "scene") -> Plant:
     """The plant of a scene that fits together, see `pipelines.machine.checks.validity.checked_plant`.
 
     Raises
     ------
     SceneError : all that its parts refuse, at once; `source` names the scene in it
     """
-    layout = layout or lay_out(scene, source)
     problems = Problems(*REFUSALS)
-    train = _drivetrain(scene, layout, problems)
-    made = problems.made("casing", casing, scene, layout, train.machine, source)
-    for number, spec in enumerate(train.laws, 1):
-        if reason := _law_refusal(spec):
-            problems.append(Problem(f"stages.{number}.mesh", reason))
-    problems.stop(source)
-    return Plant(**vars(train), casing=made[0], structure=made[1])
+    plant = in_casing(drivetrain(scene, lay_out(scene, source), problems), scene, source, problems)
+    if plant is None:
+        raise problems.error(source)
+    return plant
 
 
-def make_drivetrain(scene: Scene, source: str = "scene", layout: Layout | None = None) -> Drivetrain:
+def make_drivetrain(scene: Scene, source: str = "scene") -> Drivetrain:
     """Everything but the casing. SceneError as `make_plant`."""
     problems = Problems(*REFUSALS)
-    train = _drivetrain(scene, layout or lay_out(scene, source), problems)
-    problems.stop(source)
+    train = drivetrain(scene, lay_out(scene, source), problems)
+    if problems:
+        raise problems.error(source)
     return train
 
 
-def _drivetrain(scene: Scene, layout: Layout, problems: Problems) -> Drivetrain:
+def in_casing(train: Drivetrain, scene: Scene, source: str, problems: Problems) -> Plant | None:
+    """The drivetrain in its casing; None with any `problems`, which take what its mesh laws and its casing refuse."""
+    made = problems.made("casing", casing, scene, train.layout, train.machine, source)
+    for number, spec in enumerate(train.laws, 1):
+        if reason := _law_refusal(spec):
+            problems.append(Problem(f"stages.{number}.mesh", reason))
+    return None if problems else Plant(**vars(train), casing=made[0], structure=made[1])
+
+
+def drivetrain(scene: Scene, layout: Layout, problems: Problems) -> Drivetrain:
+    """Everything but the casing; `problems` take what its parts refuse. With any, it is not complete."""
     faults = tooth_faults(scene.tooth_faults.values(), layout.pinion_senses)
     return Drivetrain(
         title=scene.title,
@@ -174,13 +203,12 @@ def _drivetrain(scene: Scene, layout: Layout, problems: Problems) -> Drivetrain:
 
 def law_specs(scene: Scene, layout: Layout) -> list[LawSpec]:
     """The mesh laws that a scene asks for, by stage, before its flanks are modified or damaged."""
-    loads = [facts.line_load for facts in stage_facts(layout)]
     return [
         LawSpec(
             pair=replace(pair, backlash_allowance=0.0),
-            mesh=loaded_model(stage.mesh.made(), load),
+            mesh=loaded_model(stage.mesh.made(), facts.line_load),
         )
-        for stage, pair, load in zip(scene.stages, layout.pairs, loads, strict=True)
+        for stage, pair, facts in zip(scene.stages, layout.pairs, layout.stages, strict=True)
     ]
 
 

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 from fem.storage import shown_html
 
 if TYPE_CHECKING:
-    from pipelines.machine.facts import Facts
-    from pipelines.machine.plant import Plant
+    from pipelines.machine.plant import Facts, Plant
     from pipelines.scene.file import LoadedScene
 
 

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from mbd.parts.checks import MachineError
 from mbd.parts.shafts import shaft_nodes
 from pipelines.io.errors import Problem
-from pipelines.machine.drives import motor_places
 from pipelines.machine.layout import Layout
 from pipelines.machine.loads import load_places
 from pipelines.machine.parts import MachineParts
@@ -25,9 +24,9 @@ def off_shaft(scene: Scene, layout: Layout) -> Iterator[Problem]:
         for shaft, y in zip(coupling.shafts, coupling.positions_mm, strict=True):
             placed.append((f"couplings.{number}.positions_mm", shaft - 1, y))
     key = "load.drum_positions_mm" if isinstance(scene.load, LoadBase) else "load.position_mm"
-    placed += [(key, layout.loaded, 1000 * y) for y in load_places(scene.load, scene.shafts[layout.loaded])]
-    motors = motor_places(scene.drive, scene.shafts[layout.driven])
-    placed += [("drive.position_mm", layout.driven, 1000 * y) for y in motors]
+    load = load_places(scene.load, scene.shafts[layout.loaded])
+    placed += [(key, layout.loaded, 1000 * y) for y in load]
+    placed += [("drive.position_mm", layout.driven, 1000 * y) for y in layout.motors]
     for path, number, y in placed:
         sections = scene.shafts[number].sections
         start, end = sections[0].start_mm, sections[-1].end_mm

@@ -5,17 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from pipelines.io.errors import Problem, SceneError
-from pipelines.machine.checks.bursting import bursting
+from pipelines.io.errors import Problem, Problems, SceneError
 from pipelines.machine.checks.collisions import find_collisions
 from pipelines.machine.checks.cost import too_long
 from pipelines.machine.checks.flank_checks import bad_flanks
 from pipelines.machine.checks.held_shafts import unheld
 from pipelines.machine.checks.machine_checks import long_shafts, off_shaft
-from pipelines.machine.checks.strength import overloaded
+from pipelines.machine.checks.strength import bursting, overloaded
 from pipelines.machine.checks.window_checks import bad_windows
 from pipelines.machine.layout import lay_out
-from pipelines.machine.plant import Plant, make_plant
+from pipelines.machine.plant import REFUSALS, Plant, drivetrain, in_casing
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.casing import FlexibleBase
 from pipelines.scene.tables.housing import HousingBase
@@ -30,11 +29,13 @@ def checked_plant(scene: Scene, source: str) -> Plant:
     ------
     SceneError : everything that does not fit, at once
     """
-    layout = lay_out(scene, source)
+    made = Problems(*REFUSALS)
+    train = drivetrain(scene, lay_out(scene, source), made)
+    layout = train.layout
     places = [*off_shaft(scene, layout)]
     problems = [
         *find_collisions(scene, layout),
-        *bad_flanks(scene, layout),
+        *bad_flanks(scene, train),
         *overloaded(scene, layout),
         *bursting(scene, layout),
         *too_long(scene),
@@ -42,12 +43,11 @@ def checked_plant(scene: Scene, source: str) -> Plant:
     ]
     if isinstance(scene.casing, FlexibleBase) and isinstance(scene.casing.housing, HousingBase):
         problems += _far_sensors(scene, scene.casing.housing)
-    try:
-        plant = make_plant(scene, source, layout)
-    except SceneError as error:
+    plant = in_casing(train, scene, source, made)
+    if plant is None:
         # what is off its shaft is listed by its key already
-        more = [one for one in error.problems if not (places and one.path == "shafts")]
-        raise SceneError(source, [*problems, *more]) from error
+        more = [one for one in dict.fromkeys(made) if not (places and one.path == "shafts")]
+        raise SceneError(source, [*problems, *more])
     if not places:
         problems += long_shafts(scene, plant.machine)
     problems += unheld(scene, plant)
