@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from fem.casing.geometry.dimensions import Bore, HousingError, Sensor, orthonormal
+from fem.casing.geometry.dimensions import Bore, Dimensions, HousingError, Sensor, orthonormal
 from fem.casing.geometry.features import Feet
 from fem.casing.geometry.housing import Housing
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
@@ -38,6 +38,12 @@ def bores(table: HousingBase, layout: Layout) -> tuple[Bore, ...]:
         )
         for side in (-1, 1)
     )
+
+
+def dimensions(table: HousingBase, layout: Layout) -> Dimensions:
+    """The dimensions of the housing, valid or not."""
+    made: Dimensions = table.made_part(Dimensions, bores=bores(table, layout), feet=feet(table))
+    return made
 
 
 def feet(table: HousingBase) -> Feet:

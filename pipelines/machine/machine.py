@@ -130,7 +130,14 @@ def gear_teeth(
 
 
 def gear_meshes(scene: Scene, layout: Layout, faults: Sequence[Fault], problems: Problems) -> tuple[GearMesh, ...]:
-    """All meshes; `problems` take files of measured flanks that cannot be used."""
+    """All meshes.
+
+    Parameters
+    ----------
+    scene, layout : the scene, and where its shafts are
+    faults : of the teeth
+    problems : take files of measured flanks that cannot be used
+    """
 
     def teeth(stage: StageTable, number: int, gear: str, sense: int) -> GearTeeth:
         prescribed = problems.made(f"stages.{number}", prescribed_deviations, stage, number, gear, sense)

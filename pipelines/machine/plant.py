@@ -164,7 +164,14 @@ def make_drivetrain(scene: Scene, source: str = "scene") -> Drivetrain:
 
 
 def in_casing(train: Drivetrain, scene: Scene, source: str, problems: Problems) -> Plant | None:
-    """The drivetrain in its casing; None with any `problems`, which take what its mesh laws and its casing refuse."""
+    """The drivetrain in its casing; None with any problems.
+
+    Parameters
+    ----------
+    train, scene : the drivetrain, and the scene that it was made of
+    source : of the scene, for messages
+    problems : of the drivetrain; take what its mesh laws and its casing refuse
+    """
     made = problems.made("casing", casing, scene, train.layout, train.machine, source)
     for number, spec in enumerate(train.laws, 1):
         if reason := _law_refusal(spec):
