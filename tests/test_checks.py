@@ -276,7 +276,7 @@ def test_the_channels_counted_are_those_recorded(scene):
     load = load_spec(loaded.load, "shaft_2", drums)
     recorded = SimpleNamespace(components=(others, *bearing_specs(loaded, Problems()), load))
     names = channel_names(recorded, tuple(sensor.name for sensor in loaded.sensors))
-    assert cost.cost(loaded).channels == len(names)
+    assert cost.cost(make_drivetrain(loaded)).channels == len(names)
 
 
 def test_the_output_rate_is_held_against_the_fastest_mesh():

@@ -11,7 +11,7 @@ from fem.gears.geometry import GearPair
 from fem.gears.prescribed import PrescribedDeviations
 from mbd.parts import channels
 from mbd.parts.gear_mesh import GearedShafts
-from mbd.parts.machine import Machine, Train
+from mbd.parts.machine import Train
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,7 +60,7 @@ class Recorded:
     sensors: tuple[str, ...]
     journals: bool
 
-    def channels(self, machine: Machine) -> tuple[str, ...]:
+    def channels(self, machine: Train) -> tuple[str, ...]:
         """All channels of a machine that are recorded."""
         names = channels.channel_names(machine, self.sensors)
         if self.journals:

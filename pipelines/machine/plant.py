@@ -72,6 +72,7 @@ class Drivetrain:
     spalls: tuple[BearingFault, ...]
     shaft_faults: tuple[ShaftFault, ...]
     bearing_points: tuple[tuple[float, float, float], ...]  # of bearing_1, ..., those that the casing carries (m)
+    casing_modes: int  # about as many of the casing add to those of the machine
     recorded: Recorded
     motion: MotionSettings
     looked_for: LookedFor
@@ -199,6 +200,7 @@ def drivetrain(scene: Scene, layout: Layout, problems: Problems) -> Drivetrain:
         spalls=tuple(bearing_faults(scene).values()),
         shaft_faults=shaft_faults(scene),
         bearing_points=bearing_points(scene.shafts, layout),
+        casing_modes=scene.casing.made_of.added_modes,
         recorded=Recorded(
             sensors=tuple(sensor.name for sensor in scene.sensors),
             journals=not isinstance(scene.casing, FlexibleBase),

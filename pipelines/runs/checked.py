@@ -74,7 +74,7 @@ def check_scene(loaded: LoadedScene) -> Checked:
         plant=study.plant,
         facts=study.plant.facts,
         control=loaded.scene.control or "none",
-        cost=str(estimate(loaded.scene, len(study.motions))),
+        cost=str(estimate(study.plant, len(study.motions))),
         warnings=tuple(warnings),
     )
 

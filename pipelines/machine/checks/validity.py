@@ -31,7 +31,7 @@ def checked_plant(scene: Scene, source: str) -> Plant:
         *bad_flanks(scene, train),
         *overloaded(scene, layout),
         *bursting(scene, layout),
-        *too_long(scene),
+        *too_long(train),
         *places,
     ]
     plant = in_casing(train, scene, source, made)
