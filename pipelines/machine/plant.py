@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import functools
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -26,14 +26,14 @@ from pipelines.machine.flanks import Fault, flanks_spec, tooth_faults
 from pipelines.machine.flanks_spec import FlanksSpec
 from pipelines.machine.hoist import Hoist, hoist
 from pipelines.machine.layout import Layout, StageFacts, lay_out
-from pipelines.machine.looked_for import LookedFor, diagnosis_settings
+from pipelines.machine.looked_for import diagnosis_settings
 from pipelines.machine.machine import machine_parts
 from pipelines.machine.parts import MachineParts, Recorded
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import ShaftFault, shaft_faults
-from pipelines.scene.tables.analysis import DiagnosisTable
-from pipelines.scene.tables.casing import FlexibleBase, SensorTable
-from pipelines.scene.tables.motion import DriveModel, SpeedDrive
+from pipelines.scene.tables.analysis import LookedFor
+from pipelines.scene.tables.casing import FlexibleBase
+from pipelines.scene.tables.motion import SpeedDrive
 from pipelines.signals.analysis import DiagnosisSettings
 
 REFUSALS = (MachineError, GeometryError, ModelError)
@@ -206,7 +206,12 @@ def drivetrain(scene: Scene, layout: Layout, problems: Problems) -> Drivetrain:
             journals=not isinstance(scene.casing, FlexibleBase),
         ),
         motion=scene.simulation.made(),
-        looked_for=looked_for(scene.diagnosis, scene.sensors, scene.drive),
+        looked_for=scene.diagnosis.made(
+            sensor=scene.diagnosis.sensor or (scene.sensors[0].name if scene.sensors else ""),
+            windows=dict(scene.diagnosis.windows_s),
+            possible=bool(scene.diagnosis.windows_s and scene.sensors),
+            speed_is_known=isinstance(scene.drive, SpeedDrive),
+        ),
     )
 
 
@@ -229,22 +234,6 @@ def _law_refusal(spec: LawSpec) -> str:
     except (ModelError, GeometryError) as error:
         return str(error)
     return ""
-
-
-def looked_for(table: DiagnosisTable, sensors: Sequence[SensorTable], drive: DriveModel) -> LookedFor:
-    """What is asked of the diagnosis."""
-    return LookedFor(
-        sensor=table.sensor or (sensors[0].name if sensors else ""),
-        axis=table.axis,
-        stage=table.stage,
-        gear=table.gear,
-        windows=dict(table.windows_s),
-        band=table.envelope_band_Hz,
-        noise=table.noise_m_s2,
-        possible=bool(table.windows_s and sensors),
-        speed_is_known=isinstance(drive, SpeedDrive),
-        damping_spread=table.damping_spread,
-    )
 
 
 def fault_labels(scene: Scene) -> list[dict[str, Any]]:
