@@ -15,7 +15,7 @@ from fem.gears.rack import GeometryError
 from mbd.integrators.methods import METHODS, make_integrator
 from pipelines.engine.code_version import reachable
 from pipelines.engine.storage import class_modules
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.scene.tables.casing import CASING_TABLES, FlexibleBase
 from pipelines.scene.tables.faults import FaultTable

@@ -5,7 +5,7 @@ import sys
 
 from pipelines.engine.storage import digest
 from pipelines.engine.working import Work
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.report.figures import render
 from pipelines.runs import run_folder
 from pipelines.runs.run import Options, run_scene

@@ -10,7 +10,7 @@ from pipelines.io.errors import InputError, SceneError
 from pipelines.io.toml_text import read_toml
 from pipelines.machine.checks.collisions import find_collisions
 from pipelines.machine.layout import lay_out
-from pipelines.machine.plant import make_drivetrain
+from pipelines.machine.machine import make_drivetrain
 from pipelines.rexs.files import read_document
 from pipelines.rexs.new import new_scene_from_rexs
 from pipelines.rexs.reading import read_gear_unit

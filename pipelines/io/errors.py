@@ -89,7 +89,7 @@ class Problems(list[Problem]):
         except SceneError as error:
             self += error.problems
         except self._refusals as error:
-            self.append(problem_of(path, str(error)))
+            self += [problem_of(path, line) for line in str(error).splitlines()]
         return None
 
     def each(self, path: str, makes: Iterable[Callable[[], Any]]) -> tuple[Any, ...]:

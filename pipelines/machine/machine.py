@@ -1,29 +1,140 @@
-"""The parts of the machine of a scene, in SI: shafts with gear bodies, bearings, meshes, drive, load and losses."""
+"""The maker of the machine: a scene in SI with its shafts, gears, bearings, meshes, drive, load, losses and casing.
+
+Every part is made once. What it refuses is collected, so that all problems of a scene are listed at once.
+"""
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
-from fem.gears.geometry import Gear, GearPair
+from fem.casing.geometry.dimensions import HousingError
+from fem.casing.imported.body import ForeignError
+from fem.contact.frame import ModelError
+from fem.contact.models.mesh_model import LawSpec
+from fem.contact.models.registry import loaded_model
+from fem.gears.geometry import Gear, GearPair, GeometryError
 from fem.gears.prescribed import PrescribedDeviations
 from mbd.parts.channels import further_channels
+from mbd.parts.checks import MachineError
 from mbd.parts.film import Film
 from mbd.parts.losses import Brake
 from mbd.parts.shafts import Disk, ShaftSpec
-from pipelines.io.errors import Problems
-from pipelines.machine.bearings import bearing_specs
+from pipelines.io.errors import InputError, Problem, Problems
+from pipelines.machine.bearings import bearing_faults, bearing_points, bearing_specs, rolling_bearings
+from pipelines.machine.casing import casing
 from pipelines.machine.drives import motor_couplings, motor_torques, speed_profile
-from pipelines.machine.flanks import GEARS, Fault, damaged_teeth, prescribed_deviations
-from pipelines.machine.hoist import drums
-from pipelines.machine.layout import Layout
+from pipelines.machine.flanks import GEARS, Fault, damaged_teeth, flanks_spec, prescribed_deviations, tooth_faults
+from pipelines.machine.hoist import drums, hoist
+from pipelines.machine.layout import Layout, lay_out
 from pipelines.machine.loads import hanging_load, load_places, torque_load
-from pipelines.machine.parts import GearMesh, GearTeeth, MachineParts, ToothDeviations
+from pipelines.machine.parts import GearMesh, GearTeeth, MachineParts, Recorded, ToothDeviations
+from pipelines.machine.plant import Drivetrain, Plant, labels
 from pipelines.scene.scene import Scene
+from pipelines.scene.shaft_faults import shaft_faults
+from pipelines.scene.tables.casing import FlexibleBase
 from pipelines.scene.tables.gears import DeviationTable, StageTable
 from pipelines.scene.tables.losses import FilmModel
 from pipelines.scene.tables.motion import LoadBase, SpeedDrive
+
+REFUSALS = (MachineError, GeometryError, ModelError, HousingError, ForeignError, InputError)
+
+
+def make_plant(scene: Scene, source: str = "scene") -> Plant:
+    """The plant of a scene that fits together, see `pipelines.machine.checks.validity.checked_plant`.
+
+    Raises
+    ------
+    SceneError : all that its parts refuse, at once; `source` names the scene in it
+    """
+    problems = Problems(*REFUSALS)
+    plant = in_casing(drivetrain(scene, lay_out(scene, source), problems), scene, problems)
+    if plant is None:
+        raise problems.error(source)
+    return plant
+
+
+def make_drivetrain(scene: Scene, source: str = "scene") -> Drivetrain:
+    """Everything but the casing. SceneError as `make_plant`."""
+    problems = Problems(*REFUSALS)
+    train = drivetrain(scene, lay_out(scene, source), problems)
+    if problems:
+        raise problems.error(source)
+    return train
+
+
+def in_casing(train: Drivetrain, scene: Scene, problems: Problems) -> Plant | None:
+    """The drivetrain in its casing; None with any problems.
+
+    Parameters
+    ----------
+    train, scene : the drivetrain, and the scene that it was made of
+    problems : of the drivetrain; take what its mesh laws and its casing refuse
+    """
+    made = problems.made("casing.housing", casing, scene, train.layout, train.machine)
+    for number, spec in enumerate(train.laws, 1):
+        if reason := _law_refusal(spec):
+            problems.append(Problem(f"stages.{number}.mesh", reason))
+    return None if problems else Plant(**vars(train), casing=made[0], structure=made[1])
+
+
+def drivetrain(scene: Scene, layout: Layout, problems: Problems) -> Drivetrain:
+    """Everything but the casing; `problems` take what its parts refuse. With any, it is not complete."""
+    faults = tooth_faults(scene.tooth_faults.values(), layout.pinion_senses)
+    return Drivetrain(
+        title=scene.title,
+        labels=labels(scene),
+        models=scene.models(),
+        layout=layout,
+        laws=tuple(law_specs(scene, layout)),
+        flanks=tuple(
+            flanks_spec(pair, modifications, faults, number)
+            for number, (pair, modifications) in enumerate(zip(layout.pairs, layout.modifications, strict=True), 1)
+        ),
+        machine=machine_parts(scene, layout, faults, problems),
+        hoist=hoist(scene.load),
+        rolling=() if problems else rolling_bearings(scene),
+        faults=faults,
+        spalls=tuple(bearing_faults(scene).values()),
+        shaft_faults=shaft_faults(scene),
+        bearing_points=bearing_points(scene.shafts, layout),
+        casing_modes=scene.casing.made_of.added_modes,
+        recorded=Recorded(
+            sensors=tuple(sensor.name for sensor in scene.sensors),
+            journals=not isinstance(scene.casing, FlexibleBase),
+        ),
+        motion=scene.simulation.made(),
+        looked_for=scene.diagnosis.made(
+            sensor=scene.diagnosis.sensor or (scene.sensors[0].name if scene.sensors else ""),
+            windows=dict(scene.diagnosis.windows_s),
+            possible=bool(scene.diagnosis.windows_s and scene.sensors),
+            speed_is_known=isinstance(scene.drive, SpeedDrive),
+        ),
+    )
+
+
+def law_specs(scene: Scene, layout: Layout) -> list[LawSpec]:
+    """The mesh laws that a scene asks for, by stage, before its flanks are modified or damaged."""
+    return [
+        LawSpec(
+            pair=replace(pair, backlash_allowance=0.0),
+            mesh=loaded_model(stage.mesh.made(), facts.line_load),
+        )
+        for stage, pair, facts in zip(scene.stages, layout.pairs, layout.stages, strict=True)
+    ]
+
+
+@functools.lru_cache(maxsize=64)
+def _law_refusal(spec: LawSpec) -> str:
+    """Why a law cannot be built, by its settings and path of contact; "" where nothing is known against it."""
+    try:
+        spec.mesh.check(spec.pair)
+    except (ModelError, GeometryError) as error:
+        return str(error)
+    return ""
 
 
 def _annulus(name: str, y: float, inner: float, outer: float, width: float, density: float) -> Disk:

@@ -5,38 +5,26 @@ The scene stays what users wrote, in their units; it is read here, and by the ch
 
 from __future__ import annotations
 
-import functools
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.models.casing import Casing, Structure
-from fem.contact.frame import ModelError
 from fem.contact.models.mesh_model import LawSpec
-from fem.contact.models.registry import loaded_model
-from fem.gears.geometry import GeometryError
 from mbd.integrators.settings import MotionSettings
-from mbd.parts.checks import MachineError
-from pipelines.io.errors import Problem, Problems
-from pipelines.machine.bearings import BearingFault, RollingBearing, bearing_faults, bearing_points, rolling_bearings
-from pipelines.machine.casing import casing
-from pipelines.machine.flanks import Fault, flanks_spec, tooth_faults
+from pipelines.machine.bearings import BearingFault, RollingBearing
+from pipelines.machine.flanks import Fault
 from pipelines.machine.flanks_spec import FlanksSpec
-from pipelines.machine.hoist import Hoist, hoist
-from pipelines.machine.layout import Layout, StageFacts, lay_out
+from pipelines.machine.hoist import Hoist
+from pipelines.machine.layout import Layout, StageFacts
 from pipelines.machine.looked_for import diagnosis_settings
-from pipelines.machine.machine import machine_parts
 from pipelines.machine.parts import MachineParts, Recorded
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import ShaftFault, shaft_faults
 from pipelines.scene.tables.analysis import LookedFor
-from pipelines.scene.tables.casing import FlexibleBase
-from pipelines.scene.tables.motion import SpeedDrive
 from pipelines.signals.analysis import DiagnosisSettings
-
-REFUSALS = (MachineError, GeometryError, ModelError)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,107 +129,12 @@ class Plant(Drivetrain):
         return self.structure.sensors
 
 
-def make_plant(scene: Scene, source: str = "scene") -> Plant:
-    """The plant of a scene that fits together, see `pipelines.machine.checks.validity.checked_plant`.
-
-    Raises
-    ------
-    SceneError : all that its parts refuse, at once; `source` names the scene in it
-    """
-    problems = Problems(*REFUSALS)
-    plant = in_casing(drivetrain(scene, lay_out(scene, source), problems), scene, source, problems)
-    if plant is None:
-        raise problems.error(source)
-    return plant
-
-
-def make_drivetrain(scene: Scene, source: str = "scene") -> Drivetrain:
-    """Everything but the casing. SceneError as `make_plant`."""
-    problems = Problems(*REFUSALS)
-    train = drivetrain(scene, lay_out(scene, source), problems)
-    if problems:
-        raise problems.error(source)
-    return train
-
-
-def in_casing(train: Drivetrain, scene: Scene, source: str, problems: Problems) -> Plant | None:
-    """The drivetrain in its casing; None with any problems.
-
-    Parameters
-    ----------
-    train, scene : the drivetrain, and the scene that it was made of
-    source : of the scene, for messages
-    problems : of the drivetrain; take what its mesh laws and its casing refuse
-    """
-    made = problems.made("casing", casing, scene, train.layout, train.machine, source)
-    for number, spec in enumerate(train.laws, 1):
-        if reason := _law_refusal(spec):
-            problems.append(Problem(f"stages.{number}.mesh", reason))
-    return None if problems else Plant(**vars(train), casing=made[0], structure=made[1])
-
-
-def drivetrain(scene: Scene, layout: Layout, problems: Problems) -> Drivetrain:
-    """Everything but the casing; `problems` take what its parts refuse. With any, it is not complete."""
-    faults = tooth_faults(scene.tooth_faults.values(), layout.pinion_senses)
-    return Drivetrain(
-        title=scene.title,
-        labels=_labels(scene),
-        models=scene.models(),
-        layout=layout,
-        laws=tuple(law_specs(scene, layout)),
-        flanks=tuple(
-            flanks_spec(pair, modifications, faults, number)
-            for number, (pair, modifications) in enumerate(zip(layout.pairs, layout.modifications, strict=True), 1)
-        ),
-        machine=machine_parts(scene, layout, faults, problems),
-        hoist=hoist(scene.load),
-        rolling=() if problems else rolling_bearings(scene),
-        faults=faults,
-        spalls=tuple(bearing_faults(scene).values()),
-        shaft_faults=shaft_faults(scene),
-        bearing_points=bearing_points(scene.shafts, layout),
-        casing_modes=scene.casing.made_of.added_modes,
-        recorded=Recorded(
-            sensors=tuple(sensor.name for sensor in scene.sensors),
-            journals=not isinstance(scene.casing, FlexibleBase),
-        ),
-        motion=scene.simulation.made(),
-        looked_for=scene.diagnosis.made(
-            sensor=scene.diagnosis.sensor or (scene.sensors[0].name if scene.sensors else ""),
-            windows=dict(scene.diagnosis.windows_s),
-            possible=bool(scene.diagnosis.windows_s and scene.sensors),
-            speed_is_known=isinstance(scene.drive, SpeedDrive),
-        ),
-    )
-
-
-def law_specs(scene: Scene, layout: Layout) -> list[LawSpec]:
-    """The mesh laws that a scene asks for, by stage, before its flanks are modified or damaged."""
-    return [
-        LawSpec(
-            pair=replace(pair, backlash_allowance=0.0),
-            mesh=loaded_model(stage.mesh.made(), facts.line_load),
-        )
-        for stage, pair, facts in zip(scene.stages, layout.pairs, layout.stages, strict=True)
-    ]
-
-
-@functools.lru_cache(maxsize=64)
-def _law_refusal(spec: LawSpec) -> str:
-    """Why a law cannot be built, by its settings and path of contact; "" where nothing is known against it."""
-    try:
-        spec.mesh.check(spec.pair)
-    except (ModelError, GeometryError) as error:
-        return str(error)
-    return ""
-
-
 def fault_labels(scene: Scene) -> list[dict[str, Any]]:
     """Every fault of a scene with its kind, place and severity, in the words of the scene."""
     return [*(fault.model_dump() for fault in scene.faults), *(fault.label for fault in shaft_faults(scene))]
 
 
-def _labels(scene: Scene) -> dict[str, Any]:
+def labels(scene: Scene) -> dict[str, Any]:
     """What is known of a run without its motion: the attributes that say what was run."""
     deviations, faults = scene.deviations, fault_labels(scene)
     return {

@@ -142,9 +142,9 @@ class Scene(Table):
                 continue
             sections = self.shafts[min(max(force.shaft, 1), len(self.shafts)) - 1].sections
             start, end = sections[0].start_mm, sections[-1].end_mm
-            for key, place in force.positions.items():
-                if not start <= place <= end:
-                    yield f"forces.{order}.{key} = {place:g}: is not on shaft {force.shaft}. Set {start:g} to {end:g}"
+            for key, y in force.positions.items():
+                if not start <= y <= end:
+                    yield f"forces.{order}.{key} = {y:g}: is not on shaft {force.shaft}. Set {start:g} to {end:g}"
         if isinstance(self.casing, FlexibleBase):
             for number, shaft in enumerate(self.shafts, 1):
                 carried = len(shaft.bearing_positions_mm) - shaft.bearing_supports.count("ground")

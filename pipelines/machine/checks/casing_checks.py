@@ -10,8 +10,8 @@ import numpy as np
 
 from fem.casing.geometry.dimensions import HousingError
 from fem.casing.geometry.housing import Housing
+from fem.casing.geometry.locators import ByCylinder, ByGroup, ByPlane, Locator
 from fem.casing.mesh.imported import ALONG_Y, OFF_AXIS, ImportedHousing
-from fem.casing.mesh.locate import ByCylinder, ByGroup, ByPlane, Locator
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.models.casing import HousingCasing
@@ -156,11 +156,11 @@ def _misplaced_seats(scene: Scene, table: ImportedTable, made: ImportedHousing) 
 
 
 def _group_of_step(made: ImportedHousing, path: str, locator: Locator, instead: str, of: str = "") -> Iterator[Problem]:
-    """A group that is looked for in a file without groups.
+    """A group as the place in a file without groups.
 
     Parameters
     ----------
-    made, path, locator : the housing, and the place in it with its path in the scene
+    made, path, locator : the housing, a place in it, and the path of that in the scene
     instead : keys by which the place can be found
     of : what is located, for the message
     """

@@ -14,7 +14,7 @@ import numpy as np
 
 from fem.casing.geometry.dimensions import Dimensions
 from pipelines.io.errors import Problem
-from pipelines.machine.housing import dimensions
+from pipelines.machine.casing import dimensions
 from pipelines.machine.layout import Layout
 from pipelines.machine.plant import Drivetrain
 from pipelines.scene.scene import Scene

@@ -10,7 +10,8 @@ from pipelines.machine.checks.shaft_checks import long_shafts, off_shaft, unheld
 from pipelines.machine.checks.strength import bursting, overloaded
 from pipelines.machine.checks.window_checks import bad_windows
 from pipelines.machine.layout import lay_out
-from pipelines.machine.plant import REFUSALS, Plant, drivetrain, in_casing
+from pipelines.machine.machine import REFUSALS, drivetrain, in_casing
+from pipelines.machine.plant import Plant
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.casing import FlexibleBase
 
@@ -34,7 +35,7 @@ def checked_plant(scene: Scene, source: str) -> Plant:
         *too_long(train),
         *places,
     ]
-    plant = in_casing(train, scene, source, made)
+    plant = in_casing(train, scene, made)
     if plant is None:
         # what is off its shaft is listed by its key already
         more = [one for one in dict.fromkeys(made) if not (places and one.path == "shafts")]
