@@ -12,9 +12,9 @@ from pipelines.io.errors import Problem
 from pipelines.machine.flanks import GEARS, Fault
 from pipelines.machine.layout import Layout
 from pipelines.machine.plant import Drivetrain
+from pipelines.scene.presets import most_slices
 from pipelines.scene.scene import Scene
 
-MOST_SLICES = 101  # of every mesh model
 THIN_TIP = 0.2  # modules; the usual least tip thickness of through-hardened teeth
 LEAST_POSITIONS = 64  # grid points per base pitch of models without such a key
 TYPICAL_STIFFNESS = 18e9  # N/m2: c_gamma of steel pairs, for orders of magnitude only
@@ -120,10 +120,10 @@ def flank_warnings(scene: Scene, train: Drivetrain) -> Iterator[str]:
 
 
 def _finer(stage: int, slices: int, wanted: float, key: str) -> str:
-    """What to do about a fault that is small against the slices, of which a mesh has 101 at most."""
-    if slices >= MOST_SLICES:
+    """What to do about a fault that is small against the slices, of which a mesh has so many at most."""
+    if slices >= (most := most_slices()):
         return f"Raise {key}, or reduce face_width_mm"
-    return f"Raise stages.{stage}.mesh.slices to {min(MOST_SLICES, max(2, round(wanted)))}"
+    return f"Raise stages.{stage}.mesh.slices to {min(most, max(2, round(wanted)))}"
 
 
 def _hidden(scene: Scene, layout: Layout, number: int, fault: Fault) -> Iterator[str]:
