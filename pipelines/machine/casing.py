@@ -51,10 +51,10 @@ def casing(scene: Scene, layout: Layout, machine: MachineParts) -> tuple[Casing,
     """
     table, points = scene.casing, bearing_points(scene.shafts, layout)
     model: Casing = table.made()
-    if not isinstance(table, FlexibleBase):
+    if scene.housing is None:
         return model, Structure(bearings={f"bearing_{number}": point for number, point in enumerate(points, 1)})
-    made = housing(table.housing, tuple(sensor.made() for sensor in scene.sensors), layout, points)
-    if isinstance(table.housing, MatricesHousingTable):
+    made = housing(scene.housing, tuple(sensor.made() for sensor in scene.sensors), layout, points)
+    if isinstance(scene.housing, MatricesHousingTable):
         model, found = casing_class("matrices")(of=model), Structure(housing=made)
     else:
         found = _shaped(table, made)

@@ -35,7 +35,6 @@ from pipelines.machine.parts import GearMesh, GearTeeth, MachineParts, Recorded,
 from pipelines.machine.plant import Drivetrain, Plant, labels
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import shaft_faults
-from pipelines.scene.tables.casing import FlexibleBase
 from pipelines.scene.tables.gears import DeviationTable, StageTable
 from pipelines.scene.tables.losses import FilmModel
 from pipelines.scene.tables.motion import LoadBase, SpeedDrive
@@ -104,7 +103,7 @@ def drivetrain(scene: Scene, layout: Layout, problems: Problems) -> Drivetrain:
         casing_modes=scene.casing.made_of.added_modes,
         recorded=Recorded(
             sensors=tuple(sensor.name for sensor in scene.sensors),
-            journals=not isinstance(scene.casing, FlexibleBase),
+            journals=scene.housing is None,
         ),
         motion=scene.simulation.made(),
         looked_for=scene.diagnosis.made(

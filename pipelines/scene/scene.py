@@ -7,7 +7,7 @@ SI, once.
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
@@ -19,7 +19,6 @@ from pipelines.scene.tables.base import Table
 from pipelines.scene.tables.bearings import BearingModel
 from pipelines.scene.tables.casing import (
     CasingModel,
-    FlexibleBase,
     MaterialTable,
     SensorTable,
 )
@@ -80,6 +79,11 @@ class Scene(Table):
         return {"mesh": [stage.mesh.model for stage in self.stages], **found, "integrator": self.simulation.integrator}
 
     @property
+    def housing(self) -> Any:
+        """The table of the housing; None of a casing without one."""
+        return getattr(self.casing, "housing", None)
+
+    @property
     def tooth_faults(self) -> dict[int, FaultTable]:
         """Faults of teeth by their number in the scene, from 1."""
         return {number: fault for number, fault in enumerate(self.faults, 1) if isinstance(fault, FaultBase)}
@@ -105,14 +109,14 @@ class Scene(Table):
             )
         else:
             yield from self._shaft_numbers()
-        if isinstance(self.casing, FlexibleBase) and isinstance(self.casing.housing, HousingBase):
+        if isinstance(self.housing, HousingBase):
             for key in ("bore_diameters_mm", "boss_diameters_mm"):
-                count = len(getattr(self.casing.housing, key))
+                count = len(getattr(self.housing, key))
                 if count != len(self.shafts):
                     yield (
                         f"casing.housing.{key} has {count} values for {len(self.shafts)} shafts. Set one for each shaft"
                     )
-        elif self.sensors and not isinstance(self.casing, FlexibleBase):
+        elif self.sensors and self.housing is None:
             yield (
                 f'sensors: {len(self.sensors)} sensors on a casing, but casing.model = "none". Set sensors = [], or '
                 "another casing.model"
@@ -145,7 +149,7 @@ class Scene(Table):
             for key, y in force.positions.items():
                 if not start <= y <= end:
                     yield f"forces.{order}.{key} = {y:g}: is not on shaft {force.shaft}. Set {start:g} to {end:g}"
-        if isinstance(self.casing, FlexibleBase):
+        if self.housing is not None:
             for number, shaft in enumerate(self.shafts, 1):
                 carried = len(shaft.bearing_positions_mm) - shaft.bearing_supports.count("ground")
                 if carried != 2:

@@ -21,7 +21,6 @@ from pipelines.machine.bearings import bearing_names, bearing_points
 from pipelines.machine.layout import Layout
 from pipelines.machine.plant import Plant
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.housing import ImportedTable
 
 MOST_ELEMENTS = 1_500_000  # quadratic tetrahedra, 2 million nodes: about 60 GB to factorise
 MOST_NODES = 2_000_000
@@ -33,7 +32,7 @@ def bad_casing(scene: Scene, plant: Plant) -> Iterator[Problem]:
     """Everything that the casing's mesh would refuse and can be known without it."""
     made, table = plant.structure.housing, scene.casing
     if isinstance(made, ImportedHousing):
-        cheap = list(_misplaced_seats(scene, table.housing, made))
+        cheap = list(_misplaced_seats(scene, made))
         yield from cheap or _seats_in_file(scene, plant.layout, made)
     if not isinstance(made, Housing) or not isinstance(plant.casing, HousingCasing):
         return
@@ -117,9 +116,9 @@ def _off_middle(scene: Scene, layout: Layout, points: dict[str, np.ndarray], wha
             )
 
 
-def _misplaced_seats(scene: Scene, table: ImportedTable, made: ImportedHousing) -> Iterator[Problem]:
+def _misplaced_seats(scene: Scene, made: ImportedHousing) -> Iterator[Problem]:
     """Seats whose axis is not that of their shaft, by the scene alone; directions without a length."""
-    paths = {seat.name: f"casing.housing.bearings.{number}" for number, seat in enumerate(table.bearings, 1)}
+    paths = {seat.name: f"casing.housing.bearings.{number}" for number, seat in enumerate(scene.housing.bearings, 1)}
     shafts = {name: shaft + 1 for name, shaft, _ in bearing_names(scene.shafts)}
     for seat in made.seats:
         path = paths[seat.name]
@@ -170,7 +169,7 @@ def _group_of_step(made: ImportedHousing, path: str, locator: Locator, instead: 
 
 def _seats_in_file(scene: Scene, layout: Layout, made: ImportedHousing) -> Iterator[Problem]:
     """Seats that are not in the file, or not where the bearings are."""
-    table, found = scene.casing.housing, _looked_up(made, scene.casing.element)
+    table, found = scene.housing, _looked_up(made, scene.casing.element)
     if isinstance(found, MeshError):
         yield Problem("casing.housing.file", str(found), "", f'"{table.file}"')
         return

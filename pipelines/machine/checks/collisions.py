@@ -18,7 +18,6 @@ from pipelines.machine.casing import dimensions
 from pipelines.machine.layout import Layout
 from pipelines.machine.plant import Drivetrain
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.casing import FlexibleBase
 from pipelines.scene.tables.housing import HousingBase
 
 FARTHEST_SENSOR = 50.0  # mm: a sensor farther from the housing is a mistake in the scene
@@ -169,8 +168,8 @@ def find_collisions(scene: Scene, train: Drivetrain) -> list[Problem]:
     """Everything that touches what it must not touch."""
     layout, bodies = train.layout, gears(scene, train.layout)
     problems = [*_mates(bodies, layout), *_clashes(bodies, shafts(scene), layout)]
-    if isinstance(scene.casing, FlexibleBase) and isinstance(scene.casing.housing, HousingBase):
-        housing = dimensions(scene.casing.housing, layout)
+    if isinstance(scene.housing, HousingBase):
+        housing = dimensions(scene.housing, layout)
         problems += [*_clashes(bodies, bosses(housing), layout), *_wall_clashes(scene, train, housing)]
         problems += _far_sensors(scene, housing)
     return problems

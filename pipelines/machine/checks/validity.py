@@ -13,7 +13,6 @@ from pipelines.machine.layout import lay_out
 from pipelines.machine.machine import REFUSALS, drivetrain, in_casing
 from pipelines.machine.plant import Plant
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.casing import FlexibleBase
 
 
 def checked_plant(scene: Scene, source: str) -> Plant:
@@ -43,7 +42,7 @@ def checked_plant(scene: Scene, source: str) -> Plant:
     if not places:
         problems += long_shafts(plant.machine)
     problems += unheld(plant)
-    if isinstance(scene.casing, FlexibleBase):
+    if scene.housing is not None:
         from pipelines.machine.checks.casing_checks import bad_casing
 
         problems += bad_casing(scene, plant)
