@@ -46,7 +46,7 @@ def casing(scene: Scene, layout: Layout, machine: MachineParts) -> tuple[Casing,
 
     Raises
     ------
-    HousingError, ForeignError, InputError : a housing that does not fit
+    HousingError, InputError : a housing that does not fit
     SceneError : the same with the keys that are wrong
     """
     table, points = scene.casing, bearing_points(scene.shafts, layout)
@@ -156,7 +156,7 @@ def housing(
 
     Raises
     ------
-    HousingError, ForeignError, InputError : its parts do not fit together, or there is no such file
+    HousingError, InputError : its parts do not fit together, or there is no such file
     SceneError : bearings that are not located or belong to no shaft
     """
     if isinstance(table, HousingBase):

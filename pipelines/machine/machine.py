@@ -12,7 +12,6 @@ from dataclasses import replace
 from functools import partial
 
 from fem.casing.geometry.dimensions import HousingError
-from fem.casing.imported.body import ForeignError
 from fem.contact.frame import ModelError
 from fem.contact.models.mesh_model import LawSpec
 from fem.contact.models.registry import loaded_model
@@ -39,7 +38,7 @@ from pipelines.scene.tables.gears import DeviationTable, StageTable
 from pipelines.scene.tables.losses import FilmModel
 from pipelines.scene.tables.motion import LoadBase, SpeedDrive
 
-REFUSALS = (MachineError, GeometryError, ModelError, HousingError, ForeignError, InputError)
+REFUSALS = (MachineError, GeometryError, ModelError, HousingError, InputError)
 
 
 def make_plant(scene: Scene, source: str = "scene") -> Plant:
