@@ -30,7 +30,7 @@ from pipelines.machine.flanks import GEARS, Fault, damaged_teeth, flanks_spec, p
 from pipelines.machine.hoist import drums, hoist
 from pipelines.machine.layout import Layout, lay_out
 from pipelines.machine.loads import hanging_load, load_places, torque_load
-from pipelines.machine.parts import GearMesh, GearTeeth, MachineParts, Recorded, ToothDeviations
+from pipelines.machine.parts import GearMesh, GearTeeth, MachineParts, Recorded
 from pipelines.machine.plant import Drivetrain, Plant, labels
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import shaft_faults
@@ -228,7 +228,7 @@ def gear_teeth(
     deviations = None
     if table.enabled and table.include:
         seed = 1000 * table.seed + 2 * (stage - 1) + GEARS.index(gear)  # every gear its own sequence
-        deviations = ToothDeviations(grade=table.iso_grade, include=table.include, seed=seed)
+        deviations = table.made(seed=seed)
     own = [fault for fault in faults if fault.stage == stage and fault.gear == gear]
     return GearTeeth(
         deviations=deviations,
