@@ -69,13 +69,10 @@ def contact_pressure(pair: GearPair, pinion_torque: float) -> float:
 def torques_along(scene: Scene, layout: Layout) -> list[list[tuple[float, float]]]:
     """By shaft: places y (m) and the torques (N m, driving positive) that enter there, without losses."""
     entering: list[list[tuple[float, float]]] = [[] for _ in scene.shafts]
-    passing = [
-        (*shafts, (stage.si.position,) * 2) for stage, shafts in zip(scene.stages, layout.pair_shafts, strict=True)
-    ]
-    passing += [
-        (one - 1, other - 1, c.si.positions) for c in scene.couplings if c.turns_both for one, other in (c.shafts,)
-    ]
-    for (giver, taker, (first, second)), power in zip(passing, layout.power_flows, strict=True):
+    places = [(stage.si.position, stage.si.position) for stage in scene.stages]
+    places += [coupling.si.positions for coupling in scene.couplings if coupling.turns_both]
+    joined = (*layout.pair_shafts, *layout.coupling_shafts)
+    for (giver, taker), (first, second), power in zip(joined, places, layout.power_flows, strict=True):
         entering[giver].append((first, -power / layout.shaft_ratios[giver]))
         entering[taker].append((second, power / layout.shaft_ratios[taker]))
     motors = [(layout.driven, y, layout.input_torque / len(layout.motors)) for y in layout.motors]
