@@ -57,7 +57,7 @@ def measured_flanks(name: str, path: str, sense: int) -> MeasuredFlanks:
     for name, axis in axes.items():
         if (np.diff(axis) <= 0).any() or (axis is tooth and (axis % 1).any()) or (axis is diameter and axis.min() <= 0):
             raise _refused(
-                path, f"{name} must rise; teeth must be whole numbers and diameters positive", "Correct the file"
+                path, f"{name} must increase; teeth must be whole numbers and diameters positive", "Correct the file"
             )
     face = sense * position / 1000
     order = np.argsort(face)
