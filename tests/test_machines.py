@@ -10,7 +10,7 @@ from pipelines.io.errors import InputError, SceneError
 from pipelines.machine.kinematics import kinematics_of
 from pipelines.machine.layout import lay_out
 from pipelines.machine.looked_for import pass_rates
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.recordings.machine import read_machine
 from pipelines.recordings.recording import read_recording
 from pipelines.scene.file import load_scene

@@ -14,10 +14,10 @@ from pipelines.diagnosis.control_verdict import all_seen, case_name, headline
 from pipelines.diagnosis.prediction import FEWEST_FOR_P
 from pipelines.diagnosis.verdict import Finding, Verdict
 from pipelines.machine.kinematics import kinematics_of
-from pipelines.machine.looked_for import LookedFor
 from pipelines.machine.plant import Plant
 from pipelines.report.first_screen import Average, Envelope, FirstScreen, Ranked
 from pipelines.report.zoom_data import ENVELOPE_ORDERS, streams
+from pipelines.scene.tables.analysis import LookedFor
 from pipelines.signals.analysis import DiagnosisSettings, analyse, noisy_signal
 from pipelines.signals.features.average import FEWEST_TURNS, average
 from pipelines.signals.features.turns import cut_turns
