@@ -329,8 +329,7 @@ def seen(points: np.ndarray, faces: np.ndarray, turns: np.ndarray, centre: float
         matrix = turned(float(turn), centre)
         flat = points[:, :2] @ matrix[:2, :2].T + matrix[:2, 3]
         near |= np.hypot(flat[:, 0] - place[0], flat[:, 1]) < place[1]
-    found: np.ndarray = near[faces].any(axis=1)
-    return found
+    return np.asarray(near[faces].any(axis=1))
 
 
 def contact_lines(points: np.ndarray, load: np.ndarray, radius: float) -> pyvista.PolyData | None:

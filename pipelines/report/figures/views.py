@@ -49,6 +49,22 @@ class GearPairView:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+class PairStates:
+    """A pair under load, healthy and perhaps `damaged`; `marked` names the damaged tooth, "" without one."""
+
+    title: str
+    gears: GearPairView
+    damaged: GearPairView | None
+    marked: str
+    model: str
+    force: float  # N
+
+    def of_state(self, number: int) -> GearPairView:
+        """The gears of a state of the teeth, 0 the healthy one."""
+        return self.gears if number == 0 or self.damaged is None else self.damaged
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class CasingView:
     """Surface of a casing, nodes float (n, 3) m, triangles int (m, 3), and its key points name -> (3,) m."""
 

@@ -71,14 +71,6 @@ def _transmission(plant: Plant, outcome: Outcome) -> list[Value]:
     ]
 
 
-def _casing(plant: Plant, outcome: Outcome) -> list[Value]:
-    return _natural_modes(outcome, FREQUENCIES)
-
-
-def _modes(plant: Plant, outcome: Outcome) -> list[Value]:
-    return _natural_modes(outcome, MODES)
-
-
 def _natural_modes(outcome: Outcome, count: int) -> list[Value]:
     from scipy.linalg import eigh
 
@@ -178,8 +170,8 @@ def _lines(plant: Plant, outcome: Outcome) -> list[Value]:
 PROBES = {
     "gears": Probe(law_names, _gears),
     "transmission": Probe(law_names, _transmission),
-    "casing": Probe(lambda _: ["casing"], _casing),
-    "modes": Probe(lambda _: ["casing"], _modes),
+    "casing": Probe(lambda _: ["casing"], lambda _, outcome: _natural_modes(outcome, FREQUENCIES)),
+    "modes": Probe(lambda _: ["casing"], lambda _, outcome: _natural_modes(outcome, MODES)),
     "frf": Probe(lambda _: ["casing"], _frf),
     "machine": Probe(lambda plant: [*plant.law_names, "casing"], _machine),
     "signals": Probe(lambda _: ["simulate"], _signals),

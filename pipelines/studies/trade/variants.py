@@ -44,12 +44,12 @@ def build_variants(
     work: Work,
     kinds: Sequence[str],
 ) -> dict[str, tuple[Plant, Outcome]]:
-    """Build the needed steps of every scene, each distinct step once; the plant and its own results by variant.
+    """Build the needed steps of every scene, each distinct step once; machine model in SI and results by variant.
 
     Parameters
     ----------
     scenes : by variant
-    needed : names of the steps that are needed of a plant
+    needed : names of the steps that are needed, of a machine model in SI
     work : how steps are built
     kinds : of warnings on the motions that are logged, see `pipelines.signals.motion_warnings`
     """

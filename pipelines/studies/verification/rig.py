@@ -18,6 +18,7 @@ from pipelines.diagnosis.control_diagnosis import STATES
 from pipelines.scene.file import LoadedScene, load_scene
 from pipelines.scene.presets import preset_on
 from pipelines.signals.analysis import DiagnosisSettings
+from pipelines.signals.features.table import labelled_array
 from pipelines.signals.response import make_response
 from pipelines.studies.trade.variants import build_variants
 from pipelines.studies.verification.claims import Evidence
@@ -133,8 +134,4 @@ def _load_levels(runs: Mapping[tuple[str, str], xarray.Dataset], settings: Diagn
 def _table(found: Mapping[tuple[str, ...], Levels], dims: tuple[str, ...]) -> xarray.DataArray:
     """An array with named axes from values by place."""
     flat = {(*place, measure): value for place, levels in found.items() for measure, value in levels.items()}
-    names = [list(dict.fromkeys(place[axis] for place in flat)) for axis in range(len(dims))]
-    values = np.full([len(one) for one in names], np.nan)
-    for place, value in flat.items():
-        values[tuple(one.index(word) for one, word in zip(names, place, strict=True))] = value
-    return xarray.DataArray(values, dims=dims, coords=dict(zip(dims, names, strict=True)), attrs={"units": "dB"})
+    return labelled_array(flat, dims).assign_attrs(units="dB")
