@@ -80,9 +80,9 @@ def test_a_tachometer_takes_the_place_of_the_speed(tmp_path):
     text = 'teeth = [[21, 62]]\ntachometer = { channel = "key", shaft = 2, pulses_per_turn = 8 }\n'
     found = machine(tmp_path, text)
     assert found.kinematics.frequency is None
-    assert found.tachometer.shaft == "shaft_2"
-    assert found.tachometer.pulses_per_turn == 8.0
-    assert found.tachometer.level is None
+    assert found.table.tachometer.shaft == 2
+    assert found.table.tachometer.pulses_per_turn == 8.0
+    assert found.table.tachometer.level is None
 
 
 @pytest.mark.parametrize(

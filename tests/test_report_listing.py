@@ -5,12 +5,7 @@ import sys
 
 from pipelines.engine.run_graph import Work
 from pipelines.engine.storage import digest
-<<<<<<< HEAD
-from pipelines.machine.plant import make_plant
-=======
-from pipelines.engine.working import Work
 from pipelines.machine.machine import make_plant
->>>>>>> options
 from pipelines.report.figures import render
 from pipelines.runs import run_folder
 from pipelines.runs.run import run_scene

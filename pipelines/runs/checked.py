@@ -134,7 +134,7 @@ def _times(plant: Plant) -> Iterator[str]:
     """How long a window must be for each shaft, and which are too short."""
     from pipelines.machine.kinematics import kinematics_of
     from pipelines.signals.features.average import FEWEST_TURNS
-    from pipelines.signals.orders.needed_time import needed_seconds
+    from pipelines.signals.orders.kinematics import needed_seconds
     from pipelines.signals.spectrum import FEWEST_REVOLUTIONS
 
     windows = plant.looked_for.windows
