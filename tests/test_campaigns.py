@@ -23,7 +23,7 @@ from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph
 from pipelines.io.errors import InputError, SceneError, WorkError
 from pipelines.machine.checks.validity import checked_plant
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.signals.response import make_response
 from pipelines.steps.graph import plant_steps
 from pipelines.steps.motion import moved

@@ -29,9 +29,9 @@ from pipelines.studies.trade.refinement_page import (
     convergence_figure,
     not_refined,
     pairing_words,
+    tone_and_distance,
     verdict,
 )
-from pipelines.studies.trade.slicing import tone_and_distance
 from pipelines.studies.trade.variants import Measured
 
 

@@ -5,7 +5,7 @@ import sys
 
 from pipelines.engine.run_graph import Work
 from pipelines.engine.storage import digest
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.report.figures import render
 from pipelines.runs import run_folder
 from pipelines.runs.run import run_scene

@@ -3,7 +3,7 @@
 import pytest
 
 from pipelines.diagnosis.control_verdict import all_seen
-from pipelines.machine.plant import make_drivetrain
+from pipelines.machine.machine import make_drivetrain
 from pipelines.runs.diagnosed import diagnose_folder
 from pipelines.runs.run import run_scene
 from pipelines.scene.file import load_scene

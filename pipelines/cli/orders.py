@@ -78,7 +78,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
 
     from pipelines.engine.run_graph import Work
     from pipelines.io.user_files import writable_folder
-    from pipelines.machine.plant import make_drivetrain
+    from pipelines.machine.machine import make_drivetrain
     from pipelines.report.figures.order_plots import campbell_figure, cuts_figure, waterfall_figure
     from pipelines.signals.orders.order_spectra import OrderError, frequency_waterfall, order_waterfall
 
@@ -135,7 +135,7 @@ def _read(folder: Path, options: argparse.Namespace) -> _RunUp:
     """
     import numpy as np
 
-    from pipelines.machine.plant import make_drivetrain
+    from pipelines.machine.machine import make_drivetrain
     from pipelines.scene.file import load_scene
     from pipelines.signals.analysis import DiagnosisError, channel, channel_names
 

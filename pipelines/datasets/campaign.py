@@ -31,6 +31,7 @@ from pipelines.io.errors import InputError, SceneError, WorkError
 from pipelines.machine.checks.cost import cost
 from pipelines.machine.checks.cost import words as size_words
 from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.plant import Plant
 from pipelines.scene.file import LoadedScene
 from pipelines.steps.graph import plant_steps
 from pipelines.steps.motion import moved
@@ -174,7 +175,7 @@ def first_layout(plan: Plan, draws: Sequence[Draw], building: Work) -> tuple[Loa
         except (SceneError, ExpressionError) as error:
             failure = failure or error
             continue
-        check_memory(loaded)
+        check_memory(loaded.name, plant)
         graph = Graph(plant_steps(plant))
         building.build(graph, graph.steps["simulate"].inputs)
         given = plant.motion
@@ -185,12 +186,12 @@ def first_layout(plan: Plan, draws: Sequence[Draw], building: Work) -> tuple[Loa
     raise failure
 
 
-def check_memory(loaded: LoadedScene) -> None:
+def check_memory(name: str, plant: Plant) -> None:
     """InputError if one run does not fit into the memory of a worker, where it is until it is stored."""
-    one = cost(loaded.scene)
+    one = cost(plant)
     if one.bytes > MOST_BYTES:
         raise InputError(
-            f"one run of {loaded.name} holds {size_words(one.bytes)} in memory, limit {size_words(MOST_BYTES)} in a "
+            f"one run of {name} holds {size_words(one.bytes)} in memory, limit {size_words(MOST_BYTES)} in a "
             "campaign. Reduce simulation.end_s or simulation.output_rate_Hz, or divide the motion into several scenes."
         )
 

@@ -27,7 +27,7 @@ def diagnose_folder(folder: Path, settings: Settings = ()) -> Diagnosis:
     ------
     InputError : the scene names nothing to look at, or no control was run
     """
-    from pipelines.machine.plant import make_drivetrain
+    from pipelines.machine.machine import make_drivetrain
     from pipelines.scene.file import load_scene
     from pipelines.steps.diagnosing import CaseSpec, diagnoses
 

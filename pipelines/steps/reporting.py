@@ -98,7 +98,7 @@ def build(
         casing_rows=_casing_rows(body, modes),
         runs=runs,
         windows=dict(asked.windows),
-        sensor=asked.sensor,
+        sensor=asked.sensor or "",
         axis=asked.axis,
         settings=settings,
         energy=energy_rows(responses[0]),
