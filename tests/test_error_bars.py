@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from fem.casing.uncertainty.drawn_body import drawn_body
+from benchmarks.error_bars import drawn_body
 from fem.casing.uncertainty.draws import (
     drawn_damping,
     drawn_frequencies,

@@ -140,5 +140,5 @@ def test_springs_that_differ_from_side_to_side_keep_it_whole(mesh):
         (casing.springs, True),
         (np.where(np.arange(len(casing.springs)) == feet[0], 2.0, 1.0) * casing.springs, False),
     ):
-        found = interface_of(places, casing.K_free, casing.M_free, rows, penalty=penalty)
+        found = interface_of(places, casing.K, casing.M, rows, expansion=casing.expansion, penalty=penalty)
         assert isinstance(found, MirroredInterface) == mirrored

@@ -15,6 +15,7 @@ from fem.casing.mesh.mesher import mesh_housing, session, write_step
 from fem.casing.mesh.quality import checked_quality, measure
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.mesh.source import mesh_geometry
+from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.rigid import rigid_body, rigid_from_mesh
 from fem.casing.uncertainty.extrapolation import limits_from, lowest_modes
 from fem.elements.facets import surface_weights
@@ -200,7 +201,9 @@ def test_ten_node_tetrahedra_of_a_file_carry_cubic_displacements_as_they_are(nat
     assert mesh.cubic
     assert mesh.element.name == "tetrahedron-20"
     assert mesh.elements.shape == native.elements.shape
-    fine, coarse = (lowest_modes(one, CAST_IRON, static=False) for one in (mesh, replace(mesh, cubic=0)))
+    fine, coarse = (
+        lowest_modes(assembled_casing(one, CAST_IRON), static=False) for one in (mesh, replace(mesh, cubic=0))
+    )
     limits = limits_from(fine.frequencies, fine.shapes, fine.element_size, [coarse])
     assert 0.0 < limits.correction < 0.05
     assert (limits.bands > 0.0).all()

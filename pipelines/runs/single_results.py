@@ -166,7 +166,7 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
     if elastic:
         from fem.casing.reduced.modes import kept_modes, natural_modes
 
-        modes, checkup = outcome.value("casing modes")
+        modes, checkup = outcome.value("casing modes")[:2]
         spec = graph.steps["casing"].spec
         mounts = spec.mounts
         chosen = kept_modes(modes, modes.springs(mounts), limit=limit, frequency_error=spec.frequency_error)
