@@ -16,7 +16,7 @@ import numpy as np
 from numba import types
 
 from fem.numerics.compiled import CUBE, FLOAT, HYPERCUBE, INTEGER, INTEGERS, MATRIX, VECTOR, inner, stored
-from mbd.elements.element import WIDTH
+from mbd.elements.element import AUDIT_STEPS, WIDTH
 from mbd.elements.newton import NEAR, iterate
 from mbd.elements.table import INSTANT, TABLE, Instant, contact_changed, parametric_work
 from mbd.integrators.base import Block
@@ -50,7 +50,7 @@ class Memory(NamedTuple):
     forces: np.ndarray  # (3, m) of the last instants, newest first
     pushes: np.ndarray  # (s, 2 mode) modal forces of the last instants, newest first
     past: np.ndarray  # (2,) lengths of the last two steps, s
-    counts: np.ndarray  # (3,) int: steps since the start or the last kink, level to try, level of the last step
+    counts: np.ndarray  # (4,) int: steps since the last kink, level to try, level of the last step, steps since the start
     motor: np.ndarray  # (3,) angle, speed, time
     rows: np.ndarray  # (m + observed,)
     elements: Instant  # what they answered
@@ -61,7 +61,7 @@ _CONSTANTS = types.NamedTuple(
     (VECTOR, MATRIX, VECTOR, HYPERCUBE, CUBE, MATRIX, MATRIX, MATRIX, MATRIX, HYPERCUBE, HYPERCUBE, _FRAME), Constants
 )
 _MEMORY = types.NamedTuple((VECTOR, MATRIX, MATRIX, VECTOR, INTEGERS, VECTOR, VECTOR, INSTANT), Memory)
-_BLOCK = types.NamedTuple((*[MATRIX] * 7, CUBE, MATRIX, INTEGERS, CUBE), Block)
+_BLOCK = types.NamedTuple((*[MATRIX] * 6, CUBE, MATRIX, INTEGERS, CUBE), Block)
 
 
 def compile_loop() -> None:
@@ -156,7 +156,7 @@ def _remember(constants, memory, hold, level, kink, eta, force, row_values, now,
                 held[k, r] += powers[hold, k, s] * forces[s - 1, r]
         forces[2, r], forces[1, r], forces[0, r] = forces[1, r], forces[0, r], force[r]
     counts[0] = 0 if kink else counts[0] + 1
-    counts[2] = level
+    counts[2], counts[3] = level, counts[3] + 1
     past[1], past[0] = past[0], constants.length[level]
     for r in range(len(rows)):
         rows[r] = row_values[r]
@@ -188,7 +188,7 @@ def advance_modes(table, first, angles, accelerations, constants, memory, block,
     """
     length, growth, rate, weights, powers, load, ramp, enter, rows, g_u, g_v, frame = constants
     state, past_forces, pushes, past, counts, motor, last_rows, last = memory
-    states, _, forces, row_values, elastic, lost, push, log, clock, whole, holds = block
+    states, _, forces, row_values, elastic, lost, log, clock, whole, holds = block
     m, n_rows, n_past, finest = len(enter), len(rows), len(pushes), len(length) - 1
     units = QUARTERS**finest
     u_p, v_p, v, guess = np.empty(n_rows), np.empty(m), np.empty(m), np.empty(m)
@@ -223,10 +223,11 @@ def advance_modes(table, first, angles, accelerations, constants, memory, block,
             if frame.free == 1:
                 angle, speed, turning = _turn(frame, powers[hold], past_forces, guess, motor, length[level])
             now = Instant(elastic[n], lost[n], stiffness, log[n], frozen, frozen_stiffness)
-            time = motor[2] + length[level]
+            time, audited = motor[2] + length[level], AUDIT_STEPS if counts[3] % AUDIT_STEPS == 0 else 0
             used = iterate(
                 table, (angle, speed, time), u_p, v_p, g_u[level, hold], g_v[level, hold], guess, row_values[n], v, now,
-                tolerance, NEAR, ROUGH if may_cut else np.inf, quality, last_rows,
+                tolerance, NEAR, ROUGH if may_cut else np.inf, quality,
+                last_rows if audited > 0 else last_rows[:0],
             )  # fmt: skip
             kink = contact_changed(table, last.elastic, now.elastic)
             if may_cut and (used < 0 or kink):
@@ -237,7 +238,7 @@ def advance_modes(table, first, angles, accelerations, constants, memory, block,
             iterations += used
             if frame.free == 1:
                 angle, speed, turning = _turn(frame, powers[hold], past_forces, guess, motor, length[level])
-            parametric_work(table, motor[0], angle, last_rows, row_values[n], last, now, push[n])
+            parametric_work(table, (motor[0], angle), last_rows, row_values[n], last, now, audited)
             for r in range(m):
                 forces[n, r] = guess[r]
             clock[n, 0], clock[n, 1], clock[n, 2], clock[n, 3] = length[level], angle, speed, turning

@@ -93,11 +93,10 @@ class Reference:
             motor.append(moved)
             clock = angle, self._speed, self._time + self._step
             forces, rows, rates, now = self._forces(self._x, clock)
-            push = np.zeros(len(forces))
-            work_between(self._system.table, self._angle, clock, self._rows, rows, rates, self._now, now, push)
+            work_between(self._system.table, self._angle, clock, self._rows, rows, rates, self._now, now)
             self._rows, self._now, self._angle, self._time = rows, now, clock[0], clock[2]
             self.counters["steps"] += 1
-            instants.append((self._x, start, forces, rows, now.elastic, now.lost, push, now.log))
+            instants.append((self._x, start, forces, rows, now.elastic, now.lost, now.log))
         columns = dict(zip(Block._fields, (np.array(column) for column in zip(*instants, strict=True)), strict=False))
         clocks = uniform_clock(self._step, *np.array(motor).T)
         none = np.zeros((len(instants), 0, len(self._v_rows)))
