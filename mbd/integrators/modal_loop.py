@@ -50,7 +50,7 @@ class Memory(NamedTuple):
     forces: np.ndarray  # (3, m) of the last instants, newest first
     pushes: np.ndarray  # (s, 2 mode) modal forces of the last instants, newest first
     past: np.ndarray  # (2,) lengths of the last two steps, s
-    counts: np.ndarray  # (4,) int: steps since the last kink, level to try, level of the last step, steps since the start
+    counts: np.ndarray  # (4,) int: steps since the last kink, level to try, level of the last step, all steps
     motor: np.ndarray  # (3,) angle, speed, time
     rows: np.ndarray  # (m + observed,)
     elements: Instant  # what they answered

@@ -119,4 +119,3 @@ def _path_work(force: np.ndarray, motion: np.ndarray, known: int, even: np.ndarr
 def _bend(values: np.ndarray) -> np.ndarray:
     """Mean of the second differences at both ends of every step that has neighbours."""
     return 0.5 * (values[3:] - values[2:-1] - values[1:-2] + values[:-3])
-

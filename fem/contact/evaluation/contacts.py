@@ -1,8 +1,8 @@
 """Slices of a face and the tooth pairs that approach there, compiled: what the law says of them at one position.
 
-All numbers of an evaluation are one array ``r`` (block, row, field, lane): slices stand in blocks of LANES, which vector
-instructions take together, and pair p of a slice stands in row p mod rows; a slice with two pairs for one row needs more
-rows. The fields are numbered below; those of row b seen from row a start at `pair_field`, those of mode k of the damaged
+All numbers of an evaluation are one array ``r`` (block, row, field, lane). Slices are in blocks of LANES, which vector
+instructions take together. Pair p of a slice is in row p mod rows; a slice with two pairs for one row needs more rows.
+The fields are numbered below; those of row b seen from row a start at `pair_field`, those of mode k of the damaged
 teeth at `mode_field`.
 """
 
@@ -34,12 +34,14 @@ LOAD, LOG, ON = 12, 13, 14  # f (N/m; 1 where the pair does not carry), ln f, 1 
 BEYOND = 15  # t of `line_contact`
 FIELD = 16  # v
 MOVED = 17  # what fields, bodies and modes take from the approach, m
-TARGET = 18  # phi l: loads after a Newton step of the slice by itself at the free approach
+TARGET = 18  # l: loads after a Newton step of the slice by itself at the free approach
 RIGHT_LOAD, RIGHT_BODY, RIGHT_TILT = 19, 20, 21  # right sides of the field equations: w g phi l, w g K 1, w g K y
 FROM_LOAD, FROM_BODY, FROM_TILT = 22, 23, 24  # what they give while slices nearer the middle are held
 REST = 25
 FIELD_BEFORE, MOVED_BEFORE = 26, 27  # before the last step
-ROW_FIELDS = 28
+BEND = 28  # a / (2 (1 - p)^2), m
+RETURNED = 29  # approach to the least gap where a pair has just come back into contact, else 0, m
+ROW_FIELDS = 30
 COUPLED, SYSTEM, STIFFNESS, PIVOT = 0, 1, 2, 3  # of a pair of rows: c_pq; J, then its inverse; K; field equations
 PAIR_FIELDS = 4
 MODE, MODE_RIGHT, MODE_FROM = 0, 1, 2  # of a mode: what a unit takes from the approach; as RIGHT_ and FROM_LOAD
@@ -126,6 +128,7 @@ def clear(rows, r):
             for s in range(LANES):
                 r[block, a, PAIR, s] = r[block, a, PLACE, s] = r[block, a, PHI, s] = r[block, a, GAIN, s] = 0.0
                 r[block, a, RISE, s] = r[block, a, EVEN, s] = r[block, a, LINK, s] = r[block, a, STAY, s] = 0.0
+                r[block, a, BEND, s] = 0.0
                 r[block, a, FIELD, s] = r[block, a, MOVED, s] = r[block, a, FROM_LOAD, s] = 0.0
                 r[block, a, FROM_BODY, s] = r[block, a, FROM_TILT, s] = 0.0  # in lanes without a slice, too
                 r[block, a, FREE, s], r[block, a, SOFTNESS, s], r[block, a, OFFSET, s] = NEVER, 1.0, 2.0
@@ -179,7 +182,8 @@ def gather(law, near, own_cycle, delta, psi, lowest, rows, r):
                 whole = law.fine[fine, 4] + v * law.fine[fine, 5]
                 if whole > 0.0:
                     r[block, a, RISE, s], r[block, a, PER_WHOLE, s] = rise, 1.0 / whole
-                    r[block, a, EVEN, s] = law.fine[fine, 6] + v * law.fine[fine, 7]
+                    even = law.fine[fine, 6] + v * law.fine[fine, 7]
+                    r[block, a, EVEN, s], r[block, a, BEND, s] = even, 0.5 * rise / ((1.0 - even) * (1.0 - even))
                 found = rows
                 for b in range(rows if reach > 0 else 0):
                     apart = number - int(r[block, b, PAIR, s])

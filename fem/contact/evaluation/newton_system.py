@@ -125,9 +125,8 @@ def _linearise(law, block, rows, modes, r):
                 r[block, a, pair_field(b, STIFFNESS), s] = stiffness
                 stay = r[block, a, STAY, s] if a == b else 0.0
                 r[block, a, pair_field(b, PIVOT), s] = w * g * r[block, b, GAIN, s] * stiffness + stay
-            target *= on
             r[block, a, TARGET, s] = target
-            load, stiff = w * target, w * total
+            load, stiff = w * on * target, w * total
             r[block, a, RIGHT_LOAD, s], r[block, a, RIGHT_BODY, s] = g * load, g * stiff
             r[block, a, RIGHT_TILT, s] = g * stiff * y
             force += load
@@ -176,7 +175,8 @@ def _add_modes(law, block, rows, modes, r, small):
                 r[block, a, right, s] = r[block, a, GAIN, s] * total
                 small[0, BODIES + m] += total
                 small[1, BODIES + m] += total * slices.y[s]
-                small[BODIES + m, last] += slices.width[s] * r[block, a, own, s] * r[block, a, TARGET, s]
+                load = r[block, a, ON, s] * r[block, a, PHI, s] * r[block, a, TARGET, s]
+                small[BODIES + m, last] += slices.width[s] * r[block, a, own, s] * load
                 for other in range(m + 1):
                     small[BODIES + other, BODIES + m] += r[block, a, mode_field(rows, other, MODE), s] * total
 

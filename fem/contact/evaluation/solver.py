@@ -10,15 +10,16 @@ the slices (diagonal w_s, springs a^2 / distance between neighbours, nothing bey
 the case without fields, bodies and modes. All parts are convex, so that the minimum is unique and U stays convex in
 (delta, psi); F, M, U and all derivatives are those of the minimum (envelope theorem).
 
-One Newton step moves loads, fields, bodies and modes at once (`newton_system`). A pair leaves a slice when its load falls
-below zero and returns where its approach is positive. Hertz contacts bend little (x'' = -A / f), so that three to five
-steps reach round-off. What has not settled by then is solved by slices that are exact at held fields, bodies and modes,
+One Newton step moves loads, fields, bodies and modes at once (`newton_system`). A pair leaves a slice when its load
+falls below zero and returns where its approach is positive. Hertz contacts bend little (x'' = -A / f), so that three to
+five steps reach round-off. What does not settle so is solved by slices that are exact at held fields, bodies and modes,
 coordinate by coordinate, which always converges for a convex function, and a Newton step of the rest, in turn.
 
-Two compiled versions of the same code: `respond` has two rows of pairs and no modes, and gathers the pairs whose free
-approach is positive. It hands over to `respond_generally` slices of more pairs, damaged teeth with modes, neighbours
-that pull, bodies that tilt a pair into contact which the free approach leaves open, and what does not settle; that one
-gathers every pair within reach.
+Three compiled versions of the same code. `respond` has two rows of pairs and no modes, and gathers the pairs whose free
+approach is positive. It hands over to `respond_with_modes` (three rows, damaged teeth with modes, pairs that come near
+without touching) where a slice has more pairs, a tooth has modes, bodies tilt a pair into contact which the free
+approach leaves open, or nothing settles. `respond_exactly` has as many rows as it needs, gathers every pair within reach, and is
+the one that always ends; neighbours that pull go there at once.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ import numpy as np
 from numba import njit, types
 
 from fem.contact.evaluation.contacts import (
+    BEND,
     BEYOND,
     BODIES,
     COUPLED,
@@ -50,9 +52,11 @@ from fem.contact.evaluation.contacts import (
     PHI,
     PLACE,
     REST,
+    RETURNED,
     RISE,
     SOFTNESS,
     STIFFNESS,
+    SYSTEM,
     TARGET,
     cell_of,
     damage_at,
@@ -80,7 +84,8 @@ from fem.contact.slice_means import FINER
 from fem.numerics.compiled import FLOAT, INLINE, MATRIX, SPREAD, SUMS, VECTOR, apart, inner, stored, views
 
 STEPS = 14
-CLOSE = 1e-12  # of F: error at which the iteration ends
+ASIDE = 0.25  # of the approach: pairs this far apart are gathered, for modes that lift a tooth towards its mate
+CLOSE = 1e-13  # of F: bound of the error at which the iteration ends
 EXACT_STEPS = 40
 EXACT_CLOSE = 1e-11  # step of the displacements, relative to the largest, at which the loads found before it are taken
 ANSWER = types.UniTuple(FLOAT, 7)  # F, M, U, dF/d delta, dF/d psi, dM/d psi, dU/dc'
@@ -99,36 +104,67 @@ def respond(packed, cycle, delta, psi, pinion, wheel, loads):
     loads : (place, slice) out: line loads phi f, N/m, pair p at place p - floor(c') + places // 2 and left out beyond
         the places; dU/dc is answered with them, else 0; (0, 0) if neither is asked for
     """
-    law = unpacked(packed)
-    own_cycle = law.sign * cycle + law.offset
-    if law.pulls > 0.0 or (
-        law.pinion_modes + law.wheel_modes > 0.0
-        and damaged_teeth(law, own_cycle, pinion, wheel, np.empty((0, 0))) > 0
-    ):
-        return respond_generally(packed, cycle, delta, psi, pinion, wheel, loads)
-    blocks, fields = len(law.block), fields_of(2, 0)
+    law, found = unpacked(packed), 3
+    own_cycle, blocks, fields = law.sign * cycle + law.offset, len(law.block), fields_of(2, 0)
     memory = np.empty(NEAR_ROOM + BODIES * (BODIES + 2) + blocks * 2 * fields * LANES)
     near = near_pairs(law, own_cycle, pinion, wheel, memory)
     small = views(memory, NEAR_ROOM, 1, (BODIES, BODIES + 2))[0]
     r = views(memory, NEAR_ROOM + BODIES * (BODIES + 2), 1, (blocks, 2, fields, LANES))[0]
-    found = gather(law, near, own_cycle, delta, psi, 0.0, 2, r)
-    if found == 0:
-        memory[0] = 0.0  # the views of it were lent
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    if law.pulls == 0.0 and not (
+        law.pinion_modes + law.wheel_modes > 0.0 and damaged_teeth(law, own_cycle, pinion, wheel, np.empty((0, 0))) > 0
+    ):
+        found = gather(law, near, own_cycle, delta, psi, 0.0, 2, r)
+    answer = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if found == 2:
         settled, stiffness = _settle(law, 2, 0, r, small)
         if settled and _covered(law, delta, psi, small):
             answer = _sums(law, near, own_cycle, 2, 0, r, small, stiffness, loads)
-            memory[0] = 0.0
-            return answer
-    memory[0] = 0.0
-    return respond_generally(packed, cycle, delta, psi, pinion, wheel, loads)
+        else:
+            found = 3
+    memory[0] = 0.0  # the views of it were lent
+    return answer if found <= 2 else respond_with_modes(packed, cycle, delta, psi, pinion, wheel, loads)
 
 
 @apart(ANSWER, VECTOR, FLOAT, FLOAT, FLOAT, MATRIX, MATRIX, MATRIX)
 @stored(__file__, entry=False)
-def respond_generally(packed, cycle, delta, psi, pinion, wheel, loads):
-    """`respond` for any number of pairs in a slice, with modes, by an iteration that always ends.
+def respond_with_modes(packed, cycle, delta, psi, pinion, wheel, loads):
+    """`respond` with three rows of pairs and the modes of damaged teeth.
+
+    Parameters
+    ----------
+    packed, cycle, delta, psi, pinion, wheel, loads : those of `respond`
+    """
+    law, modes, found = unpacked(packed), 0, 4
+    own_cycle, blocks = law.sign * cycle + law.offset, len(law.block)
+    teeth = np.empty((2 * LARGEST_NEAR, 3))
+    teeth = teeth[: damaged_teeth(law, own_cycle, pinion, wheel, teeth)]
+    for i in range(len(teeth)):
+        modes += int(law.pinion_modes if teeth[i, 1] == 0.0 else law.wheel_modes)
+    of_small, fields = (modes + BODIES) * (modes + BODIES + 2), fields_of(3, modes)
+    memory = np.empty(NEAR_ROOM + of_small + blocks * 3 * fields * LANES)
+    near = near_pairs(law, own_cycle, pinion, wheel, memory)
+    small = views(memory, NEAR_ROOM, 1, (modes + BODIES, modes + BODIES + 2))[0]
+    r = views(memory, NEAR_ROOM + of_small, 1, (blocks, 3, fields, LANES))[0]
+    aside = ASIDE * (abs(delta) + abs(psi * law.block[0, 0, 0]))
+    if law.pulls == 0.0:
+        found = gather(law, near, own_cycle, delta, psi, -aside, 3, r)
+    answer = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    if found == 3:
+        gather_modes(law, teeth, 3, r)
+        settled, stiffness = _settle(law, 3, modes, r, small)
+        if settled and _least_move(law, own_cycle, teeth, small) >= -aside:
+            answer = _sums(law, near, own_cycle, 3, modes, r, small, stiffness, loads)
+            answer = _less_modes(law, teeth, 3, r, small, loads, answer)
+        else:
+            found = 4
+    memory[0] = 0.0  # the views of it were lent
+    return answer if found <= 3 else respond_exactly(packed, cycle, delta, psi, pinion, wheel, loads)
+
+
+@apart(ANSWER, VECTOR, FLOAT, FLOAT, FLOAT, MATRIX, MATRIX, MATRIX)
+@stored(__file__, entry=False)
+def respond_exactly(packed, cycle, delta, psi, pinion, wheel, loads):
+    """`respond` for any number of pairs in a slice, by an iteration that always ends.
 
     Parameters
     ----------
@@ -136,9 +172,9 @@ def respond_generally(packed, cycle, delta, psi, pinion, wheel, loads):
     """
     law, rows, found, modes = unpacked(packed), 1, 2, 0
     own_cycle, blocks = law.sign * cycle + law.offset, len(law.block)
-    near_room, table = np.empty(NEAR_ROOM), np.empty((2 * LARGEST_NEAR, 3))
+    near_room, teeth = np.empty(NEAR_ROOM), np.empty((2 * LARGEST_NEAR, 3))
     near = near_pairs(law, own_cycle, pinion, wheel, near_room)
-    teeth = table[: damaged_teeth(law, own_cycle, pinion, wheel, table)]
+    teeth = teeth[: damaged_teeth(law, own_cycle, pinion, wheel, teeth)]
     for i in range(len(teeth)):
         modes += int(law.pinion_modes if teeth[i, 1] == 0.0 else law.wheel_modes)
     r = np.empty((blocks, 1, 1, LANES))
@@ -146,18 +182,13 @@ def respond_generally(packed, cycle, delta, psi, pinion, wheel, loads):
         rows += 1
         r = np.empty((blocks, rows, fields_of(rows, modes), LANES))
         found = gather(law, near, own_cycle, delta, psi, NEVER, rows, r)
-    if found == 0:
-        near_room[0] = 0.0
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    small = np.empty((modes + BODIES, modes + BODIES + 2))
-    gather_modes(law, teeth, rows, r)
-    settled, stiffness = _settle(law, rows, modes, r, small)
-    if not settled:
+    answer = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    if found == rows:
+        small = np.empty((modes + BODIES, modes + BODIES + 2))
+        gather_modes(law, teeth, rows, r)
         stiffness = _settle_in_turn(law, rows, modes, r, small)
-    answer = _sums(law, near, own_cycle, rows, modes, r, small, stiffness, loads)
-    if loads.size > 0:
-        rate = answer[6] - law.sign * _slope_of_modes(law, teeth, r, small)
-        answer = answer[0], answer[1], answer[2], answer[3], answer[4], answer[5], rate
+        answer = _sums(law, near, own_cycle, rows, modes, r, small, stiffness, loads)
+        answer = _less_modes(law, teeth, rows, r, small, loads, answer)
     near_room[0] = 0.0
     return answer
 
@@ -229,40 +260,40 @@ def _secants(law, block, rows, r):
 def _advance(law, block, rows, r, bits):
     """Loads of a block after a Newton step; a pair that does not carry gets f = 1.
 
-    Returns F, the bound sum w K A f step^2 / 2 of its error, from x'' = -A / f, with the relative steps of the loads,
-    and the sum of step^2, 1 for a pair that switches.
+    Returns F, a bound of its error and the sum of step^2 with the relative steps of the loads, 1 for a pair that
+    switches. The bound is sum w K (A f + a/(2 (1 - p)^2)) step^2 / 2 from the second derivatives of x(f): -A / f, and
+    at most that of the part of a slice in contact.
     """
     slope, width = law.slope, slices_of(law, block).width
-    force = bend = total = deepest = 0.0
+    force = bend = total = deepest = returned = 0.0
     for s in range(LANES):
         for a in range(rows):
-            new, on = r[block, a, TARGET, s], r[block, a, ON, s]
+            moved, on = 0.0, r[block, a, ON, s]
             for b in range(rows):
-                new -= r[block, a, pair_field(b, STIFFNESS), s] * r[block, b, MOVED, s]
-            r[block, a, REST, s] = on * max(new / (on * r[block, a, PHI, s] + 1.0 - on), 0.0)
-        for a in range(rows):
-            free = r[block, a, FREE, s]
-            left = free - r[block, a, MOVED, s]
+                moved += r[block, a, pair_field(b, SYSTEM), s] * r[block, b, ON, s] * r[block, b, MOVED, s]
+            r[block, a, REST, s] = on * max(r[block, a, TARGET, s] - moved, 0.0)
+        for a in range(rows):  # numbers instead of branches, which would keep the loop from vectors
+            free, rise = r[block, a, FREE, s], r[block, a, RISE, s]
+            left = free + rise - r[block, a, MOVED, s]
             for b in range(rows):
                 if b != a:
                     left -= r[block, a, pair_field(b, COUPLED), s] * r[block, b, PHI, s] * r[block, b, REST, s]
-            f, new, rise, even = r[block, a, LOAD, s], r[block, a, REST, s], r[block, a, RISE, s], r[block, a, EVEN, s]
-            stays = 1.0 if new > 0.0 else 0.0  # numbers instead of branches, which would keep the loop from vectors
-            near = max(1e-15 * (abs(free) + rise), 1e-18)
-            back = (1.0 - stays) * (1.0 if left + rise > near else 0.0)
-            fresh = touch(left, rise, even) / (r[block, a, SOFTNESS, s] + 0.8 * slope * r[block, a, OFFSET, s])
-            new = stays * new + back * fresh + (1.0 - stays - back)
+            f, new = r[block, a, LOAD, s], r[block, a, REST, s]
+            stays = 1.0 if new > 0.0 else 0.0
+            back = (1.0 - stays) * (1.0 if left > max(1e-15 * (abs(free) + rise), 1e-18) else 0.0)
+            new += 1.0 - stays
             step = stays * (new - f) / f + (1.0 - stays) * max(r[block, a, ON, s], back)
             log = r[block, a, LOG, s] + log_of_growth(step)
-            deepest += (stays + back) * (1.0 if log + 1.0 > r[block, a, OFFSET, s] else 0.0)
-            deepest += 1.0 - r[block, a, BEYOND, s]
-            r[block, a, LOAD, s], r[block, a, LOG, s], r[block, a, ON, s] = new, log, stays + back
-            per_whole = r[block, a, PER_WHOLE, s]
-            u, part = min(new * per_whole, 1.0), part_of(new, per_whole, even)
-            bent = slope * new + 0.5 * rise * (1.0 + even) ** 2 * u * u / (part * part * part)
+            deepest += stays * (1.0 if log + 1.0 > r[block, a, OFFSET, s] else 0.0) + 1.0 - r[block, a, BEYOND, s]
+            r[block, a, RETURNED, s] = back * left
+            r[block, a, LOAD, s], r[block, a, LOG, s], r[block, a, ON, s] = new, log, stays
+            bent = slope * new + r[block, a, BEND, s] * (1.0 if new * r[block, a, PER_WHOLE, s] < 1.0 else 0.0)
             force += width[s] * r[block, a, PHI, s] * new * stays
             bend += width[s] * r[block, a, pair_field(a, STIFFNESS), s] * step * step * bent
             total += step * step
+            returned += back
+    if returned > 0.0:
+        _take_back(slope, block, rows, r)
     if total > SERIES * SERIES:
         for a in range(rows):
             logarithm(r[block, a], bits[block, a], LOAD, LOG, REST)
@@ -273,9 +304,21 @@ def _advance(law, block, rows, r, bits):
     return force, 0.5 * bend, total
 
 
+@inner()
+def _take_back(slope, block, rows, r):
+    """A first load for the pairs that return: those in whose row RETURNED the approach to the least gap is."""
+    for a in range(rows):
+        for s in range(LANES):
+            if r[block, a, RETURNED, s] > 0.0:
+                rise, even = r[block, a, RISE, s], r[block, a, EVEN, s]
+                whole = touch(r[block, a, RETURNED, s] - rise, rise, even)
+                r[block, a, LOAD, s] = whole / (r[block, a, SOFTNESS, s] + 0.8 * slope * r[block, a, OFFSET, s])
+                r[block, a, ON, s] = 1.0
+
+
 @njit(**SPREAD)
 def _settle_in_turn(law, rows, modes, r, small):
-    """Slices exactly at held displacements, then those by a Newton step, in turn; halved steps later. The stiffnesses."""
+    """Slices exactly at held displacements, then those by a Newton step, in turn, in halves later; the stiffnesses."""
     scale, last = 0.0, small.shape[1] - 1
     stiffness, shares = (0.0, 0.0, 0.0), np.zeros(modes + BODIES)
     for block in range(r.shape[0]):
@@ -349,6 +392,27 @@ def _covered(law, delta, psi, small):
     return least >= 0.0
 
 
+@inner()
+def _least_move(law, own_cycle, teeth, small):
+    """The least displacement (m) by which bodies and modes relieve any pair that may touch."""
+    least, last = math.inf, small.shape[1] - 1
+    for number in range(int(law.slices)):
+        slices, s = slices_of(law, number // LANES), number % LANES
+        move = small[0, last] + small[1, last] * slices.y[s]
+        here = own_cycle + slices.shift[s]
+        least = min(least, move)
+        for p in range(math.ceil(here - law.start - law.cells / law.per_step), math.floor(here - law.start) + 1):
+            cell, u = cell_of(law, max((here - p - law.start) * law.per_step, 0.0))
+            taken, at = move, BODIES
+            for i in range(len(teeth)):
+                for k in range(int(law.pinion_modes if teeth[i, 1] == 0.0 else law.wheel_modes)):
+                    low, high = mode_at(law, teeth[i], p, number, cell, k)
+                    taken += small[at, last] * (low + u * (high - low))
+                    at += 1
+            least = min(least, taken)
+    return least
+
+
 @inner(**INLINE)
 def _sums(law, near, own_cycle, rows, modes, r, small, stiffness, loads):
     """The answer of solved slices; with their line loads and dU/dc if `loads` has room, see `respond`."""
@@ -416,7 +480,7 @@ def _energy_slope(law, near, own_cycle, rows, r):
                 while near.number[m] != r[block, a, PAIR, s]:
                     m += 1
                 cell, u = cell_of(law, r[block, a, PLACE, s])
-                fine, v = finer(cell, u)
+                fine, _ = finer(cell, u)
                 xi = own_cycle + slices.shift[s] - near.number[m]
                 _, softer, _, wider = damage_at(law, near, m, block * LANES + s, cell, u)
                 per_step, per_fine = law.per_step, law.per_step * FINER
@@ -425,7 +489,8 @@ def _energy_slope(law, near, own_cycle, rows, r):
                 even, rise, whole = r[block, a, EVEN, s], r[block, a, RISE, s], 1.0 / r[block, a, PER_WHOLE, s]
                 part = part_of(f, r[block, a, PER_WHOLE, s], even)
                 work, half = spared_work(even, part), 0.5 * f * f
-                gap = law.fine[fine, 1] * per_fine + near.profile_slope[m] + 2.0 * near.profile_curvature[m] * xi + wider
+                gap = law.fine[fine, 1] * per_fine + wider
+                gap += near.profile_slope[m] + 2.0 * near.profile_curvature[m] * xi
                 spread = law.slope * (1.0 + 2.0 * (t - 0.5 * t * t - 0.5)) * law.coarse[cell, 3] * per_step
                 bent = law.slope * (max(depth, 1.0) + 0.5 + 2.0 * (t - 0.25 * t * t - 0.75))
                 own = (x - r[block, a, MOVED, s]) * f - half * (r[block, a, SOFTNESS, s] + bent) + rise * whole * work
@@ -439,32 +504,31 @@ def _energy_slope(law, near, own_cycle, rows, r):
                 for b in range(rows):
                     if r[block, b, ON, s] == 0.0 or r[block, b, PAIR, s] <= r[block, a, PAIR, s]:
                         continue
-                    ahead, _ = cell_of(law, r[block, a, PLACE, s])
                     other, value = r[block, b, PHI, s], r[block, a, pair_field(b, COUPLED), s]
                     at, _ = cell_of(law, r[block, b, PLACE, s])
                     mixed = value * (steep * other + phi * law.coarse[at, 5] * per_step)
                     apart = int(r[block, b, PAIR, s] - r[block, a, PAIR, s])
                     if apart <= int(law.neighbours):
-                        mixed += law.neighbour[ahead, apart - 1, 1] * per_step * phi * other
+                        mixed += law.neighbour[cell, apart - 1, 1] * per_step * phi * other
                     along -= mixed * f * r[block, b, LOAD, s]
                 total += slices.width[s] * along
     return total
 
 
 @inner()
-def _slope_of_modes(law, teeth, r, small):
-    """What the modes take from dU/dc'."""
-    total, at, last = 0.0, BODIES, small.shape[1] - 1
-    for i in range(len(teeth)):
+def _less_modes(law, teeth, rows, r, small, loads, answer):
+    """The answer with what the modes take from dU/dc, where that is asked for."""
+    rate, at, last = answer[6], BODIES, small.shape[1] - 1
+    for i in range(len(teeth) if loads.size > 0 else 0):
         for k in range(int(law.pinion_modes if teeth[i, 1] == 0.0 else law.wheel_modes)):
             for block in range(r.shape[0]):
                 slices = slices_of(law, block)
-                for a in range(r.shape[1]):
+                for a in range(rows):
                     for s in range(LANES):
                         if r[block, a, ON, s] > 0.0 and slices.width[s] > 0.0:
                             cell, _ = cell_of(law, r[block, a, PLACE, s])
                             low, high = mode_at(law, teeth[i], r[block, a, PAIR, s], block * LANES + s, cell, k)
                             load = slices.width[s] * r[block, a, PHI, s] * r[block, a, LOAD, s]
-                            total += small[at, last] * load * (high - low) * law.per_step
+                            rate -= law.sign * small[at, last] * load * (high - low) * law.per_step
             at += 1
-    return total
+    return answer[0], answer[1], answer[2], answer[3], answer[4], answer[5], rate
