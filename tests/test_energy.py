@@ -83,7 +83,7 @@ def test_a_wrong_force_law_opens_the_balance(monkeypatch, what):
 
 
 def test_the_audit_finds_an_energy_whose_slope_is_not_the_force():
-    """Between two states of a loaded flank, on the way of the force: 10 % of its work if the energy is 10 % too small."""
+    """Between two states of a loaded flank: a tenth of the work of its force if the energy is a tenth too small."""
     system = assemble(train(1, profile=RAMP), no_casing())
     state, m = equilibrium(system), len(system.rows)
     before = system.all_rows @ state.displacement

@@ -71,11 +71,13 @@ def compile_loop() -> None:
 
 
 @inner(fastmath={"reassoc", "contract", "nsz"})
-def _dot(a, b):
-    total = 0.0
+def _dots(a, b, c):
+    """a . b and a . c; both at once read the long rows of modes only once."""
+    first = second = 0.0
     for j in range(len(a)):
-        total += a[j] * b[j]
-    return total
+        first += a[j] * b[j]
+        second += a[j] * c[j]
+    return first, second
 
 
 @inner(fastmath={"contract"})
@@ -215,10 +217,10 @@ def advance_modes(table, first, angles, accelerations, constants, memory, block,
                 _add_product(eta, weights[level, hold, s], pushes[s - 1])
             moving[:] = 0.0
             _add_product(moving, rate, eta)
-            for r in range(n_rows):
-                u_p[r] = _dot(rows[r], eta)
             for r in range(m):
-                v_p[r] = _dot(rows[r], moving)
+                u_p[r], v_p[r] = _dots(rows[r], eta, moving)
+            for r in range(m, n_rows):
+                u_p[r], _ = _dots(rows[r], eta, eta)
             _extrapolate(past_forces, past, counts[0], length[level], guess)
             if frame.free == 1:
                 angle, speed, turning = _turn(frame, powers[hold], past_forces, guess, motor, length[level])

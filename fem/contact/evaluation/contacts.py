@@ -28,7 +28,7 @@ PHI = 3  # fraction
 SOFTNESS, OFFSET = 4, 5  # C, m2/N, and B
 RISE, PER_WHOLE, EVEN = 6, 7, 8  # a (m), 1 / f_a (m/N) and p of `fem.contact.part_contact`
 GAIN = 9  # g = sqrt(D)
-LINK = 10  # spring to the next slice nearer the middle of the face, m; 0 where another line lies there
+LINK = 10  # spring to the next slice, m; 0 where another line lies there
 STAY = 11  # width and springs of a slice, m
 LOAD, LOG, ON = 12, 13, 14  # f (N/m; 1 where the pair does not carry), ln f, 1 where the pair carries
 BEYOND = 15  # t of `line_contact`
@@ -217,14 +217,13 @@ def _link(law, rows, r):
                     good = good and direction * (found - number) >= 0.0
                     direction = found - number
                 last, number = s, found
-        behind = 0.0
-        for s in range(count):
-            slices, block, lane = slices_of(law, s // LANES), s // LANES, s % LANES
-            ahead = r[block, a, LINK, lane]
-            stay = slices.width[lane] + (behind if behind > 0.0 else slices.before[lane])
-            r[block, a, STAY, lane] = stay + (ahead if ahead > 0.0 else slices.behind[lane])
-            r[block, a, LINK, lane] = ahead if s < count // 2 else behind
-            behind = ahead
+        for block in range(r.shape[0]):
+            slices = slices_of(law, block)
+            for s in range(LANES):
+                ahead = r[block, a, LINK, s]
+                behind = r[block, a, LINK, s - 1] if s > 0 else (r[block - 1, a, LINK, LANES - 1] if block > 0 else 0.0)
+                stay = slices.width[s] + (behind if behind > 0.0 else slices.before[s])
+                r[block, a, STAY, s] = stay + (ahead if ahead > 0.0 else slices.behind[s])
     return good
 
 

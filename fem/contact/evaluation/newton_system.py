@@ -191,7 +191,7 @@ def _eliminate(count, rows, modes, r, small):
                 block, lane = s // LANES, s % LANES
                 sums = _pivot(block, lane, rows, modes, r, small, sums)
                 if s != middle:
-                    _pass_on(block, lane, to // LANES, to % LANES, rows, modes, r)
+                    _pass_on(s, to, rows, modes, r)
     return sums
 
 
@@ -226,12 +226,16 @@ def _pivot(block, s, rows, modes, r, small, sums):
 
 
 @inner(**INLINE)
-def _pass_on(block, s, to, lane, rows, modes, r):
-    """What the eliminated slice leaves to the next one."""
+def _pass_on(one, other, rows, modes, r):
+    """What the eliminated slice `one` leaves to the next one."""
+    block, s, to, lane = one // LANES, one % LANES, other // LANES, other % LANES
+    at, between = (block, s) if one < other else (to, lane)
     for a in range(rows):
-        link = r[block, a, LINK, s]
+        link = r[at, a, LINK, between]
         for b in range(rows):
-            r[to, a, pair_field(b, PIVOT), lane] -= link * r[block, b, LINK, s] * r[block, a, pair_field(b, PIVOT), s]
+            r[to, a, pair_field(b, PIVOT), lane] -= (
+                link * r[at, b, LINK, between] * r[block, a, pair_field(b, PIVOT), s]
+            )
         r[to, a, RIGHT_LOAD, lane] += link * r[block, a, FROM_LOAD, s]
         r[to, a, RIGHT_BODY, lane] += link * r[block, a, FROM_BODY, s]
         r[to, a, RIGHT_TILT, lane] += link * r[block, a, FROM_TILT, s]
@@ -316,10 +320,11 @@ def _move(law, rows, modes, r, small):
             for s, inner_s in ((middle - i, middle - i + 1), (middle + i, middle + i - 1)):
                 if s < count:
                     block, lane, of, at = s // LANES, s % LANES, inner_s // LANES, inner_s % LANES
+                    linked, between = (block, lane) if s < inner_s else (of, at)
                     for a in range(rows):
                         v = r[block, a, FIELD, lane]
                         for b in range(rows):
-                            passed = r[block, b, LINK, lane] * r[of, b, FIELD, at]
+                            passed = r[linked, b, LINK, between] * r[of, b, FIELD, at]
                             v += r[block, a, pair_field(b, PIVOT), lane] * passed
                         r[block, a, FIELD, lane] = v
         for block in range(r.shape[0]):

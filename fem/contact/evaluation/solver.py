@@ -18,8 +18,8 @@ coordinate by coordinate, which always converges for a convex function, and a Ne
 Three compiled versions of the same code. `respond` has two rows of pairs and no modes, and gathers the pairs whose free
 approach is positive. It hands over to `respond_with_modes` (three rows, damaged teeth with modes, pairs that come near
 without touching) where a slice has more pairs, a tooth has modes, bodies tilt a pair into contact which the free
-approach leaves open, or nothing settles. `respond_exactly` has as many rows as it needs, gathers every pair within reach, and is
-the one that always ends; neighbours that pull go there at once.
+approach leaves open, or nothing settles. `respond_exactly` has as many rows as it needs, gathers every pair within
+reach, and is the one that always ends; neighbours that pull go there at once.
 """
 
 from __future__ import annotations
