@@ -92,6 +92,9 @@ def reduce(
     from fem.casing.reduced.reduction import ReductionError
     from fem.numerics.linear_solver import SingularMatrixError
 
+    for name, point in points.items():
+        if not isinstance(point, Point):
+            raise InputError(f'points["{name}"] = {point!r}: must be a gearcase.Point. Give its nodes and its place.')
     try:
         body = foreign_body("matrices", stiffness, mass, equations=equations, nodes=nodes, system=units)
         made = reduce_foreign(body, points, held=held, sprung=() if held else tuple(points), band=band)

@@ -172,7 +172,7 @@ REFUSED = {
     "scenes = 4\n[variables]\nlabel = [1, 2]\n": "column of every data set",
     "scenes = 4\n[settings]\nload.container_kg = '$x'\n": "'x' is not a variable",
     "scenes = 4\n[settings]\nload.container_kg = '$open(1)'\n": "not allowed",
-    "scenes = 4\n[variables]\nx = [0.1, 0.2]\n[settings]\nsimulation.end_s = '$x'\n": "alike in all scenes",
+    "scenes = 4\n[variables]\nx = [0.1, 0.2]\n[settings]\nsimulation.end_s = '$x'\n": "equal in all scenes",
     "scenes = 4\n[variables]\nx = [0.1, 0.2]\n[settings]\ndiagnosis.noise_m_s2 = '$x'\n": "stored signals",
     "scenes = 4\ndesign = 'grid'\n": "delete the key",
     "design = 'grid'\n[variables]\nx = { from = 1.0, to = 2.0 }\n[settings]\nload.container_kg = '$x'\n": "levels",

@@ -26,10 +26,10 @@ from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
-from pipelines.cli.casing import casing_facts, misread_sensors, modal_ratios
+from pipelines.cli.casing import casing_facts, modal_ratios
 from pipelines.cli.main import main
 from pipelines.io.errors import InputError
-from pipelines.runs.single_results import Casing
+from pipelines.runs.single_results import Casing, misread_sensors
 from pipelines.studies.housings.casing_export import FORMATS, free_body, write_casing
 from pipelines.studies.housings.responses import (
     accelerance,

@@ -289,7 +289,8 @@ def test_the_output_rate_is_held_against_the_fastest_mesh():
 def test_a_window_in_the_run_up_is_a_warning_where_nothing_is_compared():
     settings = {"faults": FAULT["faults"], **SLOW, "diagnosis.windows_s": {"start": [0.0, 2.0]}}
     scene = load_scene("minimal", settings).scene
-    assert any("the mean speed of the motors is" in text for text in design_warnings(scene, make_drivetrain(scene)))
+    found = design_warnings(scene, make_drivetrain(scene))
+    assert any("the mean speed of the motors in this window is" in text for text in found)
 
 
 def test_contact_pressure_of_spur_gears_is_that_of_two_cylinders():

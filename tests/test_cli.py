@@ -109,7 +109,10 @@ def test_an_example_prints_what_its_help_shows(capsys, here, own_cache, command)
         (["check", "minimal", "--set", "casing.model=rubber"], "must be one of none, rigid"),
         (["check", "minimal", "--set", "stages.1.mesh.model=solid-ish"], "stages.1.mesh.model"),
         (["check", "minimal", "--set", "casing.housing.boss_diameters_mm=[90, 90]"], "overlap"),
-        (["check", "minimal", "--set", "drive.times_s=[0.0, 0.5, 0.2]"], "must rise strictly, but 0.2 s follows 0.5 s"),
+        (
+            ["check", "minimal", "--set", "drive.times_s=[0.0, 0.5, 0.2]"],
+            "must increase strictly, but 0.2 s follows 0.5 s",
+        ),
         (
             ["check", "minimal", "--set", "casing.housing.height_mm=100"],
             "mm into the cover of the housing",

@@ -33,7 +33,7 @@ def test_the_motion_is_computed_anew_for_another_torque():
     ("changes", "message"),
     [
         ({"torques_N_m": [1.0]}, "times_s has 2 values, torques_N_m has 1"),
-        ({"times_s": [0.5, 0.5]}, "must rise strictly"),
+        ({"times_s": [0.5, 0.5]}, "must increase strictly"),
         ({"shaft": 7}, "there is no shaft 7"),
         ({"position_mm": 5000.0}, "forces.1.position_mm"),
         ({"model": "thrust"}, "torque"),

@@ -229,7 +229,7 @@ def test_netcdf_and_csv_say_the_same_and_turn_with_the_shaft(tmp_path):
         ("tooth,flank,diameter_mm,position_mm,deviation_um\n1,drive,40,0,1\n1,drive,41,2,2\n", "2 of 4 points"),
         (
             "tooth,flank,diameter_mm,position_mm,deviation_um\n1.5,drive,40,0,1\n",
-            "tooth must rise; teeth must be whole numbers",
+            "tooth must increase; teeth must be whole numbers",
         ),
     ],
 )

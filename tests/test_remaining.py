@@ -145,6 +145,7 @@ def test_lines_for_a_pipe():
         ("features healthy seed 12 simulate", "features of the healthy machine (deviations of seed 12)"),
         ("error-free healthy simulate", "motion of the healthy machine (no deviations)"),
         ("casing modes", "casing modes"),
+        ("preset: reference: simulate", "preset: reference: motion of the machine"),
     ],
 )
 def test_motions_and_their_features_are_named_in_words(name, words):

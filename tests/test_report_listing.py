@@ -34,7 +34,7 @@ BENCH = [
     "figure: Time-synchronous average of the acceleration at sensor_3, z over 6 revolutions of shaft 1 in the window "
     "steady. The mesh orders are removed (residual signal).",
     "figure: Envelope spectrum of sensor_3 (z) in the window steady. Marked: harmonics of the shaft "
-    "frequency fr = 15.0000 Hz, at which a damaged tooth shows.",
+    "frequency fr = 15.0000 Hz, which a damaged tooth raises.",
     "# Signals and spectra",
     "figure: Acceleration at the sensor without sensor noise: the whole run (left) and 0.1 s of it (right).",
     "figure: Steady: one-sided peak amplitudes over 6 revolutions of the shaft with fr (0.4 s), Hann "
@@ -58,7 +58,7 @@ DAMAGED = [
     "fault alone. Shaded: the engagement of tooth 3, which is damaged in the scene and whose envelope has the highest "
     "energy. Teeth are numbered from 0.",
     "figure: Envelope spectrum of sensor_3 (z) in the window steady. Marked: harmonics of the shaft "
-    "frequency fr = 15.0000 Hz, at which a damaged tooth shows.",
+    "frequency fr = 15.0000 Hz, which a damaged tooth raises.",
     "# Signals and spectra",
     "figure: Acceleration at the sensor without sensor noise: the whole run (left) and 0.1 s of it (right).",
     "figure: Steady, constant torque, deviations of seed 1: one-sided peak amplitudes over 6 revolutions "

@@ -115,6 +115,31 @@ container_kg = 3
 """
 
 
+@pytest.mark.parametrize(
+    ("setting", "text"),
+    [
+        ("=3", "--set =3: has no key. Write KEY=VALUE"),
+        ("preset=fine", "is not a key of the scene. Use the option --preset."),
+        ("stages.1.torque_N_m=[5, 6]", "is not a key of [stages.1]. The load gives the torque of a stage"),
+        ("stages.1.torqe_N_m=5", "The load gives the torque of a stage: set it in [load], or use --torque"),
+        ("losses.friction=3", "losses.model: is missing. Set model to one of none, efficiency, coulomb."),
+        ("casing.housing.model=cad", 'casing.housing.model = "cad": must be one of parametric, step, mesh, matrices.'),
+    ],
+)
+def test_a_key_that_stands_elsewhere_or_is_missing_is_answered_with_what_to_write(setting, text):
+    with pytest.raises(SceneError) as raised:
+        load_scene("bench", [setting])
+    assert text in str(raised.value)
+
+
+def test_a_number_outside_its_range_is_one_problem_though_a_list_is_possible():
+    with pytest.raises(SceneError) as raised:
+        load_scene("bench", ["casing.damping_ratio=5"])
+    assert [str(problem) for problem in raised.value.problems] == [
+        "casing.damping_ratio = 5: must be less than 1. Correct the value."
+    ]
+
+
 def test_every_problem_is_listed_at_once_with_value_limit_and_remedy(tmp_path):
     found = problems(write(tmp_path, BAD), "stages.2.face_width_mm=0", "a..b=2", "x", "load.q=[1")
     expected = {
@@ -131,7 +156,7 @@ def test_every_problem_is_listed_at_once_with_value_limit_and_remedy(tmp_path):
         "Write the number alone, without quotes and unit.",
         "simulation.container_kg": "simulation.container_kg = 3: is not a key of [simulation]. "
         "Did you mean load.container_kg?",
-        "drive": "drive: times_s must rise strictly, but 1 s follows 2 s. Correct them",
+        "drive": "drive: times_s must increase strictly, but 1 s follows 2 s. Correct them",
         "load.container_kg": "load.container_kg = nan: must be a finite number in kg. Correct the value.",
         "a..b": "a..b: is not the path of a key. Join keys by single dots, as in stages.1.face_width_mm.",
         "--set x": "--set x: has no value. Write KEY=VALUE, as in --set stages.1.face_width_mm=32.",

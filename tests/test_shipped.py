@@ -86,6 +86,8 @@ def test_the_lines_are_found_again_from_the_folder(whole_run, capsys):
     assert "f_m - f_r" in out
     assert main(["diagnose", str(whole_run[1]), "--set", "diagnosis.sensor=sensor_5", "--set", "diagnosis.axis=x"]) == 0
     assert "sensor_5" in capsys.readouterr().out
+    assert main(["diagnose", str(whole_run[1]), "--set", "load.container_kg=4"]) == 2
+    assert "Set keys of [diagnosis] only, or simulate again" in capsys.readouterr().err
 
 
 def test_a_window_without_a_revolution_is_refused_before_the_signals_are_made(tmp_path):

@@ -162,7 +162,7 @@ def test_worn_profiles_are_what_the_table_says(laws):
         (SpalledTooth(height=1e-3, length=3e-3, depth=1e-4, diameter=60e-3), "is not on the flank"),
         (PittedTooth(height=1e-3, density=0.2, pit=0.8e-3), "half the pitted area"),
         (PittedTooth(height=1e-3, density=0.3, pit=5e-6), "pits, more than"),
-        (WornTooth(depth=1e-5, place="profile", diameters=(0.04, 0.039), parts=(0.0, 1.0)), "must rise"),
+        (WornTooth(depth=1e-5, place="profile", diameters=(0.04, 0.039), parts=(0.0, 1.0)), "must increase"),
         (WornTooth(depth=1e-5, place="profile", diameters=(0.04,), parts=(0.0,)), "two or more"),
         (WornTooth(depth=1e-5, extent=13e-3), "extent"),
         (WornTooth(depth=1e-5, fading=True), "needs extent_mm"),
@@ -206,11 +206,11 @@ def test_a_spall_of_a_scene_lies_at_its_place_in_both_senses_and_leaves_the_cont
 
 
 def test_a_spall_narrower_than_two_slices_is_questioned():
-    scene = load_scene("minimal", {"faults": [SCENE_SPALL | {"stage": 1, "length_mm": 1.0}]}).scene
-    assert any(
-        "length_mm = 1 is resolved coarsely by slices" in text
-        for text in design_warnings(scene, make_drivetrain(scene))
-    )
+    scene = load_scene("minimal", {"faults": [SCENE_SPALL | {"stage": 1, "length_mm": 1.5}]}).scene
+    found = [text for text in design_warnings(scene, make_drivetrain(scene)) if "is resolved coarsely" in text]
+    slices = 10 * scene.stages[0].face_width_mm / 1.5  # ten over the spall
+    assert len(found) == 1
+    assert found[0].endswith(f"Raise stages.1.mesh.slices to {slices:.0f}")
 
 
 def test_wear_on_a_part_of_the_face_is_that_of_one_tooth():

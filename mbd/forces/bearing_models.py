@@ -167,7 +167,7 @@ class HertzBearings(BearingModel):
         given = [key for key, value in needed.items() if value is not None]
         if self.designation is None and len(given) < len(needed):
             missing = ", ".join(key for key in needed if key not in given)
-            raise MachineError(f"{missing}: missing. Set them, or designation for a bearing of the catalogue")
+            raise MachineError(f"{missing}: not set. Set them, or designation for a bearing of the catalogue")
         if self.designation is not None and given:
             raise MachineError(
                 f'designation = "{self.designation}" already determines {", ".join(given)}. Delete one or the other'

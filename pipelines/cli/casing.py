@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from pipelines.cli.command_line import json_argument, scene_and_work, work_arguments
@@ -31,7 +31,6 @@ casing rigid: 6 coordinates, 23 output channels
 ...
   bearing_1  x     0.00  y   -65.00  z     0.00 mm
 ..."""
-_SENSOR_OFF = 0.005  # m: how far from its position a sensor may measure without a warning
 
 
 def arguments(sub: argparse.ArgumentParser) -> None:
@@ -74,7 +73,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.errors import InputError, SceneWarning
     from pipelines.io.json_text import json_text
     from pipelines.io.user_files import writable_folder
-    from pipelines.runs.single_results import build_casing, scene_graph
+    from pipelines.runs.single_results import build_casing, misread_sensors, scene_graph
     from pipelines.studies.housings.casing_export import checked_target, write_casing
     from pipelines.studies.housings.responses import checked_names
 
@@ -108,25 +107,6 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         sys.stderr.write("".join(f"{path}\n" for path in written))
     else:
         yield from map(str, written)
-
-
-def misread_sensors(body: ReducedBody, positions: Mapping[str, tuple[float, float, float]]) -> Iterator[str]:
-    """Sensors of a casing that measure elsewhere than stated in the scene (`positions` in m), or not along all axes."""
-    import numpy as np
-
-    places = dict(zip(body.point_names, body.point_positions, strict=True))
-    moving = dict(zip(body.row_names, np.abs(body.rows).max(axis=1) > 0.0, strict=True))
-    for name, position in positions.items():
-        if name in places and (distance := float(np.linalg.norm(places[name] - np.array(position)))) > _SENSOR_OFF:
-            yield (
-                f"{name} measures at the nearest point of the casing, {1000 * distance:.3g} mm from its position_mm. "
-                "Correct the position, or, for matrices of another program, add a node there"
-            )
-        if still := [axis for axis in "xyz" if not moving.get(f"{name}:u{axis}", True)]:
-            yield (
-                f"{name} reads 0 along {' and '.join(still)}: its node has no equation for them. Add these equations "
-                "to the matrices; for an export of gearcase set a casing-force of 0 N along x, y and z"
-            )
 
 
 def _texts(casing: Casing, count: int) -> Iterator[str]:

@@ -10,7 +10,7 @@ from pipelines.io.argument_types import count, picture, share
 from pipelines.studies.trade.axes import AXES
 
 HELP = """\
-Compute a scene with several values of one setting, from fine to coarse. Print the observed order of convergence, the
+Compute a scene with several values of one setting. Print the observed order of convergence, the
 extrapolated value and the error band of each result, and write a plot. Takes seconds to minutes for each value."""
 EXAMPLE = """\
 gearcase converge minimal --over step
@@ -35,7 +35,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         type=count,
         metavar="N",
         default=3,
-        help="number of values of the setting: one finer than in the scene, that of the scene, and coarser ones "
+        help="number of values of the setting, 3 or more: the value of the scene, a finer one and coarser ones "
         "(default 3)",
     )
     sub.add_argument(

@@ -72,7 +72,9 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     measured = path.name != RESPONSE or options.baseline or options.machine or options.window
     if measured:
         if options.settings:
-            raise InputError("--set changes the scene of a run and does not apply to a recording. Leave it out.")
+            raise InputError(
+                "--set does not apply to a recording, nor with --baseline, --machine or --window. Delete it."
+            )
         window = tuple(options.window) if options.window else None
         judged = judge_file(path, options.baseline, options.machine, window)
         yield json_text(file_facts(judged)) if options.json else file_words(judged)

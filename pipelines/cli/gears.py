@@ -45,23 +45,23 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         metavar="UM",
         type=tilt,
         default=0.0,
-        help="misalignment of the flanks over the face width, um, positive if they are closer at the +y end; or "
-        "balanced: the misalignment that centres the load; or machine: that in the loaded machine (default 0)",
+        help="misalignment of the flanks over the face width: a number in um, positive if they are closer at the +y "
+        "end; balanced, which centres the load; or machine, as in the loaded machine (default 0)",
     )
     sub.add_argument(
         "--out",
         metavar="FILE",
         type=path,
-        help="write the curves to this file, .csv or .nc: a row for each state and position; position 0 is contact of "
-        "the tooth at the pitch point; stiffness, transmission error at the force and without load (no_load_error), "
-        "tilt; load share and largest Hertz pressure of each tooth pair, +0 that of the tooth, +1 the next one",
+        help="write the curves to this file, .csv or .nc. Each row is a state and a position in mesh; at position 0 "
+        "the tooth makes contact at the pitch point. Columns: stiffness, transmission error with load and without "
+        "(no_load_error), tilt, load share and largest Hertz pressure of each tooth pair (+0: this tooth, +1: next)",
     )
     sub.add_argument(
         "--plot",
         metavar="FILE",
         type=picture,
-        help="plot the transmission error over the mesh cycle and its orders, with and without modifications, and "
-        "while damaged teeth are in mesh, to this file: .png, .svg or .pdf",
+        help="plot the transmission error over the mesh cycle, and its orders, to this file: .png, .svg or .pdf. "
+        "Curves: with modifications, without them, and while damaged teeth are in mesh",
     )
     json_argument(sub)
 

@@ -48,10 +48,10 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--position",
         type=number,
         metavar="C",
-        help="show one position in mesh, in mesh cycles (default: a film over one mesh cycle)",
+        help="show only this position in mesh, in mesh cycles (default: a film over one mesh cycle)",
     )
     sub.add_argument(
-        "--frames", type=count, metavar="N", default=17, help="pictures in the film; 1 gives a still (default 17)"
+        "--frames", type=count, metavar="N", default=17, help="number of pictures in the film (default 17)"
     )
     sub.add_argument(
         "--stress", action="store_true", help="show the von Mises stress of the loaded teeth instead (PNG)"

@@ -35,23 +35,23 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--one-load",
         action="store_true",
-        help="do not simulate a hanging load again with the equivalent constant torque",
+        help="for a hanging load: do not repeat the simulation with a constant torque as load",
     )
     sub.add_argument(
         "--seeds",
         metavar="N",
         type=count,
         default=0,
-        help="simulate also with the seeds 1 to N of the gear deviations, and with gears without deviations (default: "
-        "only the seed of the scene)",
+        help="repeat the simulation with other gear deviations, seeds 1 to N, and without deviations (default: only "
+        "the seed of the scene)",
     )
     sub.add_argument(
         "--baseline",
         metavar="N",
         type=count,
         default=0,
-        help="simulate also N healthy machines with other gear deviations, and compare the machine with them; p-values "
-        "need 5 or more (default 0)",
+        help="compare the machine with N healthy ones, which have other gear deviations; p-values need 5 or more "
+        "(default 0)",
     )
 
 

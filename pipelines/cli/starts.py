@@ -15,9 +15,9 @@ EXAMPLE = """\
 gearcase starts minimal --starts 8
 8 initial states
 ...
-level                        mean  95 % interval of the mean +/-  standard deviation  lowest  highest
+level                        mean  mean +/- (95 % interval)  standard deviation  lowest  highest
 ...
-sensor_3 rms, lifting, m/s2  1.55                      4.696e-07           5.617e-07    1.55     1.55"""
+sensor_3 rms, lifting, m/s2  1.55                 4.696e-07           5.617e-07    1.55     1.55"""
 
 
 def arguments(sub: argparse.ArgumentParser) -> None:

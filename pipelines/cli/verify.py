@@ -22,9 +22,7 @@ claims/claims.json"""
 
 def arguments(sub: argparse.ArgumentParser) -> None:
     """Which claims, over how many seeds."""
-    sub.add_argument(
-        "what", metavar="WHAT", choices=("rig",), help="rig: the study of the quay-crane hoist rig; there is no other"
-    )
+    sub.add_argument("what", metavar="WHAT", choices=("rig",), help="study to check: rig, the quay-crane hoist rig")
     sub.add_argument(
         "--seeds", type=several, metavar="N", default=5, help="seeds of the gear deviations, 2 or more (default 5)"
     )

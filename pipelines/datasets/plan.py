@@ -149,7 +149,7 @@ class PlanTable(Table):
                 yield f"{name}: no motion depends on it; delete it (noise and pieces are made from the stored signals)"
             elif path in varied and name.startswith(_FIXED):
                 yield (
-                    f"{name}: must be alike in all scenes, as one array holds their signals; set a constant in "
+                    f"{name}: must be equal in all scenes, because one array holds their signals; set a constant in "
                     "[settings]"
                 )
 
@@ -206,6 +206,8 @@ def load_plan(file: str | Path) -> Plan:
     name = str(file)
     if not name.endswith(".toml"):
         raise InputError(f"{name}: the plan of a campaign must end in .toml. docs/campaigns.md shows one.")
+    if not Path(name).is_file():
+        raise InputError(f"{name}: no such file. Correct the path, or write a plan as docs/campaigns.md shows.")
     source = find_source(name)
     tree = parse(source)
     if any(key in tree for key in SCENE_KEYS):

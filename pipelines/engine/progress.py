@@ -98,6 +98,9 @@ class Timing:
 
 def step_words(name: str) -> str:
     """The name of a step in words: "features healthy simulate" is "features of the healthy machine"."""
+    case, colon, name = name.rpartition(": ")  # of a study: "preset: reference: simulate"
+    if case:
+        return f"{case}{colon}{step_words(name)}"
     found = _MOTION.fullmatch(name)
     if found is None:
         return name

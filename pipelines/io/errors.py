@@ -56,7 +56,7 @@ class SceneError(InputError):
 
     def __init__(self, source: str, problems: Sequence[Problem], unlisted: int = 0) -> None:
         self.source = source
-        self.problems = tuple(problems)
+        self.problems = tuple(dict.fromkeys(problems))
         self.unlisted = unlisted
         number = len(self.problems) + unlisted
         lines = [f"  {problem}" for problem in self.problems[: MOST_LINES - 1]]

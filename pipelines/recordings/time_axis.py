@@ -66,7 +66,8 @@ def _even_steps(clock: Channel, source: str) -> tuple[float, float]:
     step = (end - start) / (clock.size - 1)
     if not step > 0.0:
         raise InputError(
-            f"{where} goes from {start:g} to {end:g}; it must rise. Set time = false and rate_Hz in the machine file."
+            f"{where} goes from {start:g} to {end:g}; it must increase. Set time = false and rate_Hz in the machine "
+            "file."
         )
     grain = max(_last_digit(clock.read(slice(0, 1000)).astype(float)), _spacing(clock.dtype, end))
     allowed = min(JITTER * step + grain, LOST * step)
@@ -76,7 +77,7 @@ def _even_steps(clock: Channel, source: str) -> tuple[float, float]:
         worst = int(np.argmax(off))
         if not off[worst] <= allowed:
             raise InputError(
-                f"{where} is uneven: sample {first + worst + 1} deviates from even steps by {off[worst] / step:.2g} "
+                f"{where} is uneven: sample {first + worst + 1} deviates from even steps by {off[worst] / step:.3g} "
                 "steps, "
                 f"{allowed / step:.2g} are allowed. Resample it; if the time only has too few digits, set time = false "
                 "and rate_Hz in the machine file."

@@ -23,7 +23,7 @@ _STEPS = {
     "stiffness curves": "figures of the mesh stiffness",
     "diagnose": "lines of the faulty run compared with those of its control",
     "error bars": "error bars of the lines",
-    "verdict": "order of the components",
+    "verdict": "ranking of the components",
     "report": "text and figures of this report",
 }
 _NAME = re.compile(r"(features )?(torque )?(?:(seed \d+|error-free) )?(healthy )?(?:(seed \d+) )?(.*)")

@@ -128,9 +128,9 @@ def _evidence(diagnoses: Sequence[Diagnosis]) -> str:
         return text
     best = max(risen, key=lambda lines: float(lines.difference.max()))
     at = int(best.difference.argmax())
-    of_all = " in all cases" if len(diagnoses) > 1 or len(first.settings.windows) > 1 else ""
+    start = "Over all cases, the" if len(diagnoses) > 1 or len(first.settings.windows) > 1 else "The"
     largest = f"{best.difference[at]:+.1f} dB, at {best.label[at]}"
-    return f"{text} The largest increase of a detected line over the control{of_all} is {largest}."
+    return f"{text} {start} largest increase of a detected line over the control is {largest}."
 
 
 def _numbers(plant: Plant, settings: DiagnosisSettings | None) -> list[tuple[str, str]]:
@@ -267,6 +267,6 @@ def _envelope(
         band=f"band {own.band_low:.4g} to {own.band_high:.4g} Hz",
         caption=(
             f"Envelope spectrum of {settings.sensor} ({settings.axis}) in the window {window}. "
-            f"Marked: harmonics of the shaft frequency f_r = {f_r:.4f} Hz, at which a damaged tooth shows."
+            f"Marked: harmonics of the shaft frequency f_r = {f_r:.4f} Hz, which a damaged tooth raises."
         ),
     )

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipelines.engine.step import Step
 from pipelines.io.errors import InputError
+from pipelines.io.shown import shown
 from pipelines.runs import run_folder
 
 if TYPE_CHECKING:
@@ -29,6 +31,14 @@ def diagnose_folder(folder: Path, settings: Settings = ()) -> Diagnosis:
     from pipelines.scene.file import load_scene
     from pipelines.steps.diagnosing import CaseSpec, diagnoses
 
+    settings = settings if isinstance(settings, Mapping) else list(settings)
+    for text in settings:
+        key = text.partition("=")[0].strip()
+        if key.partition(".")[0] != "diagnosis":
+            raise InputError(
+                f"{shown(key)}: the motion of a finished run does not change with this key. Set keys of [diagnosis] "
+                "only, or simulate again with gearcase run."
+            )
     loaded = load_scene(folder / run_folder.RESOLVED, settings)
     train = make_drivetrain(loaded.scene, loaded.source.shown)  # the file of a housing may be gone
     wanted = train.diagnosis

@@ -186,6 +186,8 @@ def read_features(path: Path, machine: Machine, windows: Windows | None, stream:
     with read_recording(path, machine) as recording:
         warnings, time = tuple(told(recording.attrs).values()), recording.time.values
         for name, (start, end) in (windows or {}).items():
+            if start >= end:
+                raise InputError(f"{shown(path)}: {name} from {start:g} to {end:g} s must end after its start.")
             if start < time[0] or end > 2 * time[-1] - time[-2]:
                 raise InputError(
                     f"{shown(path)}: {name} from {start:g} to {end:g} s is not within the recording, {time[0]:.6g} to "

@@ -74,7 +74,8 @@ def find_run(name: str | Path, root: Path = ROOT) -> Path:
             return known[int(text) - 1]
         count = "1 run" if len(known) == 1 else f"{len(known)} runs"
         raise InputError(
-            f"run {text}: there is no run of this number; {shown(root)} has {count}. List them: gearcase runs"
+            f"run {text}: there is no run of this number; the folder {shown(root)} has {count}. List them: gearcase "
+            "runs"
         )
     raise InputError(
         f"{shown(name)}: no result here, neither {shown(folder / RESPONSE)} nor {shown(scene / LATEST)}. "

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import logging
 import platform
 from collections.abc import Mapping
 from pathlib import Path
@@ -18,6 +19,7 @@ from pipelines.engine.step import Step
 from pipelines.report.contents import RunCost
 from pipelines.report.report import write_report
 from pipelines.runs import run_folder
+from pipelines.runs.single_results import misread_sensors
 from pipelines.scene.file import LoadedScene, control_differences
 from pipelines.signals.motion_warnings import log_warnings
 from pipelines.steps.results import BARS, DIAGNOSIS, REPORT, VERDICT
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
     from mbd.output.trajectory import Trajectory
     from pipelines.machine.plant import Plant
 
+_LOG = logging.getLogger(__name__)
 WRITERS = ("h5py", "h5netcdf", "xarray")  # of the signals
 
 
@@ -86,6 +89,10 @@ class Written:
         """What a diagnosis can be repeated from: the scene, its response and that of its control."""
         loaded, study, results = self._loaded, self._study, self._results
         log_warnings(results[name].load() for name in study.motions)
+        if "casing" in results:
+            positions = {sensor.name: sensor.position for sensor in study.plant.sensors}
+            for words in misread_sensors(results["casing"].load(), positions):
+                _LOG.warning("%s", words)
         (self._folder / run_folder.ASKED).write_text(loaded.asked(), encoding="utf-8")
         own_control = study.control is not None and not control_differences(loaded, study.control)
         resolved = loaded.resolved(own_control=own_control)

@@ -154,7 +154,7 @@ def _checked(axes: Sequence[np.ndarray], path: str) -> list[np.ndarray]:
     ):
         if wrong:
             raise _refused(
-                path, f"{name} must rise; teeth must be whole numbers and diameters positive", "Correct the file"
+                path, f"{name} must increase; teeth must be whole numbers and diameters positive", "Correct the file"
             )
     return list(axes)
 

@@ -103,7 +103,7 @@ def settings_tree(settings: Iterable[str] | Mapping[str, Any]) -> tuple[dict[str
                 problems.append(
                     Problem(
                         f"--set {shown(text)}",
-                        "has no value",
+                        "has no value" if path.strip() else "has no key",
                         "Write KEY=VALUE, as in --set stages.1.face_width_mm=32.",
                     )
                 )

@@ -25,6 +25,13 @@ UNITS = {  # by the suffix of a key, longer suffixes first
 _OTHER_UNITS = ("mpa", "ms", "khz", "kn", "nm", "percent")  # which users append to keys
 
 RENAMED = {"casing.coupling": "attachment"}  # keys of earlier versions
+_TORQUE = "The load gives the torque of a stage: set it in [load], or use --torque of gearcase gears."
+_ELSEWHERE = {  # what is often written as a key of a table that has none, by table and key
+    ("", "preset"): "Use the option --preset.",
+    ("", "extends"): 'Write extends = "..." in the scene file.',
+    ("stages", "torque_N_m"): _TORQUE,
+    ("stages", "torques_N_m"): _TORQUE,
+}
 _MOST_WORDED = 50  # findings of one validation; a file of another program has thousands
 _MOST_ITEMS = 30  # of one list, when keys are looked for elsewhere
 _ONE_QUANTITY = 0.62  # of the letters of two keys without their units, in common: width and depth share 0.6
@@ -56,6 +63,8 @@ def _joined(found: Iterable[Problem]) -> list[Problem]:
         if before is not None and same and before.message.startswith("must be a number") and one.message == _LIST[0]:
             message = before.message.replace("must be a number", "must be a number or a list of numbers", 1)
             out[-1] = Problem(one.path, message, before.remedy, one.shown)
+        elif before is not None and same and before.message.startswith("must be ") and one.message == _LIST[0]:
+            continue  # the number is out of its range; that a list is possible does not help
         else:
             out.append(one)
     return out
@@ -141,7 +150,8 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
         return Problem(where, f"must be one of {', '.join(known)}", remedy, written)
     if kind == "union_tag_not_found":
         key = _tag_key(context)
-        return Problem(f"{where}.{key}", "is missing", f'Set {key} = "..."; docs/scene-keys.md lists the choices.')
+        known = [str(tag) for member in _found(path, model, tree)[1] for tag in _tags(member)]
+        return Problem(f"{where}.{key}", "is missing", f"Set {key} to one of {', '.join(known)}.")
     if kind.startswith(("float", "int", "decimal")) or kind == "finite_number":
         noun = "a whole number" if kind.startswith("int") else "a finite number" if "finite" in kind else "a number"
         return Problem(
@@ -184,7 +194,7 @@ _USUAL = {  # by the unit of a key: its other units, factors, and the usual valu
     "GPa": ((("MPa", 1e-3), ("Pa", 1e-9)), 1.0, 2000.0),
     "kg/m3": ((("g/cm3", 1e3), ("t/mm3", 1e12)), 500.0, 25e3),
 }
-_TABLE = ("must be a table", "Write [name] and its keys below, or name = { key = value }.")
+_TABLE = ("must be a table", "Write it as { key = value }, or write its keys below a line with its name in brackets.")
 _LIST = ("must be a list", "Write it as [first, second].")
 _KINDS = {
     "string_type": ("must be text", 'Put it in quotes, as in "rigid".'),
@@ -212,7 +222,8 @@ def other_unit(key: str, value: Any) -> str:
 
 def _tag_key(context: Mapping[str, Any]) -> str:
     """The key by which the models of a table are told apart: model, of faults kind."""
-    return str(context["discriminator"]).strip("'")
+    key = str(context["discriminator"]).strip("'")
+    return key if key.isidentifier() else "model"  # a function chooses the table where the model has a default
 
 
 def _unknown_key(
@@ -223,8 +234,11 @@ def _unknown_key(
     whole = model.__name__.removesuffix("Table").lower()
     message = f"is not a key of [{table}]" if table else f"is not a key of the {whole}"
     near = RENAMED.get(".".join(path)) or nearest(path[-1], known)
-    if near:
+    if near and ("", path[-1]) not in _ELSEWHERE:
         return message, f"Did you mean {near}?"
+    head = path[0] if len(path) > 1 else ""
+    if other := nearest(path[-1], [key for start, key in _ELSEWHERE if start == head]):
+        return message, _ELSEWHERE[head, other]
     if longer := [key for key in known if key.endswith(f"_{path[-1]}")]:  # bore_mm: pinion_bore_mm, wheel_bore_mm
         return message, f"Did you mean {' or '.join(longer)}?"
     elsewhere = [p for p in paths() if p[-1] == path[-1]]
@@ -295,6 +309,12 @@ def _meaning(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, A
 
 def _described(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, Any]) -> tuple[str, bool]:
     """Description of the key at a path, "" without one, and whether it is a table."""
+    field, members = _found(path, model, tree)
+    return (field.description.rstrip(".") if field is not None and field.description else ""), bool(members)
+
+
+def _found(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, Any]) -> tuple[Any, list[type[BaseModel]]]:
+    """The field at a path, None without one, and the tables that it may hold."""
     annotation: Any = model
     value: Any = tree
     field = None
@@ -306,8 +326,7 @@ def _described(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str,
         else:
             annotation = _field(members, step, annotation)
             value = value.get(step) if isinstance(value, Mapping) else None
-    described = field.description.rstrip(".") if field is not None and field.description else ""
-    return described, bool(_models(annotation))
+    return field, _models(annotation)
 
 
 def _models(annotation: Any) -> list[type[BaseModel]]:

@@ -43,7 +43,7 @@ def shortened(base: Merged, change: Mapping[str, Any], source: str | None) -> Me
     if source is not None:
         left = [name for name in _at(merged.tree, _WINDOWS) or {} if name not in gone]
         spans = ", ".join(f"{shown(name)} (to {_ends(inherited[name]):g} s)" for name in gone)
-        kept = f"kept: {', '.join(map(shown, left))}" if left else "no window remains, so that there is no diagnosis"
+        kept = f"kept: {', '.join(map(shown, left))}" if left else "no window remains, so there is no diagnosis"
         text = (
             f"{source}: the diagnosis.windows_s that end after simulation.end_s = {end:g} are left out: {spans}; "
             f"{kept}."

@@ -206,7 +206,7 @@ def envelope(signal: np.ndarray, segment: Segment, band: tuple[float, float]) ->
     low, high = band
     if not 0 <= low < high <= segment.rate / 2:
         raise SpectrumError(
-            f"envelope band {low:g} to {high:g} Hz: must rise and lie between 0 and {segment.rate / 2:g} Hz "
+            f"envelope band {low:g} to {high:g} Hz: must increase and lie between 0 and {segment.rate / 2:g} Hz "
             "(half the sampling rate)"
         )
     frequency = np.fft.fftfreq(segment.samples, 1 / segment.rate)

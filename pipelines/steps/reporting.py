@@ -157,7 +157,7 @@ def _summary(plant: Plant) -> dict[str, Any]:
         "faults": ", ".join(plant.fault_words) or "none",
         "tooth deviations": "none"
         if labels["seed"] == "none"
-        else f"ISO 1328-1 class {labels['iso_grade']}, seed {labels['seed']} of the random numbers",
+        else f"ISO 1328-1 class {labels['iso_grade']}, random seed {labels['seed']}",
         "time integration": models["integrator"],
     }
 

@@ -173,8 +173,9 @@ def _matrix_text(path: Path) -> Found:
         return Found({"matrix": sp.coo_matrix((rows[:, 2], (one, two)), shape=(1 + max(one.max(), two.max()),) * 2)})
     if rows.shape[1] != 5:
         raise ForeignError(
-            f"{path.name}: rows have {rows.shape[1]} numbers; Matrix Market begins with %%MatrixMarket, Abaqus writes "
-            "node, axis, node, axis, value (*MATRIX OUTPUT, FORMAT=MATRIX INPUT) or row, column, value (COORDINATE)"
+            f"{path.name}: its rows of {rows.shape[1]} numbers are in no known format. Export Matrix Market "
+            "(first line %%MatrixMarket), or from Abaqus FORMAT=MATRIX INPUT (node, axis, node, axis, value) or "
+            "COORDINATE (row, column, value)"
         )
     labels = rows[:, :4].astype(int)
     pairs, number = np.unique(np.vstack([labels[:, :2], labels[:, 2:]]), axis=0, return_inverse=True)

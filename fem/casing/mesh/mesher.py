@@ -87,7 +87,7 @@ def check_element_size(housing: Housing, size: float) -> None:
     smallest, largest = housing.thinnest_wall / 10, min(housing.length, housing.width, housing.height)
     if not smallest <= size <= largest:
         raise MeshError(
-            f"element size {MM * size:.4g} mm is out of range; give {MM * smallest:.4g} mm (a tenth of the wall) to "
+            f"element size {MM * size:.4g} mm is out of range. Set {MM * smallest:.4g} mm (a tenth of the wall) to "
             f"{MM * largest:.4g} mm (the smallest side)"
         )
 

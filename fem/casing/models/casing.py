@@ -123,7 +123,7 @@ class HousingCasing(Casing):
         if isinstance(self.damping_ratio, tuple):
             places = [row[0] for row in self.damping_ratio]
             if not places or any(a >= b for a, b in zip(places, places[1:], strict=False)):
-                raise ValueError(f"damping_ratio: the frequencies {places} Hz must rise from row to row. Correct them")
+                raise ValueError(f"damping_ratio: the frequencies {places} Hz must increase by row. Correct them")
 
     def needs_mesh(self, structure: Structure) -> bool:
         """Whether a mesh of the housing is needed."""

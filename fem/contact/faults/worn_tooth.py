@@ -73,7 +73,7 @@ class WornTooth(ToothFault):
         )
         require(
             all(low < high for low, high in pairwise(self.diameters)),
-            f"{label}: diameters_mm of a profile must rise. Correct them",
+            f"{label}: diameters_mm of a profile must increase. Correct them",
         )
         require(
             self.extent is None or 0.0 < self.extent <= gear.face_width,

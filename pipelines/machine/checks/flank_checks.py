@@ -122,12 +122,12 @@ def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Ite
     for number, fault in scene.tooth_faults.items():
         stage, pair = scene.stages[fault.stage - 1], layout.pairs[fault.stage - 1]
         width = pair.face_width / stage.mesh.slices
-        name = "length" if fault.kind == "spalled-tooth" else "extent"
+        name, fine = ("length", 10) if fault.kind == "spalled-tooth" else ("extent", 4)  # slices over the damage
         extent, key = getattr(fault.made(), name, None), f"{name}_mm"
         if extent is not None and extent < 2 * width:
             yield (
                 f"faults.{number}: {key} = {1000 * extent:g} is resolved coarsely by slices of {width * 1000:.2f} mm. "
-                + _finer(fault.stage, stage.mesh.slices, 4 * pair.face_width / extent, key)
+                + _finer(fault.stage, stage.mesh.slices, fine * pair.face_width / extent, key)
             )
         yield from _hidden(scene, layout, number, fault, facts[fault.stage - 1])
 
@@ -155,8 +155,7 @@ def _hidden(scene: Scene, layout: Layout, number: int, fault: FaultTable, facts:
     tolerance = pitch_tolerance(getattr(pair, fault.gear), scene.deviations.iso_grade).single
     if change < tolerance:
         yield (
-            f"faults.{number}: the {fault.kind} changes the transmission error by some {abs(change) * 1e6:.1f} um, and "
-            f"pitch deviations of grade {scene.deviations.iso_grade} change it by up to {tolerance * 1e6:.1f} um, "
-            "which "
-            "may hide the fault. Raise the load, or reduce deviations.iso_grade"
+            f"faults.{number}: the {fault.kind} changes the transmission error by about {abs(change) * 1e6:.1f} um; "
+            f"pitch deviations of class {scene.deviations.iso_grade} change it by up to {tolerance * 1e6:.1f} um "
+            "and may hide the fault. Raise the load, or reduce deviations.iso_grade"
         )

@@ -99,8 +99,8 @@ def _uneven_window(
     if abs(mean / profile.highest - 1) > SPEED_TOLERANCE:
         yield Problem(
             f"diagnosis.windows_s.{name}",
-            f"the mean speed of the motors is {mean:.4g} rpm, and the lines of {_gear(scene)} are evaluated at the "
-            f"highest speed, {profile.highest:.4g} rpm (within {100 * SPEED_TOLERANCE:g} %)",
+            f"the mean speed of the motors in this window is {mean:.4g} rpm. The diagnosis of {_gear(scene)} needs the "
+            f"highest speed, {profile.highest:.4g} rpm within {100 * SPEED_TOLERANCE:g} %",
             f"Set a window at constant highest speed: {_steady(scene, profile) or 'this drive has none'}",
             f"[{window[0]:g}, {window[1]:g}]",
         )

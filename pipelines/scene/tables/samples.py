@@ -54,7 +54,7 @@ def check_pairs(table: Table, places: str, values: str) -> None:
     for before, after in zip(first, first[1:], strict=False):
         if after <= before:
             raise ValueError(
-                f"{places} must rise strictly, but {after:g} {unit} follows {before:g} {unit}. Correct them"
+                f"{places} must increase strictly, but {after:g} {unit} follows {before:g} {unit}. Correct them"
             )
 
 
@@ -86,7 +86,7 @@ def pairs(table: Table, places: str, values: str, path: str) -> tuple[np.ndarray
         i = int(wrong[0]) + 1
         raise _refused(
             f"{path}.{places}",
-            f"must rise strictly, but {first[i]:g} follows {first[i - 1]:g}{_at(lines[0], i)}",
+            f"must increase strictly, but {first[i]:g} follows {first[i - 1]:g}{_at(lines[0], i)}",
             "Sort the lines, and delete repeated ones",
         )
     return first, second

@@ -94,7 +94,7 @@ class ShaftTable(Table):
         rising = all(a < b for a, b in zip(places, places[1:], strict=False))
         if not (rising and start <= places[0] and places[-1] <= end):
             raise ValueError(
-                f"bearing_positions_mm = {list(places)} must rise, and be on the shaft, {start:g} to {end:g} mm. "
+                f"bearing_positions_mm = {list(places)} must increase, and be on the shaft, {start:g} to {end:g} mm. "
                 "Correct them"
             )
         for key in ("bearing_supports", "bearings"):

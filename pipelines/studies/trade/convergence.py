@@ -72,8 +72,8 @@ def study(sizes: Sequence[float], values: Sequence[float], formal_order: float |
     """
     if len(sizes) != len(values) or len(sizes) < 3:
         raise ConvergenceError(
-            f"{len(sizes)} levels of refinement with {len(values)} values. Set three levels or more "
-            "(--levels), with one value each"
+            f"a convergence study needs three levels or more, with one value each: there are {len(sizes)} levels and "
+            f"{len(values)} values. Set --levels 3 or more"
         )
     if not all(math.isfinite(v) for v in values):
         raise ConvergenceError(f"values {list(values)} are not all finite; the coarsest level may be too coarse")

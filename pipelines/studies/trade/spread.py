@@ -31,5 +31,5 @@ def spread_table(starts: Sequence[Sequence[Value]]) -> Grid:
         spread = float(levels.std(ddof=1))
         numbers = (levels.mean(), factor * spread, spread, levels.min(), levels.max())
         rows.append((f"{same[0].name}, {same[0].unit}", *(f"{number:.4g}" for number in numbers)))
-    headers = ("level", "mean", "95 % interval of the mean +/-", "standard deviation", "lowest", "highest")
+    headers = ("level", "mean", "mean +/- (95 % interval)", "standard deviation", "lowest", "highest")
     return Grid(title=f"{count} initial states", headers=headers, rows=tuple(rows))
