@@ -58,7 +58,7 @@ class Reference:
         clock = np.array([[0.0, self._angle, state.motor_speed, 0.0]])
         return Block(
             self._x[None], self._x[None], forces[None], self._rows[None], self._now.elastic[None],
-            self._now.lost[None], np.zeros((1, len(forces))), self._now.log[None], clock, np.zeros(1, dtype=int),
+            self._now.lost[None], self._now.log[None], clock, np.zeros(1, dtype=int),
             np.zeros((1, 0, len(forces))),
         )  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""Slices of a face and the tooth pairs that approach there, compiled: what the law says of them at one position.
+"""Slices of a face and the tooth pairs that approach there, compiled: their terms of the law at one position.
 
 All numbers of an evaluation are one array ``r`` (block, row, field, lane). Slices are in blocks of LANES, which vector
 instructions take together. Pair p of a slice is in row p mod rows; a slice with two pairs for one row needs more rows.
@@ -159,7 +159,7 @@ def gather(law, near, own_cycle, delta, psi, lowest, rows, r):
         for s in range(LANES):
             here, approach = own_cycle + slices.shift[s], delta + psi * slices.y[s] - slices.lead[s]
             for m in range(near.pairs if slices.width[s] > 0.0 else 0):
-                x, cell, u = free_approach(law, near, m, here, slices.part[s], approach)
+                x, cell, u = _free_approach(law, near, m, here, slices.part[s], approach)
                 fine, v = finer(cell, u)
                 rise = law.fine[fine, 2] + v * law.fine[fine, 3]
                 if not x + rise > lowest:
@@ -242,7 +242,7 @@ def finer(cell, u):
 
 
 @inner(**INLINE)
-def free_approach(law, near, m, here, part, approach):
+def _free_approach(law, near, m, here, part, approach):
     """Free approach x (m) of near pair m at xi = here - p (NEVER out of reach), its grid cell, place inside the cell.
 
     `approach` (m) is delta + psi y less the lead gap, `part` y over the face width; teeth are taken as undamaged.
@@ -275,7 +275,7 @@ def nearest_approach(law, near, own_cycle, psi):
         for s in range(LANES):
             approach = psi * slices.y[s] - slices.lead[s]
             for m in range(near.pairs if slices.width[s] > 0.0 else 0):
-                x, cell, u = free_approach(law, near, m, own_cycle + slices.shift[s], slices.part[s], approach)
+                x, cell, u = _free_approach(law, near, m, own_cycle + slices.shift[s], slices.part[s], approach)
                 if x > NEVER and (near.pinion_variant[m] != 0.0 or near.wheel_variant[m] != 0.0):
                     x -= damage_at(law, near, m, block * LANES + s, cell, u)[2]
                 fine, v = finer(cell, u)
@@ -286,7 +286,14 @@ def nearest_approach(law, near, own_cycle, psi):
 
 @inner(**INLINE)
 def damage_at(law, near, m, number, cell, u):
-    """What the damaged teeth of near pair m add in slice `number`: compliance, its slope by xi, gap, its slope."""
+    """What the damaged teeth of a near pair add in a slice: compliance, its slope by xi, gap, its slope; m2/N and m.
+
+    Parameters
+    ----------
+    law, near : `LawTables`, `NearPairs`
+    m, number : of the near pair and of the slice
+    cell, u : grid cell of the pair, and its place inside it
+    """
     compliance = compliance_slope = gap = gap_slope = 0.0
     for softening, opening, variant in (
         (law.pinion_softening, law.pinion_gap, int(near.pinion_variant[m])),
@@ -305,12 +312,12 @@ def damage_at(law, near, m, number, cell, u):
 
 @inner()
 def damaged_teeth(law, own_cycle, pinion, wheel, found):
-    """Number of the teeth with modes on the pairs near mesh and beside them.
+    """Number of the teeth with modes on the pairs near mesh and next to them.
 
     Parameters
     ----------
     law, own_cycle, pinion, wheel : as for `near_pairs`
-    found : (n, 3) out: pair, 0 pinion or 1 wheel, variant; (0, 0) if only their number is asked for
+    found : (n, 3) out: pair, 0 pinion or 1 wheel, variant; (0, 0) if only their number is needed
     """
     sign, count = 1 if law.sign > 0.0 else -1, 0
     first, last = near_range(law, own_cycle)
@@ -327,7 +334,14 @@ def damaged_teeth(law, own_cycle, pinion, wheel, found):
 
 @inner(**INLINE)
 def mode_at(law, tooth, pair, number, cell, k):
-    """Mode k of a damaged tooth (a row of `damaged_teeth`) for a pair in slice `number` at both ends of a cell."""
+    """Mode of a damaged tooth at both ends of a grid cell, (m/N)^(1/2); 0 for pairs further away than the next.
+
+    Parameters
+    ----------
+    law : `LawTables`
+    tooth : (3,) row of `damaged_teeth`
+    pair, number, cell, k : of the pair, the slice, the cell and the mode
+    """
     side = int(pair - tooth[0]) + 1
     if side < 0 or side > 2:
         return 0.0, 0.0

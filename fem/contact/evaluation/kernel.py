@@ -42,9 +42,9 @@ def evaluate_many(packed, states, pinion, wheel, answer, loads):
     states : (n, 3) cycle (1), delta (m) and psi (rad)
     answer : (n, 7) out: rows of `evaluate`, then dU/dc, J
     loads : (n, place, slice) out: phi f, N/m, pair p at place p - floor(c') + places // 2 and left out beyond the
-        places; (0, 0, 0) if they are not asked for
+        places; (0, 0, 0) if they are not needed
     """
-    none = np.empty((1, 1))  # dU/dc is asked for, the loads are not
+    none = np.empty((1, 1))  # dU/dc is needed, the loads are not
     for i in range(len(states)):
         kept = loads[i] if loads.size > 0 else none
         found = respond(packed, states[i, 0], states[i, 1], states[i, 2], pinion, wheel, kept)

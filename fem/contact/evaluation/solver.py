@@ -16,9 +16,9 @@ five steps reach round-off. What does not settle so is solved by slices that are
 coordinate by coordinate, which always converges for a convex function, and a Newton step of the rest, in turn.
 
 Three compiled versions of the same code. `respond` has two rows of pairs and no modes, and gathers the pairs whose free
-approach is positive. It hands over to `respond_with_modes` (three rows, damaged teeth with modes, pairs that come near
-without touching) where a slice has more pairs, a tooth has modes, bodies tilt a pair into contact which the free
-approach leaves open, or nothing settles. `respond_exactly` has as many rows as it needs, gathers every pair within
+approach is positive. `respond_with_modes` (three rows, damaged teeth with modes, pairs that come near without touching)
+takes over where a slice has more pairs, a tooth has modes, bodies tilt a pair into contact that has no free approach,
+or nothing settles. `respond_exactly` has as many rows as it needs, gathers every pair within
 reach, and is the one that always ends; neighbours that pull go there at once.
 """
 
@@ -102,7 +102,7 @@ def respond(packed, cycle, delta, psi, pinion, wheel, loads):
     cycle, delta, psi : mesh cycle c, approach (m) and tilt (rad)
     pinion, wheel : (z1, 6) and (z2, 6) tooth terms, see `fem.contact.teeth`
     loads : (place, slice) out: line loads phi f, N/m, pair p at place p - floor(c') + places // 2 and left out beyond
-        the places; dU/dc is answered with them, else 0; (0, 0) if neither is asked for
+        the places; dU/dc is computed with them, else 0; (0, 0) if neither is needed
     """
     law, found = unpacked(packed), 3
     own_cycle, blocks, fields = law.sign * cycle + law.offset, len(law.block), fields_of(2, 0)
@@ -517,7 +517,7 @@ def _energy_slope(law, near, own_cycle, rows, r):
 
 @inner()
 def _less_modes(law, teeth, rows, r, small, loads, answer):
-    """The answer with what the modes take from dU/dc, where that is asked for."""
+    """The answer with what the modes take from dU/dc, where that is needed."""
     rate, at, last = answer[6], BODIES, small.shape[1] - 1
     for i in range(len(teeth) if loads.size > 0 else 0):
         for k in range(int(law.pinion_modes if teeth[i, 1] == 0.0 else law.wheel_modes)):
