@@ -27,8 +27,8 @@ from mbd.output.trajectory import Trajectory
 from pipelines.diagnosis.control_diagnosis import Diagnosis, diagnose
 from pipelines.diagnosis.uncertainty.line_bars import LineBars
 from pipelines.diagnosis.uncertainty.uncertain import uncertain
+from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph, Step
-from pipelines.engine.working import Work
 from pipelines.machine.assembly import assemble_machine, assemble_system
 from pipelines.machine.plant import Plant
 from pipelines.scene.file import load_scene

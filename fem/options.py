@@ -111,6 +111,11 @@ def options_of(owner: Any) -> Iterator[tuple[dataclasses.Field, Option]]:
     return ((field, field.metadata["option"]) for field in dataclasses.fields(owner) if "option" in field.metadata)
 
 
+def option_of(owner: Any, name: str) -> Option:
+    """The option of a dataclass that is the field of that name."""
+    return next(one for field, one in options_of(owner) if field.name == name)
+
+
 def check_options(owner: Any, error: type[Exception]) -> None:
     """Raise an error that names the first option outside its limits or choices; None is inside."""
     for field, one in options_of(owner):

@@ -30,7 +30,7 @@ from fem.casing.uncertainty.pairing import sample_nodes
 from fem.casing.uncertainty.wanted_size import wanted_factor
 from fem.elements.materials import CAST_IRON
 from pipelines.io.errors import SceneError
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.scene.presets import preset_on
 from pipelines.steps.graph import plant_steps

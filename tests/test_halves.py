@@ -18,7 +18,7 @@ from fem.casing.reduced.grounded import ForcedPoint, ground_casing
 from fem.casing.reduced.halves import MirroredInterface, Places, interface_of, lowest, reduced_and_counted
 from fem.casing.reduced.reduction import held_interface, reduce_and_count
 from fem.elements.materials import CAST_IRON
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.scene.file import load_scene
 
 HIGHEST = 5000.0

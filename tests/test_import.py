@@ -8,8 +8,8 @@ import pytest
 from housings import small_housing
 
 from fem.casing.geometry.dimensions import HousingError
+from fem.casing.geometry.locators import ByBox, ByCylinder, ByGroup, ByPlane, ByPoint
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
-from fem.casing.mesh.locate import ByBox, ByCylinder, ByGroup, ByPlane, ByPoint
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesher import mesh_housing, session, write_step
 from fem.casing.mesh.quality import checked_quality, measure
@@ -152,7 +152,7 @@ def test_key_points_by_group_box_and_point(native, small, tmp_path):
     low, high = small.foot_boxes()["ground_2"]
     grounds = [ByGroup(group=f"ground_{i}") for i in range(1, 7)]
     grounds[0] = ByPoint(point=tuple(native.point("ground_1") + [0.01, 0.0, -0.001]))
-    grounds[1] = ByBox(low=tuple(low - 1e-4), high=(high[0] + 1e-4, high[1] + 1e-4, low[2] + 1e-4))
+    grounds[1] = ByBox(box=(tuple(low - 1e-4), (high[0] + 1e-4, high[1] + 1e-4, low[2] + 1e-4)))
     same_body(mesh_geometry(imported(path, small, seats=seats, grounds=tuple(grounds)), SIZES), native)
 
 

@@ -7,8 +7,8 @@ import pytest
 from housings import short_housing
 
 from fem.casing.geometry.features import Flange
+from fem.casing.geometry.locators import ByCylinder, ByPlane
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
-from fem.casing.mesh.locate import ByCylinder, ByPlane
 from fem.casing.mesh.mesher import mesh_step, write_step
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.mesh.source import mesh_geometry
@@ -19,9 +19,9 @@ from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.uncertainty.extrapolation import lowest_modes
 from fem.elements.materials import CAST_IRON
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.io.errors import SceneError
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.runs.single_results import build_casing
 from pipelines.scene.file import load_scene
 

@@ -15,7 +15,7 @@ from mbd.parts.checks import MachineError
 from mbd.parts.drive import SpeedProfile
 from mbd.system.frequency_response import frequency_response
 from mbd.system.system import assemble
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.scene.file import load_scene
 
 SPEED = 100.0  # rad/s

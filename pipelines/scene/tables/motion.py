@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -104,14 +104,11 @@ DriveModel = Annotated[
 class TorqueLoad(SomewhereTable, TorqueCurve):
     """A brake, fan or other machine that takes a torque; positive torques resist positive rotation."""
 
-    channels: ClassVar[int] = 4
     model: Literal["torque"] = "torque"
 
 
 class LoadBase(Table):
-    """What every load has: a weight on two drums. `channels` of its own are recorded."""
-
-    channels: ClassVar[int] = 0
+    """What every load has: a weight on two drums."""
 
     container_kg: Annotated[Number, Field(ge=0, description="hanging mass")]
     drum_radius_mm: Annotated[Number, Field(gt=0, description="radius to the centre of the rope")]
@@ -146,7 +143,6 @@ class StaticTorqueTable(LoadBase):
 class RopeTable(LoadBase):
     """A hanging mass on an elastic rope: stiffness of the current length, tension only."""
 
-    channels: ClassVar[int] = 3
     model: Literal["rope"] = "rope"
     rope_diameter_mm: Annotated[Number, Field(gt=0, description="nominal diameter")] = 10.0
     rope_modulus_GPa: Annotated[Number, Field(gt=0, description="elastic modulus on the metallic area")] = 100.0
@@ -175,7 +171,6 @@ class RopeTable(LoadBase):
 class RopePendulumTable(RopeTable):
     """As rope, and the mass swings below a fixed trolley."""
 
-    channels: ClassVar[int] = 5
     model: Literal["rope-pendulum"] = "rope-pendulum"  # type: ignore[assignment]
     sway_x_deg: Annotated[
         Number,
