@@ -8,12 +8,11 @@ from __future__ import annotations
 import sys
 import time
 
-from pipelines.datasets.campaign import planned
 from pipelines.datasets.plan import load_plan
-from pipelines.datasets.scenes import scene_of
+from pipelines.datasets.scenes import make_draws, scene_of
 from pipelines.datasets.workshop import Workshop
 from pipelines.engine.build_step import one_thread
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.machine.checks.validity import checked_plant
 from pipelines.steps.motion import moved
 
@@ -21,7 +20,7 @@ from pipelines.steps.motion import moved
 def main() -> None:
     """Assemble, wait, move."""
     plan = load_plan(sys.argv[1])
-    plant = checked_plant(scene_of(plan, planned(plan)[0].values).scene, "scene")
+    plant = checked_plant(scene_of(plan, make_draws(plan)[0].values).scene, "scene")
     with one_thread():
         system = Workshop(Work().cache).system(plant)
         moved(system, plant.motion)

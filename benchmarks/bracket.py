@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import scipy.sparse as sp
@@ -20,7 +21,6 @@ from fem.casing.mesh.finished import RawMesh, finished_mesh
 from fem.casing.mesh.mesh import CasingMesh
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.elements.materials import CAST_IRON
-from fem.elements.solids import assemble
 from fem.numerics.linear_solver import factorize
 
 LEG, WIDTH, THICKNESS = 0.1, 0.06, 0.02  # m
@@ -61,16 +61,12 @@ def bracket(
 
 def matrices(mesh: CasingMesh, *, functions: bool = True) -> tuple[sp.csr_matrix, sp.csr_matrix, np.ndarray]:
     """Stiffness and mass, and the unknowns that are not clamped."""
-    K, M = assemble(
-        mesh.nodes,
-        mesh.elements,
-        elastic_modulus=CAST_IRON.elastic_modulus,
-        poisson_ratio=CAST_IRON.poisson_ratio,
-        density=CAST_IRON.density,
-    )
+    added = added_functions(mesh if functions else replace(mesh, cubic=0), CAST_IRON, held=(END,))
+    K, M = added.matrices()
     clamped = (3 * np.unique(mesh.patch(END))[:, None] + np.arange(3)).ravel()
-    if functions:
-        K, M = added_functions(mesh, CAST_IRON, held=(END,)).added_to(K, M)
+    if not functions:
+        n = 3 * len(mesh.nodes)
+        K, M = K[:n, :n], M[:n, :n]
     return K, M, np.setdiff1d(np.arange(K.shape[0]), clamped)
 
 

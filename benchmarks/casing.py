@@ -21,7 +21,6 @@ from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.halves import reduced_and_counted
 from fem.casing.reduced.modes import casing_modes
 from fem.elements.materials import Material
-from fem.elements.solids import assemble
 from fem.numerics.linear_solver import cholmod_available, factorize
 
 SHIFT = 4e7  # 1/s2: K + SHIFT M of the free body is definite and has the pattern of K
@@ -40,13 +39,7 @@ def mesh(folder: Path) -> list[dict[str, Any]]:
 
 def free_matrices(mesh: CasingMesh, iron: Material) -> tuple[sp.csr_matrix, sp.csr_matrix]:
     """Stiffness and mass of the free body, with the functions that its elements are given beyond their nodes."""
-    constants = {
-        "elastic_modulus": iron.elastic_modulus,
-        "poisson_ratio": iron.poisson_ratio,
-        "density": iron.density,
-    }
-    added = added_functions(mesh, iron, held=mesh.patches("ground_"))
-    return added.added_to(*assemble(mesh.nodes, mesh.elements, **constants))
+    return added_functions(mesh, iron, held=mesh.patches("ground_")).matrices()
 
 
 def factors(folder: Path) -> list[dict[str, Any]]:

@@ -13,22 +13,22 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from benchmarks.clock import conditions
-from fem.casing.uncertainty.drawn_body import drawn_body
-from fem.casing.uncertainty.draws import drawn_frequencies, near_modes
-from fem.casing.uncertainty.modal_form import modal_form
+from fem.casing.reduced.body import ReducedBody
+from fem.casing.uncertainty.draws import CasingDraws, drawn_frequencies, near_modes
+from fem.casing.uncertainty.modal_form import ModalForm, modal_form
 from mbd.output.trajectory import Trajectory
 from pipelines.diagnosis.control_diagnosis import Diagnosis, diagnose
 from pipelines.diagnosis.uncertainty.line_bars import LineBars
 from pipelines.diagnosis.uncertainty.uncertain import uncertain
+from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph, Step
-from pipelines.engine.working import Work
 from pipelines.machine.assembly import assemble_machine, assemble_system
 from pipelines.machine.plant import Plant
 from pipelines.scene.file import load_scene
@@ -134,6 +134,28 @@ def numerical(bars: LineBars) -> np.ndarray:
 def inside(found: np.ndarray, ends: np.ndarray) -> np.ndarray:
     """Which changes (..., line) lie between the ends (2, line)."""
     return (found >= ends[0]) & (found <= ends[1])
+
+
+def drawn_body(body: ReducedBody, form: ModalForm, draws: CasingDraws, number: int) -> ReducedBody:
+    """The casing with the number `number` of some draws.
+
+    Parameters
+    ----------
+    body, form : the casing that they were drawn about, and its modes
+    draws : the casings
+    number : from 0
+    """
+    near, turn = draws.squares.shape[1], draws.turns[number]
+    squares = np.concatenate([draws.squares[number], form.squares[near:] * (1.0 + draws.stiffening[number])])
+    ratios = form.ratios.copy()
+    ratios[:near] *= draws.damping[number]
+    shapes = np.hstack([form.shapes[:, :near] @ turn, form.shapes[:, near:]])
+    weighted = body.mass @ shapes
+    return replace(
+        body,
+        stiffness=(weighted * squares) @ weighted.T,
+        damping=(weighted * (2.0 * ratios * np.sqrt(squares))) @ weighted.T,
+    )
 
 
 def simulated_draws(first: MeshRun, diagnosis: Diagnosis, bars: LineBars) -> np.ndarray:

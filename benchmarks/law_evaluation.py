@@ -15,7 +15,7 @@ from numba import njit
 from benchmarks.rig import plane_law, read
 from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import LawEvaluator
-from fem.contact.evaluation.kernel import evaluate, evaluate_two
+from fem.contact.evaluation.kernel import evaluate
 from fem.contact.law import MeshLaw
 from fem.contact.teeth import tooth_terms
 
@@ -29,14 +29,6 @@ def _once(tables, cycle, delta, psi, pinion, wheel):
     total = 0.0
     for i in range(1, len(cycle)):
         total += evaluate(tables, cycle[i], delta[i], psi[i], pinion, wheel)[0]
-    return total
-
-
-@njit
-def _twice(tables, cycle, delta, psi, pinion, wheel):
-    total = 0.0
-    for i in range(1, len(cycle)):
-        total += evaluate_two(tables, cycle[i], delta[i], psi[i], delta[i - 1], psi[i - 1], pinion, wheel)[0]
     return total
 
 
@@ -55,17 +47,14 @@ def motion(law: MeshLaw) -> tuple[np.ndarray, ...]:
 
 
 def microseconds(law: MeshLaw) -> dict[str, float]:
-    """CPU time per call: one state, and two states at one cycle (best of five runs)."""
-    tables, states, found = LawEvaluator(law).packed, motion(law), {}
-    for name, run in (("one state", _once), ("two states", _twice)):
-        run(tables, *(v[:2] for v in states[:3]), *states[3:])
-        taken = []
-        for _ in range(5):
-            start = time.process_time()
-            run(tables, *states)
-            taken.append(time.process_time() - start)
-        found[name] = min(taken) / CALLS * 1e6
-    return found
+    """CPU time per call (best of five runs)."""
+    tables, states, taken = LawEvaluator(law).packed, motion(law), []
+    _once(tables, *(v[:2] for v in states[:3]), *states[3:])
+    for _ in range(5):
+        start = time.process_time()
+        _once(tables, *states)
+        taken.append(time.process_time() - start)
+    return {"one state": min(taken) / CALLS * 1e6}
 
 
 def rows() -> list[dict[str, Any]]:

@@ -15,12 +15,11 @@ import numba
 import numpy as np
 
 from benchmarks.campaigns import PLAN, SCENES
-from pipelines.datasets.campaign import planned
 from pipelines.datasets.plan import load_plan
-from pipelines.datasets.scenes import scene_of
+from pipelines.datasets.scenes import make_draws, scene_of
 from pipelines.datasets.workshop import Workshop
 from pipelines.engine.build_step import one_thread
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.machine.checks.validity import checked_plant
 from pipelines.steps.motion import moved
 
@@ -35,7 +34,7 @@ def lockstep(folder: Path) -> list[dict[str, Any]]:
         path = folder / f"{name}-lockstep.toml"
         path.write_text(PLAN.format(scene=name, count=1, end=1.0, preset=preset), encoding="utf-8")
         plan = load_plan(path)
-        plant = checked_plant(scene_of(plan, planned(plan)[0].values).scene, "scene")
+        plant = checked_plant(scene_of(plan, make_draws(plan)[0].values).scene, "scene")
         with one_thread():
             system = Workshop(Work().cache).system(plant)
             moved(system, plant.motion)

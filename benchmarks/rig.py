@@ -15,7 +15,8 @@ from fem.elements.materials import Material
 from fem.gears.geometry import GearPair
 from mbd.system.system import System
 from pipelines.machine.assembly import assemble_machine, assemble_system
-from pipelines.machine.plant import Plant, make_plant
+from pipelines.machine.machine import make_plant
+from pipelines.machine.plant import Plant
 from pipelines.scene.file import load_scene
 
 SCENE = "rig-healthy"

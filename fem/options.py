@@ -111,17 +111,29 @@ def options_of(owner: Any) -> Iterator[tuple[dataclasses.Field, Option]]:
     return ((field, field.metadata["option"]) for field in dataclasses.fields(owner) if "option" in field.metadata)
 
 
-def check_options(owner: Any, error: type[Exception]) -> None:
-    """Raise an error that names the first option outside its limits or choices; None is inside."""
+def option_of(owner: Any, name: str) -> Option:
+    """The option of a dataclass that is the field of that name."""
+    return next(one for field, one in options_of(owner) if field.name == name)
+
+
+def check_options(owner: Any, error: type[Exception], name: str = "") -> None:
+    """Raise an error that names the first option outside its limits or choices; None is inside.
+
+    Parameters
+    ----------
+    owner, error : the object, and what is raised
+    name : of the object in the message; without it: its class
+    """
+    where = name or type(owner).__name__
     for field, one in options_of(owner):
         value, choices = getattr(owner, field.name), _choices(owner.__class__).get(field.name, ())
         if choices and value not in choices:
             words = ", ".join(map(repr, choices))
-            raise error(f"{type(owner).__name__}: {field.name} = {value!r}: must be one of {words}")
+            raise error(f"{where}: {field.name} = {value!r}: must be one of {words}")
         for number in value if isinstance(value, tuple) else (value,):
             if isinstance(number, int | float) and not one.holds(number):
                 given = f"{one.given(number):g} {one.unit}".rstrip()
-                raise error(f"{type(owner).__name__}: {field.name} = {given}: must be {one.range}")
+                raise error(f"{where}: {field.name} = {given}: must be {one.range}")
 
 
 @functools.cache

@@ -11,7 +11,7 @@ from gearcase.given import checked_file
 from pipelines.datasets.campaign import Finished, run_campaign
 from pipelines.datasets.plan import load_plan
 from pipelines.datasets.workers import Workers, local_workers
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 
 __all__ = ["Finished", "campaign"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from gearcase.scenes import Scene, loaded_scene
 from gearcase.working import ProgressFunction
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.runs.single_results import Casing, build_casing
 
 __all__ = ["Casing", "casing"]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from gearcase.scenes import Scene, loaded_scene
 from gearcase.working import ProgressFunction
 from mbd.system.linearised import LinearModes
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.runs.single_results import build_machine_modes, build_signals
 
 if TYPE_CHECKING:

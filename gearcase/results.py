@@ -10,10 +10,10 @@ from gearcase.scenes import Scene, Settings, loaded_scene
 from gearcase.working import ProgressFunction
 from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.uncertainty.line_bars import LineBars
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError, WorkError
 from pipelines.runs.diagnosed import diagnose_folder, folder_bars
-from pipelines.runs.run import Options, run_scene
+from pipelines.runs.run import run_scene
 from pipelines.runs.run_folder import find_run, loaded_run
 from pipelines.signals.labelled_spectrum import labelled_spectrum
 
@@ -63,8 +63,8 @@ def run(
     if not isinstance(seeds, int):
         raise refusal("seeds", seeds, "a whole number", "Give 0 or more.")
     work = Work(processes=processes, progress=progress)
-    options = Options(out=out, with_control=control, both_loads=both_loads, seeds=seeds, work=work)
-    return loaded_run(run_scene(loaded_scene(scene), options).folder)
+    done = run_scene(loaded_scene(scene), out=out, with_control=control, both_loads=both_loads, seeds=seeds, work=work)
+    return loaded_run(done.folder)
 
 
 def open_run(name: str | Path) -> xarray.Dataset:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from gearcase.given import refusal
 from gearcase.scenes import Scene, loaded_scene
 from gearcase.working import ProgressFunction
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.studies.trade.axes import AXES
 from pipelines.studies.trade.refinement import RefinementStudy, refine
 from pipelines.studies.trade.tradeoff import Tradeoff, trade

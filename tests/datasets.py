@@ -4,13 +4,12 @@ from pathlib import Path
 
 import numpy as np
 
-from pipelines.datasets.campaign import planned
 from pipelines.datasets.folder import begin, identity_facts
 from pipelines.datasets.labels import labels
 from pipelines.datasets.layout import RunLayout, SignalLayout
 from pipelines.datasets.plan import load_plan
 from pipelines.datasets.rows import DONE, FAILED, write_row, write_table
-from pipelines.datasets.scenes import scene_key, scene_of
+from pipelines.datasets.scenes import make_draws, scene_key, scene_of
 from pipelines.datasets.store import write_run
 from pipelines.machine.checks.validity import checked_plant
 
@@ -79,7 +78,7 @@ def make_dataset(folder, plan=PLAN, left_out=(), failed=()):
     file = folder.parent / f"{folder.name}.toml"
     file.write_text(plan, encoding="utf-8")
     loaded = load_plan(file)
-    draws = planned(loaded)
+    draws = make_draws(loaded)
     scene = scene_of(loaded, draws[0].values).resolved()
     begin(folder, loaded, scene, draws, layout(), identity_facts(loaded, draws))
     for draw in draws:

@@ -9,6 +9,7 @@ from nptdms import ChannelObject, TdmsWriter
 from scipy.io import savemat, wavfile
 
 from pipelines.recordings.machine import Machine
+from pipelines.recordings.machine_table import MachineTable
 from pipelines.signals.orders.kinematics import Kinematics, Shaft
 
 RATE = 10_000.0
@@ -23,9 +24,9 @@ def signals(samples=SAMPLES, seed=7):
 
 
 def machine(**changes):
-    """A machine with one shaft at 1500 rpm; without sensors every channel is one."""
-    given = {"name": "bench", "kinematics": Kinematics(shafts=(Shaft(name="shaft_1", ratio=1.0),), frequency=25.0)}
-    return Machine(**{**given, **changes})
+    """A machine with one shaft at 1500 rpm; without sensors every channel is one. `changes` are keys of its file."""
+    kinematics = Kinematics(shafts=(Shaft(name="shaft_1", ratio=1.0),), frequency=25.0)
+    return Machine(name="bench", kinematics=kinematics, table=MachineTable.model_construct(**changes))
 
 
 def write_text(path, values, separator=",", decimal=".", header=True, time=True):

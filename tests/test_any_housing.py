@@ -27,8 +27,8 @@ from pipelines.machine.housing_file import main as write_housing
 from pipelines.runs.checked import check_scene
 from pipelines.scene.file import load_scene
 from pipelines.studies.housings.block import housing_block
+from pipelines.studies.housings.page import thinned
 from pipelines.studies.housings.picture import _seen
-from pipelines.studies.housings.thinned import thinned
 
 IRON = Material(name="iron", elastic_modulus=1.1e11, poisson_ratio=0.26, density=7200.0)
 TILT = math.radians(4.3)

@@ -8,7 +8,7 @@ from pipelines.diagnosis.control_diagnosis import diagnose
 from pipelines.diagnosis.control_verdict import all_seen, criterion, headline, sentences, summary_grid
 from pipelines.io.errors import SceneError
 from pipelines.machine.checks.validity import checked_plant
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.scene.file import load_scene
 
 OUTER = {

@@ -13,7 +13,7 @@ from pipelines.engine.storage import digest
 from pipelines.io.errors import SceneError
 from pipelines.machine.assembly import assemble_machine, assemble_system
 from pipelines.machine.drives import speed_profile
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.scene.merge import Whole
 from pipelines.steps.graph import plant_steps

@@ -15,7 +15,7 @@ from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
 from mbd.system.system import assemble
 from pipelines.io.errors import SceneError
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.scene.file import load_scene
 
 BOW, ANGLE = 20e-6, 0.3

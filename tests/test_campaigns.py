@@ -10,20 +10,20 @@ import numpy as np
 import pytest
 
 import pipelines.datasets.job as job_module
-from pipelines.datasets.campaign import planned, run_campaign
+from pipelines.datasets.campaign import run_campaign
 from pipelines.datasets.folder import find_begun, held, identity_facts
 from pipelines.datasets.job import Job, work
 from pipelines.datasets.labels import labels
 from pipelines.datasets.plan import load_plan
 from pipelines.datasets.rows import numbers, read_row, read_rows, row_path, write_row
-from pipelines.datasets.scenes import scene_of
+from pipelines.datasets.scenes import make_draws, scene_of
 from pipelines.datasets.store import SIGNALS, read_run
 from pipelines.datasets.workers import Workers
+from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph
-from pipelines.engine.working import Work
 from pipelines.io.errors import InputError, SceneError, WorkError
 from pipelines.machine.checks.validity import checked_plant
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.signals.response import make_response
 from pipelines.steps.graph import plant_steps
 from pipelines.steps.motion import moved
@@ -107,7 +107,7 @@ def whole(tmp_path_factory):
 
 def test_signals_are_those_of_the_scene_run_alone(whole, tmp_path):
     plan = load(tmp_path)
-    for one in planned(plan)[:2]:
+    for one in make_draws(plan)[:2]:
         loaded = scene_of(plan, one.values)
         plant = checked_plant(loaded.scene, "scene")
         outcome = Work().build(Graph(plant_steps(plant)), ["simulate"])
@@ -120,7 +120,7 @@ def test_signals_are_those_of_the_scene_run_alone(whole, tmp_path):
 def test_labels_are_those_of_the_scene(whole, tmp_path):
     plan = load(tmp_path)
     kinds = {"healthy": "healthy", "missing": "missing-tooth", "worn": "worn-tooth"}
-    for one in planned(plan):
+    for one in make_draws(plan):
         row, scene = read_row(whole, one.run), scene_of(plan, one.values).scene
         assert row["values"] == one.values
         assert row["labels"] == labels(make_plant(scene))
@@ -141,7 +141,7 @@ def test_faults_of_shafts_are_labelled_with_their_size(tmp_path, kind):
     force = f"forces = [{{ model = '{kind}', {SHAFT_FAULTS[kind]} }}]"
     varied = "[variables]\nsize = { from = 5.0, to = 50.0 }"
     plan = load(tmp_path, f'scene = "minimal"\nscenes = 3\n{varied}\n[settings]\n{force}\n')
-    for one in planned(plan):
+    for one in make_draws(plan):
         found = labels(make_plant(scene_of(plan, one.values).scene))
         assert (found["label"], found["severity"]) == (kind, one.values["size"])
         assert "shaft" in found["places"]
@@ -157,7 +157,7 @@ def test_what_a_process_did_before_changes_no_bit(whole, tmp_path):
     plan = load(tmp_path)
     again = tmp_path / "out"
     shutil.copytree(whole, again)
-    draws = planned(plan)
+    draws = make_draws(plan)
     identity, layout = find_begun(again, identity_facts(plan, draws))
     for one in reversed(draws):
         row_path(again, one.run).unlink()
@@ -295,7 +295,7 @@ def test_one_assembly_serves_scenes_with_equal_machines(monkeypatch, tmp_path):
     monkeypatch.setattr(module, "assembled", lambda *given, **taken: made.append(1) or real(*given, **taken))
     shop = module.Workshop(Work().cache)
     plan = load(tmp_path)
-    scene = scene_of(plan, planned(plan)[0].values).scene
+    scene = scene_of(plan, make_draws(plan)[0].values).scene
     plant = checked_plant(scene, "scene")
     first, second = (moved(shop.system(plant), plant.motion).values for _ in range(2))
     assert np.array_equal(first, second)

@@ -16,7 +16,7 @@ from fem.casing.reduced.rigid import housing_mass, rigid_body
 from fem.elements.materials import CAST_IRON, Material
 from mbd.system.statics import equilibrium, foot_forces
 from pipelines.cli.main import main
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.runs.single_results import scene_graph
 from pipelines.scene.file import load_scene
 

@@ -4,7 +4,7 @@ import pytest
 
 from pipelines.engine.storage import digest
 from pipelines.machine.checks.design_warnings import design_warnings
-from pipelines.machine.plant import make_drivetrain, make_plant
+from pipelines.machine.machine import make_drivetrain, make_plant
 from pipelines.scene.file import load_scene
 from pipelines.steps.study import plan_study
 

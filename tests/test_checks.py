@@ -8,8 +8,8 @@ from types import SimpleNamespace
 import pytest
 from mbd_rigs import no_casing, train
 
+from fem.casing.geometry.locators import ByCylinder
 from fem.casing.mesh.imported import Seat
-from fem.casing.mesh.locate import ByCylinder
 from fem.storage.cache_folder import cache_root
 from mbd.parts.channels import channel_names, mesh_channels, motor_channels, shaft_channels
 from mbd.parts.checks import MachineError
@@ -28,7 +28,7 @@ from pipelines.machine.checks.strength import (
 )
 from pipelines.machine.checks.validity import checked_plant
 from pipelines.machine.layout import lay_out
-from pipelines.machine.plant import make_drivetrain
+from pipelines.machine.machine import make_drivetrain
 from pipelines.scene.file import load_scene
 from pipelines.steps.study import plan_study
 
@@ -275,7 +275,7 @@ def test_the_channels_counted_are_those_recorded(scene):
     load = loaded.load.made().load("shaft_2", drums)
     recorded = SimpleNamespace(components=(others, *bearing_specs(loaded, Problems()), load))
     names = channel_names(recorded, tuple(sensor.name for sensor in loaded.sensors))
-    assert cost.cost(loaded).channels == len(names)
+    assert cost.cost(make_drivetrain(loaded)).channels == len(names)
 
 
 def test_the_output_rate_is_held_against_the_fastest_mesh():
@@ -323,7 +323,7 @@ def test_torsion_follows_the_torque_along_the_shaft():
 def test_the_seat_found_on_the_solid_is_the_seat_of_its_mesh():
     """The grid over the cylinders gives the bearing points that the surface mesh gives."""
     from fem.casing.mesh.mesher import find_seats
-    from pipelines.machine.housing import housing
+    from pipelines.machine.casing import housing
 
     scene = load_scene("rig-step").scene
     layout = lay_out(scene)

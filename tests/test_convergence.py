@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from fem.casing.uncertainty.frequency_limits import EDGE_ORDER, frequency_limits
 from pipelines.cli.command_line import parser
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.scene.file import load_scene
 from pipelines.scene.tables.casing import ElasticBase
 from pipelines.scene.tables.housing import MatricesHousingTable
@@ -29,9 +29,9 @@ from pipelines.studies.trade.refinement_page import (
     convergence_figure,
     not_refined,
     pairing_words,
+    tone_and_distance,
     verdict,
 )
-from pipelines.studies.trade.slicing import tone_and_distance
 from pipelines.studies.trade.variants import Measured
 
 

@@ -8,7 +8,6 @@ from mesh_laws import gap_of_slice, made_up_law, potential_errors, spared_approa
 from scipy.optimize import root
 
 from fem.contact.evaluation.evaluator import LawError, LawEvaluator
-from fem.contact.evaluation.kernel import evaluate, evaluate_two
 from fem.contact.models.solid_condensation import fit_terms
 
 XI = np.linspace(-1.5, 1.5, 201)
@@ -151,21 +150,6 @@ def test_bodies_alone_are_the_plain_law_at_the_approach_they_leave():
     half = law.face_coordinate[-1]
     closed = (delta < np.abs(psi) * half) & (delta - d > np.abs(psi - t) * half)
     assert closed.sum() > 5
-
-
-@pytest.mark.slow  # compiles the doors for single states
-@EVERY_LAW
-def test_two_states_at_one_cycle_are_two_evaluations(law):
-    tables, teeth = LawEvaluator(law).packed, LawEvaluator(law).teeth(None, None)
-    c, delta, psi = states(30)
-    _, before, tilt = states(30, seed=9)
-    for k in range(30):
-        both = evaluate_two(tables, c[k], delta[k], psi[k], before[k], tilt[k], *teeth)
-        one = evaluate(tables, c[k], delta[k], psi[k], *teeth)
-        other = evaluate(tables, c[k], before[k], tilt[k], *teeth)
-        scale = np.abs([one[:6], other[:6]]).max(axis=0)
-        assert (np.abs(np.subtract(both[:6], one[:6])) <= [1e-10, 1e-10, 1e-10, 1e-5, 1e-5, 1e-5] * scale).all()
-        assert (np.abs(np.subtract(both[6:], other[:6])) <= [1e-10, 1e-10, 1e-10, 1e-5, 1e-5, 1e-5] * scale).all()
 
 
 @EVERY_LAW

@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.linalg as la
-import scipy.sparse as sp
 from housings import short_housing
 from scipy.sparse.linalg import eigsh
 from test_element_order import plate, ring
 
 from benchmarks.casing_limits.cubic import cubic_matrices
+from fem.casing.enrichment.added import added_functions
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.mesh.source import mesh_geometry
-from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.grounded import assembled_casing, ground_casing
 from fem.casing.uncertainty.extrapolation import lowest_modes
 from fem.elements.cubic import cubic_functions
 from fem.elements.cubic_shapes import cubic_shapes
@@ -28,9 +28,9 @@ KINDS = [SOLIDS["tetrahedron-20"], SOLIDS["hexahedron-32"]]
 
 def whole(nodes, elements, material, held=FREE):
     """Functions, stiffness and mass of a free body."""
-    functions = cubic_functions(nodes, elements, held, material)
+    functions = cubic_functions(nodes, elements, held)
     constants = {key: getattr(material, key) for key in ("elastic_modulus", "poisson_ratio", "density")}
-    return functions, *functions.added_to(*assemble(nodes, elements, **constants))
+    return functions, *assemble(nodes, elements, **constants, cubic=functions)
 
 
 @pytest.fixture(scope="module", params=KINDS, ids=lambda kind: kind.name)
@@ -131,21 +131,20 @@ def test_rigid_motions_store_no_energy_and_have_the_mass_of_the_body(housing):
     functions, K, M = whole(housing.nodes, housing.elements, CAST_IRON)
     rigid = np.concatenate([rigid_body_modes(housing.nodes), np.zeros((len(functions), 6))])
     assert abs(K @ rigid).max() < 1e-12 * abs(K).max()
-    plain, _ = functions.added_to(*(2 * [sp.csr_matrix((3 * len(housing.nodes),) * 2)]))
     assert abs(M - M.T).max() < 1e-15 * abs(M).max()
-    assert abs(plain - plain.T).max() < 1e-15 * abs(plain).max()
+    assert abs(K - K.T).max() < 1e-14 * abs(K).max()
 
 
 def test_parts_of_the_body_add_up(housing):
-    functions, _, _ = whole(housing.nodes, housing.elements, CAST_IRON)
+    added = added_functions(housing, CAST_IRON, held=())
     halves = np.array_split(np.arange(len(housing.elements)), 2)
-    for all_of_it, *parts in zip(functions.matrices(), *(functions.matrices(half) for half in halves), strict=True):
+    for all_of_it, *parts in zip(added.matrices(), *(added.matrices(half) for half in halves), strict=True):
         assert abs(all_of_it - sum(parts)).max() < 1e-12 * abs(all_of_it).max()
 
 
 def test_held_facets_have_no_functions_of_their_own(housing):
     feet = housing.facets_of(housing.patches("ground_"))
-    free, held = (cubic_functions(housing.nodes, housing.elements, one, CAST_IRON) for one in (feet[:0], feet))
+    free, held = (cubic_functions(housing.nodes, housing.elements, one) for one in (feet[:0], feet))
     corners = feet[:, : 3 if housing.element.corners == 4 else 4]
     sides = np.stack([corners, np.roll(corners, 1, axis=1)], axis=2).reshape(-1, 2)
     faces = len(feet) if housing.element.corners == 4 else 0
@@ -168,7 +167,7 @@ def test_a_casing_is_softer_than_on_the_same_mesh_without(housing, ground, attac
     """More displacements to choose from: by Ritz no natural frequency rises, on no ground."""
 
     def frequencies(mesh):
-        found = lowest_modes(mesh, CAST_IRON, static=False, ground=ground, attachment=attachment)
+        found = lowest_modes(assembled_casing(mesh, CAST_IRON, ground=ground, attachment=attachment), static=False)
         return found.frequencies[:20]
 
     cubic, quadratic = frequencies(housing), frequencies(replace(housing, cubic=0))
@@ -180,7 +179,8 @@ def test_cubic_elements_are_nearer_to_the_limit_than_as_many_unknowns_of_quadrat
     """Hexahedra with functions at edges stand for the limit."""
 
     def frequencies(size, element):
-        return lowest_modes(mesh_geometry(short_housing(), Sizes(element=size), element), CAST_IRON, static=False)
+        mesh = mesh_geometry(short_housing(), Sizes(element=size), element)
+        return lowest_modes(assembled_casing(mesh, CAST_IRON), static=False)
 
     limit = frequencies(0.02, "hexahedron-20").frequencies[:12]
     cubic, quadratic = frequencies(0.04, "tetrahedron-20"), frequencies(0.014, "tetrahedron-10")

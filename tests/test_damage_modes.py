@@ -5,7 +5,6 @@ import pytest
 from mesh_laws import made_up_law, potential_errors
 
 from fem.contact.evaluation.evaluator import LawEvaluator
-from fem.contact.evaluation.kernel import evaluate, evaluate_two
 from fem.contact.teeth import tooth_terms, with_variants
 
 XI = np.linspace(-1.5, 1.5, 201)
@@ -77,17 +76,6 @@ def test_a_mode_that_is_one_everywhere_is_a_body():
     exact = LawEvaluator(softer).evaluate(cycle, delta, psi)
     for one, other in zip(found, exact, strict=True):
         assert one == pytest.approx(other, rel=1e-7, abs=1e-9 * np.abs(other).max())
-
-
-@EVERY_LAW
-def test_two_states_at_once_are_the_two_states(law):
-    law = cracked(law)
-    packed, sound = LawEvaluator(law).packed, tooth_terms(55)
-    for cycle in (2.8, 3.4):
-        first, second = (cycle, 2e-5, 1e-4), (cycle, 1.1e-5, -1e-4)
-        both = evaluate_two(packed, *first, *second[1:], teeth(law), sound)
-        each = [evaluate(packed, *state, teeth(law), sound)[:6] for state in (first, second)]
-        assert both == pytest.approx([*each[0], *each[1]], rel=1e-9, abs=1e-12)
 
 
 @EVERY_LAW

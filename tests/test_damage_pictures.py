@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from rendering import enclosed_volume
 
 from benchmarks.gear_pairs import gear_pair
 from fem.contact.faults.chipped_tooth import ChippedTooth
@@ -18,7 +19,7 @@ from pipelines.report.figures.damage import DRAWN, drawn_tooth
 from pipelines.report.figures.pattern import contact_pattern, damaged_part
 from pipelines.report.figures.scene_frame import placed, scene_frame
 from pipelines.report.figures.shapes import gear_view, twist
-from pipelines.report.figures.solids import enclosed_volume, gear_surface
+from pipelines.report.figures.solids import gear_surface
 
 PAIR = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))
 LAW = Iso(slices=15).law(PAIR, "drive")
@@ -118,10 +119,10 @@ def test_gears_stand_on_their_shafts_and_y_runs_along_them(sense):
 
 def test_an_offset_web_is_drawn_where_it_is():
     view = gear_view(gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5)))
-    assert view.wheel_web is None
-    solid = enclosed_volume(*gear_surface(view.wheel_outline, 17.5e-3, 0.0, 12e-3))
+    assert view.wheel.web is None
+    solid = enclosed_volume(*gear_surface(view.wheel.outline, 17.5e-3, 0.0, 12e-3))
     web = (45e-3, -5e-3, -1e-3)
-    points, quads = gear_surface(view.wheel_outline, 17.5e-3, 0.0, 12e-3, web=web)
+    points, quads = gear_surface(view.wheel.outline, 17.5e-3, 0.0, 12e-3, web=web)
     ring = math.pi * (45e-3**2 - 17.5e-3**2)
     assert solid - enclosed_volume(points, quads) == pytest.approx(ring * 8e-3, rel=0.01)
     inner = points[np.isclose(np.hypot(*points[:, :2].T), 17.5e-3)]

@@ -146,7 +146,7 @@ def test_a_recording_with_a_flipped_bit_is_refused_or_read(tmp_path):
     found = []
     for _ in range(100):
         path.write_bytes(flipped(content, rng, len(content)))
-        found.append(bool(refused(read_recording, path, machine=machine(rate=RATE))))
+        found.append(bool(refused(read_recording, path, machine=machine(rate_Hz=RATE))))
     assert sum(found) > 50
 
 
@@ -158,7 +158,7 @@ def test_a_wrong_length_is_refused_at_once(bit, tmp_path):
     wrong_length(path, 4000, bit)
     begin = time.process_time()
     with pytest.raises(InputError, match=r'r\.h5: "all 1" has \d+ x 2 values by its header, but the file holds 8 of'):
-        read_recording(path, machine(rate=RATE))
+        read_recording(path, machine(rate_Hz=RATE))
     assert time.process_time() - begin < 1.0
 
 

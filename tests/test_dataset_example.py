@@ -12,9 +12,9 @@ import pytest
 from datasets import PLAN, make_dataset
 
 from pipelines.cli.main import main
-from pipelines.datasets.campaign import planned
 from pipelines.datasets.estimate import estimate
 from pipelines.datasets.plan import load_plan
+from pipelines.datasets.scenes import make_draws
 
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLE = ROOT / "examples" / "classify_bench.py"
@@ -61,7 +61,7 @@ def test_pieces_of_one_run_in_both_parts_flatter_a_classifier_that_knows_nothing
 
 def test_the_plan_of_the_example_can_be_run_and_keeps_specimens_apart():
     plan = load_plan(EXAMPLE.with_suffix(".toml"))
-    draws = planned(plan)
+    draws = make_draws(plan)
     assert {draw.group for draw in draws if draw.split == "test"}.isdisjoint(
         draw.group for draw in draws if draw.split == "train"
     )

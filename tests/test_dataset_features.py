@@ -168,7 +168,7 @@ def test_a_pass_that_is_stopped_goes_on_where_it_was(tmp_path):
             return map(function, *iterables)
 
     with pytest.raises(KeyboardInterrupt):
-        make_features(folder, Lazy(), told=stop)
+        make_features(folder, Lazy(), on_progress=stop)
     (folder / FEATURE_ROWS / ".4-killed.partial").write_text("{", encoding="utf-8")
     assert make_features(folder, Lazy())[0] == 5
     make_features(whole, InOrder())

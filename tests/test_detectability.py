@@ -10,9 +10,8 @@ from scipy.stats import norm, t
 from test_dataset_features import InOrder
 
 from pipelines.cli.main import main
-from pipelines.datasets.campaign import planned
 from pipelines.datasets.rows import read_row
-from pipelines.datasets.scenes import scene_of
+from pipelines.datasets.scenes import make_draws, scene_of
 from pipelines.diagnosis.simulated import FeatureSettings
 from pipelines.diagnosis.verdict import ALARM
 from pipelines.io.errors import InputError
@@ -176,7 +175,7 @@ def plan_of(settings, **design):
 def test_no_pair_of_gears_serves_twice_and_the_damaged_tooth_moves_on():
     over = (Over(key="faults.1.depth_mm", values=(1.0, 2.0)),)
     plan = plan_of({"deviations.seed": 101}, over=over, baseline=5, healthy=3, damaged=2)
-    draws = planned(plan)
+    draws = make_draws(plan)
     seeds = {state: {draw.values["specimen"] for draw in draws if draw.values["state"] == state} for state in
              (HEALTHY, DAMAGED)}  # fmt: skip
     assert seeds == {HEALTHY: set(range(1, 9)), DAMAGED: {9, 10}}
@@ -190,7 +189,7 @@ def test_no_pair_of_gears_serves_twice_and_the_damaged_tooth_moves_on():
 def test_a_load_is_that_of_healthy_and_damaged_machines():
     over = (Over(key="load.torque_N_m", values=(50.0, 100.0)),)
     plan = plan_of({}, over=over, baseline=5, healthy=3, damaged=2)
-    loads = [scene_of(plan, draw.values).scene.load.torque_N_m for draw in planned(plan)]
+    loads = [scene_of(plan, draw.values).scene.load.torque_N_m for draw in make_draws(plan)]
     assert loads.count(50.0) == loads.count(100.0) == 5 + 3 + 2
 
 
@@ -198,7 +197,7 @@ def test_shaft_faults_are_gone_from_healthy_machines():
     unbalance = {"model": "unbalance", "shaft": 1, "position_mm": 0.0, "unbalance_g_mm": 100.0}
     over = (Over(key="forces.1.unbalance_g_mm", values=(50.0, 100.0)),)
     plan = plan_of({"faults": [], "forces": [unbalance]}, over=over, baseline=5, healthy=1, damaged=1)
-    forces = [[force.unbalance_g_mm for force in scene_of(plan, draw.values).scene.forces] for draw in planned(plan)]
+    forces = [[force.unbalance_g_mm for force in scene_of(plan, draw.values).scene.forces] for draw in make_draws(plan)]
     assert forces == 6 * [[]] + [[50.0], [100.0]]
 
 

@@ -172,7 +172,6 @@ def test_tables_name_every_line(clear):
     )
     assert len(grid.to_text().splitlines()) == 26
     assert grid.to_html().count("<tr") == 24
-    assert grid.to_rich().row_count == 23
 
 
 def test_seed_summary_has_a_row_per_case():

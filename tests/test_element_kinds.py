@@ -166,7 +166,7 @@ def test_forces_slopes_and_potentials_belong_together(name):
         np.testing.assert_allclose(moved, 2e-6 * by_v[:, r], rtol=1e-4, atol=1e-9 * size[r])
     turned = [answer(system, u, v, (angle + d, speed, 0.01))[3].log[:, ENERGY] for d in (1e-5, -1e-5)]
     for i, element in enumerate(system.elements):
-        if not element.by_frozen and not element.rolls:
+        if not element.audited and not element.rolls:
             assert now.log[i, BY_ANGLE] == pytest.approx((turned[0][i] - turned[1][i]) / 2e-5, rel=1e-3, abs=1e-9)
 
 

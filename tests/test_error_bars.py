@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from fem.casing.uncertainty.drawn_body import drawn_body
+from benchmarks.error_bars import drawn_body
 from fem.casing.uncertainty.draws import (
     drawn_damping,
     drawn_frequencies,
@@ -24,7 +24,7 @@ from pipelines.diagnosis.uncertainty.line_bars import Band, LineBar, LineBars
 from pipelines.diagnosis.uncertainty.made import line_bars
 from pipelines.diagnosis.uncertainty.uncertain import Uncertain, uncertain
 from pipelines.diagnosis.uncertainty.words import bars_words
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.machine.assembly import assemble_machine, assemble_system
 from pipelines.scene.file import load_scene
 from pipelines.signals.response import make_response

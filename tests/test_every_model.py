@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 import xarray
 
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.io.errors import SceneError
 from pipelines.report.figures import render
 from pipelines.runs import run_folder
-from pipelines.runs.run import Options, run_scene
+from pipelines.runs.run import run_scene
 from pipelines.scene.file import load_scene
 from pipelines.scene.merge import Whole
 from pipelines.scene.scene import Scene
@@ -100,7 +100,7 @@ def test_the_tables_are_read():
 def test_every_model_runs_with_its_control(chosen, tmp_path, monkeypatch):
     monkeypatch.setattr(render, "command", lambda _: [sys.executable, "-c", "pass"])  # pictures are tested elsewhere
     scene = loaded(chosen)
-    finished = run_scene(scene, Options(out=tmp_path / "out", both_loads=False, work=Work(processes=1)))
+    finished = run_scene(scene, out=tmp_path / "out", both_loads=False, work=Work(processes=1))
     diagnosed = scene.scene.drive.model == "speed"
     for name in (run_folder.RESPONSE, run_folder.CONTROL)[: 1 + diagnosed]:
         with xarray.open_dataset(finished.folder / name, engine="h5netcdf") as data:

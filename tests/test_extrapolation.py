@@ -12,7 +12,7 @@ from housings import short_housing
 from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.mesh.source import mesh_geometry
-from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.grounded import assembled_casing, ground_casing
 from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.casing.uncertainty.cubic_limits import ORDER
@@ -30,7 +30,7 @@ from fem.casing.uncertainty.pairing import sample_nodes
 from fem.casing.uncertainty.wanted_size import wanted_factor
 from fem.elements.materials import CAST_IRON
 from pipelines.io.errors import SceneError
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.scene.presets import preset_on
 from pipelines.steps.graph import plant_steps
@@ -56,7 +56,10 @@ def coarse():
 def larger(mesh_size: float, **more):
     """Lowest modes on the meshes whose elements are RATIOS times as large."""
     sizes = [Sizes(element=mesh_size, bore=mesh_size).times(ratio) for ratio in RATIOS]
-    return [lowest_modes(mesh_housing(short_housing(), sizes=one), CAST_IRON, static=False, **more) for one in sizes]
+    return [
+        lowest_modes(assembled_casing(mesh_housing(short_housing(), sizes=one), CAST_IRON, **more), static=False)
+        for one in sizes
+    ]
 
 
 def same_shapes(modes, *factors):
@@ -153,7 +156,7 @@ def test_more_meshes_are_made_only_where_they_are_asked_for():
     assert names() == ["casing mesh", "casing modes", "casing"]
     assert names(extrapolated=True, element="tetrahedron-10") == ["casing mesh", *two, "casing modes", "casing"]
     for cubic in ("hexahedron-32", "tetrahedron-20"):
-        assert names(extrapolated=True, element=cubic) == ["casing mesh", "quadratic casing", "casing modes", "casing"]
+        assert names(extrapolated=True, element=cubic) == ["casing mesh", "casing modes", "quadratic casing", "casing"]
 
 
 def test_elements_whose_error_is_not_told_cannot_be_extrapolated_and_presets_leave_it_out():
@@ -178,7 +181,7 @@ def test_a_mesh_file_is_extrapolated_by_cubic_tetrahedra_alone():
 def both_degrees(size: float, element: str) -> list[LowestModes]:
     """Modes of a short housing by cubic and by quadratic displacements on one mesh."""
     mesh = mesh_geometry(short_housing(), Sizes(element=size), element)
-    return [lowest_modes(one, CAST_IRON, static=False) for one in (mesh, replace(mesh, cubic=0))]
+    return [lowest_modes(assembled_casing(one, CAST_IRON), static=False) for one in (mesh, replace(mesh, cubic=0))]
 
 
 @pytest.fixture(scope="module")
@@ -238,7 +241,7 @@ def test_an_error_asked_for_makes_a_trial_and_says_what_it_takes():
     plant = make_plant(load_scene("rig-healthy", {"casing.error": "0.2%"}).scene)
     names = [stage.name for stage in plant_steps(plant) if "casing" in stage.name]
     trial = ["trial casing mesh", "trial casing", "quadratic casing, trial"]
-    assert names == [*trial, "casing mesh", "quadratic casing", "casing modes", "casing"]
+    assert names == [*trial, "casing mesh", "casing modes", "quadratic casing", "casing"]
     plant = make_plant(load_scene("rig-step", {"casing.element": "tetrahedron-10", "casing.error": "2%"}).scene)
     names = [stage.name for stage in plant_steps(plant) if "casing" in stage.name]
     assert names[-5:] == ["trial casing mesh", "trial casing", "casing mesh", "casing modes", "casing"]

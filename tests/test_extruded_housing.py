@@ -21,7 +21,7 @@ from fem.elements.materials import CAST_IRON
 from fem.elements.solids import mass_properties
 from pipelines.io.errors import SceneError
 from pipelines.machine.checks.validity import checked_plant
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.scene.presets import preset_settings
 

@@ -6,7 +6,7 @@ import pytest
 import xarray
 
 import gearcase
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.report.figures.plots import transmission_error_figure
 from pipelines.runs.gear_numbers import (
     MeshState,

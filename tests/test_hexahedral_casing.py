@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from benchmarks.solids import box_mesh
+from fem.casing.geometry.locators import ByBox, ByCylinder, ByGroup
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
-from fem.casing.mesh.locate import ByBox, ByCylinder, ByGroup
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesh_file import read_mesh_file, write_fields
 from fem.casing.mesh.sizes import Sizes
@@ -51,7 +51,7 @@ def housing(path, seat=SEAT, **more):
         sha256=content_hash(path),
         unit="mm",
         seats=(Seat(name="bearing_1", locator=seat, shaft_point=(0.0, WIDTH / 2, 0.0)),),
-        grounds=(ByBox(low=(0.042, -1.0, -0.06), high=(0.07, 1.0, 0.06)),),
+        grounds=(ByBox(box=((0.042, -1.0, -0.06), (0.07, 1.0, 0.06))),),
         **more,
     )
 

@@ -6,20 +6,20 @@ import pytest
 import scipy.io
 import scipy.sparse as sp
 
+from fem.casing.geometry.locators import ByCylinder, ByGroup, ByPlane
 from fem.casing.imported.ansys import mapped_equations
 from fem.casing.imported.body import ForeignError, foreign_body
 from fem.casing.imported.checks import check_foreign, lowest_frequencies
 from fem.casing.imported.files import MatrixFiles, read_body, read_matrices
 from fem.casing.mesh.gmsh_session import session
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
-from fem.casing.mesh.locate import ByCylinder, ByGroup, ByPlane
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesh_file import read_mesh_file
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.mesh.source import mesh_geometry
 from fem.casing.mesh.step_file import read_triangles
 from fem.elements.solids import assemble
-from pipelines.machine.foreign_housing import foreign_housing
+from pipelines.machine.casing import foreign_housing
 from pipelines.scene.tables.housing import MatricesHousingTable
 
 IRON = {"elastic_modulus": 1.1e11, "poisson_ratio": 0.26, "density": 7200.0}
@@ -286,7 +286,7 @@ def test_every_file_of_a_scene_is_read_for_what_it_is_named_for(tmp_path):
         bearings=({"name": "bearing_1", "nodes": [1]},),
         grounds=({"nodes": [2]},),
     )
-    files = foreign_housing(table, (), [(0.0, 0.0, 0.0)], "scene").files
+    files = foreign_housing(table, (), [(0.0, 0.0, 0.0)]).files
     assert [files.stiffness, files.mass, files.nodes, files.equations] == [str(tmp_path / name) for name in names]
 
 

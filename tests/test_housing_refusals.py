@@ -5,9 +5,9 @@ import sys
 
 import pytest
 
+from fem.casing.geometry.locators import ByCylinder, ByPlane
 from fem.casing.mesh.gmsh_session import session
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
-from fem.casing.mesh.locate import ByCylinder, ByPlane
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.mesh.source import mesh_geometry

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from fem.casing.geometry.housing import Housing
+from fem.casing.geometry.locators import ByGroup
 from fem.casing.mesh.imported import ImportedHousing, content_hash
-from fem.casing.mesh.locate import ByGroup
 from fem.casing.mesh.sizes import bending_wavelength
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph
 from pipelines.io.errors import SceneError
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.steps.graph import casing_step, plant_steps
 

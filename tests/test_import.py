@@ -8,13 +8,14 @@ import pytest
 from housings import small_housing
 
 from fem.casing.geometry.dimensions import HousingError
+from fem.casing.geometry.locators import ByBox, ByCylinder, ByGroup, ByPlane, ByPoint
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
-from fem.casing.mesh.locate import ByBox, ByCylinder, ByGroup, ByPlane, ByPoint
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesher import mesh_housing, session, write_step
 from fem.casing.mesh.quality import checked_quality, measure
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.mesh.source import mesh_geometry
+from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.rigid import rigid_body, rigid_from_mesh
 from fem.casing.uncertainty.extrapolation import limits_from, lowest_modes
 from fem.elements.facets import surface_weights
@@ -152,7 +153,7 @@ def test_key_points_by_group_box_and_point(native, small, tmp_path):
     low, high = small.foot_boxes()["ground_2"]
     grounds = [ByGroup(group=f"ground_{i}") for i in range(1, 7)]
     grounds[0] = ByPoint(point=tuple(native.point("ground_1") + [0.01, 0.0, -0.001]))
-    grounds[1] = ByBox(low=tuple(low - 1e-4), high=(high[0] + 1e-4, high[1] + 1e-4, low[2] + 1e-4))
+    grounds[1] = ByBox(box=(tuple(low - 1e-4), (high[0] + 1e-4, high[1] + 1e-4, low[2] + 1e-4)))
     same_body(mesh_geometry(imported(path, small, seats=seats, grounds=tuple(grounds)), SIZES), native)
 
 
@@ -200,7 +201,9 @@ def test_ten_node_tetrahedra_of_a_file_carry_cubic_displacements_as_they_are(nat
     assert mesh.cubic
     assert mesh.element.name == "tetrahedron-20"
     assert mesh.elements.shape == native.elements.shape
-    fine, coarse = (lowest_modes(one, CAST_IRON, static=False) for one in (mesh, replace(mesh, cubic=0)))
+    fine, coarse = (
+        lowest_modes(assembled_casing(one, CAST_IRON), static=False) for one in (mesh, replace(mesh, cubic=0))
+    )
     limits = limits_from(fine.frequencies, fine.shapes, fine.element_size, [coarse])
     assert 0.0 < limits.correction < 0.05
     assert (limits.bands > 0.0).all()

@@ -7,21 +7,21 @@ import pytest
 from housings import short_housing
 
 from fem.casing.geometry.features import Flange
+from fem.casing.geometry.locators import ByCylinder, ByPlane
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
-from fem.casing.mesh.locate import ByCylinder, ByPlane
 from fem.casing.mesh.mesher import mesh_step, write_step
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.mesh.source import mesh_geometry
 from fem.casing.parts.bolted_joint import BoltedJoint
 from fem.casing.parts.bolts import Bolt
 from fem.casing.parts.split import Plane
-from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.grounded import assembled_casing, ground_casing
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.uncertainty.extrapolation import lowest_modes
 from fem.elements.materials import CAST_IRON
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.io.errors import SceneError
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.runs.single_results import build_casing
 from pipelines.scene.file import load_scene
 
@@ -147,9 +147,9 @@ def test_two_solids_of_a_file_that_touch_are_bolted_as_the_housing_they_were_mad
     down = replace(up, plane=Plane(through=(0.1, 0.0, 0.0), normal=(0.0, 0.0, -1.0)))
     native, stepped = mesh_geometry(housing, sizes), mesh_step(file, sizes, "tetrahedron-10")
     assert frequencies(stepped, down) == pytest.approx(frequencies(native, up), rel=0.02)
-    assert lowest_modes(native, CAST_IRON, static=False, interfaces={}, joint=up).frequencies[:4] == pytest.approx(
-        frequencies(native, up), rel=1e-6
-    )
+    assert lowest_modes(assembled_casing(native, CAST_IRON, interfaces={}, joint=up), static=False).frequencies[
+        :4
+    ] == pytest.approx(frequencies(native, up), rel=1e-6)
 
 
 def test_a_joint_across_a_plane_of_a_file_in_si():

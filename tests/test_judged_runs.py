@@ -4,10 +4,10 @@ import json
 
 import pytest
 
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError
 from pipelines.runs.recorded import Recorded, other_speeds, recording_path
-from pipelines.runs.run import Options, run_scene
+from pipelines.runs.run import run_scene
 from pipelines.scene.file import load_scene
 
 SHORT = {
@@ -21,9 +21,7 @@ MISSING = {**SHORT, "faults": [{"kind": "missing-tooth", "stage": 1, "gear": "pi
 
 
 def judged(folder, settings, **options):
-    finished = run_scene(
-        load_scene("minimal", settings), Options(out=folder, work=Work(quiet=True, processes=1), **options)
-    )
+    finished = run_scene(load_scene("minimal", settings), out=folder, work=Work(quiet=True, processes=1), **options)
     return finished, json.loads((folder / "verdict.json").read_text())
 
 
@@ -66,7 +64,7 @@ def test_healthy_recordings_of_another_speed_are_warned_of():
 
 def test_a_scene_without_faults_is_its_own_control(tmp_path):
     scene = load_scene("minimal", {**SHORT, "deviations.seed": 20})
-    finished = run_scene(scene, Options(out=tmp_path / "run", work=Work(quiet=True, processes=1)))
+    finished = run_scene(scene, out=tmp_path / "run", work=Work(quiet=True, processes=1))
     assert finished.words.startswith("No fault: not seen")
     assert not (tmp_path / "run" / "verdict.json").exists()
 

@@ -9,10 +9,10 @@ import pytest
 
 from pipelines.cli.main import main
 from pipelines.cli.runs import chosen
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError
 from pipelines.runs.kept_runs import kept_runs
-from pipelines.runs.run import Options, run_scene
+from pipelines.runs.run import run_scene
 from pipelines.runs.run_folder import find_run, note_latest
 from pipelines.scene.file import load_scene
 
@@ -136,7 +136,7 @@ def test_real_runs_are_compared_opened_diagnosed_and_exported_by_number(tmp_path
     monkeypatch.setattr("webbrowser.open", opened.append)
     for mass in (80.0, 120.0):
         scene = load_scene("minimal", FAULTY | {"load.container_kg": mass})
-        run_scene(scene, Options(with_report=False, work=Work(quiet=True)))
+        run_scene(scene, with_report=False, work=Work(quiet=True))
     assert main(["runs", "compare", "1", "2"]) == 0
     out = capsys.readouterr().out
     (row,) = [line for line in out.splitlines() if line.startswith("load.container_kg")]

@@ -22,9 +22,9 @@ from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph
 from pipelines.io.errors import CacheWarning
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.runs import run_folder
-from pipelines.runs.run import Options, run_scene
+from pipelines.runs.run import run_scene
 from pipelines.scene.file import load_scene
 from pipelines.signals.labelled import stored_type
 from pipelines.signals.response import make_response
@@ -122,7 +122,7 @@ def short_run(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("GEARCASE_CACHE", str(folder / "cache"))
         loaded = load_scene("minimal", coarse("minimal", end=0.4))
-        run_scene(loaded, Options(out=folder / "out", with_control=False, with_report=False))
+        run_scene(loaded, out=folder / "out", with_control=False, with_report=False)
         yield folder / "out", Cache(), motion(loaded, Cache())
 
 
@@ -233,7 +233,7 @@ def test_run_and_diagnose_print_the_same(own_cache, tmp_path, capsys):
     settings = {name: value for name, value in diagnosable("rig-missing-tooth").items() if "casing" not in name}
     settings |= {"casing.model": "rigid", "casing.mount_stiffness_N_per_um": 200.0}
     loaded = load_scene("rig-missing-tooth", settings)
-    finished = run_scene(loaded, Options(out=tmp_path / "out", both_loads=False))
+    finished = run_scene(loaded, out=tmp_path / "out", both_loads=False)
     assert main(["diagnose", str(finished.folder)]) == 0
     assert capsys.readouterr().out == (finished.folder / "diagnosis.txt").read_text(encoding="utf-8")
 

@@ -10,7 +10,7 @@ from pipelines.io.errors import InputError, SceneError
 from pipelines.machine.kinematics import kinematics_of
 from pipelines.machine.layout import lay_out
 from pipelines.machine.looked_for import pass_rates
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.recordings.machine import read_machine
 from pipelines.recordings.recording import read_recording
 from pipelines.scene.file import load_scene
@@ -80,9 +80,9 @@ def test_a_tachometer_takes_the_place_of_the_speed(tmp_path):
     text = 'teeth = [[21, 62]]\ntachometer = { channel = "key", shaft = 2, pulses_per_turn = 8 }\n'
     found = machine(tmp_path, text)
     assert found.kinematics.frequency is None
-    assert found.tachometer.shaft == "shaft_2"
-    assert found.tachometer.pulses_per_turn == 8.0
-    assert found.tachometer.level is None
+    assert found.table.tachometer.shaft == 2
+    assert found.table.tachometer.pulses_per_turn == 8.0
+    assert found.table.tachometer.level is None
 
 
 @pytest.mark.parametrize(

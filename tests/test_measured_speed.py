@@ -9,7 +9,7 @@ import gearcase
 from pipelines.diagnosis.control_diagnosis import diagnose
 from pipelines.diagnosis.control_verdict import grade
 from pipelines.io.errors import SceneError
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.scene.file import control_of, load_scene
 from pipelines.scene.merge import Whole
 from pipelines.signals.analysis import DiagnosisError

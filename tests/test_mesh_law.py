@@ -217,7 +217,8 @@ def test_the_force_keeps_rising_at_absurd_loads():
 def test_compiled_call_and_array_call_agree():
     law = LAWS["hertz coupled"]
     direct = evaluate(LawEvaluator(law).packed, 12.3, 1.1e-5, 2e-4, tooth_terms(20), tooth_terms(55))
-    assert direct == pytest.approx([float(v) for v in LawEvaluator(law).evaluate(12.3, 1.1e-5, 2e-4)], rel=1e-15)
+    whole = LawEvaluator(law).evaluate(12.3, 1.1e-5, 2e-4)
+    assert direct == pytest.approx([float(v) for v in whole[:6]], rel=1e-15)
 
 
 @pytest.mark.parametrize(

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from benchmarks.solids import box_mesh
+from fem.casing.geometry.locators import ByBox, ByCylinder, ByGroup
 from fem.casing.imported.checks import lowest_frequencies
 from fem.casing.mesh.gmsh_session import session
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
-from fem.casing.mesh.locate import ByBox, ByCylinder, ByGroup
 from fem.casing.mesh.mesh_file import read_quietly
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.mesh.source import mesh_geometry
@@ -187,7 +187,7 @@ def plate(path, **changes):
         "sha256": content_hash(path),
         "unit": "mm",
         "seats": (Seat(name="bearing_1", locator=locator),),
-        "grounds": (ByBox(low=(-1.0, -1.0, -1.0), high=(1e-6, 1.0, 1.0)),),
+        "grounds": (ByBox(box=((-1.0, -1.0, -1.0), (1e-6, 1.0, 1.0))),),
     }
     return ImportedHousing(**(usual | changes))
 

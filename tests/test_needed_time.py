@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from pipelines.signals.orders.kinematics import Kinematics, Shaft
-from pipelines.signals.orders.needed_time import needed_seconds
+from pipelines.signals.orders.kinematics import Kinematics, Shaft, needed_seconds
 from pipelines.signals.orders.revolutions import revolutions
 from pipelines.signals.orders.rotation import Rotation
 

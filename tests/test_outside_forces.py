@@ -5,7 +5,7 @@ import pytest
 
 from pipelines.engine.storage import digest
 from pipelines.io.errors import SceneError
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.steps.graph import plant_steps
 

@@ -5,16 +5,17 @@ import pytest
 import scipy.linalg as la
 from housings import small_housing
 
+from fem.casing.enrichment.added import added_functions
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesher import mesh_housing
-from fem.casing.parts.regions import Region, stiffness_of
+from fem.casing.parts.regions import Region
 from fem.casing.reduced.accuracy import state_error
 from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
 from pipelines.io.errors import SceneError
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.scene.file import load_scene
 
 BAND = 1500.0
@@ -49,12 +50,15 @@ def ratios(body):
     return np.einsum("ik,ij,jk->k", phi, body.damping, phi) / (2 * np.sqrt(square))
 
 
+def stiffness_of(mesh, chosen):
+    """Of some elements (bool)."""
+    return added_functions(mesh, CAST_IRON, held=()).matrices(np.flatnonzero(chosen))[0]
+
+
 def test_parts_of_the_stiffness_add_up(mesh):
     """All elements together, in two halves, give the stiffness of the housing."""
     middle = mesh.nodes[mesh.elements[:, :4]].mean(axis=1)
-    halves = [
-        stiffness_of(mesh.nodes, mesh.elements[chosen], CAST_IRON) for chosen in (middle[:, 2] > 0, middle[:, 2] <= 0)
-    ]
+    halves = [stiffness_of(mesh, chosen) for chosen in (middle[:, 2] > 0, middle[:, 2] <= 0)]
     whole = ground_casing(mesh, CAST_IRON).K
     assert abs(halves[0] + halves[1] - whole).max() < 1e-12 * abs(whole).max()
 
@@ -78,7 +82,7 @@ def test_a_mode_is_damped_by_its_shares_of_the_strain_energy(casing, modes):
     for region, zeta in ((COVER, 0.1), (FEET, 0.0)):
         middle = casing.mesh.nodes[casing.mesh.elements[:, :4]].mean(axis=1)
         chosen = ((middle > region.low) & (middle < region.high)).all(axis=1)
-        K = 0.98 * stiffness_of(casing.mesh.nodes, casing.mesh.elements[chosen], CAST_IRON)
+        K = 0.98 * stiffness_of(casing.mesh, chosen)
         expected += np.einsum("ik,ik->k", fields, K @ fields) / square[:12] * (zeta - 0.01)
     assert ratios(body)[:12] == pytest.approx(expected, rel=1e-5)
     assert np.ptp(expected) > 0.02

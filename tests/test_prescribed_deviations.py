@@ -31,7 +31,7 @@ from pipelines.machine.assembly import assemble_machine
 from pipelines.machine.checks.design_warnings import design_warnings
 from pipelines.machine.checks.validity import checked_plant
 from pipelines.machine.flanks import prescribed_deviations
-from pipelines.machine.plant import make_drivetrain, make_plant
+from pipelines.machine.machine import make_drivetrain, make_plant
 from pipelines.scene.file import control_of, load_scene
 from pipelines.scene.measured_flanks import measured_flanks
 

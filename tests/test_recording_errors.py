@@ -10,7 +10,7 @@ from scipy.io import savemat
 
 from pipelines.io.errors import InputError
 from pipelines.io.universal_file import Function, write_function
-from pipelines.recordings.machine import Tachometer
+from pipelines.recordings.machine_table import TachometerTable
 from pipelines.recordings.recording import read_recording
 
 
@@ -39,14 +39,14 @@ def test_a_file_that_is_cut_off_is_refused(name, share, tmp_path):
     if name == "r.csv":  # of which a part is whole unless a line is cut
         text = path.read_text(encoding="utf-8")
         path.write_text(text[: text.rindex(",")], encoding="utf-8")
-    said = refusal(path, rate=RATE)
+    said = refusal(path, rate_Hz=RATE)
     assert any(words in said for words in ("cut off", "ends within", "at least 256", "is empty", "numbers alone"))
 
 
 @pytest.mark.parametrize("name", WRITERS)
 def test_a_file_of_another_content_is_refused(name, tmp_path):
     (tmp_path / name).write_bytes(bytes(range(256)) * 40)
-    assert refusal(tmp_path / name, rate=RATE)
+    assert refusal(tmp_path / name, rate_Hz=RATE)
 
 
 @pytest.mark.parametrize("name", WRITERS)
@@ -72,7 +72,7 @@ def folder(path):
 def test_gaps_are_counted_and_the_first_is_named(bad, tmp_path):
     values = signals()
     values[[700, 701, 2000], 1] = bad
-    said = refusal(saved(tmp_path, values), rate=RATE)
+    said = refusal(saved(tmp_path, values), rate_Hz=RATE)
     assert '"channel 2" has gaps: 3 of 3000 samples are NaN or infinite, the first is sample 701.' in said
 
 
@@ -80,7 +80,7 @@ def test_gaps_beyond_the_first_block_are_found(tmp_path):
     values = np.random.default_rng(1).normal(size=300_000)
     values[299_999] = np.nan
     assert "1 of 300000 samples are NaN or infinite, the first is sample 300000" in refusal(
-        saved(tmp_path, values), rate=RATE
+        saved(tmp_path, values), rate_Hz=RATE
     )
 
 
@@ -88,22 +88,22 @@ def test_gaps_beyond_the_first_block_are_found(tmp_path):
 def test_a_silent_channel_is_refused(value, tmp_path):
     values = signals()
     values[:, 0] = value
-    assert f'"channel 1" is {value:g} throughout' in refusal(saved(tmp_path, values), rate=RATE)
+    assert f'"channel 1" is {value:g} throughout' in refusal(saved(tmp_path, values), rate_Hz=RATE)
 
 
 def test_a_recording_of_a_few_samples_is_refused(tmp_path):
-    assert "has 255 samples, at least 256 are needed" in refusal(saved(tmp_path, signals(255)), rate=RATE)
+    assert "has 255 samples, at least 256 are needed" in refusal(saved(tmp_path, signals(255)), rate_Hz=RATE)
 
 
 def test_complex_numbers_and_texts_are_refused(tmp_path):
-    assert "holds complex numbers (complex128)" in refusal(saved(tmp_path, signals() * 1j), rate=RATE)
+    assert "holds complex numbers (complex128)" in refusal(saved(tmp_path, signals() * 1j), rate_Hz=RATE)
     with h5py.File(tmp_path / "r.h5", "w") as file:
         file["words"] = np.array([b"one", b"two"] * 300)
-    assert "no channel has the units of an acceleration, the file has words" in refusal(tmp_path / "r.h5", rate=RATE)
+    assert "no channel has the units of an acceleration, the file has words" in refusal(tmp_path / "r.h5", rate_Hz=RATE)
     words = {"bearing": {"z": "words"}}
-    assert '"words" holds no numbers' in refusal(tmp_path / "r.h5", rate=RATE, sensors=words)
+    assert '"words" holds no numbers' in refusal(tmp_path / "r.h5", rate_Hz=RATE, sensors=words)
     np.save(tmp_path / "o.npy", np.array([{}, 1], dtype=object), allow_pickle=True)
-    assert "cannot be read as NPY" in refusal(tmp_path / "o.npy", rate=RATE)
+    assert "cannot be read as NPY" in refusal(tmp_path / "o.npy", rate_Hz=RATE)
 
 
 def test_a_channel_that_is_not_there_is_refused_with_those_that_are(tmp_path):
@@ -111,7 +111,7 @@ def test_a_channel_that_is_not_there_is_refused_with_those_that_are(tmp_path):
     said = refusal(tmp_path / "r.mat", sensors={"bearing": {"z": "drive_ends"}})
     assert 'there is no channel "drive_ends", the file has drive_end, free_end. Did you mean "drive_end"?' in said
     assert "there is no channel 3, the file has 2" in refusal(tmp_path / "r.mat", sensors={"bearing": {"z": 3}})
-    tacho = Tachometer(channel="key", pulses_per_turn=1.0, shaft="shaft_1", level=None)
+    tacho = TachometerTable(channel="key", pulses_per_turn=1.0, shaft=1, level=None)
     assert 'there is no channel "key"' in refusal(tmp_path / "r.mat", tachometer=tacho)
 
 
@@ -124,8 +124,8 @@ def test_channels_of_different_lengths_are_refused_unless_sensors_of_one_length_
 
 def test_a_rate_that_contradicts_the_file_is_refused(tmp_path):
     WRITERS["r.mat"](tmp_path / "r.mat", signals())
-    assert 'rate_Hz gives 25600 Hz, "drive_end" 10000 Hz' in refusal(tmp_path / "r.mat", rate=25_600.0)
-    with read_recording(tmp_path / "r.mat", machine(rate=RATE * (1 + 5e-5))) as found:
+    assert 'rate_Hz gives 25600 Hz, "drive_end" 10000 Hz' in refusal(tmp_path / "r.mat", rate_Hz=25_600.0)
+    with read_recording(tmp_path / "r.mat", machine(rate_Hz=RATE * (1 + 5e-5))) as found:
         assert 1.0 / found.time.values[1] == pytest.approx(RATE * (1 + 5e-5))  # within 1e-4: the machine's
 
 
@@ -153,14 +153,14 @@ def test_jitter_is_refused_and_rounded_instants_are_not(tmp_path):
     with read_recording(timed(tmp_path, np.round(steps, 5)), machine()) as found:  # a tenth of a step
         assert 1.0 / found.time.values[1] == pytest.approx(9_999.7, rel=1e-4)
     path = timed(tmp_path, np.round(steps * 1.3, 4))
-    assert "if the time only has too few digits, set time = false" in refusal(path, rate=RATE / 1.3)
-    with read_recording(path, machine(rate=RATE / 1.3, time=False)) as found:
+    assert "if the time only has too few digits, set time = false" in refusal(path, rate_Hz=RATE / 1.3)
+    with read_recording(path, machine(rate_Hz=RATE / 1.3, time=False)) as found:
         assert found.time.values[1] == pytest.approx(1.3 / RATE)
 
 
 def test_time_in_single_precision_is_as_even_as_its_digits_allow(tmp_path):
     time = 100.0 + np.arange(3000) / 51_200
-    with read_recording(timed(tmp_path, time.astype(np.float32)), machine(rate=51_200.0)) as found:
+    with read_recording(timed(tmp_path, time.astype(np.float32)), machine(rate_Hz=51_200.0)) as found:
         assert found.time.values[-1] == pytest.approx(time[-1], abs=1e-5)
 
 
@@ -205,10 +205,10 @@ def test_units_that_are_no_acceleration_are_refused_where_a_sensor_names_them(tm
             file[name].attrs["units"] = units
     named = {"one": {"z": "speed"}}
     assert '"speed" is in rpm, allowed are m/s2, mm/s2, g, mg, V, mV' in refusal(
-        tmp_path / "r.h5", rate=RATE, sensors=named
+        tmp_path / "r.h5", rate_Hz=RATE, sensors=named
     )
-    assert '"bearing" is in V. Set sensitivity_mV_g' in refusal(tmp_path / "r.h5", rate=RATE)
-    with read_recording(tmp_path / "r.h5", machine(rate=RATE, sensitivity=0.1)) as found:
+    assert '"bearing" is in V. Set sensitivity_mV_g' in refusal(tmp_path / "r.h5", rate_Hz=RATE)
+    with read_recording(tmp_path / "r.h5", machine(rate_Hz=RATE, sensitivity_mV_g=100.0)) as found:
         assert list(found.sensor.values) == ["bearing"]  # the speed is no sensor
 
 
@@ -216,7 +216,7 @@ def test_units_that_the_machine_overrules_are_told(tmp_path):
     with h5py.File(tmp_path / "r.h5", "w") as file:
         file["bearing"] = signals()[:, 0]
         file["bearing"].attrs["units"] = "g"
-    with read_recording(tmp_path / "r.h5", machine(rate=RATE, units="m/s2")) as found:
+    with read_recording(tmp_path / "r.h5", machine(rate_Hz=RATE, units="m/s2")) as found:
         np.testing.assert_array_equal(found.acceleration.values[:, 0, 0], signals()[:, 0])
         (said,) = json.loads(found.attrs["warnings"]).values()
     assert said == (
@@ -228,7 +228,7 @@ def test_units_that_the_machine_overrules_are_told(tmp_path):
 def test_a_clipped_signal_is_told_with_its_share(limit, tmp_path):
     noise = np.random.default_rng(4).normal(size=20_000)
     share = np.mean(np.abs(noise) >= limit)
-    with read_recording(saved(tmp_path, np.clip(noise, -limit, limit)), machine(rate=RATE)) as found:
+    with read_recording(saved(tmp_path, np.clip(noise, -limit, limit)), machine(rate_Hz=RATE)) as found:
         (said,) = json.loads(found.attrs["warnings"]).values()
     assert f"is clipped: {share:.2%} of its samples lie at its extreme values, {-limit:g} and {limit:g} m/s2" in said
 
@@ -239,7 +239,7 @@ def test_a_signal_that_is_not_clipped_is_not_told_to_be(kind, tmp_path):
     values = np.random.default_rng(5).normal(size=20_000) if kind == "noise" else np.cos(2 * np.pi * 31.7 * time)
     levels = {"tone of 16 bits": 2**15, "tone of 8 bits": 2**7}.get(kind)
     values = values if levels is None else np.round(values * levels) / levels
-    with read_recording(saved(tmp_path, values), machine(rate=RATE)) as found:
+    with read_recording(saved(tmp_path, values), machine(rate_Hz=RATE)) as found:
         assert json.loads(found.attrs["warnings"]) == {}
 
 

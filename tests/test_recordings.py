@@ -19,7 +19,7 @@ from pipelines.io.universal_file import Function, read_functions, write_function
 from pipelines.recordings import formats
 from pipelines.recordings.channels import Channel
 from pipelines.recordings.formats import BY_ENDING, memory_needed
-from pipelines.recordings.machine import Tachometer
+from pipelines.recordings.machine_table import TachometerTable
 from pipelines.recordings.recording import read_recording
 
 PRECISION = {"r.csv": 1e-11, "r.uff": 1e-11}  # of the digits that are written; all others keep every bit
@@ -30,7 +30,7 @@ WITHOUT_RATE = ("r.npy",)
 def test_a_recording_comes_back_from_every_format(name, tmp_path):
     values, path = signals(), tmp_path / name
     WRITERS[name](path, values)
-    known = machine(rate=RATE) if name in WITHOUT_RATE else machine()
+    known = machine(rate_Hz=RATE) if name in WITHOUT_RATE else machine()
     with read_recording(path, known) as found:
         assert found.acceleration.dims == ("time", "sensor", "axis")
         assert found.acceleration.attrs["units"] == "m/s2"
@@ -50,9 +50,9 @@ def test_any_part_of_a_recording_is_what_the_whole_has_there(tmp_path):
     values, path = signals(), tmp_path / "r.npy"
     np.save(path, values)
     places = {"one": {"x": 1, "z": 2}, "two": {"z": 1}}
-    with read_recording(path, machine(rate=RATE, sensors=places)) as found:
+    with read_recording(path, machine(rate_Hz=RATE, sensors=places)) as found:
         whole = found.acceleration.values.copy()
-    with read_recording(path, machine(rate=RATE, sensors=places)) as found:
+    with read_recording(path, machine(rate_Hz=RATE, sensors=places)) as found:
         part = found.acceleration.isel(time=slice(100, 900, 7), sensor=[1, 0])
         np.testing.assert_array_equal(part.values, whole[100:900:7, [1, 0]])
         np.testing.assert_array_equal(found.acceleration.isel(time=5).values, whole[5])
@@ -73,9 +73,9 @@ def test_a_streamed_file_takes_no_memory_for_its_samples(name, tmp_path, monkeyp
     else:
         with h5py.File(path, "w") as file:
             file["acc"] = values
-    read_recording(path, machine(rate=RATE)).close()  # what is imported counts once
+    read_recording(path, machine(rate_Hz=RATE)).close()  # what is imported counts once
     tracemalloc.start()
-    with read_recording(path, machine(rate=RATE)) as found:
+    with read_recording(path, machine(rate_Hz=RATE)) as found:
         end = found.acceleration.isel(time=slice(-10, None)).values
         peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
@@ -103,7 +103,7 @@ def test_a_file_that_fills_memory_says_how_much_before_it_is_read(name, tmp_path
 def test_text_is_read_with_any_separator_and_decimal_mark(separator, decimal, header, time, tmp_path):
     values, path = signals(), tmp_path / "r.txt"
     write_text(path, values, separator, decimal, header=header, time=time)
-    with read_recording(path, machine(rate=None if time else RATE)) as found:
+    with read_recording(path, machine(rate_Hz=None if time else RATE)) as found:
         np.testing.assert_allclose(found.acceleration.values[:, :, 0], values, rtol=1e-11)
         assert found.time.values[-1] == pytest.approx((len(values) - 1) / RATE)
         if header:
@@ -133,7 +133,7 @@ def test_a_single_column_under_one_title_may_have_decimal_commas(tmp_path):
     values = np.round(signals(600)[:, 0], 3)
     text = "drive end\n" + "".join(f"{value:.3f}\n".replace(".", ",") for value in values)
     (tmp_path / "r.csv").write_text(text, encoding="utf-8")
-    with read_recording(tmp_path / "r.csv", machine(rate=RATE)) as found:
+    with read_recording(tmp_path / "r.csv", machine(rate_Hz=RATE)) as found:
         np.testing.assert_allclose(found.acceleration.values[:, 0, 0], values)
 
 
@@ -150,14 +150,14 @@ def test_units_become_metres_per_second_squared(units, factor, tmp_path):
     values = signals()
     np.save(tmp_path / "r.npy", values)
     plain = None if units is None else units.replace("^", "")
-    with read_recording(tmp_path / "r.npy", machine(rate=RATE, units=plain)) as found:
+    with read_recording(tmp_path / "r.npy", machine(rate_Hz=RATE, units=plain)) as found:
         np.testing.assert_allclose(found.acceleration.values[:, :, 0], factor * values)
 
 
 def test_volts_become_accelerations_by_the_sensitivity(tmp_path):
     values = signals()
     np.save(tmp_path / "r.npy", values)
-    with read_recording(tmp_path / "r.npy", machine(rate=RATE, units="mV", sensitivity=0.1)) as found:
+    with read_recording(tmp_path / "r.npy", machine(rate_Hz=RATE, units="mV", sensitivity_mV_g=100.0)) as found:
         np.testing.assert_allclose(found.acceleration.values[:, :, 0], values / 100 * 9.80665)  # 100 mV are one g
 
 
@@ -173,7 +173,7 @@ def test_a_tachometer_is_kept_with_its_marks_and_is_no_sensor(tmp_path):
     values = signals()
     pulses = (np.arange(len(values)) % 400 < 40).astype(float)
     savemat(tmp_path / "r.mat", {"acc": values[:, 0], "tacho": pulses, "fs": RATE})
-    tacho = Tachometer(channel="tacho", pulses_per_turn=2.0, shaft="shaft_1", level=0.5)
+    tacho = TachometerTable(channel="tacho", pulses_per_turn=2.0, shaft=1, level=0.5)
     with read_recording(tmp_path / "r.mat", machine(tachometer=tacho)) as found:
         assert list(found.sensor.values) == ["acc"]
         np.testing.assert_array_equal(found.tachometer.values, pulses)
@@ -200,7 +200,7 @@ def test_a_response_of_a_run_is_read_as_it_is(tmp_path):
 def test_what_a_run_exports_is_read_with_its_sensors_and_axes(form, tmp_path):
     run = response(duration=0.1)
     export(run, tmp_path / f"r.{form}", form)
-    with read_recording(tmp_path / f"r.{form}", machine(rate=RATE)) as found:
+    with read_recording(tmp_path / f"r.{form}", machine(rate_Hz=RATE)) as found:
         wanted = run.acceleration.sel(sensor=found.sensor, axis=found.axis)
         assert found.sizes["sensor"] == 3
         assert found.sizes["axis"] == 3
@@ -264,7 +264,7 @@ def test_tdms_without_its_package_says_what_to_install(tmp_path, monkeypatch):
 def test_samples_are_read_from_the_file_when_they_are_looked_at(tmp_path):
     with h5py.File(tmp_path / "r.h5", "w") as file:
         file["acc"] = signals()[:, 0]
-    found = read_recording(tmp_path / "r.h5", machine(rate=RATE))
+    found = read_recording(tmp_path / "r.h5", machine(rate_Hz=RATE))
     found.close()
     with pytest.raises(OSError, match="read data"):
         found.acceleration.load()

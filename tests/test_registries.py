@@ -1,5 +1,6 @@
 """Mesh models and faults of teeth by name: scene tables fit them, unknown names are refused, each has its own key."""
 
+import dataclasses
 from typing import Literal, get_args, get_origin
 
 import numpy as np
@@ -12,12 +13,17 @@ from fem.contact.frame import ModelError
 from fem.contact.models.registry import MODELS, loaded_model, mesh_model
 from fem.elements.solid_elements import CHOICES
 from fem.gears.rack import GeometryError
+from fem.options import check_options, option
 from mbd.integrators.methods import METHODS, make_integrator
 from pipelines.engine.code_version import reachable
 from pipelines.engine.storage import class_modules
-from pipelines.machine.plant import make_plant
-from pipelines.scene.file import load_scene
+from pipelines.io.errors import SceneError
+from pipelines.machine.machine import make_plant
+from pipelines.scene.file import load_scene, validate
+from pipelines.scene.keys import values
+from pipelines.scene.merge import Merged
 from pipelines.scene.tables.casing import CASING_TABLES, FlexibleBase
+from pipelines.scene.tables.derived import table
 from pipelines.scene.tables.faults import FaultTable
 from pipelines.scene.tables.gears import MeshModel
 from pipelines.scene.tables.motion import SimulationTable
@@ -151,3 +157,18 @@ def test_the_key_of_casing_modes_takes_the_code_of_its_own_model_alone(name):
 def test_an_unknown_casing_is_refused_with_those_that_are_known():
     with pytest.raises(ValueError, match="'foam' is unknown; known: none, rigid, static, craig-bampton"):
         casing_class("foam")
+
+
+@pytest.mark.parametrize("most", [5.0, 7.0])
+def test_a_range_is_stated_once(most):
+    """A limit of an option is that of the object, of the message, of the schema and of the page of keys."""
+    fields = [("depth", float, option(0.001, unit="mm", gt=0, le=most, text="depth of it"))]
+    part = dataclasses.make_dataclass("Part", fields, frozen=True, kw_only=True)
+    made = table(part)
+    assert made(depth_mm=most).made() == part(depth=most / 1000)
+    with pytest.raises(SceneError, match=f"depth_mm = 9.0: must be at most {most:g} mm"):
+        validate(Merged({"depth_mm": 9.0}), made, "scene")
+    with pytest.raises(ValueError, match=f"depth = 9 mm: must be above 0 and at most {most:g} mm"):
+        check_options(part(depth=0.009), ValueError)
+    assert made.model_json_schema()["properties"]["depth_mm"]["maximum"] == most
+    assert values(made.model_fields["depth_mm"], "depth_mm") == f"above 0 and at most {most:g} mm"

@@ -8,9 +8,9 @@ import sys
 import pytest
 
 from pipelines.cli import run
-from pipelines.engine.build_step import Result
+from pipelines.engine.build_step import Event, Result
 from pipelines.engine.cache import Cache
-from pipelines.engine.progress import Lines, Several, Timing, step_words
+from pipelines.engine.progress import StepReporter, step_words
 from pipelines.engine.remaining import Remaining, Task, expected
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, Step, StepRecord
@@ -117,16 +117,16 @@ def test_code_that_is_not_compiled_is_a_task(tmp_path):
 def test_lines_for_a_pipe():
     now, written = [100.0], []
     remaining = Remaining(SCHEDULE, 2)
-    observer = Several(Timing(remaining, lambda: now[0]), Lines(remaining, written.append, lambda: now[0]))
+    report = StepReporter(remaining, write=written.append, clock=lambda: now[0])
     steps = {task.name: Step(name=task.name, kind=task.name, build=made, seconds=task.seconds) for task in SCHEDULE}
-    observer.started(steps["casing"])
-    observer.started(steps["law_1"])
+    report(Event(steps["casing"]))
+    report(Event(steps["law_1"]))
     now[0] = 102.0
-    observer.finished(steps["law_1"], Result(record("law_1", 2.0), None))
-    observer.finished(steps["law_2"], Result(record("law_2", 2.0, reused=True), None))
-    observer.advanced(steps["casing"], 0.2)  # not again so soon
+    report(Event(steps["law_1"], result=Result(record("law_1", 2.0), None)))
+    report(Event(steps["law_2"], result=Result(record("law_2", 2.0, reused=True), None)))
+    report(Event(steps["casing"], 0.2))  # not again so soon
     now[0] = 113.0
-    observer.advanced(steps["casing"], 0.9)
+    report(Event(steps["casing"], 0.9))
     assert "".join(written).splitlines() == [
         "6 steps to compute, about 19 s",
         "   0 s  casing: started; about 19 s left",

@@ -25,7 +25,7 @@ from pipelines.report.first_figures import average_figure
 from pipelines.report.first_screen import Average, Envelope, FirstScreen, Ranked
 from pipelines.report.page import typeset
 from pipelines.report.report import report_body, write_report
-from pipelines.report.thinning import extremes, largest
+from pipelines.report.zoom_data import extremes, largest
 
 LEFT_OUT = "The picture of the gear pair is left out: off-screen rendering ended with SIGSEGV. Install libegl1."
 WINDOWS = {"lifting": (0.5, 2.5), "lowering": (3.0, 5.0)}

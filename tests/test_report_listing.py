@@ -3,12 +3,12 @@
 import re
 import sys
 
+from pipelines.engine.run_graph import Work
 from pipelines.engine.storage import digest
-from pipelines.engine.working import Work
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.report.figures import render
 from pipelines.runs import run_folder
-from pipelines.runs.run import Options, run_scene
+from pipelines.runs.run import run_scene
 from pipelines.scene.file import load_scene
 from pipelines.steps.pictures import picture_steps
 
@@ -89,7 +89,7 @@ DAMAGED = [
 def listed(folder, settings, monkeypatch):
     """The lines of a report: "# heading" and "figure: caption"."""
     monkeypatch.setattr(render, "command", lambda _: [sys.executable, "-c", RENDERER])
-    finished = run_scene(load_scene("minimal", settings), Options(out=folder, work=Work(quiet=True, processes=1)))
+    finished = run_scene(load_scene("minimal", settings), out=folder, work=Work(quiet=True, processes=1))
     page = (finished.folder / run_folder.REPORT).read_text(encoding="utf-8")
     found = re.finditer(r"<h[12]>(.*?)</h|<figure[^>]*>.*?<svg.*?<figcaption>(.*?)</figcaption>", page, re.DOTALL)
     return [f"# {one[1]}" if one[1] else f"figure: {re.sub('<[^>]*>', '', one[2])}" for one in found]

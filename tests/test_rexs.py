@@ -10,6 +10,7 @@ from pipelines.io.errors import InputError, SceneError
 from pipelines.io.toml_text import read_toml
 from pipelines.machine.checks.collisions import find_collisions
 from pipelines.machine.layout import lay_out
+from pipelines.machine.machine import make_drivetrain
 from pipelines.rexs.files import read_document
 from pipelines.rexs.new import new_scene_from_rexs
 from pipelines.rexs.reading import read_gear_unit
@@ -328,5 +329,7 @@ def test_a_shaft_inside_the_bore_of_a_gear_on_its_axis_is_no_collision(scene_of,
     size = {f"outer_diameter_{end}": (diameter, "mm") for end in ("begin", "end")}
     _, tree = scene_of(unit(**UNITS["FVA"]).changed("shaft_section", size))
     scene = scene_of_tree(tree).scene
-    found = [problem for problem in find_collisions(scene, lay_out(scene)) if "stage 2 wheel" in problem.message]
+    found = [
+        problem for problem in find_collisions(scene, make_drivetrain(scene)) if "stage 2 wheel" in problem.message
+    ]
     assert any("intersects the section of shaft 1 " in problem.message for problem in found) is clash

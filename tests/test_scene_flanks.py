@@ -15,7 +15,7 @@ from pipelines.machine.assembly import clearances, mesh_faults
 from pipelines.machine.checks.design_warnings import design_warnings
 from pipelines.machine.checks.validity import checked_plant
 from pipelines.machine.layout import lay_out
-from pipelines.machine.plant import make_drivetrain, make_plant
+from pipelines.machine.machine import make_drivetrain, make_plant
 from pipelines.scene.file import load_scene
 from pipelines.steps.graph import plant_steps
 

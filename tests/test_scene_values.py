@@ -13,11 +13,11 @@ from fem.options import options_of
 from mbd.parts.checks import MachineError
 from pipelines.engine.storage import digest
 from pipelines.io.errors import InputError
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.base import Table
-from pipelines.scene.tables.derived import DerivedTable, key_of
+from pipelines.scene.tables.derived import key_of
 from pipelines.steps.graph import plant_steps
 
 END = {"amount_um": 5.0, "length_mm": 2.0, "shape": "linear"}
@@ -181,9 +181,9 @@ SCENES = {
 }  # fmt: skip
 AFTER_THE_STEPS = {  # words, what is looked for in finished signals, and what only its own choice reads
     "Scene.title", "Scene.control", "TorqueDrive.highest_rpm",
-    "DiagnosisTable.sensor", "DiagnosisTable.axis", "DiagnosisTable.stage", "DiagnosisTable.gear",
-    "DiagnosisTable.windows_s", "DiagnosisTable.envelope_band_Hz", "DiagnosisTable.noise_m_s2",
-    "DiagnosisTable.damping_spread",
+    "LookedFor.sensor", "LookedFor.axis", "LookedFor.stage", "LookedFor.gear",
+    "_WindowsBase.windows_s", "LookedFor.envelope_band_Hz", "LookedFor.noise_m_s2",
+    "LookedFor.damping_spread",
 }  # fmt: skip
 ALONE_IT_CANNOT = {  # of two stages one would have no shaft; of two seats one would have no bearing; one sensor;
     # a file there is none of
@@ -191,7 +191,7 @@ ALONE_IT_CANNOT = {  # of two stages one would have no shaft; of two seats one w
     "GearDeviationsTable.flanks", "MeasuredFlanksTable.file",
     "MatricesHousingTable.equations_file", "MatricesHousingTable.file", "MatricesHousingTable.mass_file",
     "MatricesHousingTable.nodes_file", "NodeSeatTable.name",
-    "SeatTable.name", "StageTable.pinion_shaft", "StageTable.wheel_shaft",
+    "SeatBase.name", "StageTable.pinion_shaft", "StageTable.wheel_shaft",
 }  # fmt: skip
 
 
@@ -205,9 +205,9 @@ def declared(table):
     found = {}
     for owner in table.__mro__[::-1]:
         found |= {name: f"{owner.__name__}.{name}" for name in vars(owner).get("__annotations__", {})}
-    if issubclass(table, DerivedTable) and hasattr(table, "made_of"):
-        for field, one in options_of(table.made_of):
-            owner = next(c for c in table.made_of.__mro__ if field.name in vars(c).get("__annotations__", {}))
+    for made_of in getattr(table, "kinds", [table.made_of] if hasattr(table, "made_of") else []):
+        for field, one in options_of(made_of):
+            owner = next(c for c in made_of.__mro__ if field.name in vars(c).get("__annotations__", {}))
             found[key_of(field.name, one)] = f"{owner.__name__}.{key_of(field.name, one)}"
     return {name: found[name] for name in table.model_fields if name not in ("model", "kind")}
 

@@ -10,14 +10,14 @@ from coarse import coarse, diagnosable
 import gearcase
 from pipelines.io.errors import SceneError
 from pipelines.runs import run_folder
-from pipelines.runs.run import Options, run_scene
+from pipelines.runs.run import run_scene
 from pipelines.scene.file import load_scene, shipped_names
 
 
 @pytest.mark.parametrize("name", shipped_names())
 def test_a_shipped_scene_runs(name, tmp_path):
     loaded = load_scene(name, coarse(name))
-    finished = run_scene(loaded, Options(out=tmp_path / "out", with_control=False, with_report=False))
+    finished = run_scene(loaded, out=tmp_path / "out", with_control=False, with_report=False)
     with xarray.open_dataset(finished.folder / run_folder.RESPONSE, engine="h5netcdf") as data:
         data.load()
     samples = round(0.1 * loaded.scene.simulation.output_rate_Hz)
@@ -40,7 +40,7 @@ def test_a_shipped_scene_runs(name, tmp_path):
 
 def test_one_sensor_means_three_recovery_rows(tmp_path):
     settings = coarse("rig-healthy") | {"sensors": [{"name": "sensor_3", "position_mm": [76.7, -150.0, 35.5]}]}
-    finished = run_scene(load_scene("rig-healthy", settings), Options(out=tmp_path / "out", with_report=False))
+    finished = run_scene(load_scene("rig-healthy", settings), out=tmp_path / "out", with_report=False)
     assert finished.ledger["recovery_rows"] == 3
 
 
@@ -72,7 +72,7 @@ def test_a_whole_run_leaves_everything_in_its_folder(whole_run):
 def test_the_resolved_scene_of_a_run_gives_the_same_run(whole_run, tmp_path):
     data, folder = whole_run
     again = load_scene(folder / "scene.resolved.toml")
-    finished = run_scene(again, Options(out=tmp_path / "again", with_report=False))
+    finished = run_scene(again, out=tmp_path / "again", with_report=False)
     assert {r.name for r in finished.records if not r.reused} == set()
     with xarray.open_dataset(finished.folder / run_folder.RESPONSE, engine="h5netcdf") as second:
         assert second.acceleration.values.tobytes() == data.acceleration.values.tobytes()
@@ -93,5 +93,5 @@ def test_the_lines_are_found_again_from_the_folder(whole_run, capsys):
 def test_a_window_without_a_revolution_is_refused_before_the_signals_are_made(tmp_path):
     settings = diagnosable("rig-missing-tooth") | {"diagnosis.windows_s": {"lifting": [0.58, 0.6]}}
     with pytest.raises(SceneError, match=r"diagnosis\.windows_s\.lifting = \[0\.58, 0\.6\]: has 0\.4 revolutions"):
-        run_scene(load_scene("rig-missing-tooth", settings), Options(out=tmp_path / "out", both_loads=False))
+        run_scene(load_scene("rig-missing-tooth", settings), out=tmp_path / "out", both_loads=False)
     assert not (tmp_path / "out").exists()

@@ -72,7 +72,7 @@ def integrated(machine, torque, times, x_start):
     def rate(t, y):
         x, dx, phi, dphi, lift, dlift = y
         cycle = spec.cycle_at_start + (SPEED * t - wound + phi) * spec.cycles_per_radian
-        f, _, _, slope, _, _, _ = evaluate(tables, cycle, x, 0.0, *teeth)
+        f, _, _, slope, _, _ = evaluate(tables, cycle, x, 0.0, *teeth)
         push = max(0.0, f + spec.damping_time * slope * dx) if f > 0 else 0.0
         pull = weight + spring * (winch * (r1 * phi - (x - x_start)) / r2 - lift) if hangs else 0.0
         t1, t2 = torque - SOFT * phi, winch * pull if hangs else TORQUE

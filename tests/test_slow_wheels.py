@@ -3,9 +3,9 @@
 import pytest
 
 from pipelines.diagnosis.control_verdict import all_seen
-from pipelines.machine.plant import make_drivetrain
+from pipelines.machine.machine import make_drivetrain
 from pipelines.runs.diagnosed import diagnose_folder
-from pipelines.runs.run import Options, run_scene
+from pipelines.runs.run import run_scene
 from pipelines.scene.file import load_scene
 
 SCENES = ("rig-missing-tooth-2", "rig-missing-tooth-3")
@@ -28,7 +28,7 @@ def test_the_container_stays_off_the_drums():
 
 @pytest.mark.slow
 def test_a_missing_tooth_of_the_stage_2_wheel_is_seen_up_and_down(tmp_path):
-    finished = run_scene(load_scene(SCENES[0]), Options(out=tmp_path / "run", with_report=False))
+    finished = run_scene(load_scene(SCENES[0]), out=tmp_path / "run", with_report=False)
     found = diagnose_folder(finished.folder)
     assert all_seen(found, "lifting")
     assert all_seen(found, "lowering")
@@ -36,7 +36,7 @@ def test_a_missing_tooth_of_the_stage_2_wheel_is_seen_up_and_down(tmp_path):
 
 @pytest.mark.slow
 def test_a_missing_tooth_of_the_stage_3_wheel_shows_in_the_envelope(tmp_path):
-    finished = run_scene(load_scene(SCENES[1]), Options(out=tmp_path / "run", with_report=False))
+    finished = run_scene(load_scene(SCENES[1]), out=tmp_path / "run", with_report=False)
     lines = diagnose_folder(finished.folder).lines
     for window in ("lifting", "lowering"):
         assert lines.where(window=window, kind="envelope").detected.sum() >= 4

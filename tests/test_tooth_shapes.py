@@ -5,7 +5,6 @@ import pytest
 from mesh_laws import made_up_law, potential_errors
 
 from fem.contact.evaluation.evaluator import LawError, LawEvaluator
-from fem.contact.evaluation.kernel import evaluate, evaluate_two
 from fem.contact.teeth import checked_terms, least_clearance, tooth_terms, with_variants
 
 LAW, NARROW = made_up_law(), made_up_law(slices=28)
@@ -142,22 +141,6 @@ def test_damage_of_both_gears_adds_up():
     same(
         LawEvaluator(both).evaluate(*states()), LawEvaluator(LAW).evaluate(*states()), rel=1e-13
     )  # sound teeth do not notice
-
-
-def test_two_states_at_one_cycle_are_two_evaluations():
-    pinion, wheel = deviations(20, 1), deviations(55, 2)
-    for law in (
-        LAW,
-        made_up_law(slices=33, helix=3.0),
-        made_up_law(neighbour_compliance=-0.1 * LAW.neighbour_compliance),
-    ):
-        tables = LawEvaluator(law).packed
-        _, delta, psi = states(seed=4)
-        for k, (c, d, p) in enumerate(zip(*states(), strict=True)):
-            both = evaluate_two(tables, c, d, p, delta[k], psi[k], pinion, wheel)
-            first = evaluate(tables, c, d, p, pinion, wheel)[:6]
-            second = evaluate(tables, c, delta[k], psi[k], pinion, wheel)[:6]
-            assert both == pytest.approx((*first, *second), rel=1e-8)
 
 
 def test_least_clearance_is_a_bound():

@@ -15,7 +15,7 @@ from mbd.parts.checks import MachineError
 from mbd.parts.drive import SpeedProfile
 from mbd.system.frequency_response import frequency_response
 from mbd.system.system import assemble
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.scene.file import load_scene
 
 SPEED = 100.0  # rad/s
@@ -81,5 +81,10 @@ def test_a_ripple_of_a_scene_in_si():
 
 @pytest.mark.parametrize("changes", [{"order": 0.0}, {"amplitude": -1.0}, {"angle": math.inf}])
 def test_impossible_ripples_are_refused(changes):
-    with pytest.raises(MachineError, match=r"ripple|Ripple"):
+    with pytest.raises(MachineError, match=f"^ripple:? {next(iter(changes))}"):
         ripple(**changes)
+
+
+def test_a_ripple_of_order_zero_is_named_as_a_constant_torque():
+    with pytest.raises(MachineError, match=r"^ripple order: 0 .* The order 0 is a constant torque\.$"):
+        ripple(order=0)

@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 
 from pipelines.engine.cache import Cache
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.io.errors import SceneError
 from pipelines.scene import presets
 from pipelines.scene.file import load_scene

@@ -17,7 +17,7 @@ from mbd.parts.drive import SpeedProfile
 from mbd.system.linearised import linear_modes
 from mbd.system.system import assemble
 from pipelines.io.errors import SceneError
-from pipelines.machine.plant import make_plant
+from pipelines.machine.machine import make_plant
 from pipelines.scene.file import load_scene
 
 ECCENTRIC = 10e-6  # m

@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 from matplotlib.path import Path
-from rendering import drawn
+from rendering import drawn, enclosed_volume
 from synthetic import box, gear_outline, key_points
 
 from benchmarks.gear_pairs import gear_pair
@@ -16,8 +16,8 @@ from pipelines.report.figures.callouts import casing_figure, gear_figure, spread
 from pipelines.report.figures.plots import StiffnessPlot
 from pipelines.report.figures.render import render_casing, render_gears
 from pipelines.report.figures.shapes import casing_view, gear_view
-from pipelines.report.figures.solids import enclosed_volume, gear_surface, prism_surface, without_tooth
-from pipelines.report.figures.views import CasingView, GearPairView, LeftOut, Picture
+from pipelines.report.figures.solids import gear_surface, prism_surface, without_tooth
+from pipelines.report.figures.views import CasingView, GearPairView, GearView, LeftOut, Picture
 
 
 def area(outline):
@@ -27,14 +27,8 @@ def area(outline):
 
 def pair():
     return GearPairView(
-        pinion_outline=gear_outline(20, 0.002),
-        wheel_outline=gear_outline(55, 0.002, np.pi + np.pi / 55),
-        pinion_teeth=20,
-        wheel_teeth=55,
-        pinion_bore=0.01,
-        wheel_bore=0.02,
-        pinion_twist=10.0,
-        wheel_twist=-3.6,
+        pinion=GearView(outline=gear_outline(20, 0.002), teeth=20, bore=0.01, twist=10.0),
+        wheel=GearView(outline=gear_outline(55, 0.002, np.pi + np.pi / 55), teeth=55, bore=0.02, twist=-3.6),
         face_width=0.012,
         centre_distance=0.075,
         marked_gear="wheel",
@@ -70,7 +64,7 @@ def test_missing_tooth_and_the_rest_make_the_whole_gear():
 def test_gears_of_the_picture_touch_at_the_pitch_point_without_overlap(missing):
     gears = gear_pair((20, 55), 2, 12, 12, bores_mm=(10, 15))
     view = gear_view(gears, missing)
-    pinion, wheel = view.pinion_outline, view.wheel_outline + [view.centre_distance, 0.0]
+    pinion, wheel = view.pinion.outline, view.wheel.outline + [view.centre_distance, 0.0]
     pitch_point = np.array([gears.working_radii[0], 0.0])
     for outline in (pinion, wheel):
         along = np.roll(outline, -1, axis=0) - outline
@@ -82,10 +76,10 @@ def test_gears_of_the_picture_touch_at_the_pitch_point_without_overlap(missing):
     assert not Path(wheel).contains_points(pinion, radius=-chord).any()
     assert not Path(pinion).contains_points(wheel, radius=-chord).any()
     # opposite hands: at the pitch point both teeth lean the same way
-    assert view.pinion_twist * gears.working_radii[0] == pytest.approx(-view.wheel_twist * gears.working_radii[1])
+    assert view.pinion.twist * gears.working_radii[0] == pytest.approx(-view.wheel.twist * gears.working_radii[1])
     gear_teeth = 55 if missing[0] == "wheel" else 20
     _, tooth = without_tooth(
-        view.wheel_outline if missing[0] == "wheel" else view.pinion_outline, gear_teeth, view.marked_angle
+        view.wheel.outline if missing[0] == "wheel" else view.pinion.outline, gear_teeth, view.marked_angle
     )
     middle = tooth.mean(axis=0)
     assert np.arctan2(*middle[::-1]) == pytest.approx((view.marked_angle + np.pi) % (2 * np.pi) - np.pi, abs=1e-6)

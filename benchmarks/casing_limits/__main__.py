@@ -25,6 +25,7 @@ from benchmarks.clock import conditions
 from benchmarks.markdown import markdown
 from benchmarks.page import filled
 from fem.casing.mesh.source import mesh_geometry
+from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.uncertainty.extrapolation import limits_from, lowest_modes
 
 ROOT = Path(__file__).resolve().parent.parent.parent
@@ -42,7 +43,7 @@ def measured(case: Case, last: Mapping[str, Any] | None = None) -> dict[str, Any
     """Frequencies, limits, bands and references (Hz) of the modes of one housing; references of the last result."""
     mesh = mesh_geometry(case.geometry, case.sizes, case.element)
     cubic, quadratic = found = [
-        lowest_modes(one, case.material, static=False) for one in (mesh, replace(mesh, cubic=0))
+        lowest_modes(assembled_casing(one, case.material), static=False) for one in (mesh, replace(mesh, cubic=0))
     ]
     inside = cubic.frequencies <= HIGHEST
     limits = limits_from(cubic.frequencies[inside], cubic.shapes[:, inside], cubic.element_size, [quadratic])

@@ -7,18 +7,13 @@ bends and shears as a plate does: its displacements across the wall are cubic. T
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 
-from fem.elements.added_unknowns import AddedUnknowns
 from fem.elements.cubic_shapes import CUBIC, cubic_shapes, faces_of, sides_of
-from fem.elements.materials import Material
-from fem.elements.solid_elements import CURVED_RULE, SolidElement, rule, shapes
-from fem.elements.solids import lame
+from fem.elements.solid_elements import AXES, CURVED_RULE, SolidElement, rule, shapes
 
 _RULES = {4: (CURVED_RULE - 2, CURVED_RULE), 8: (7, 7)}  # by corners: of affine elements (degree 6, exact), of others
 _AFFINE = 1e-9  # of the size of an element: nodes this close to an affine map of the reference element
@@ -26,12 +21,13 @@ _CHUNK = 50000  # quadrature points worked on at once
 
 
 @dataclass(frozen=True, eq=False)
-class CubicFunctions(AddedUnknowns):
-    """The functions of all sides and faces that are not held."""
+class CubicFunctions:
+    """The functions of all sides and faces that are not held, three unknowns each."""
 
+    numbers: np.ndarray  # (m,), of an unknown among those of its place
+    places: np.ndarray  # (m, 3), m, where their functions are
     points: np.ndarray  # (n, 3), m
     elements: np.ndarray  # (e, k)
-    material: Material
     functions: np.ndarray  # (e, f), numbers of those of its sides and faces; held ones as well
     moving: np.ndarray  # (function,), bool
 
@@ -40,9 +36,18 @@ class CubicFunctions(AddedUnknowns):
         """The cubic element that results."""
         return CUBIC[self.elements.shape[1]]
 
+    def __len__(self) -> int:
+        """Unknowns that are added."""
+        return len(self.numbers)
+
+    def moving_numbers(self, elements: np.ndarray) -> np.ndarray:
+        """Numbers (e, f) of the functions of some elements among those that are not held, -1 of others."""
+        number = np.where(self.moving, np.cumsum(self.moving) - 1, -1)
+        return np.asarray(number[self.functions[elements]])
+
     def unknowns(self, elements: np.ndarray) -> np.ndarray:
         """Numbers (e, 3, f) of the unknowns of some elements along x, y, z; -1 of functions that are held."""
-        number = np.where(self.moving, np.cumsum(self.moving) - 1, -1)[self.functions[elements]][:, None]
+        number = self.moving_numbers(elements)[:, None]
         first = 3 * len(self.points)
         return np.asarray(np.where(number < 0, -1, first + 3 * number + np.arange(3)[:, None]))
 
@@ -53,51 +58,30 @@ class CubicFunctions(AddedUnknowns):
         out[:, : ends.shape[1]] = np.where(ends[:, :, 0] < ends[:, :, 1], 1.0, -1.0)
         return out
 
-    def matrices(self, elements: Collection[int] | None = None) -> tuple[sp.csr_matrix, sp.csr_matrix]:
-        """As `AddedUnknowns.matrices`; three products of gradients summed over each pair of functions."""
-        members = np.arange(len(self.elements)) if elements is None else np.array(sorted(elements), int)
-        nodes, k = len(self.points), self.elements.shape[1]
-        count = nodes + len(self.moving)
-        own = np.column_stack([self.elements[members].astype(np.int64), nodes + self.functions[members]])
-        key, slot = np.unique(own[:, :, None] * count + own[:, None, k:], return_inverse=True)
-        slot = slot.reshape(len(members), -1)
-        blocks, masses = np.zeros((len(key), 3, 3)), np.zeros(len(key))
-        lam, mu = lame(self.material.elastic_modulus, self.material.poisson_ratio)
-        sign = np.column_stack([np.ones((len(members), k)), self.signs(members)])
-        for part, products, mass in _products(self.kind, self.points, self.elements[members]):
-            turn = sign[part][:, :, None] * sign[part][:, None, k:]
-            where = slot[part].ravel()
-
-            def summed(entries: np.ndarray, where: np.ndarray = where, turn: np.ndarray = turn) -> np.ndarray:
-                return np.bincount(where, weights=(entries * turn).ravel(), minlength=len(key))
-
-            shear = mu * (products[0, 0] + products[1, 1] + products[2, 2])
-            for i, j in itertools.product(range(3), repeat=2):
-                entries = lam * products[i, j] + mu * products[j, i]
-                blocks[:, i, j] += summed(entries + shear if i == j else entries)
-            masses += summed(mass)
-        rows, columns = np.divmod(key, count)
-        indices, indptr = columns.astype(np.int32), np.searchsorted(rows, np.arange(count + 1)).astype(np.int32)
-        stiffness = sp.bsr_matrix((blocks, indices, indptr), shape=(3 * count, 3 * count)).tocsr()
-        scalar = sp.csr_matrix((self.material.density * masses, indices, indptr), shape=(count, count))
-        return self._both(stiffness), self._both(sp.kron(scalar, sp.eye_array(3), format="csr"))
-
-    def _both(self, columns: sp.csr_matrix) -> sp.csr_matrix:
-        """The whole symmetric matrix by its columns of added unknowns, without those that are held."""
-        n = 3 * len(self.points)
-        kept = np.concatenate([np.arange(n), n + np.flatnonzero(np.repeat(self.moving, 3))])
-        found = sp.csr_matrix(columns[kept][:, kept])
-        return sp.csr_matrix(found + sp.vstack([found[:n], sp.csr_matrix((len(self), len(kept)))]).T)
+    def products(self, elements: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """As those of nodes in `fem.elements.solids`, of all functions of some elements; pairs of nodes are 0."""
+        k = self.elements.shape[1]
+        for part, products, mass in _products(self.kind, self.points, self.elements[elements]):
+            sign = np.column_stack([np.ones((len(part), k)), self.signs(elements[part])])
+            turn = sign[:, :, None] * sign[:, None, k:]
+            size = sign.shape[1]
+            out, masses = np.zeros((len(AXES), len(part), size, size)), np.zeros((len(part), size, size))
+            for whole, right, left in (
+                (masses, mass, mass),
+                *((one, products[i, j], products[j, i]) for one, (i, j) in zip(out, AXES, strict=True)),
+            ):
+                whole[:, :, k:] = right * turn
+                whole[:, k:, :k] = (left * turn)[:, :k].transpose(0, 2, 1)
+            yield part, out, masses
 
 
-def cubic_functions(points: np.ndarray, elements: np.ndarray, held: np.ndarray, material: Material) -> CubicFunctions:
+def cubic_functions(points: np.ndarray, elements: np.ndarray, held: np.ndarray) -> CubicFunctions:
     """The functions of all sides and faces of a mesh.
 
     Parameters
     ----------
     points, elements : (n, 3) m and (e, k), ten-node tetrahedra or 20-node hexahedra
     held : (f, 3 or more), corners first, of facets on which the displacements are those of the nodes: clamped or rigid
-    material : of all elements
     """
     kind = CUBIC[elements.shape[1]]
     around = 3 if kind.corners == 4 else 4
@@ -112,7 +96,6 @@ def cubic_functions(points: np.ndarray, elements: np.ndarray, held: np.ndarray, 
         places=np.repeat(places, 3, axis=0),
         points=points,
         elements=elements,
-        material=material,
         functions=np.column_stack([of_sides, len(sides) + of_faces]),
         moving=moving,
     )

@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 
+AXES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))  # i, j of the gradient products: those of j, i are transposed
 STRAIGHT_RULE = 2
 CURVED_RULE = 9  # exact to 8: from 5 on, scikit-fem's rules on tetrahedra miss the degree they are asked for by one
 _HEXAHEDRON_RULE = 5

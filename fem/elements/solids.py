@@ -11,12 +11,13 @@ Reference: Zienkiewicz & Taylor, The Finite Element Method, vol. 1, 5th ed. (200
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
 
 import numpy as np
 import scipy.sparse as sp
 
-from fem.elements.solid_elements import ElementError, cells, rule, shapes, solid_element
+from fem.elements.cubic import CubicFunctions
+from fem.elements.solid_elements import AXES, ElementError, cells, rule, shapes, solid_element
 
 
 def lame(elastic_modulus: float, poisson_ratio: float) -> tuple[float, float]:
@@ -29,33 +30,15 @@ def lame(elastic_modulus: float, poisson_ratio: float) -> tuple[float, float]:
     return elastic_modulus * poisson_ratio / ((1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio)), mu
 
 
-_AXES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))  # i, j of the products that are kept: G_ji is G_ij turned
-
-
-@dataclass(frozen=True)
-class _Pattern:
-    """Where element entries land in the node-by-node sparse matrix."""
-
-    n: int
-    slot: np.ndarray  # (element * k * k,) position in the data of the sparse matrix
-    indices: np.ndarray
-    indptr: np.ndarray
-
-    @classmethod
-    def of(cls, n: int, elements: np.ndarray) -> _Pattern:
-        key = (elements[:, :, None].astype(np.int64) * n + elements[:, None, :]).ravel()
-        unique, slot = np.unique(key, return_inverse=True)
-        rows = unique // n
-        indptr = np.searchsorted(rows, np.arange(n + 1)).astype(np.int32)
-        return cls(n, slot, (unique - rows * n).astype(np.int32), indptr)
-
-    def sum(self, entries: np.ndarray) -> np.ndarray:
-        """Sum of the element entries (element, k, k) that share a place in the matrix."""
-        return np.bincount(self.slot, weights=entries.ravel(), minlength=self.indices.size)
-
-
 def assemble(
-    nodes: np.ndarray, elements: np.ndarray, *, elastic_modulus: float, poisson_ratio: float, density: float
+    nodes: np.ndarray,
+    elements: np.ndarray,
+    *,
+    elastic_modulus: float,
+    poisson_ratio: float,
+    density: float,
+    cubic: CubicFunctions | None = None,
+    chosen: np.ndarray | None = None,
 ) -> tuple[sp.csr_matrix, sp.csr_matrix]:
     """Stiffness and consistent mass of a free body.
 
@@ -64,55 +47,64 @@ def assemble(
     nodes : float (node, 3), m
     elements : int (element, k) of one of `fem.elements.solid_elements.SOLIDS`, every node used
     elastic_modulus, poisson_ratio, density : Pa, 1, kg/m3
+    cubic : functions of their sides and faces, whose unknowns are behind those of the nodes
+    chosen : numbers of the elements that contribute; all by default
 
     Returns
     -------
-    K, M : sparse (3 node, 3 node), symmetric, N/m and kg
+    K, M : sparse (3 function, 3 function), symmetric, N/m and kg; nodes are the first functions
 
     Raises
     ------
     ElementError : inverted element (with its place), material outside its range, node without element
     """
+    from fem.elements import assembly
+
     lam, mu = lame(elastic_modulus, poisson_ratio)
     if not (np.isfinite(density) and density > 0.0):
         raise ElementError(f"density is {density!r} kg/m3; give a positive, finite value")
     nodes, elements = np.asarray(nodes, float), np.asarray(elements)
-    n = len(nodes)
-    if (loose := np.setdiff1d(np.arange(n), elements)).size:
+    count = len(nodes)
+    if (loose := np.setdiff1d(np.arange(count), elements)).size:
         raise ElementError(f"{loose.size} nodes belong to no element, the first is node {int(loose[0])}; remove them")
-    pattern = _Pattern.of(n, elements)
-    products, mass = _products(nodes, elements)
-    blocks = np.zeros((pattern.indices.size, 3, 3))
-    blocks[:, [0, 1, 2], [0, 1, 2]] = mu * pattern.sum(products[:3].sum(axis=0))[:, None]
-    for (i, j), product in zip(_AXES, products, strict=True):
-        turned = product.transpose(0, 2, 1)  # G_ji
-        blocks[:, i, j] += pattern.sum(lam * product + mu * turned)
-        if i != j:
-            blocks[:, j, i] = pattern.sum(lam * turned + mu * product)
-    shape = (3 * n, 3 * n)
-    stiffness = sp.bsr_matrix((blocks, pattern.indices, pattern.indptr), shape=shape).tocsr()
-    scalar = sp.csr_matrix((density * pattern.sum(mass), pattern.indices, pattern.indptr), shape=(n, n))
-    return stiffness, sp.kron(scalar, sp.eye_array(3), format="csr")
+    chosen = np.arange(len(elements)) if chosen is None else chosen
+    own = elements[chosen]
+    if cubic is not None:
+        number = cubic.moving_numbers(chosen)
+        own = np.hstack([own, np.where(number < 0, -1, count + number)])
+        count += int(cubic.moving.sum())
+    own = own.astype(np.int32)
+    indptr, indices = assembly.pattern(own, count)
+    stiffness, mass = np.zeros(9 * len(indices)), np.zeros(len(indices))
+    parts = [(0, _products(nodes, elements[chosen]))]
+    if cubic is not None:
+        parts.append((elements.shape[1], cubic.products(chosen)))
+    for known, several in parts:
+        for members, products, masses in several:
+            of_part = np.ascontiguousarray(own[members, : masses.shape[1]])
+            assembly.add_elements(of_part, known, products, masses, lam, mu, indptr, indices, stiffness, mass)
+    places, ends = assembly.coupled(indptr, indices)
+    K = sp.csr_matrix((stiffness, places, ends), shape=(3 * count, 3 * count))
+    places, ends = assembly.uncoupled(indptr, indices)
+    M = sp.csr_matrix((density * assembly.thrice(indptr, mass), places, ends), shape=(3 * count, 3 * count))
+    return K, M
 
 
-def _products(nodes: np.ndarray, elements: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Gradient products G_ij (6, e, k, k) in m by `_AXES`, masses of unit density (e, k, k) in m3, of all elements."""
+def _products(nodes: np.ndarray, elements: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Numbers, gradient products G_ij (6, e, k, k) in m by `AXES`, masses of unit density (e, k, k) in m3, by parts."""
     kind = solid_element(elements)
-    shape = (len(elements), kind.nodes, kind.nodes)
-    products, mass = np.empty((len(_AXES), *shape)), np.empty(shape)
     points, weights = rule(kind.library, 2 * kind.degree)
     values, _ = shapes(kind.library, points)
     of_unit_volume = values.T @ (weights[:, None] * values) / weights.sum()
     for cell in cells(nodes, elements):
         gradients = cell.gradients()
         scaled = (gradients * cell.volume[:, :, None, None]).transpose(3, 0, 2, 1)
-        for place, (i, j) in enumerate(_AXES):
-            products[place, cell.numbers] = scaled[i] @ gradients[..., j]
+        products = np.stack([scaled[i] @ gradients[..., j] for i, j in AXES])
         if cell.affine:
-            mass[cell.numbers] = cell.volume.sum(axis=1)[:, None, None] * of_unit_volume
+            mass = cell.volume.sum(axis=1)[:, None, None] * of_unit_volume
         else:
-            mass[cell.numbers] = np.einsum("eq,qa,qb->eab", cell.volume, cell.values, cell.values, optimize=True)
-    return products, mass
+            mass = (cell.volume[:, None, :] * cell.values.T) @ cell.values
+        yield cell.numbers, products, mass
 
 
 def rigid_body_modes(nodes: np.ndarray, centre: np.ndarray | None = None) -> np.ndarray:

@@ -14,14 +14,30 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from fem.gears.gear import Gear, GeometryError
+from fem.options import option
 from fem.storage.records import Record, array, integer, scalar
 
 GRADES = range(1, 12)
 ECCENTRIC_PART = 0.7  # share of the total cumulative deviation that runs once per revolution, before scaling
+
+
+@dataclass(frozen=True, kw_only=True)
+class RandomDeviations:
+    """Random deviations of every tooth, within the tolerances of ISO 1328-1."""
+
+    grade: int = option(
+        5, key="iso_grade", ge=GRADES[0], le=GRADES[-1], text="flank tolerance class of ISO 1328-1:2013"
+    )
+    seed: int = option(1, ge=0, le=2**31, text="seed of the random deviations")
+    include: tuple[Literal["pitch", "profile", "helix"], ...] = option(
+        ("pitch",),
+        text="kinds of deviations: cumulative pitch, profile (slope and form), helix (slope and form)",
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,7 +14,8 @@ References: Duff & Reid (1983), ACM TOMS 9(3), 302-325; Liu (1992), SIAM Review 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from bisect import bisect_left, insort
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import scipy.linalg as la
@@ -66,7 +67,7 @@ class Cholesky:
             blas.solve_right(A, B)
             blas.invert_lower(A)
 
-        _eliminate_all(plan, K, panel, eliminate)
+        _eliminate_all(plan, [(1.0, K)], panel, eliminate)
         self.pivots = pivots
 
     def solve(self, b: np.ndarray) -> np.ndarray:
@@ -117,20 +118,16 @@ def _up(x: np.ndarray, store: Store, begin: int, end: int) -> None:
         first, k = starts[s], starts[s + 1] - starts[s]
         own = rows[row_ends[s - 1] if s else 0 : row_ends[s]]
         m = k + len(own)
-        y = np.empty((x.shape[1], m))
-        for c in range(len(y)):
-            for j in range(k):
-                y[c, j] = x[first + j, c]
-            for i, row in enumerate(own):
-                y[c, k + i] = -x[row, c]
-        z = np.dot(y, panels[ends[s] - k * m : ends[s]].reshape(k, m).T)
-        for j in range(k):
-            for c in range(len(y)):
-                x[first + j, c] = z[c, j]
+        y = np.empty((m, x.shape[1]))
+        y[:k] = x[first : first + k]
+        for i, row in enumerate(own):
+            for c in range(x.shape[1]):
+                y[k + i, c] = -x[row, c]
+        x[first : first + k] = np.dot(panels[ends[s] - k * m : ends[s]].reshape(k, m), y)
 
 
-def count_negative(plan: Elimination, A: sp.spmatrix, rows: sp.spmatrix) -> int:
-    """Number of negative eigenvalues of a symmetric matrix on the null space of `rows`.
+def count_negative(plan: Elimination, K: sp.spmatrix, M: sp.spmatrix, shift: float, rows: sp.spmatrix) -> int:
+    """Number of negative eigenvalues of A = K - shift M, symmetric, on the null space of `rows`.
 
     With R of full rank and A regular, In(A on R x = 0) = In(A) + In(-R A^-1 R^T) - (b, b, 0): the matrix bordered by R
     has both inertias. Nothing of the factor is kept.
@@ -138,7 +135,9 @@ def count_negative(plan: Elimination, A: sp.spmatrix, rows: sp.spmatrix) -> int:
     Parameters
     ----------
     plan : of a matrix whose pattern contains that of A
-    A : sparse (n, n); rows : sparse R (b, n)
+    K, M : sparse (n, n)
+    shift : 1/s2
+    rows : sparse R (b, n)
 
     Raises
     ------
@@ -153,7 +152,7 @@ def count_negative(plan: Elimination, A: sp.spmatrix, rows: sp.spmatrix) -> int:
     loads = sp.csr_matrix(rows)[:, plan.order].T.toarray()
     passed = np.zeros((2, len(loads) - top, b))  # what the halves leave on the loads of the top
     schur, negative = np.zeros((3, b, b)), [0, 0, 0]  # of either half and of the top
-    scale = abs(A.diagonal())[plan.order]
+    scale = abs(K.diagonal() - shift * M.diagonal())[plan.order]
 
     def leave(number: int, change: np.ndarray) -> None:
         behind = plan.rows[number]
@@ -200,48 +199,73 @@ def count_negative(plan: Elimination, A: sp.spmatrix, rows: sp.spmatrix) -> int:
         blas.add_square(np.asfortranarray(turned[:, values > 0.0]), C, -1.0)
         blas.add_square(np.asfortranarray(turned[:, values < 0.0]), C, 1.0)
 
-    def scratch(number: int) -> np.ndarray:
-        k = int(plan.starts[number + 1] - plan.starts[number])
-        return np.zeros(k * (k + len(plan.rows[number])))
+    sizes = [int(k) * (int(k) + len(behind)) for k, behind in zip(np.diff(plan.starts), plan.rows, strict=True)]
+    panels = np.empty((2, max(sizes)))  # one of either half; that of the first serves the top, too
 
-    _eliminate_all(plan, A, scratch, eliminate)
+    def scratch(number: int) -> np.ndarray:
+        panel = panels[int(first <= number < second), : sizes[number]]
+        panel[:] = 0.0
+        return panel
+
+    _eliminate_all(plan, [(1.0, K), (-shift, M)], scratch, eliminate)
     whole = schur.sum(axis=0)
     return sum(negative) - int((la.eigvalsh(0.5 * (whole + whole.T)) < 0.0).sum()) if b else sum(negative)
 
 
 def _eliminate_all(
     plan: Elimination,
-    K: sp.spmatrix,
+    terms: Sequence[tuple[float, sp.spmatrix]],
     panel: Callable[[int], np.ndarray],
     eliminate: Callable[[int, np.ndarray, np.ndarray, np.ndarray], None],
 ) -> None:
-    """Form the fronts of a symmetric K and hand each to `eliminate`, which leaves the remainder in C.
+    """Form the fronts of a sum of factors times symmetric matrices; `eliminate` leaves the remainder in C.
 
     A (k, k) and B (r, k) lie in the zeros that `panel` gives for the supernode. C is the lower triangle, not zero.
     """
-    columns = rows_of(K)[plan.order]  # in the order of the plan; what follows turns the numbers of their entries
-    turned = np.empty(K.shape[0], columns.indices.dtype)
-    turned[plan.order] = np.arange(K.shape[0])
-    indices = turned[columns.indices]
-    left: dict[int, np.ndarray] = {}
+    columns = [(factor, rows_of(matrix)) for factor, matrix in terms]
+    turned = np.empty(len(plan.order), np.int32)
+    turned[plan.order] = np.arange(len(plan.order))
+    left: dict[int, tuple[np.ndarray, np.ndarray]] = {}
 
     def run(begin: int, stop: int) -> None:
-        place = np.zeros(K.shape[0], np.int64)
+        place, buffers = np.zeros(len(plan.order), np.int64), _Buffers()
         for number in range(begin, stop):
             first, end, rows = plan.starts[number], plan.starts[number + 1], plan.rows[number]
             k, r = int(end - first), len(rows)
-            front = panel(number).reshape(k, k + r).T
-            A, B, C = front[:k], front[k:], np.zeros((r, r), order="F")
+            front, remainder = panel(number).reshape(k, k + r).T, buffers.zeros(r * r)
+            A, B, C = front[:k], front[k:], remainder.reshape(r, r).T
             place[rows] = np.arange(r)
-            _own_entries(A, B, columns.indptr, indices, columns.data, first, place)
+            for factor, own in columns:
+                _own_entries(A, B, own.indptr, own.indices, own.data, factor, plan.order, turned, first, place)
             for child in plan.children[number]:
-                _add(A, B, C, left.pop(child), plan.rows[child], first, place)
+                change, used = left.pop(child)
+                _add(A, B, C, change, plan.rows[child], first, place)
+                buffers.give_back(used)
             eliminate(number, A, B, C)
-            left[number] = C
+            left[number] = C, remainder
 
     half, both = plan.split
     side_by_side(lambda: run(0, half), lambda: run(half, both))
     run(both, len(plan.rows))
+
+
+class _Buffers:
+    """Memory that is used again: pages that are new to a process cost more than the work on them."""
+
+    def __init__(self) -> None:
+        self._free: list[np.ndarray] = []  # by size
+
+    def zeros(self, size: int) -> np.ndarray:
+        """Zeros (size,) in the smallest buffer that is large enough."""
+        place = bisect_left(self._free, size, key=len)
+        buffer = self._free.pop(place) if place < len(self._free) else np.empty(size)
+        out = buffer[:size]
+        out[:] = 0.0
+        return out
+
+    def give_back(self, out: np.ndarray) -> None:
+        """What `zeros` gave is not needed any more."""
+        insort(self._free, out if out.base is None else out.base, key=len)
 
 
 @stored(__file__)
@@ -251,18 +275,23 @@ def _own_entries(
     indptr: np.ndarray,
     indices: np.ndarray,
     data: np.ndarray,
+    factor: float,
+    order: np.ndarray,
+    turned: np.ndarray,
     first: int,
     place: np.ndarray,
 ) -> None:
-    """Lower triangle of the matrix in the columns of the front."""
+    """Add the lower triangle of factor times the matrix in the columns of the front."""
     k = A.shape[1]
     for j in range(k):
-        for p in range(indptr[first + j], indptr[first + j + 1]):
-            i = indices[p] - first
+        column = order[first + j]
+        for p in range(indptr[column], indptr[column + 1]):
+            row = turned[indices[p]]
+            i = row - first
             if i >= k:
-                B[place[indices[p]], j] = data[p]
+                B[place[row], j] += factor * data[p]
             elif i >= j:
-                A[i, j] = data[p]
+                A[i, j] += factor * data[p]
 
 
 @stored(__file__)

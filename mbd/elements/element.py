@@ -19,13 +19,15 @@ The rule
 reads.
 
 The potential may depend on the motor angle besides the rows: by mesh cycle, cage or rope length. The work of that
-dependence (parametric work) is the mean of log[BY_ANGLE] = dU/d angle times the step of the angle. A kind whose dU/d
-angle jumps (``by_frozen`` of `Element`) gives U, dU/du and its slopes at the rows ``before`` of the last instant and
-the angle of now instead; then, by the changes G and Q of force and stiffness at frozen rows, to third order in the step
+dependence (parametric work) is the mean of log[BY_ANGLE] = dU/d angle times the step of the angle. Where dU/d angle
+jumps (``audited`` of `Element`), such a sum would be first order. There the parametric work is what is left of the
+change of U when the work of the force dU/du is taken off (`mbd.output.element_energy`), and whether that force is the
+slope of U is checked at every AUDIT_STEPS-th step: the kind is asked for U, dU/du and its slopes at the rows ``before``
+of the last instant and the angle of now, and the defect
 
-    work = U(a_1, u_0) - U(a_0, u_0) + G . Du/2 + Du . Q Du/12 + [D G . Du - G . D2 u]/12,
+    U(a_1, u_1) - U(a_1, u_0) - (F(a_1, u_0) + F(a_1, u_1)) . Du/2 + Du . (K(a_1, u_1) - K(a_1, u_0)) Du/12,
 
-where the last bracket, central differences over the neighbouring steps, is added by `mbd.output.element_energy`.
+of fifth order in the step, counts AUDIT_STEPS times in the residual of the energy balance.
 
 Calls
 -----
@@ -47,9 +49,11 @@ import numpy as np
 from mbd.elements.mode_words import ModeWords
 
 LARGEST_APPROACH = 1e-2  # m: contacts that would have to give way further are not followed
+AUDIT_STEPS = 64
 WIDTH = 6  # rows at most that the force on a row depends on
 LOG_COLUMNS = ("energy", "by_angle", "frozen_energy", "parametric")
 ENERGY, BY_ANGLE, FROZEN_ENERGY, PARAMETRIC = range(len(LOG_COLUMNS))  # J, J/rad, J, J in the step that ends here
+# (of an audited element, the last is the defect)
 
 
 class Motion(NamedTuple):
@@ -61,7 +65,7 @@ class Motion(NamedTuple):
     u: np.ndarray  # (n,) displacements of its rows
     v: np.ndarray  # (n,) rates
     seen: np.ndarray  # (k,) displacements of the rows that it observes only
-    before: np.ndarray  # (n,) u of the last instant; empty: the answer at frozen rows is not asked for
+    before: np.ndarray  # (n,) u of the last instant; empty: no audit in this step
     held: np.ndarray  # (n, WIDTH) stiffness that damping takes instead of the present one; empty: the present one
     read_force: np.ndarray  # (r,) elastic forces on the rows of the elements that it reads
     read_stiffness: np.ndarray  # (r, WIDTH) their stiffness
@@ -140,7 +144,7 @@ class Element:
     rolls: bool = False  # its rows move while the train rolls, so that F does work on the rolling
     opens: bool = False  # it may lose contact, which is when the elastic force on its first row is 0
     inner_contacts: bool = False  # contacts inside it, or with the ground, open and close unseen by `opens`
-    by_frozen: bool = False  # its parametric work goes by frozen rows, see above
+    audited: bool = False  # its parametric work is what dU/du leaves of the change of U, see above
     contact: Contact | None = None  # if the train is without a hold where it is open
     in_matrix: bool = False  # its slopes are no part of the linearised view: a matrix stands for them, or they turn
     signals: tuple[Signal, ...] = ()

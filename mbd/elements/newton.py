@@ -83,7 +83,7 @@ def iterate(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance, near,
     near : residual from below which one more step is taken without evaluating the forces again
     limit : residual of the guess above which nothing is tried
     quality : (1,) out: residual of the guess
-    before : (m,) or more displacements of the last instant, for the answers at frozen rows, or (0,)
+    before : (m,) or more displacements of the last instant in a step that is audited, or (0,)
     """
     m = len(force)
     guess, held = force.copy(), np.empty((0, WIDTH))
@@ -242,15 +242,16 @@ def forces_at(table, clock, u, v, before, held, force, slope_u, slope_v, now):
 
 
 @stored(__file__)
-def work_between(table, angle_before, clock, u_before, u, v, last, now, push):
-    """`mbd.elements.table.parametric_work` of a step whose elements were not asked for frozen rows: they are here.
+def work_between(table, angle_before, clock, u_before, u, v, last, now):
+    """`mbd.elements.table.parametric_work` of a step, which is audited.
 
     Parameters
     ----------
-    table, angle_before, u_before, last, push : those of `mbd.elements.table.parametric_work`
+    table, u_before, last : those of `mbd.elements.table.parametric_work`
+    angle_before : of the motor at the start of the step, rad
     clock, u, v, now : end of the step, those of `mbd.elements.table.row_forces`
     """
     m = len(v)
     force, slope_u, slope_v = np.empty(m), np.empty((m, WIDTH)), np.empty((m, WIDTH))
     row_forces(table, clock, u, v, u_before, slope_u[:0], force, slope_u, slope_v, now)
-    parametric_work(table, angle_before, clock[0], u_before, u, last, now, push)
+    parametric_work(table, (angle_before, clock[0]), u_before, u, last, now, 1)

@@ -35,7 +35,7 @@ class Table(NamedTuple):
     seen: np.ndarray  # (element, 2) first and end of the rows that it observes, counted among those
     read: np.ndarray  # (element, 2) first and end of the rows that it reads
     opens: np.ndarray  # (element,) 1 if it may lose contact
-    by_frozen: np.ndarray  # (element,) 1 if its parametric work goes by frozen rows
+    audited: np.ndarray  # (element,) 1 if its parametric work is what its force leaves of the change of U
     pattern: np.ndarray  # (row, WIDTH) rows that the columns of its slopes belong to
     width: np.ndarray  # (row,) how many of them are used
     stiffness: np.ndarray  # (row,) reference k0
@@ -91,7 +91,7 @@ def element_table(elements: Sequence[Element], n_coordinates: int) -> tuple[Tabl
         seen=np.array(seen, dtype=np.int64).reshape(-1, 2),
         read=np.array(reads, dtype=np.int64).reshape(-1, 2),
         opens=np.array([element.opens for element in elements], dtype=np.int64),
-        by_frozen=np.array([element.by_frozen for element in elements], dtype=np.int64),
+        audited=np.array([element.audited for element in elements], dtype=np.int64),
         pattern=np.array(pattern, dtype=np.int64).reshape(-1, WIDTH),
         width=np.array(width, dtype=np.int64),
         **per_row,
@@ -215,35 +215,31 @@ def follow_tangent(table, before, u, v, force, now):
 
 
 @inner()
-def parametric_work(table, angle_before, angle, u_before, u, last, now, push):
-    """Fill the parametric work (J) of a step.
+def parametric_work(table, angles, u_before, u, last, now, audited):
+    """Fill the parametric work (J) of a step, or the defect of audited elements (`mbd.elements.element`).
 
     Parameters
     ----------
     table : elements of the machine, m rows
-    angle_before, angle : of the motor at both ends of the step, rad
+    angles : (2,) of the motor at both ends of the step, rad
     u_before, u : (m,) or more displacements of the rows there, m or rad
     last, now : answers of the elements there; the log of ``now`` takes the work
-    push : (m,) out: change of the elastic forces by the parameter alone, N or N m; 0 for elements that do not
-        go by frozen rows
+    audited : number of steps that the defect of this one stands for, 0 if none was asked for
     """
     for e in range(len(table.rule)):
         a, b = table.row[e], table.row[e + 1]
-        for r in range(a, b):
-            push[r] = 0.0
-        if table.by_frozen[e] == 0:
+        now.log[e, PARAMETRIC] = 0.0
+        if table.audited[e] == 0:
             slope = 0.5 * (last.log[e, BY_ANGLE] + now.log[e, BY_ANGLE])
-            now.log[e, PARAMETRIC] = slope * (angle - angle_before)
-        elif last.log[e, ENERGY] > 0.0 or now.log[e, ENERGY] > 0.0:
-            along, bent = 0.0, 0.0
+            now.log[e, PARAMETRIC] = slope * (angles[1] - angles[0])
+        elif audited > 0:
+            work, bent = 0.0, 0.0
             for r in range(a, b):
-                push[r] = now.frozen[r] - last.elastic[r]
-                along += push[r] * (u[r] - u_before[r])
+                work += 0.5 * (now.frozen[r] + now.elastic[r]) * (u[r] - u_before[r])
                 for j in range(b - a):
-                    change = now.frozen_stiffness[r, j] - last.stiffness[r, j]
+                    change = now.stiffness[r, j] - now.frozen_stiffness[r, j]
                     bent += change * (u[r] - u_before[r]) * (u[a + j] - u_before[a + j])
-            work = now.log[e, FROZEN_ENERGY] - last.log[e, ENERGY]
-            now.log[e, PARAMETRIC] = work + 0.5 * along + bent / 12.0
+            now.log[e, PARAMETRIC] = audited * (now.log[e, ENERGY] - now.log[e, FROZEN_ENERGY] - work + bent / 12.0)
 
 
 @inner()

@@ -8,7 +8,7 @@ a spall of the inner ring at its angle - sense Psi, and an element has rolled by
 it rolls on the outer ring, so that slip is between the elements and the inner ring, which drives. Over a spall the two
 races of an element are further apart by the drop of `mbd.excitations.spall`, that of both its contacts, along its
 line of contact: its approach is delta - drop. The potential of the bearing holds the drop, and the forces follow from
-it. It depends on the angle besides the rows; that parametric work is taken at frozen rows, because dU/d angle jumps
+it. It depends on the angle besides the rows; that parametric work is audited, because dU/d angle jumps
 where an element goes over from one edge to the other (see `mbd.elements.element`).
 
 Left out: impacts of elements on the cage, the inertia of elements and cage, damping by the motion over the spall.
@@ -142,7 +142,7 @@ class FaultyContacts:
             rule=faulty_rule,
             values=self.values(lay.sense(bearing.shaft), lay.ratios[bearing.shaft]),
             seen=lay.angle_row(bearing.shaft, bearing.y)[None],
-            by_frozen=True,
+            audited=True,
         )
 
 

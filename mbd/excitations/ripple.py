@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Literal
 
 from fem.options import check_options, option
 from mbd.elements.element import ENERGY, Element, rule
-from mbd.parts.checks import MachineError, finite
+from mbd.parts.checks import MachineError, finite, positive
 from mbd.parts.load import TurningForce
 
 if TYPE_CHECKING:
@@ -43,7 +43,8 @@ class TorqueRipple(TurningForce):
 
     def __post_init__(self) -> None:
         finite(f"{self.name} y", self.y)
-        check_options(self, MachineError)
+        positive(f"{self.name} order", self.order, "The order 0 is a constant torque.")
+        check_options(self, MachineError, self.name)
 
     def elements(self, lay: Coordinates) -> Iterator[Element]:
         """The torque on the rotation of its shaft."""

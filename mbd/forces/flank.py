@@ -5,9 +5,9 @@ Rows are delta (approach along the transverse line of action) and psi (tilt in t
 U(c, delta, psi) with F = dU/d delta, M = dU/d psi. With damping the force is F_t = max(0, F + tau k_t d),
 k_t = dF/d delta, d = delta' + (M/F) psi', and M_t = M F_t/F.
 
-dU/dc jumps wherever a tooth enters a new cell of the law's tables, so that a quadrature of it would be first order: the
-parametric work goes by frozen rows (`mbd.elements.element`), which two evaluations at one mesh cycle give cheaply. The
-damping stiffness k_t jumps where a pair of teeth touches; it may be held (`mbd.elements.newton`).
+dU/dc jumps wherever a tooth enters a new cell of the law's tables, so that its parametric work is audited
+(`mbd.elements.element`). The damping stiffness k_t jumps where a pair of teeth touches; it may be held
+(`mbd.elements.newton`).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.contact.evaluation.evaluator import LawEvaluator
-from fem.contact.evaluation.kernel import evaluate, evaluate_two
+from fem.contact.evaluation.kernel import evaluate
 from fem.contact.teeth import least_clearance
 from fem.numerics.compiled import inner
 from mbd.elements.element import ENERGY, FROZEN_ENERGY, Contact, Element, Signal, rule
@@ -65,15 +65,11 @@ def flank_rule(values, motion, answer):
     pinion_terms = values[pinion:wheel].reshape((int(values[PINION]), TERMS))
     wheel_terms = values[wheel:].reshape((int(values[WHEEL]), TERMS))
     back = values[BACKLASH]
+    found = evaluate(law, cycle, delta - back, psi, pinion_terms, wheel_terms)
+    _store(ENERGY, answer.elastic, answer.stiffness, answer.log, found)
     if asked:
-        found = evaluate_two(
-            law, cycle, delta - back, psi, before[0] - back, before[1], pinion_terms, wheel_terms
-        )  # fmt: skip
-        _store(ENERGY, answer.elastic, answer.stiffness, answer.log, found[:6])
-        _store(FROZEN_ENERGY, answer.frozen, answer.frozen_stiffness, answer.log, found[6:])
-    else:
-        alone = evaluate(law, cycle, delta - back, psi, pinion_terms, wheel_terms)
-        _store(ENERGY, answer.elastic, answer.stiffness, answer.log, alone[:6])
+        found = evaluate(law, cycle, before[0] - back, before[1], pinion_terms, wheel_terms)
+        _store(FROZEN_ENERGY, answer.frozen, answer.frozen_stiffness, answer.log, found)
     if answer.elastic[0] > 0.0:
         damp(values, motion, answer)
 
@@ -134,7 +130,7 @@ def elements(assembly: Assembly) -> Iterator[Element]:
                 damping=(0.0, 0.0) if side else (mesh.damping_time * springs[0], 0.0),
                 seen=lay.angle_row(mesh.driving, mesh.y)[None],
                 opens=True,
-                by_frozen=True,
+                audited=True,
                 contact=Contact(
                     name=mesh.name,
                     side=side,

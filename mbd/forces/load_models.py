@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -33,9 +33,7 @@ def load_model(name: str) -> type[HangingLoad]:
 
 @dataclass(frozen=True, kw_only=True)
 class HangingLoad(ABC):
-    """A weight on drums. `channels` is the number of its channels that are recorded."""
-
-    channels: ClassVar[int] = 0
+    """A weight on drums."""
 
     container_mass: float = option(unit="kg", key="container_kg", ge=0, text="hanging mass")
     drum_radius: float = option(unit="mm", gt=0, text="radius to the centre of the rope")
@@ -94,7 +92,6 @@ class StaticTorqueLoad(HangingLoad):
 class RopeLoad(HangingLoad):
     """A hanging mass on an elastic rope: stiffness of the current length, tension only."""
 
-    channels: ClassVar[int] = 3
     model: Literal["rope"] = "rope"
     rope_diameter: float = option(0.01, unit="mm", gt=0, text="nominal diameter")
     rope_modulus: float = option(1e11, unit="GPa", gt=0, text="elastic modulus on the metallic area")
@@ -177,7 +174,6 @@ class RopeLoad(HangingLoad):
 class RopePendulumLoad(RopeLoad):
     """As rope, and the mass swings below a fixed trolley."""
 
-    channels: ClassVar[int] = 5
     model: Literal["rope-pendulum"] = "rope-pendulum"  # type: ignore[assignment]
     sway_x: float = option(
         0.0,

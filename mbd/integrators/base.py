@@ -57,9 +57,6 @@ class Block(NamedTuple):
     rows: np.ndarray  # (instant, m + observed) row displacements, then observed rows
     elastic: np.ndarray  # (instant, m) part of the real forces that follows from the potentials of the elements
     lost: np.ndarray  # (instant, m) the rest of the real forces
-    push: (
-        np.ndarray
-    )  # (instant, m) change of the elastic part by the parameter alone in the step that ends here, where that is known
     log: np.ndarray  # (instant, element, column), see `mbd.elements.element.LOG_COLUMNS`
     clock: np.ndarray  # (instant, 4) CLOCK: step that ends here, motor angle, speed, acceleration held before
     whole: np.ndarray  # (whole step,) int, its last instant

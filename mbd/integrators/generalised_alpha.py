@@ -60,7 +60,6 @@ class GeneralisedAlpha:
         self._q, self._v, self._forces = state.displacement.copy(), state.velocity.copy(), state.forces.copy()
         self._angle, self._time, self._motor = state.motor_angle, 0.0, 0.0
         self._rows, self._now = system.all_rows @ self._q, instant(system.table)
-        self._push_by_angle = np.zeros(len(self._forces))
         still = np.zeros((len(self._rows), len(self._forces)))
         v = system.rows @ self._v
         used = solve_rows(
@@ -87,7 +86,6 @@ class GeneralisedAlpha:
         other._q, other._v, other._forces = self._q.copy(), self._v.copy(), self._forces.copy()
         other._angle, other._motor, other._acceleration = self._angle, self._motor, self._acceleration.copy()
         other._rows, other._now, other._time = self._rows.copy(), self._now, self._time
-        other._push_by_angle = np.zeros(len(self._forces))
         return other
 
     def advance(
@@ -132,7 +130,7 @@ class GeneralisedAlpha:
                 f"time step {step} (t = {(step + 1) * h:.6g} s, h = {h:.3g} s): the contact forces did not converge. "
                 "Use a smaller step."
             )
-        work_between(system.table, self._angle, clock, self._rows, rows, rates, self._now, now, self._push_by_angle)
+        work_between(system.table, self._angle, clock, self._rows, rows, rates, self._now, now)
         self._acceleration = a_p + self._answer @ self._forces
         self._q = q_p + self._beta * h * h * self._acceleration
         self._v = v_p + self._gamma * h * self._acceleration
@@ -141,7 +139,7 @@ class GeneralisedAlpha:
         self.counters["iterations"] += used
 
     def _instant(self) -> tuple[np.ndarray, ...]:
-        found = self._forces, self._rows, self._now.elastic, self._now.lost, self._push_by_angle, self._now.log
+        found = self._forces, self._rows, self._now.elastic, self._now.lost, self._now.log
         return np.concatenate([self._q, self._v]), *(values.copy() for values in found)
 
     def _block(self, instants: list[tuple[np.ndarray, ...]], clock: np.ndarray) -> Block:

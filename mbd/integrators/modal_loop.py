@@ -16,7 +16,7 @@ import numpy as np
 from numba import types
 
 from fem.numerics.compiled import CUBE, FLOAT, HYPERCUBE, INTEGER, INTEGERS, MATRIX, VECTOR, inner, stored
-from mbd.elements.element import WIDTH
+from mbd.elements.element import AUDIT_STEPS, WIDTH
 from mbd.elements.newton import NEAR, iterate
 from mbd.elements.table import INSTANT, TABLE, Instant, contact_changed, parametric_work
 from mbd.integrators.base import Block
@@ -50,7 +50,7 @@ class Memory(NamedTuple):
     forces: np.ndarray  # (3, m) of the last instants, newest first
     pushes: np.ndarray  # (s, 2 mode) modal forces of the last instants, newest first
     past: np.ndarray  # (2,) lengths of the last two steps, s
-    counts: np.ndarray  # (3,) int: steps since the start or the last kink, level to try, level of the last step
+    counts: np.ndarray  # (4,) int: steps since the last kink, level to try, level of the last step, all steps
     motor: np.ndarray  # (3,) angle, speed, time
     rows: np.ndarray  # (m + observed,)
     elements: Instant  # what they answered
@@ -61,7 +61,7 @@ _CONSTANTS = types.NamedTuple(
     (VECTOR, MATRIX, VECTOR, HYPERCUBE, CUBE, MATRIX, MATRIX, MATRIX, MATRIX, HYPERCUBE, HYPERCUBE, _FRAME), Constants
 )
 _MEMORY = types.NamedTuple((VECTOR, MATRIX, MATRIX, VECTOR, INTEGERS, VECTOR, VECTOR, INSTANT), Memory)
-_BLOCK = types.NamedTuple((*[MATRIX] * 7, CUBE, MATRIX, INTEGERS, CUBE), Block)
+_BLOCK = types.NamedTuple((*[MATRIX] * 6, CUBE, MATRIX, INTEGERS, CUBE), Block)
 
 
 def compile_loop() -> None:
@@ -71,17 +71,32 @@ def compile_loop() -> None:
 
 
 @inner(fastmath={"reassoc", "contract", "nsz"})
-def _dot(a, b):
-    total = 0.0
+def _dots(a, b, c):
+    """a . b and a . c; both at once read the long rows of modes only once."""
+    first = second = 0.0
     for j in range(len(a)):
-        total += a[j] * b[j]
-    return total
+        first += a[j] * b[j]
+        second += a[j] * c[j]
+    return first, second
 
 
 @inner(fastmath={"contract"})
-def _add(target, factor, vector):
-    for j in range(len(target)):
-        target[j] += factor * vector[j]
+def _add_rows(target, factors, rows):
+    """target += factors @ rows, without the factors that are 0; two rows at once read and write ``target`` half as
+    often."""
+    waiting = -1
+    for r in range(len(factors)):
+        if factors[r] != 0.0:
+            if waiting < 0:
+                waiting = r
+            else:
+                one, other = factors[waiting], factors[r]
+                for j in range(len(target)):
+                    target[j] += one * rows[waiting, j] + other * rows[r, j]
+                waiting = -1
+    if waiting >= 0:
+        for j in range(len(target)):
+            target[j] += factors[waiting] * rows[waiting, j]
 
 
 @inner(fastmath={"contract"})
@@ -145,9 +160,7 @@ def _remember(constants, memory, hold, level, kink, eta, force, row_values, now,
         for j in range(len(eta)):
             pushes[s, j] = pushes[s - 1, j]
     pushes[0, :] = 0.0
-    for r in range(len(force)):
-        if force[r] != 0.0:
-            _add(pushes[0], force[r], enter[r])
+    _add_rows(pushes[0], force, enter)
     _add_product(eta, weights[level, hold, 0], pushes[0])
     for r in range(len(force)):
         for k in range(n_past):
@@ -156,7 +169,7 @@ def _remember(constants, memory, hold, level, kink, eta, force, row_values, now,
                 held[k, r] += powers[hold, k, s] * forces[s - 1, r]
         forces[2, r], forces[1, r], forces[0, r] = forces[1, r], forces[0, r], force[r]
     counts[0] = 0 if kink else counts[0] + 1
-    counts[2] = level
+    counts[2], counts[3] = level, counts[3] + 1
     past[1], past[0] = past[0], constants.length[level]
     for r in range(len(rows)):
         rows[r] = row_values[r]
@@ -188,7 +201,7 @@ def advance_modes(table, first, angles, accelerations, constants, memory, block,
     """
     length, growth, rate, weights, powers, load, ramp, enter, rows, g_u, g_v, frame = constants
     state, past_forces, pushes, past, counts, motor, last_rows, last = memory
-    states, _, forces, row_values, elastic, lost, push, log, clock, whole, holds = block
+    states, _, forces, row_values, elastic, lost, log, clock, whole, holds = block
     m, n_rows, n_past, finest = len(enter), len(rows), len(pushes), len(length) - 1
     units = QUARTERS**finest
     u_p, v_p, v, guess = np.empty(n_rows), np.empty(m), np.empty(m), np.empty(m)
@@ -215,18 +228,19 @@ def advance_modes(table, first, angles, accelerations, constants, memory, block,
                 _add_product(eta, weights[level, hold, s], pushes[s - 1])
             moving[:] = 0.0
             _add_product(moving, rate, eta)
-            for r in range(n_rows):
-                u_p[r] = _dot(rows[r], eta)
             for r in range(m):
-                v_p[r] = _dot(rows[r], moving)
+                u_p[r], v_p[r] = _dots(rows[r], eta, moving)
+            for r in range(m, n_rows):
+                u_p[r], _ = _dots(rows[r], eta, eta)
             _extrapolate(past_forces, past, counts[0], length[level], guess)
             if frame.free == 1:
                 angle, speed, turning = _turn(frame, powers[hold], past_forces, guess, motor, length[level])
             now = Instant(elastic[n], lost[n], stiffness, log[n], frozen, frozen_stiffness)
-            time = motor[2] + length[level]
+            time, audited = motor[2] + length[level], AUDIT_STEPS if counts[3] % AUDIT_STEPS == 0 else 0
             used = iterate(
                 table, (angle, speed, time), u_p, v_p, g_u[level, hold], g_v[level, hold], guess, row_values[n], v, now,
-                tolerance, NEAR, ROUGH if may_cut else np.inf, quality, last_rows,
+                tolerance, NEAR, ROUGH if may_cut else np.inf, quality,
+                last_rows if audited > 0 else last_rows[:0],
             )  # fmt: skip
             kink = contact_changed(table, last.elastic, now.elastic)
             if may_cut and (used < 0 or kink):
@@ -237,7 +251,7 @@ def advance_modes(table, first, angles, accelerations, constants, memory, block,
             iterations += used
             if frame.free == 1:
                 angle, speed, turning = _turn(frame, powers[hold], past_forces, guess, motor, length[level])
-            parametric_work(table, motor[0], angle, last_rows, row_values[n], last, now, push[n])
+            parametric_work(table, (motor[0], angle), last_rows, row_values[n], last, now, audited)
             for r in range(m):
                 forces[n, r] = guess[r]
             clock[n, 0], clock[n, 1], clock[n, 2], clock[n, 3] = length[level], angle, speed, turning

@@ -58,7 +58,7 @@ class Reference:
         clock = np.array([[0.0, self._angle, state.motor_speed, 0.0]])
         return Block(
             self._x[None], self._x[None], forces[None], self._rows[None], self._now.elastic[None],
-            self._now.lost[None], np.zeros((1, len(forces))), self._now.log[None], clock, np.zeros(1, dtype=int),
+            self._now.lost[None], self._now.log[None], clock, np.zeros(1, dtype=int),
             np.zeros((1, 0, len(forces))),
         )  # fmt: skip
 
@@ -93,11 +93,10 @@ class Reference:
             motor.append(moved)
             clock = angle, self._speed, self._time + self._step
             forces, rows, rates, now = self._forces(self._x, clock)
-            push = np.zeros(len(forces))
-            work_between(self._system.table, self._angle, clock, self._rows, rows, rates, self._now, now, push)
+            work_between(self._system.table, self._angle, clock, self._rows, rows, rates, self._now, now)
             self._rows, self._now, self._angle, self._time = rows, now, clock[0], clock[2]
             self.counters["steps"] += 1
-            instants.append((self._x, start, forces, rows, now.elastic, now.lost, push, now.log))
+            instants.append((self._x, start, forces, rows, now.elastic, now.lost, now.log))
         columns = dict(zip(Block._fields, (np.array(column) for column in zip(*instants, strict=True)), strict=False))
         clocks = uniform_clock(self._step, *np.array(motor).T)
         none = np.zeros((len(instants), 0, len(self._v_rows)))

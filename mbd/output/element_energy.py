@@ -1,7 +1,8 @@
 """Works of the nonlinear elements, logged at every step.
 
 An element stores U, receives the integral of F . d(motion of its rows), loses that of the part of F that follows from
-no potential, and takes up the parametric work (see `mbd.elements.element`). The rows of elements that roll move with
+no potential, and takes up the parametric work. That of an audited element is the change of U less the work of the
+elastic part of F, less the defects of the audit (see `mbd.elements.element`). The rows of elements that roll move with
 the train besides. Integrals over the rows are those of cubics through four instants: per step
 mean(F) D u + (D F mean(D2 u) - mean(D2 F) D u)/12 with the first and second differences D, D2; next to a step of
 another length only the first term.
@@ -28,12 +29,13 @@ class ElementWork:
         counts = np.diff(system.table.row)
         self._owner = np.repeat(np.arange(n), counts)
         self._opening = np.flatnonzero(system.table.opens)
+        self._audited, self._first_rows = system.table.audited == 1, system.table.row[:-1]
         self._contact_rows = system.table.row[self._opening]
-        # rows, elastic forces, lost forces, pushes of the last three instants
-        self._known = [np.zeros((0, m)) for _ in range(4)]
+        # rows, elastic forces, lost forces of the last three instants
+        self._known = [np.zeros((0, m)) for _ in range(3)]
         self._log, self._clock = np.zeros((0, n, len(LOG_COLUMNS))), np.zeros((0, 4))
         self._start, self._peak, self._parametric = np.zeros(n), np.zeros(n), np.zeros(n)
-        self._received, self._loss, self._shifted = np.zeros(m), np.zeros(m), np.zeros(m)
+        self._received, self._loss = np.zeros(m), np.zeros(m)
         self._let_go = np.zeros(len(self._opening), dtype=int)
         self._touched = np.zeros(len(self._opening), dtype=int)
         self._open = np.zeros(len(self._opening))  # s
@@ -44,8 +46,8 @@ class ElementWork:
         known = len(self._log)
         if known == 0:
             self._start = block.log[0, :, ENERGY].copy()
-        fresh = block.rows[:, : len(self._received)], block.elastic, block.lost, block.push
-        rows, elastic, lost, push = (np.vstack(pair) for pair in zip(self._known, fresh, strict=True))
+        fresh = block.rows[:, : len(self._received)], block.elastic, block.lost
+        rows, elastic, lost = (np.vstack(pair) for pair in zip(self._known, fresh, strict=True))
         log, clock = np.concatenate([self._log, block.log]), np.vstack([self._clock, block.clock])
         new, even = slice(max(known - 1, 0), None), even_steps(clock[:, LENGTH])
         loaded = elastic[new][:, self._contact_rows] > 0.0
@@ -58,10 +60,12 @@ class ElementWork:
         self.throughput += float(abs(self._rolling_work(lost[new], turned)).sum())
         parametric = log[known:, :, PARAMETRIC]
         self._parametric += parametric.sum(axis=0)
-        self._shifted += _push_work(push, rows, even)
-        self.throughput += float(abs(parametric).sum())
+        work = 0.5 * (elastic[new][1:] + elastic[new][:-1]) * np.diff(rows[new], axis=0)
+        left = np.diff(log[new, :, ENERGY], axis=0) - np.add.reduceat(work, self._first_rows, axis=1)
+        audited = self._audited[None, :]
+        self.throughput += float(np.where(audited, abs(left), abs(parametric[-len(left) :])).sum())
         self._peak = np.maximum(self._peak, log[new, :, ENERGY].max(axis=0))
-        self._known = [values[-3:].copy() for values in (rows, elastic, lost, push)]
+        self._known = [values[-3:].copy() for values in (rows, elastic, lost)]
         self._log, self._clock = log[-3:].copy(), clock[-3:].copy()
 
     def _rolling_work(self, force: np.ndarray, turned: np.ndarray) -> np.ndarray:
@@ -71,10 +75,9 @@ class ElementWork:
     def entries(self) -> dict[str, list[float]]:
         """Stored, dissipated, received, parametric, residual, scale of every part, J."""
         n = len(self._elements)
-        received, loss, shifted = (
-            np.bincount(self._owner, values, minlength=n) for values in (self._received, self._loss, self._shifted)
-        )
-        change, parametric = self._log[-1, :, ENERGY] - self._start, self._parametric + shifted
+        received, loss = (np.bincount(self._owner, values, minlength=n) for values in (self._received, self._loss))
+        change = self._log[-1, :, ENERGY] - self._start
+        parametric = np.where(self._audited, change - (received - loss) - self._parametric, self._parametric)
         rows = {}
         for part in dict.fromkeys(element.part for element in self._elements if element.part):
             own = np.array([element.part == part for element in self._elements])
@@ -116,9 +119,3 @@ def _path_work(force: np.ndarray, motion: np.ndarray, known: int, even: np.ndarr
 def _bend(values: np.ndarray) -> np.ndarray:
     """Mean of the second differences at both ends of every step that has neighbours."""
     return 0.5 * (values[3:] - values[2:-1] - values[1:-2] + values[:-3])
-
-
-def _push_work(push: np.ndarray, motion: np.ndarray, even: np.ndarray) -> np.ndarray:
-    """The part of the parametric work that needs the neighbouring steps; ``push`` is that of the step before."""
-    slope, change = motion[2:-1] - motion[1:-2], 0.5 * (push[3:] - push[1:-2])
-    return (even * (change * slope - push[2:-1] * _bend(motion))).sum(axis=0)

@@ -20,7 +20,7 @@ from mbd.parts.drive import COUPLING_TORQUE, motor_channels
 from mbd.parts.gear_mesh import mesh_channels
 from mbd.parts.layout import Layout
 from mbd.parts.load import CONTAINER, GROUND_ACCELERATION, OUTSIDE_FORCE, ROPE_FORCE, SWAY
-from mbd.parts.machine import Machine
+from mbd.parts.machine import Train
 from mbd.parts.probe import DISPLACEMENT, probe_channel
 from mbd.parts.shafts import shaft_channels
 
@@ -131,7 +131,7 @@ def acceleration(sensor: str, axis: str) -> str:
     return f"{sensor}:a{axis}"
 
 
-def channel_names(machine: Machine, sensors: tuple[str, ...] = ()) -> tuple[str, ...]:
+def channel_names(machine: Train, sensors: tuple[str, ...] = ()) -> tuple[str, ...]:
     """All channels of ``machine`` with the accelerations of the casing points ``sensors``."""
     points = [acceleration(s, a) for s in sensors for a in DIRECTIONS]
     return (*points, *(name for component in machine.components for name in component.channel_names))

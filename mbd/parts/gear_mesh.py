@@ -42,7 +42,7 @@ def mesh_channels(mesh: str) -> tuple[str, str, str, str]:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class GearedShafts:
+class GearedShafts(Component):
     """Where a gear pair is: its gears on the shafts `driving` and `driven`, mid face at `y` (m).
 
     `cycle_at_start` is the mesh cycle at t = 0; `damping_time` tau (s) gives damping = tau * stiffness.
@@ -56,13 +56,18 @@ class GearedShafts:
     cycle_at_start: float = 0.0
     film: Film | None = None
 
+    @property
+    def channel_names(self) -> tuple[str, ...]:
+        """Approach, tilt and forces."""
+        return mesh_channels(self.name)
+
     def meshing(self, **pair: Any) -> MeshSpec:
         """The mesh here; `pair` are the values of its gears and laws."""
         return MeshSpec(**{item.name: getattr(self, item.name) for item in fields(GearedShafts)}, **pair)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class MeshSpec(GearedShafts, Component):
+class MeshSpec(GearedShafts):
     """A gear pair with its laws; the driving gear is their pinion.
 
     Radii in m, angles in rad, ``backlash`` (m) along the transverse line of action.
@@ -150,11 +155,6 @@ class MeshSpec(GearedShafts, Component):
     def links(self) -> tuple[Link, ...]:
         """The driven gear turns at the ratio of the teeth."""
         return (Link(f"mesh {self.name}", self.driving, self.driven, self.ratio),)
-
-    @property
-    def channel_names(self) -> tuple[str, ...]:
-        """Approach, tilt and forces."""
-        return mesh_channels(self.name)
 
     def turned(self, angle: float) -> MeshSpec:
         """The mesh after its driving gear has rolled by ``angle`` (rad)."""

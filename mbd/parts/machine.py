@@ -20,7 +20,7 @@ from mbd.parts.bearings import BearingSpec
 from mbd.parts.checks import MachineError, finite, known, unique
 from mbd.parts.couplings import ShaftCoupling, check_coaxial
 from mbd.parts.drive import CouplingSpec, Drive, SpeedProfile
-from mbd.parts.gear_mesh import MeshSpec, mesh_rows
+from mbd.parts.gear_mesh import GearedShafts, MeshSpec, mesh_rows
 from mbd.parts.load import Excitation, Load, OutsideForce
 from mbd.parts.losses import Brake, Losses, NoLosses
 from mbd.parts.shafts import ShaftSpec
@@ -31,7 +31,7 @@ STANDARD_GRAVITY = 9.80665
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Train:
-    """Everything in a machine but its meshes.
+    """Everything in a machine, its meshes with or without their laws.
 
     Without ``couplings`` to motors of prescribed speed, torques among ``forces`` drive the shaft ``input_shaft``, and
     ``profile`` gives only its speed at the start. ``gravity`` (m/s2, along -z) acts on shafts, disks, container and
@@ -51,10 +51,27 @@ class Train:
     brake: Brake | None = None
     gyroscopic: bool = False
     probes: tuple[Component, ...] = ()  # what only reads
+    meshes: tuple[GearedShafts, ...]
+
+    @property
+    def components(self) -> tuple[Component, ...]:
+        """Everything in the machine, in the order of channels and of parts."""
+        brake = () if self.brake is None else (self.brake,)
+        return (
+            *((Drive(couplings=self.couplings),) if self.couplings else ()),
+            *self.shafts,
+            *self.meshes,
+            *self.bearings,
+            *(() if self.load is None else (self.load,)),
+            *self.shaft_couplings,
+            *self.forces,
+            *brake,
+            *self.probes,
+        )
 
     def geared(self, meshes: tuple[MeshSpec, ...]) -> Machine:
         """The machine with its meshes. MachineError names what does not fit."""
-        return Machine(**{item.name: getattr(self, item.name) for item in fields(Train)}, meshes=meshes)
+        return Machine(**{item.name: getattr(self, item.name) for item in fields(Train)} | {"meshes": meshes})
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -102,22 +119,6 @@ class Machine(Train):
     def free(self) -> bool:
         """Whether torques alone drive the train, so that its rolling is part of the answer."""
         return not self.couplings
-
-    @property
-    def components(self) -> tuple[Component, ...]:
-        """Everything in the machine, in the order of channels and of parts."""
-        brake = () if self.brake is None else (self.brake,)
-        return (
-            *((Drive(couplings=self.couplings),) if self.couplings else ()),
-            *self.shafts,
-            *self.meshes,
-            *self.bearings,
-            *(() if self.load is None else (self.load,)),
-            *self.shaft_couplings,
-            *self.forces,
-            *brake,
-            *self.probes,
-        )
 
     def stations(self, name: str) -> tuple[float, ...]:
         """Positions y on the shaft ``name`` that need a node."""

@@ -40,29 +40,27 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 
 def main(options: argparse.Namespace) -> Printed:
     """Simulate what is missing and say how fast it went; 1 if every scene failed."""
-    from pipelines.datasets.campaign import planned, run_campaign
+    from pipelines.datasets.campaign import run_campaign
     from pipelines.datasets.estimate import estimate
     from pipelines.datasets.plan import load_plan
-    from pipelines.datasets.shown_progress import shown_campaign
+    from pipelines.datasets.scenes import make_draws
     from pipelines.datasets.workers import dask_workers, local_workers
 
     plan = load_plan(options.plan)
     if options.dry_run:
-        yield estimate(plan, planned(plan)).to_text()
+        yield estimate(plan, make_draws(plan)).to_text()
         return 0
     if options.cluster or options.scheduler:
         workers = dask_workers(options.scheduler, options.processes)
     else:
         workers = local_workers(options.processes)
-    with shown_campaign(quiet=options.quiet) as shown:
-        finished = run_campaign(
-            plan,
-            options.out or f"campaigns/{plan.name}",
-            workers,
-            work_of(options),
-            retry=options.retry_failed,
-            begun=shown.begun,
-            told=shown.told,
-        )
+    finished = run_campaign(
+        plan,
+        options.out or f"campaigns/{plan.name}",
+        workers,
+        work_of(options),
+        retry=options.retry_failed,
+        quiet=options.quiet,
+    )
     yield from finished.lines()
     return int(finished.simulated > 0 and finished.failed == finished.simulated)

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from pipelines.io.argument_types import count, path
 
 if TYPE_CHECKING:
-    from pipelines.engine.working import Work
+    from pipelines.engine.run_graph import Work
     from pipelines.scene.file import LoadedScene
 
 Printed = Generator[str, None, int | None]  # the lines that a command prints, and its exit code if it is not 0
@@ -220,7 +220,7 @@ def scene_and_work(options: argparse.Namespace) -> tuple[LoadedScene, Work]:
 
 def work_of(options: argparse.Namespace) -> Work:
     """How steps are built."""
-    from pipelines.engine.working import Work
+    from pipelines.engine.run_graph import Work
 
     return Work(processes=options.processes, quiet=options.quiet)
 

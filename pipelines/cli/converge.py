@@ -60,9 +60,9 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         convergence_table,
         not_refined,
         pairing_words,
+        slicing_table,
         verdict,
     )
-    from pipelines.studies.trade.slicing import slicing_table
 
     loaded, work = scene_and_work(options)
     path = writable_file(options.out or f"convergence-{loaded.name}-{options.over}.png")

@@ -143,21 +143,22 @@ def _info(options: argparse.Namespace) -> Iterator[str]:
 
 def _check(options: argparse.Namespace) -> Printed:
     from pipelines.datasets.check import check_dataset
-    from pipelines.datasets.shown_progress import lines_now_and_then
+    from pipelines.engine.progress import reported_count
 
-    found = check_dataset(Path(options.folder), lines_now_and_then(quiet=options.quiet))
+    with reported_count("runs", quiet=options.quiet) as report:
+        found = check_dataset(Path(options.folder), report)
     yield found.to_text()
     return int(bool(found.wrong))
 
 
 def _features(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.datasets.feature_pass import FEATURES, make_features
-    from pipelines.datasets.shown_progress import lines_now_and_then
     from pipelines.datasets.workers import local_workers
+    from pipelines.engine.progress import reported_count
 
-    folder, told = Path(options.folder), lines_now_and_then(quiet=options.quiet)
-    with local_workers(options.processes) as workers:
-        made, lines = make_features(folder, workers.executor, options.start, options.noise, told)
+    folder = Path(options.folder)
+    with local_workers(options.processes) as workers, reported_count("runs", quiet=options.quiet) as report:
+        made, lines = make_features(folder, workers.executor, options.start, options.noise, report)
     yield f"features of {made} runs computed now\n{folder / FEATURES}: {lines} lines"
 
 

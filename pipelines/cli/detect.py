@@ -64,10 +64,11 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Simulate what is missing; print the probabilities and write them with their figure."""
-    from pipelines.datasets.campaign import planned, run_campaign
+    from pipelines.datasets.campaign import run_campaign
     from pipelines.datasets.estimate import estimate
-    from pipelines.datasets.shown_progress import lines_now_and_then, shown_campaign
+    from pipelines.datasets.scenes import make_draws
     from pipelines.datasets.workers import local_workers
+    from pipelines.engine.progress import reported_count
     from pipelines.io.errors import InputError
     from pipelines.io.user_files import write_whole
     from pipelines.machine.checks.validity import checked_plant
@@ -89,22 +90,17 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     )
     plan = detection_plan(loaded, plant, design)
     if options.dry_run:
-        expected = estimate(plan, planned(plan))
+        expected = estimate(plan, make_draws(plan))
         if expected.refused:
             raise InputError(f"detect: {expected.refused} scenes cannot be run; the first: {expected.first_refusal}")
         yield expected.to_text()
         return
     folder = Path(options.out or f"campaigns/{plan.name}")
-    with shown_campaign(quiet=options.quiet) as shown:
-        finished = run_campaign(
-            plan, folder, local_workers(options.processes), work_of(options), begun=shown.begun, told=shown.told
-        )
+    finished = run_campaign(plan, folder, local_workers(options.processes), work_of(options), quiet=options.quiet)
     looked_for = plant.looked_for
     noises = tuple(dict.fromkeys(options.noise)) or (looked_for.noise,)
-    with local_workers(options.processes) as workers:
-        found = study(
-            plan, folder, design, looked_for.windows, noises, workers.executor, lines_now_and_then(quiet=options.quiet)
-        )
+    with local_workers(options.processes) as workers, reported_count("runs", quiet=options.quiet) as report:
+        found = study(plan, folder, design, looked_for.windows, noises, workers.executor, report)
     words = text(found)
     write_whole(folder / "detectability.txt", words)
     write_json(folder / "detectability.json", plain(found))

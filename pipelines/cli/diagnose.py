@@ -81,7 +81,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         return
     from pipelines.diagnosis.export import diagnosis_facts
     from pipelines.diagnosis.uncertainty.words import bars_words
-    from pipelines.engine.working import Work
+    from pipelines.engine.run_graph import Work
     from pipelines.runs.diagnosed import diagnose_folder, folder_bars
     from pipelines.steps.diagnosing import words
 

@@ -15,9 +15,8 @@ from pipelines.io.argument_types import count, mode_number, number, path, positi
 if TYPE_CHECKING:
     import numpy as np
 
-    from pipelines.engine.run_graph import Outcome
+    from pipelines.engine.run_graph import Outcome, Work
     from pipelines.engine.step import Graph
-    from pipelines.engine.working import Work
     from pipelines.machine.plant import Plant
     from pipelines.report.figures.views import LeftOut
     from pipelines.runs.inspect_gears import InspectedStage
@@ -96,7 +95,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         yield from _casing_mode(graph, plant, options.casing_mode, folder, work)
         return
     outcome = work.build(graph, law_names(plant))
-    pairs = pair_laws(plant, {name: outcome.value(name) for name in law_names(plant)})
+    pairs = pair_laws(plant, outcome.value)
     laws = pairs[stage - 1]
     if options.torque is not None:
         laws = dataclasses.replace(laws, force=options.torque / laws.pair.pinion.base_radius)

@@ -17,7 +17,7 @@ from pipelines.runs import run_folder
 if TYPE_CHECKING:
     import numpy as np
 
-    from pipelines.engine.working import Work
+    from pipelines.engine.run_graph import Work
     from pipelines.machine.layout import Layout
     from pipelines.scene.file import LoadedScene
     from pipelines.signals.orders.order_spectra import Waterfall
@@ -76,9 +76,9 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """
     import numpy as np
 
-    from pipelines.engine.working import Work
+    from pipelines.engine.run_graph import Work
     from pipelines.io.user_files import writable_folder
-    from pipelines.machine.plant import make_drivetrain
+    from pipelines.machine.machine import make_drivetrain
     from pipelines.report.figures.order_plots import campbell_figure, cuts_figure, waterfall_figure
     from pipelines.signals.orders.order_spectra import OrderError, frequency_waterfall, order_waterfall
 
@@ -135,7 +135,7 @@ def _read(folder: Path, options: argparse.Namespace) -> _RunUp:
     """
     import numpy as np
 
-    from pipelines.machine.plant import make_drivetrain
+    from pipelines.machine.machine import make_drivetrain
     from pipelines.scene.file import load_scene
     from pipelines.signals.analysis import DiagnosisError, channel, channel_names
 

@@ -58,20 +58,18 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Run the scene; print the verdict and where the report is."""
     announce(options)
-    from pipelines.runs.run import Options, run_scene
+    from pipelines.runs.run import run_scene
     from pipelines.runs.run_folder import REPORT
 
     loaded, work = scene_and_work(options)
     finished = run_scene(
         loaded,
-        Options(
-            out=options.out,
-            with_control=not options.no_control,
-            both_loads=not options.one_load,
-            seeds=options.seeds,
-            baseline=options.baseline,
-            work=work,
-        ),
+        out=options.out,
+        with_control=not options.no_control,
+        both_loads=not options.one_load,
+        seeds=options.seeds,
+        baseline=options.baseline,
+        work=work,
     )
     built = [record for record in finished.records if not record.reused]
     seconds = sum(record.seconds for record in built)

@@ -25,9 +25,9 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Run the machine and write response.nc; no control, diagnosis or report."""
     announce(options)
-    from pipelines.runs.run import Options, run_scene
+    from pipelines.runs.run import run_scene
     from pipelines.runs.run_folder import RESPONSE
 
     loaded, work = scene_and_work(options)
-    finished = run_scene(loaded, Options(out=options.out, with_control=False, with_report=False, work=work))
+    finished = run_scene(loaded, out=options.out, with_control=False, with_report=False, work=work)
     yield f"signals: {finished.folder / RESPONSE}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
@@ -14,24 +14,24 @@ from pathlib import Path
 from fem.processes.executor import ProcessEnded
 from fem.storage import shown_html
 from pipelines.datasets.card import write_card
-from pipelines.datasets.draws import draw
 from pipelines.datasets.expressions import ExpressionError
 from pipelines.datasets.folder import begin, find_begun, held, identity_facts, stored_or_said
 from pipelines.datasets.job import Done, Job, row_head, work
 from pipelines.datasets.layout import RunLayout, run_layout
 from pipelines.datasets.plan import Plan
 from pipelines.datasets.rows import FAILED, numbers, read_rows, row_path, sweep_rows, write_row, write_table
-from pipelines.datasets.run_warnings import stored_warnings
 from pipelines.datasets.scenes import Draw, make_draws, scene_of
 from pipelines.datasets.store import sweep, write_run
 from pipelines.datasets.workers import Workers, lost
 from pipelines.datasets.workshop import Workshop
+from pipelines.engine.progress import reported_count
+from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph
-from pipelines.engine.working import Work
 from pipelines.io.errors import InputError, SceneError, WorkError
 from pipelines.machine.checks.cost import cost
 from pipelines.machine.checks.cost import words as size_words
 from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.plant import Plant
 from pipelines.scene.file import LoadedScene
 from pipelines.steps.graph import plant_steps
 from pipelines.steps.motion import moved
@@ -41,8 +41,6 @@ _LAYOUT_SAMPLES = 4
 _IN_FLIGHT = 2  # scenes per worker that are handed out
 MOST_BYTES = 1e9  # of the signals of one run in the memory of a worker
 MOST_DEATHS = 3  # of processes with one scene in them, before the scene counts as failed
-
-Told = Callable[[Done], None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,11 +86,6 @@ class Finished:
         return [*out, *(f"warning: {text}" for text in self.warnings), f"data set: {self.folder}"]
 
 
-def planned(plan: Plan) -> list[Draw]:
-    """All scenes of a plan. InputError as `pipelines.datasets.draws.draw`."""
-    return make_draws(plan, draw(plan))
-
-
 def run_campaign(
     plan: Plan,
     out: str | Path,
@@ -100,8 +93,7 @@ def run_campaign(
     building: Work,
     *,
     retry: bool = False,
-    begun: Callable[[int, int, Workers], None] = lambda total, left, workers: None,
-    told: Told = lambda done: None,
+    quiet: bool = True,
 ) -> Finished:
     """Simulate every scene of a plan that has no row yet.
 
@@ -111,15 +103,14 @@ def run_campaign(
     workers : that simulate; entered when there is something to do
     building : how laws and casing of the first scene are built
     retry : simulate again what failed
-    begun : is told of the number of scenes, those left, and the workers
-    told : is told of every scene that is done
+    quiet : show no progress
 
     Raises
     ------
     SceneError, InputError : the plan, its first scenes or the folder cannot be used
     WorkError : the disk is full, or the workers are gone; what is finished is kept
     """
-    draws = planned(plan)
+    draws = make_draws(plan)
     facts = identity_facts(plan, draws)
     with held(out) as folder:
         known = find_begun(folder, facts)
@@ -129,30 +120,34 @@ def run_campaign(
         identity, layout = known
         if retry:
             _forget_failed(folder)
-        done = numbers(folder)
-        left = [one for one in draws if one.run not in done]
+        stored = numbers(folder)
+        left = [one for one in draws if one.run not in stored]
         start, loop, failed, count = time.perf_counter(), 0.0, 0, 0
         if left:
             jobs = (
                 Job(plan=plan, layout=layout, folder=folder.absolute(), identity=identity, draw=one) for one in left
             )
-            with workers as hands:
-                begun(len(draws), len(left), hands)
+            with workers as hands, reported_count("scenes", quiet=quiet) as report:
                 count = hands.count()
+                done = f", {len(draws) - len(left)} already done" if len(left) < len(draws) else ""
+                board = f"; {hands.dashboard}" if hands.dashboard else ""
+                report.line(f"{len(draws)} scenes{done}; {count} workers{board}")
+                report(0, len(left))
                 start = time.perf_counter()
-                for finished in _outcomes(jobs, hands):
+                for number, finished in enumerate(_outcomes(jobs, hands), 1):
                     with stored_or_said(folder):
                         _keep(folder, finished)
                     loop += finished.row.get("loop_seconds", 0.0)
-                    failed += finished.row["status"] == FAILED
-                    told(finished)
+                    if finished.row["status"] == FAILED:
+                        failed += 1
+                        report.line(f"scene {finished.run} failed: {finished.row['reason']}")
+                    report(number, len(left), failed)
             sweep(folder)
             sweep_rows(folder)
         seconds = time.perf_counter() - start
         with stored_or_said(folder):
             write_table(folder)
-            write_card(folder)
-        warnings = stored_warnings(folder)
+            warnings = write_card(folder).warnings
     return Finished(
         folder=folder,
         runs=len(draws),
@@ -180,7 +175,7 @@ def first_layout(plan: Plan, draws: Sequence[Draw], building: Work) -> tuple[Loa
         except (SceneError, ExpressionError) as error:
             failure = failure or error
             continue
-        check_memory(loaded)
+        check_memory(loaded.name, plant)
         graph = Graph(plant_steps(plant))
         building.build(graph, graph.steps["simulate"].inputs)
         given = plant.motion
@@ -191,12 +186,12 @@ def first_layout(plan: Plan, draws: Sequence[Draw], building: Work) -> tuple[Loa
     raise failure
 
 
-def check_memory(loaded: LoadedScene) -> None:
+def check_memory(name: str, plant: Plant) -> None:
     """InputError if one run does not fit into the memory of a worker, where it is until it is stored."""
-    one = cost(loaded.scene)
+    one = cost(plant)
     if one.bytes > MOST_BYTES:
         raise InputError(
-            f"one run of {loaded.name} holds {size_words(one.bytes)} in memory, limit {size_words(MOST_BYTES)} in a "
+            f"one run of {name} holds {size_words(one.bytes)} in memory, limit {size_words(MOST_BYTES)} in a "
             "campaign. Reduce simulation.end_s or simulation.output_rate_Hz, or divide the motion into several scenes."
         )
 

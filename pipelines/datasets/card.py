@@ -12,7 +12,6 @@ from pathlib import Path
 
 import numpy as np
 
-from pipelines.datasets.card_loading import loading
 from pipelines.datasets.labels import COLUMNS
 from pipelines.datasets.rows import DONE, FAILED
 from pipelines.datasets.summary import Summary, plan_texts, summarised, words
@@ -23,21 +22,81 @@ from pipelines.io.user_files import write_whole
 from pipelines.scene.file import load_scene
 from pipelines.scene.scene import Scene
 
+_XARRAY = """\
+import gearcase
 
-def write_card(folder: Path) -> None:
-    """Write README.md of a data set.
+data = gearcase.open_dataset(".")                      # reads a run when it is used
+train = data.isel(run=(data.split == "train") & (data.status == "done"))
+first = train.acceleration[0]                          # (sensor, axis, time), m/s2
+print(first.std("time"))
+
+for one in gearcase.pieces(train, 0.1, noise_m_s2=0.01):   # a run at a time: (piece, sensor, axis, time)
+    print(int(one.run[0]), str(one.label.values[0]), one.shape)
+"""
+
+_PLAIN = """\
+import xarray
+
+signals = xarray.open_zarr("signals.zarr", consolidated=False, chunks=None)   # without gearcase, without labels
+print(signals.acceleration.sizes)
+"""
+
+_PANDAS = """\
+import pandas
+
+rows = pandas.read_parquet("rows.parquet")             # a line per run: variables, labels, split
+print(rows.groupby(["split", "label"]).size())
+"""
+
+_SKLEARN = """\
+import pandas
+from sklearn.ensemble import RandomForestClassifier
+
+rows = pandas.read_parquet("rows.parquet").set_index("run")
+features = pandas.read_parquet("features.parquet")     # made by: gearcase dataset features .
+wide = features.pivot(index="run", columns=["sensor", "axis"]).dropna(axis="columns")
+wide.columns = ["_".join(names) for names in wide.columns]
+table = rows.join(wide, how="inner")
+train, test = table[table.split == "train"], table[table.split == "test"]
+model = RandomForestClassifier(random_state=0).fit(train[wide.columns], train.label)
+print(model.score(test[wide.columns], test.label))
+"""
+
+_TORCH = """\
+import gearcase
+import torch
+
+class Pieces(torch.utils.data.IterableDataset):
+    def __init__(self, part):
+        data = gearcase.open_dataset(".")
+        self.data = data.isel(run=(data.split == part) & (data.status == "done"))
+        self.labels = sorted(set(self.data.label.values))
+
+    def __iter__(self):
+        for one in gearcase.pieces(self.data, 0.1, noise_m_s2=0.01):
+            label = self.labels.index(one.label.values[0])
+            for signal in torch.tensor(one.values).flatten(1, 2):   # (sensor and axis, time)
+                yield signal, label
+
+batches = torch.utils.data.DataLoader(Pieces("train"), batch_size=32)   # runs come in order: shuffle them for training
+"""
+
+
+def write_card(folder: Path) -> Summary:
+    """Write README.md of a data set, and return what it was made of.
 
     Raises
     ------
     InputError : the folder holds no data set, or a row is damaged
     OSError : it cannot be written
     """
-    write_whole(folder / "README.md", card(folder))
-
-
-def card(folder: Path) -> str:
-    """The card as Markdown. InputError as `write_card`."""
     found = summarised(folder)
+    write_whole(folder / "README.md", card(folder, found))
+    return found
+
+
+def card(folder: Path, found: Summary) -> str:
+    """The card of a data set as Markdown."""
     plan = found.facts["facts"]["plan"]
     scene = _scene(folder)
     licence = plan_texts(folder).get("licence") or (
@@ -62,7 +121,7 @@ def card(folder: Path) -> str:
         _split_words(found),
         f"## How it was made\n\n{_provenance(found, scene)}",
         "## Limits\n\n" + "\n".join(f"- {line}" for line in _limits(found, scene)),
-        f"## How to load it\n\n{loading()}",
+        f"## How to load it\n\n{_loading()}",
     ]
     return "\n\n".join(parts) + "\n"
 
@@ -176,3 +235,15 @@ def _numbers(found: Summary, name: str) -> np.ndarray:
 
 def _joined(model: str | list[str]) -> str:
     return model if isinstance(model, str) else "/".join(dict.fromkeys(model))
+
+
+def _loading() -> str:
+    """How a data set is loaded; the paths are those in its folder."""
+    blocks = {
+        "xarray, by run": _XARRAY,
+        "xarray alone": _PLAIN,
+        "pandas": _PANDAS,
+        "scikit-learn": _SKLEARN,
+        "PyTorch": _TORCH,
+    }
+    return "\n\n".join(f"### {name}\n\n```python\n{code}```" for name, code in blocks.items())

@@ -15,20 +15,16 @@ from typing import Any
 
 import numpy as np
 
-from pipelines.datasets.draws import draw
 from pipelines.datasets.expressions import ExpressionError
-from pipelines.datasets.facts import read_facts, stored_layout
 from pipelines.datasets.folder import identity_facts
 from pipelines.datasets.labels import labels
-from pipelines.datasets.layout import RunLayout
-from pipelines.datasets.plan import Plan
-from pipelines.datasets.rows import DONE, FAILED, ROWS, TABLE, flat, numbers, read_row
+from pipelines.datasets.layout import RunLayout, read_facts, stored_layout
+from pipelines.datasets.plan import Plan, stored_plan
+from pipelines.datasets.rows import DONE, FAILED, ROWS, TABLE, cell, flat, numbers, read_row
 from pipelines.datasets.run_warnings import run_warnings
 from pipelines.datasets.scenes import Draw, make_draws, scene_of
 from pipelines.datasets.store import SIGNALS, checksum, chunk_path, read_run
-from pipelines.datasets.stored_plan import stored_plan
 from pipelines.datasets.summary import stretches
-from pipelines.datasets.tables import cell
 from pipelines.io.errors import InputError, SceneError
 from pipelines.io.shown import shown
 from pipelines.machine.checks.validity import checked_plant
@@ -58,13 +54,13 @@ class Findings:
         return "".join(f"{line}\n" for line in [*lines, f"{self.rows} rows of {self.runs} runs checked: {counts}"])
 
 
-def check_dataset(folder: Path, told: Callable[[int, int], None] = lambda done, total: None) -> Findings:
+def check_dataset(folder: Path, on_progress: Callable[[int, int], None] = lambda done, total: None) -> Findings:
     """Check every row with its signals and labels, and the table.
 
     Parameters
     ----------
     folder : of the data set
-    told : progress callback, with the rows that are checked and all rows
+    on_progress : called, with the rows that are checked and all rows
 
     Raises
     ------
@@ -75,7 +71,7 @@ def check_dataset(folder: Path, told: Callable[[int, int], None] = lambda done, 
     plan = stored_plan(facts)
     present = numbers(folder)
     found = Findings(runs=facts["runs"], rows=len(present))
-    draws = make_draws(plan, draw(plan))
+    draws = make_draws(plan)
     if identity_facts(plan, draws)["draws"] != facts["facts"]["draws"]:
         found.notes.append(
             "the installed libraries sample other values from the plan, so the values in the rows are not checked"
@@ -85,7 +81,7 @@ def check_dataset(folder: Path, told: Callable[[int, int], None] = lambda done, 
     repeated = 0
     qualities: list[dict[str, Any]] = []
     for count, run in enumerate(sorted(present), 1):
-        told(count, len(present))
+        on_progress(count, len(present))
         try:
             row = read_row(folder, run)
             errors = [*_of_row(row, plan, draws, facts["runs"]), *_of_signals(folder, row, layout)]

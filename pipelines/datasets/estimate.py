@@ -86,7 +86,7 @@ def estimate(plan: Plan, draws: Sequence[Draw]) -> Estimate:
             refused.append(error)
             continue
         found[labels(plant)["label"]] += 1
-        motion = cost(loaded.scene)
+        motion = cost(plant)
         seconds += motion.seconds
         size += _STORED_SHARE * _SAMPLE_BYTES * motion.samples * _stored_channels(plan, plant, motion.channels)
         graph = Graph(plant_steps(plant))

@@ -16,16 +16,17 @@ from typing import Any
 
 import numpy as np
 
-from pipelines.datasets.facts import read_facts
+from pipelines.datasets.layout import read_facts
 from pipelines.datasets.pieces import noisy_run
+from pipelines.datasets.plan import Plan, stored_plan
 from pipelines.datasets.reading import VIBRATION
-from pipelines.datasets.rows import DONE, numbers, read_row, read_rows, row_path, sweep_rows, write_row
+from pipelines.datasets.rows import DONE, RowJob, compute_rows, numbers, read_rows, row_path, write_parquet
+from pipelines.datasets.scenes import scene_of
 from pipelines.datasets.store import read_run
-from pipelines.datasets.stored_plan import shaft_meshes, stored_plan
-from pipelines.datasets.tables import write_parquet
 from pipelines.engine.code_version import code_version
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
+from pipelines.scene.train import stage_shafts
 from pipelines.signals.features.average import FEWEST_TURNS, Meshes, average
 from pipelines.signals.features.statistics import statistics
 from pipelines.signals.features.synchronous import synchronous
@@ -39,11 +40,9 @@ ANGLE = "shaft_angle"
 
 
 @dataclass(frozen=True, kw_only=True)
-class FeatureJob:
-    """A run whose features are wanted: its signal with the names along it, its shafts and their meshes."""
+class FeatureJob(RowJob):
+    """The features of a run: its signal with the names along it, its shafts and their meshes."""
 
-    folder: Path
-    run: int
     signal: str
     sensors: tuple[str, ...]
     axes: tuple[str, ...]
@@ -52,7 +51,25 @@ class FeatureJob:
     rate: float
     start: float
     noise: float
-    made_of: Mapping[str, Any]
+
+    @property
+    def rows(self) -> str:
+        """The folder of the rows of features."""
+        return FEATURE_ROWS
+
+    @property
+    def made_of(self) -> dict[str, Any]:
+        """The code with the signals, and the part and the noise of them."""
+        code = code_version(
+            "pipelines.signals.features.statistics",
+            "pipelines.signals.features.synchronous",
+            "pipelines.signals.features.turns",
+        )
+        return {"code": code, "start_s": self.start, "noise_m_s2": self.noise, "checksums": self.checksums}
+
+    def computed(self) -> dict[str, Any]:
+        """The features of every channel."""
+        return {"channels": list(_channels(self))}
 
 
 def make_features(
@@ -60,7 +77,7 @@ def make_features(
     executor: Executor,
     start: float = 0.0,
     noise: float = 0.0,
-    told: Callable[[int, int], None] = lambda done, left: None,
+    on_progress: Callable[[int, int], None] = lambda done, left: None,
 ) -> tuple[int, int]:
     """Write the features of all runs that are done, and the table of them; how many were made now, lines of the table.
 
@@ -70,7 +87,7 @@ def make_features(
     executor : of the work
     start : s, of the part of every run that is looked at
     noise : rms of the sensor noise that is added, m/s2, as `pipelines.datasets.pieces.pieces` does with seed 0
-    told : is told how many of how many are done
+    on_progress : called with how many of how many are done
 
     Raises
     ------
@@ -78,25 +95,11 @@ def make_features(
     OSError : the features cannot be written
     """
     facts = read_facts(folder)
-    (folder / FEATURE_ROWS).mkdir(exist_ok=True)
-    wanted: set[int] = set()
-    jobs = []
-    for job in _jobs(folder, facts, start, noise):
-        wanted.add(job.run)
-        if not _made(job):
-            jobs.append(job)
-    for run in numbers(folder, FEATURE_ROWS) - wanted:
+    jobs = list(_jobs(folder, facts, start, noise))
+    for run in numbers(folder, FEATURE_ROWS) - {job.run for job in jobs}:
         row_path(folder, run, FEATURE_ROWS).unlink(missing_ok=True)
-    for count, _ in enumerate(executor.map(write_features, jobs), 1):
-        told(count, len(jobs))
-    sweep_rows(folder, FEATURE_ROWS)
-    return len(jobs), write_parquet(folder / FEATURES, lambda: _lines(folder))
-
-
-def write_features(job: FeatureJob) -> None:
-    """Compute the features of a run and write their row."""
-    row = {"run": job.run, "made_of": dict(job.made_of), "channels": list(_channels(job))}
-    write_row(job.folder, job.run, row, FEATURE_ROWS)
+    count = compute_rows(jobs, executor, on_progress)
+    return count, write_parquet(folder / FEATURES, lambda: _lines(folder))
 
 
 def _jobs(folder: Path, facts: Mapping[str, Any], start: float, noise: float) -> Iterator[FeatureJob]:
@@ -113,11 +116,6 @@ def _jobs(folder: Path, facts: Mapping[str, Any], start: float, noise: float) ->
         raise InputError(f"--start {start:g}: the runs last {length:g} s. Set a time from 0 to below that.")
     plan = stored_plan(facts)
     angle = ANGLE in stored
-    code = code_version(
-        "pipelines.signals.features.statistics",
-        "pipelines.signals.features.synchronous",
-        "pipelines.signals.features.turns",
-    )
     for row in read_rows(folder):
         if row["status"] == DONE:
             yield FeatureJob(
@@ -127,25 +125,12 @@ def _jobs(folder: Path, facts: Mapping[str, Any], start: float, noise: float) ->
                 sensors=tuple(layout["names"]["sensor" if signal == VIBRATION[0] else "bearing"]),
                 axes=tuple(layout["names"]["axis"]),
                 shafts=tuple(layout["names"]["shaft"]) if angle else (),
-                meshes=tuple(shaft_meshes(plan, row["values"])),
+                meshes=tuple(_shaft_meshes(plan, row["values"])),
                 rate=layout["rate"],
                 start=start,
                 noise=noise,
-                made_of={
-                    "code": code,
-                    "start_s": start,
-                    "noise_m_s2": noise,
-                    "checksums": [row["checksums"].get(name) for name in (signal, ANGLE)],
-                },
+                checksums=[row["checksums"].get(name) for name in (signal, ANGLE)],
             )
-
-
-def _made(job: FeatureJob) -> bool:
-    """True if the row of a run is there and made of these signals in this way."""
-    try:
-        return read_row(job.folder, job.run, FEATURE_ROWS).get("made_of") == job.made_of
-    except InputError:
-        return False
 
 
 def _channels(job: FeatureJob) -> Iterator[dict[str, Any]]:
@@ -186,3 +171,16 @@ def _lines(folder: Path) -> Iterator[dict[str, Any]]:
     for row in read_rows(folder, FEATURE_ROWS):
         for channel in row["channels"]:
             yield {"run": row["run"], **channel}
+
+
+def _shaft_meshes(plan: Plan, values: Mapping[str, Any]) -> list[dict[int, int]]:
+    """For every shaft of the scene of these values, the teeth of its gears by the number of their stage.
+
+    SceneError, ExpressionError as `pipelines.datasets.scenes.scene_of`.
+    """
+    scene = scene_of(plan, values).scene
+    found: list[dict[int, int]] = [{} for _ in scene.shafts]
+    for number, (stage, ends) in enumerate(zip(scene.stages, stage_shafts(scene.stages), strict=True), 1):
+        for shaft, teeth in zip(ends, (stage.pinion_teeth, stage.wheel_teeth), strict=True):
+            found[shaft][number] = teeth
+    return found

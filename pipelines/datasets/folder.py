@@ -15,14 +15,14 @@ import hashlib
 import json
 import os
 import platform
+import re
 import uuid
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from fem.storage.locks import lock_file
-from pipelines.datasets.facts import FACTS, stored_layout
-from pipelines.datasets.layout import RunLayout
+from pipelines.datasets.layout import FACTS, RunLayout, stored_layout
 from pipelines.datasets.plan import Plan
 from pipelines.datasets.rows import ROWS
 from pipelines.datasets.scenes import Draw, group_variables
@@ -30,9 +30,10 @@ from pipelines.datasets.store import create_store
 from pipelines.engine.code_version import code_version, library_versions
 from pipelines.io.errors import InputError, WorkError
 from pipelines.io.shown import shown
-from pipelines.io.user_files import writable_folder
+from pipelines.io.user_files import writable_folder, write_whole
 
 LOCK = ".lock"
+_UNFINISHED = re.compile(r"\.(begun-|[0-9a-f]{32}\.)")  # what a command that was killed leaves, also an earlier one
 PLAN, SCENE = "plan.toml", "scene.toml"
 LIBRARIES = ("numpy", "scipy", "numba", "scikit-fem", "gmsh")
 
@@ -88,7 +89,7 @@ def find_begun(folder: Path, facts: dict[str, Any]) -> tuple[str, RunLayout] | N
     """
     path = folder / FACTS
     if not path.is_file():
-        others = sorted(name for name in os.listdir(folder) if name != LOCK and not name.startswith(".begun-"))
+        others = sorted(name for name in os.listdir(folder) if name != LOCK and not _UNFINISHED.match(name))
         if others and not set(others) <= {"signals.zarr", ROWS, PLAN, SCENE}:
             raise InputError(
                 f"{shown(folder)}: holds {shown(others[0])} and is not the folder of a campaign. Set another --out."
@@ -140,9 +141,7 @@ def begin(folder: Path, plan: Plan, scene: str, draws: Sequence[Draw], layout: R
             | {"samples": layout.samples, "rate": layout.rate},
             "made with": {"python": platform.python_version(), **library_versions("gearcase", "zarr")},
         }
-        aside = folder / f".begun-{identity}"
-        aside.write_text(json.dumps(told, indent=1, default=dict), encoding="utf-8")
-        os.replace(aside, folder / FACTS)
+        write_whole(folder / FACTS, json.dumps(told, indent=1, default=dict))
     return identity
 
 

@@ -17,9 +17,8 @@ from typing import Any
 import numpy as np
 
 from mbd.output.trajectory import Trajectory
-from pipelines.datasets.facts import FACTS
 from pipelines.datasets.labels import labels
-from pipelines.datasets.layout import RunLayout, run_arrays
+from pipelines.datasets.layout import FACTS, RunLayout, run_arrays
 from pipelines.datasets.plan import Plan
 from pipelines.datasets.rows import DONE, FAILED, write_row
 from pipelines.datasets.scenes import Draw, scene_key, scene_of

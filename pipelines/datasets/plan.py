@@ -29,7 +29,7 @@ from pydantic import Field, model_validator
 from pipelines.datasets.expressions import Expression, ExpressionError
 from pipelines.datasets.labels import COLUMNS
 from pipelines.datasets.variables import ListTable, Variable
-from pipelines.io.errors import InputError
+from pipelines.io.errors import InputError, SceneError
 from pipelines.io.other_files import SCENE_KEYS
 from pipelines.io.toml_text import format_document
 from pipelines.scene.file import LoadedScene, Source, find_source, load_scene, parse, validate
@@ -217,6 +217,22 @@ def load_plan(file: str | Path) -> Plan:
         )
     table, _ = validate(Merged(anchored(tree, source.folder)), PlanTable, source.shown)
     return Plan(name=source.name, text=source.text, table=table, tree=_base_tree(source, table))
+
+
+def stored_plan(facts: Mapping[str, Any]) -> Plan:
+    """The plan in campaign.json.
+
+    Raises
+    ------
+    InputError : it is none that this version reads
+    """
+    try:
+        table, _ = validate(Merged(dict(facts["facts"]["plan"])), PlanTable, "the stored plan")
+    except SceneError as error:
+        raise InputError(
+            f"{error}\nAnother version of gearcase made this data set. Install that version to read it."
+        ) from error
+    return Plan(name=facts["name"], text="", table=table, tree=facts["facts"]["scene"])
 
 
 def plan_on(loaded: LoadedScene, tables: Mapping[str, Any], name: str) -> Plan:

@@ -7,9 +7,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pipelines.datasets.columns import read_columns
-from pipelines.datasets.facts import read_facts
-from pipelines.datasets.rows import DONE
 from pipelines.datasets.varied import sets
 from pipelines.io.errors import SceneError
 from pipelines.scene.file import load_scene
@@ -19,26 +16,6 @@ _STEP = "simulation.step_us"
 _AGAIN = "Simulate again with another --out."
 
 
-def stored_warnings(folder: Path) -> tuple[str, ...]:
-    """The warnings of all runs that are done. InputError where this is no data set or a row is damaged."""
-    facts = read_facts(folder)
-    return column_warnings(folder, facts, read_columns(folder, facts["runs"]))
-
-
-def column_warnings(folder: Path, facts: Mapping[str, Any], columns: Mapping[str, Any]) -> tuple[str, ...]:
-    """The same from the columns of the rows.
-
-    Parameters
-    ----------
-    folder, facts : of the data set, and what its campaign.json holds
-    columns : see `pipelines.datasets.columns.read_columns`
-    """
-    if "warnings" not in columns:  # no run is done
-        return ()
-    done = columns["status"] == DONE
-    return run_warnings(folder, facts, columns["warnings"][done], columns["step_error"][done])
-
-
 def run_warnings(
     folder: Path, facts: Mapping[str, Any], kinds: Sequence[str], step_errors: Sequence[float]
 ) -> tuple[str, ...]:
@@ -46,7 +23,7 @@ def run_warnings(
 
     Parameters
     ----------
-    folder, facts : as `column_warnings`
+    folder, facts : of the data set, and what its campaign.json holds
     kinds : (runs that are done,) kinds of warning of each run, separated by "; "
     step_errors : (runs that are done,) error of the accelerations by the time step, share of their rms
     """

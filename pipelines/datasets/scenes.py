@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from pipelines.datasets.draws import Values
+from pipelines.datasets.draws import Values, draw
 from pipelines.datasets.expressions import Expression
 from pipelines.datasets.plan import Plan, PlanTable, expressions
 from pipelines.scene.file import LoadedScene, Source, validate
@@ -34,18 +34,12 @@ class Draw:
     split: str
 
 
-def make_draws(plan: Plan, drawn: Sequence[Values]) -> list[Draw]:
-    """All scenes of a plan without repeats, numbered in their order.
-
-    Parameters
-    ----------
-    plan : the plan
-    drawn : values of all variables, see `pipelines.datasets.draws.draw`
-    """
+def make_draws(plan: Plan) -> list[Draw]:
+    """All scenes of a plan without repeats, numbered in their order. InputError as `pipelines.datasets.draws.draw`."""
     table = plan.table
     distinct: dict[str, dict[str, Any]] = {}
     known: dict[tuple[str, ...], set[str]] = {}  # by the case of every variable that has cases
-    for values in drawn:
+    for values in draw(plan):
         case = tuple(str(values[name]) for name in table.cases)
         used = known[case] if case in known else known.setdefault(case, used_variables(table, values))
         row = {name: value if name in used else None for name, value in values.items()}

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from pipelines.datasets.columns import counted, read_columns
-from pipelines.datasets.facts import read_facts
+from pipelines.datasets.layout import read_facts
 from pipelines.datasets.rows import DONE
-from pipelines.datasets.run_warnings import column_warnings
+from pipelines.datasets.run_warnings import run_warnings
 from pipelines.datasets.store import SIGNALS
 from pipelines.datasets.varied import design_words, varied_grid
 from pipelines.io.toml_text import read_toml
@@ -72,6 +72,9 @@ def summarised(folder: Path) -> Summary:
     columns = read_columns(folder, facts["runs"])
     done = columns["status"] == DONE
     of_done: dict[str, np.ndarray] = {name: columns[name][done] for name in ("label", "split") if name in columns}
+    warnings: tuple[str, ...] = ()
+    if "warnings" in columns:  # else no run is done
+        warnings = run_warnings(folder, facts, columns["warnings"][done], columns["step_error"][done])
     return Summary(
         title=title(folder, facts),
         runs=facts["runs"],
@@ -80,7 +83,7 @@ def summarised(folder: Path) -> Summary:
         splits=counted(of_done, "split"),
         groups=len({str(group) for group in columns.get("group", ()) if group}),
         groups_by=tuple(facts["groups by"]),
-        warnings=column_warnings(folder, facts, columns),
+        warnings=warnings,
         missing=tuple(int(run) for run in np.flatnonzero(columns["status"] == "")),
         bytes=sum(_sizes(folder / SIGNALS)),
         facts=facts,
@@ -120,11 +123,7 @@ def stretches(runs: tuple[int, ...]) -> str:
 
 def _sizes(folder: Path) -> Iterator[int]:
     """Sizes of all files below a folder."""
-    waiting = [str(folder)]
-    while waiting:
-        for entry in os.scandir(waiting.pop()):
-            if entry.is_dir():
-                waiting.append(entry.path)
-            else:
-                with contextlib.suppress(FileNotFoundError):  # moved into its place meanwhile
-                    yield entry.stat().st_size
+    for place, _, names in os.walk(folder):
+        for name in names:
+            with contextlib.suppress(FileNotFoundError):  # moved into its place meanwhile
+                yield os.stat(os.path.join(place, name)).st_size

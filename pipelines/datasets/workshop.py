@@ -1,14 +1,21 @@
-"""What a process that simulates one scene after the other keeps between them: laws, casings, the last machine."""
+"""What a process that simulates one scene after the other keeps between them: laws, casings, the last machine.
+
+A missing law or casing is built by one process alone and shared through the cache. A process that finds one taken goes
+on with another one of its scene, and waits only when nothing else is left to build.
+"""
 
 from __future__ import annotations
 
+import time
 from collections import OrderedDict
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from mbd.system.system import System
-from pipelines.datasets.inputs import build_inputs
+from pipelines.engine.build_step import Result
 from pipelines.engine.cache import Cache
-from pipelines.engine.step import Graph, stored
+from pipelines.engine.run_graph import Outcome, run_graph
+from pipelines.engine.step import Graph, stored_contents
 from pipelines.engine.storage import digest
 from pipelines.machine.plant import Plant
 from pipelines.steps.graph import plant_steps
@@ -16,6 +23,7 @@ from pipelines.steps.motion import MotionSpec, assembled
 
 _MOST_VALUES = 16  # laws and casings
 _MOST_SYSTEMS = 2
+_WAIT_SECONDS = 0.1
 
 
 class Workshop:
@@ -48,12 +56,7 @@ class Workshop:
 
     def _contents(self, graph: Graph, wanted: tuple[str, ...]) -> dict[str, str]:
         """Digests of the wanted results by name, whose values are at hand then."""
-        known: dict[str, str] = {}
-        for step in graph.needed(wanted):
-            if all(name in known for name in step.inputs):
-                entry = stored(step, self._cache, known, thorough=False)
-                if entry is not None:
-                    known[step.name] = entry.facts["content"]
+        known, _ = stored_contents(graph.needed(wanted), self._cache, {})
         if any(known.get(name) not in self._values for name in wanted):
             outcome = build_inputs(graph, wanted, self._cache)
             for name in wanted:
@@ -69,3 +72,29 @@ class Workshop:
 def _shorten(kept: OrderedDict[str, Any], most: int) -> None:
     while len(kept) > most:
         kept.popitem(last=False)
+
+
+def build_inputs(graph: Graph, wanted: Sequence[str], cache: Cache) -> Outcome:
+    """The wanted steps and what they take, each distinct one built by one process alone.
+
+    Parameters
+    ----------
+    graph, wanted, cache : as `pipelines.engine.run_graph.run_graph`
+
+    Raises
+    ------
+    whatever a step raises
+    """
+    graph = graph.needed(wanted)
+    known: Mapping[str, Result] = {}
+    while True:
+        contents, missing = stored_contents(graph, cache, {name: one.record.content for name, one in known.items()})
+        if not missing:
+            return run_graph(graph, cache, wanted, known=known, processes=1)
+        for step in missing:
+            with cache.alone(step.key(contents)) as mine:
+                if mine:
+                    known = {**known, **run_graph(graph, cache, [step.name], known=known, processes=1).results}
+                    break
+        else:
+            time.sleep(_WAIT_SECONDS)

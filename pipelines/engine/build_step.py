@@ -16,9 +16,11 @@ from fem.processes.executor import THREAD_VARIABLES
 from fem.storage.cache_folder import warn_without
 from fem.storage.ledger import counting
 from pipelines.engine.cache import Cache, Entry
-from pipelines.engine.step import CountedResult, Step, StepRecord
+from pipelines.engine.step import Step, StepRecord, Unkept
 from pipelines.engine.storage import StorageError, digest, load_value, save_value
 from pipelines.io.errors import WorkError
+
+LONG_SECONDS = 3.0  # steps expected to take longer may go to a process of their own
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,15 @@ class Result:
     def stored(self) -> Result:
         """The same without the value, where the cache holds it."""
         return self if self.entry is None else Result(self.record, self.entry)
+
+
+@dataclass(frozen=True)
+class Event:
+    """What happens to a step of a run: it starts, a share of it (0 to 1) is done, or its result is there."""
+
+    step: Step
+    share: float | None = None
+    result: Result | None = None
 
 
 def build_here(step: Step, key: str, upstream: Mapping[str, Result], cache: Cache) -> Result:
@@ -86,23 +97,23 @@ def _built(
         except Exception as error:
             error.add_note(f"in step {step.name}")
             raise
-    built = made if isinstance(made, CountedResult) else CountedResult(made)
+    value = made.value if isinstance(made, Unkept) else made
     facts = {
         **step.facts({name: upstream[name].record.content for name in step.inputs}),
-        "content": digest(built.value),
+        "content": digest(value),
         "seconds": round(time.perf_counter() - start, 6),
         "estimate": step.seconds if code == _written(compiled_folder()) else 0.0,  # 0: some of the time was compiling
         "peak_bytes": peak.bytes,
-        "ledger": {**counts, **built.ledger},
+        "ledger": dict(counts),
         "step": step.name,
     }
     entry = None
     try:
-        if built.kept:
-            entry = cache.store(step.kind, key, lambda folder: save_value(folder, built.value), facts)
+        if value is made:
+            entry = cache.store(step.kind, key, lambda folder: save_value(folder, value), facts)
     except StorageError as error:
         raise WorkError(f"step {step.name}: its result cannot be stored: {error}") from error
-    return Result(step_record(step, key, facts, reused=False), entry, built.value)
+    return Result(step_record(step, key, facts, reused=False), entry, value)
 
 
 def _written(folder: Path) -> int:

@@ -94,30 +94,25 @@ class Cache:
         facts : of the result, to be read without it; as JSON takes them
         """
         final = self._entries / entry_name(kind, key)
-        partial = self._partial / f"{os.getpid()}-{uuid.uuid4().hex[:12]}"
-        try:
-            claim(self.folder, make=True)
-            make_private(self._entries)
-            make_private(partial)
-            self._sweep()
-            write(partial)
-            write_manifest(partial, {**(facts or {}), "kind": kind, "key": key})
+        with self.workplace() as partial:
+            if partial is None:
+                return None
             try:
-                os.replace(partial, final)
-            except OSError:
-                if not final.is_dir():
-                    raise
-                _LOG.debug("%s was stored by another process", final.name)
-            return verified(final)
-        except OSError as error:
-            warn_without(self.folder, error)
-            return None
-        except Damaged as damage:
-            warn_without(self.folder, OSError(f"{final.name}: {damage}"))
-            return None
-        finally:
-            if partial.exists():
-                shutil.rmtree(partial, ignore_errors=True)
+                make_private(self._entries)
+                write(partial)
+                write_manifest(partial, {**(facts or {}), "kind": kind, "key": key})
+                try:
+                    os.replace(partial, final)
+                except OSError:
+                    if not final.is_dir():
+                        raise
+                    _LOG.debug("%s was stored by another process", final.name)
+                return verified(final)
+            except OSError as error:
+                warn_without(self.folder, error)
+            except Damaged as damage:
+                warn_without(self.folder, OSError(f"{final.name}: {damage}"))
+        return None
 
     @contextlib.contextmanager
     def workplace(self) -> Iterator[Path | None]:

@@ -10,7 +10,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from fem.storage.cache_folder import MANIFEST, check_private
-from pipelines.engine.contents import CONTENTS, ContentsError, read_contents
+from pipelines.engine.storage import CONTENTS, ContentsError, reader
 
 _KEY_LETTERS = 32  # of the hexadecimal SHA-256: short paths for Windows
 
@@ -114,7 +114,7 @@ def verified(folder: Path, *, thorough: bool = True) -> Entry:
             raise Damaged(f"{name} is missing") from None
     if thorough and CONTENTS in files:
         try:
-            read_contents(folder)
+            reader(folder)
         except ContentsError as error:
             raise Damaged(str(error)) from error
     return Entry(folder, facts, sum(stored["bytes"] for stored in files.values()))

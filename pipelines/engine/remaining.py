@@ -14,7 +14,7 @@ from statistics import median
 
 from pipelines.engine.cache import Cache
 from pipelines.engine.manifest import Entry
-from pipelines.engine.step import Step, stored, whole
+from pipelines.engine.step import Step, seconds_to_the_end, stored, whole
 
 _LOOKED_AT = 3  # stored results of a kind, the newest ones
 _PRIOR = 10.0  # s: finished steps that took much less change the scale little
@@ -87,7 +87,8 @@ class Remaining:
         """Seconds to the end: tasks begin as soon as what they take is done, those with the longest chain first."""
         waiting = dict(self._left)
         at_work = {name: self._left_of(waiting.pop(name), now) for name in self._left if name in self._since}
-        chain, time = _seconds_to_the_end(self._left.values()), 0.0
+        chain = seconds_to_the_end((task.name, task.seconds, task.takes) for task in self._left.values())
+        time = 0.0
         while at_work or waiting:
             ready = [task for task in waiting.values() if not any(n in at_work or n in waiting for n in task.takes)]
             ready.sort(key=lambda task: -chain[task.name])
@@ -127,17 +128,6 @@ class Remaining:
         for task in self._left.values():
             if task.compiles and not any(name in self._left for name in task.takes):
                 self._since.setdefault(task.name, now)
-
-
-def _seconds_to_the_end(tasks: Iterable[Task]) -> dict[str, float]:
-    """Seconds of every task with the longest chain of those that wait for it."""
-    chain: dict[str, float] = {}
-    behind: dict[str, float] = {}
-    for task in reversed(list(tasks)):
-        chain[task.name] = task.seconds + behind.get(task.name, 0.0)
-        for name in task.takes:
-            behind[name] = max(behind.get(name, 0.0), chain[task.name])
-    return chain
 
 
 def expected(steps: Iterable[Step], cache: Cache) -> list[Task]:

@@ -9,46 +9,22 @@ import os
 import pickle
 import queue
 import signal
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Future, wait
-from dataclasses import dataclass
-from typing import Any, Protocol
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 from fem.processes.executor import ProcessEnded, Processes, RemoteError, in_thread, listening
-from pipelines.engine.build_step import Result, build_here, one_thread, step_record
+from pipelines.engine.build_step import LONG_SECONDS, Event, Result, build_here, one_thread, step_record
 from pipelines.engine.cache import Cache
-from pipelines.engine.step import Graph, Step, StepRecord, stored
+from pipelines.engine.progress import ProgressFunction, reported_steps
+from pipelines.engine.step import Graph, Step, StepRecord, seconds_to_the_end, stored
 from pipelines.io.errors import WorkError
 
 _LOG = logging.getLogger(__name__)
 _HELD_BYTES = 16e6  # a larger result is not held in memory: who needs it reads it from the cache
-LONG_SECONDS = 3.0  # steps expected to take longer may go to a process of their own
 
-
-class Observer(Protocol):
-    """Is told what happens, for progress and logs."""
-
-    def started(self, step: Step) -> None:
-        """A step is being built."""
-
-    def advanced(self, step: Step, share: float) -> None:
-        """This share (0 to 1) of a step that tells it is done."""
-
-    def finished(self, step: Step, result: Result) -> None:
-        """A step is built or taken from the cache."""
-
-
-class Silent:
-    """Observes nothing."""
-
-    def started(self, step: Step) -> None:
-        """Nothing."""
-
-    def advanced(self, step: Step, share: float) -> None:
-        """Nothing."""
-
-    def finished(self, step: Step, result: Result) -> None:
-        """Nothing."""
+Ready = list[tuple[Step, str]]  # steps that can be built, with their keys
 
 
 @dataclass(frozen=True)
@@ -80,17 +56,17 @@ def run_graph(
     cache: Cache,
     wanted: Iterable[str],
     *,
-    observer: Observer | None = None,
+    on_event: Callable[[Event], None] = lambda event: None,
     processes: int | None = None,
     known: Mapping[str, Result] | None = None,
 ) -> Outcome:
-    """Build or reuse the wanted steps and what they take.
+    """Build or reuse steps and what they take.
 
     Parameters
     ----------
     graph, cache : the steps, and where their results are stored
-    wanted : names of steps
-    observer : is told of every step; None: nobody
+    wanted : names of the steps
+    on_event : called with what happens to every step
     processes : long steps built at the same time; default 2, or 1 on a single core
     known : results of steps of this graph that are at hand
 
@@ -99,30 +75,185 @@ def run_graph(
     whatever a step raises, with the step's name added; WorkError if a process ends without an answer. Finished steps
     stay in the cache. A short step that fails while long ones are at work does not stop those.
     """
-    wanted = set(wanted)
-    graph = graph.needed(wanted)
-    observer = observer or Silent()
-    processes = side_by_side(processes)
-    results = {name: result for name, result in (known or {}).items() if name in graph.steps}
-    errors: list[Exception] = []
-    verified: set[str] = set()
-    urgency = graph.seconds_to_the_end()  # what the most must wait for starts first
-    awaited = graph.needed(step.name for step in graph if step.seconds >= LONG_SECONDS).steps
-    prepared: dict[str, Future] = {}  # by step: its own work ahead of its turn
-    away: dict[str, str] = {}  # keys of the steps in children, by name
-    beside: dict[str, str] = {}  # key of the short step in a thread, by name
-    events: queue.SimpleQueue[tuple[Step, Future | float]] = queue.SimpleQueue()
+    return _Run(graph, cache, set(wanted), on_event, process_count(processes), known or {}).outcome()
 
-    def take(step: Step, event: Future | float) -> None:
-        """What a step that is built elsewhere has to say: its share, its result, or its error."""
-        nonlocal graph
+
+@dataclass(frozen=True, kw_only=True)
+class Work:
+    """`processes` long steps are built side by side (None: 2, or 1 on a single core); `progress` is called for each."""
+
+    processes: int | None = None
+    quiet: bool = True
+    progress: ProgressFunction | None = None
+    cache: Cache = field(default_factory=Cache)
+
+    def build(
+        self, graph: Graph, wanted: Iterable[str], on_result: Callable[[Step, Result], None] = lambda step, result: None
+    ) -> Outcome:
+        """Some steps and what they take, from the cache or built; `on_result` is called with each of them."""
+        wanted = tuple(wanted)
+        processes = process_count(self.processes)
+        steps = graph.needed(wanted)
+        with reported_steps(steps, self.cache, processes, quiet=self.quiet, on_progress=self.progress) as report:
+
+            def on_event(event: Event) -> None:
+                report(event)
+                if event.result is not None:
+                    on_result(event.step, event.result)
+
+            return run_graph(steps, self.cache, wanted, on_event=on_event, processes=processes)
+
+
+class _Run:
+    """The state of a run: the results so far, and what is at work.
+
+    Long steps are built in child processes (`_away`) where two of them can be, one short step in a thread at the same
+    time (`_beside`), and all others here.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        cache: Cache,
+        wanted: set[str],
+        on_event: Callable[[Event], None],
+        processes: int,
+        known: Mapping[str, Result],
+    ) -> None:
+        self._graph, self._cache, self._wanted, self._on_event = graph.needed(wanted), cache, wanted, on_event
+        self._processes = processes
+        self._results = {name: result for name, result in known.items() if name in self._graph.steps}
+        self._errors: list[Exception] = []
+        self._verified: set[str] = set()
+        # what the most must wait for starts first
+        self._urgency = seconds_to_the_end((step.name, step.seconds, step.inputs) for step in self._graph)
+        self._awaited = self._graph.needed(step.name for step in self._graph if step.seconds >= LONG_SECONDS).steps
+        self._prepared: dict[str, Future] = {}  # by step: its own work ahead of its turn
+        self._away: dict[str, str] = {}  # keys of the steps in children, by name
+        self._beside: dict[str, str] = {}  # key of the short step in a thread, by name
+        self._events: queue.SimpleQueue[tuple[Step, Future | float]] = queue.SimpleQueue()
+
+    def outcome(self) -> Outcome:
+        """Build everything; the results in the order of the graph."""
+        with one_thread(), Processes(self._processes) as children:
+            while any(name not in self._results for name in self._graph.steps):
+                while not self._events.empty() or (self._beside and not self._away):
+                    self._take_event()
+                ready = [(step, key) for step, key in self._reuse() if key not in self._away.values()]
+                if self._drop_damaged(ready):
+                    continue
+                ready = self._send_away(ready, children)
+                if self._away:
+                    self._prepare()
+                    ready = self._start_beside(ready)
+                if ready:
+                    self._build(*ready[0], children)
+                elif self._away:
+                    for step in self._graph:
+                        if step.name not in self._results and step.inputs:
+                            step.load()  # while the children work
+                    self._take_event()
+        if self._errors:
+            raise self._errors[0]
+        return Outcome({name: self._results[name] for name in self._graph.steps})
+
+    def _reuse(self) -> Ready:
+        """Move steps that need no work into the results; those that are ready to be built.
+
+        Only the steps of `run_graph` are verified to the last byte now, the rest when it is read.
+        """
+        ready, at_work = [], self._away.keys() | self._beside.keys()
+        for step in self._graph:
+            if (
+                step.name in self._results
+                or step.name in at_work
+                or any(name not in self._results for name in step.inputs)
+            ):
+                continue
+            contents = {name: self._results[name].record.content for name in step.inputs}
+            key = step.key(contents)
+            same = next((result for result in self._results.values() if result.record.key == key), None)
+            entry = None if same else stored(step, self._cache, contents, thorough=step.name in self._wanted)
+            if same is not None:
+                self._keep(step, replace(same, record=replace(same.record, name=step.name, reused=True)))
+            elif entry is not None:
+                self._keep(step, Result(step_record(step, entry.facts["key"], entry.facts, reused=True), entry))
+            else:
+                ready.append((step, key))
+        return ready
+
+    def _drop_damaged(self, ready: Ready) -> bool:
+        """Verify stored results before steps read them; True if one was damaged and must be built again."""
+        dropped = False
+        for name in dict.fromkeys(name for step, _ in ready for name in step.inputs if name not in self._verified):
+            record, entry = self._results[name].record, self._results[name].entry
+            if record.reused and entry is not None and self._cache.find(record.kind, record.key) is None:
+                del self._results[name]
+                dropped = True
+            else:
+                self._verified.add(name)
+        return dropped
+
+    def _send_away(self, ready: Ready, children: Processes) -> Ready:
+        """Give long steps to children if two can be at work at the same time; the others are built here."""
+        long = [(step, key) for step, key in ready if step.seconds >= LONG_SECONDS]
+        alone = len({key for _, key in long}) < 2 and not (long and self._away)
+        if self._processes < 2 or alone:
+            return ready
+        for step, key in sorted(long, key=lambda one: -self._urgency[one[0].name]):
+            if len(self._away) < self._processes and key not in self._away.values():
+                self._on_event(Event(step))
+                self._away[step.name] = key
+                upstream = {name: result.stored() for name, result in self._upstream(step).items()}
+                job = pickle.dumps((step, key, upstream, self._cache.folder))
+                put = functools.partial(self._put, step)
+                children.listened(put, _build_in_child, job).add_done_callback(put)
+        return [(step, key) for step, key in ready if step.seconds < LONG_SECONDS]
+
+    def _prepare(self) -> None:
+        """Begin what steps can do before their turn: compiling takes longer than most steps."""
+        for step in self._graph:
+            waiting = step.name not in {*self._results, *self._prepared}
+            if step.ahead and waiting and self._results.keys() >= {*step.ahead_takes}:
+                taken = [self._results[name] for name in step.ahead_takes]
+                self._prepared[step.name] = in_thread(_work_ahead, step, taken)
+
+    def _start_beside(self, ready: Ready) -> Ready:
+        """Build one short step that no long one waits for in a thread; those that long ones wait for."""
+        spare = [(step, key) for step, key in ready if step.name not in self._awaited]
+        if spare and not self._beside:
+            step, key = spare[0]
+            self._on_event(Event(step))
+            self._beside[step.name] = key
+            made = in_thread(build_here, step, key, self._upstream(step), self._cache)
+            made.add_done_callback(functools.partial(self._put, step))
+        return [(step, key) for step, key in ready if step.name in self._awaited]
+
+    def _build(self, step: Step, key: str, children: Processes) -> None:
+        """Build a step in this thread."""
+        self._on_event(Event(step))
+        if step.name in self._prepared:
+            wait([self._prepared[step.name]])
+        started = {*self._results, *self._away, step.name}
+        if not any(other.seconds >= LONG_SECONDS for other in self._graph if other.name not in started):
+            children.end_idle()
+        with listening(lambda share: self._on_event(Event(step, share))):
+            result = build_here(step, key, self._upstream(step), self._cache)
+        self._keep(step, result)
+
+    def _put(self, step: Step, event: Future | float) -> None:
+        self._events.put((step, event))
+
+    def _take_event(self) -> None:
+        """The share, the result or the error of a step that is built elsewhere."""
+        step, event = self._next_event()
         if isinstance(event, float):
-            observer.advanced(step, event)
+            self._on_event(Event(step, event))
             return
-        child = away.pop(step.name, None)
-        beside.pop(step.name, None)
+        child = self._away.pop(step.name, None)
+        self._beside.pop(step.name, None)
         try:
-            _keep(results, step, event.result(), observer)
+            self._keep(step, event.result())
         except ProcessEnded as ended:
             raise _lost(step, ended.code) from ended
         except RemoteError as error:
@@ -130,77 +261,26 @@ def run_graph(
         except Exception as error:
             if child is not None:
                 raise
-            errors.append(error)
-            graph = graph.without(step.name)
+            self._errors.append(error)
+            self._graph = self._graph.without(step.name)
 
-    with one_thread(), Processes(processes) as children:
-        while any(name not in results for name in graph.steps):
-            while not events.empty() or (beside and not away):
-                take(*_next(events))
-            at_work = away | beside
-            ready = _take_what_is_cached(graph, cache, results, wanted, at_work.keys(), observer)
-            ready = [(step, key) for step, key in ready if key not in away.values()]
-            if _drop_damaged(ready, cache, results, verified):
-                continue
-            long = [(step, key) for step, key in ready if step.seconds >= LONG_SECONDS]
-            long.sort(key=lambda one: -urgency[one[0].name])
-            if processes > 1 and (len({key for _, key in long}) > 1 or (long and away)):
-                for step, key in long:
-                    if len(away) < processes and key not in away.values():
-                        observer.started(step)
-                        away[step.name] = key
-                        stored_inputs = {name: result.stored() for name, result in _upstream(step, results).items()}
-                        job = pickle.dumps((step, key, stored_inputs, cache.folder))
-                        made = children.listened(functools.partial(_put, events, step), _build_in_child, job)
-                        made.add_done_callback(functools.partial(_put, events, step))
-                ready = [(step, key) for step, key in ready if step.seconds < LONG_SECONDS]
-            if away:
-                for step in graph:
-                    if step.ahead and step.name not in {*results, *prepared} and results.keys() >= {*step.ahead_takes}:
-                        taken = [results[name] for name in step.ahead_takes]
-                        prepared[step.name] = in_thread(_prepare, step, taken)
-                spare = [(step, key) for step, key in ready if step.name not in awaited]
-                if spare and not beside:
-                    step, key = spare[0]
-                    observer.started(step)
-                    beside[step.name] = key
-                    made = in_thread(build_here, step, key, _upstream(step, results), cache)
-                    made.add_done_callback(functools.partial(_put, events, step))
-                ready = [(step, key) for step, key in ready if step.name in awaited]
-            if ready:
-                step, key = ready[0]
-                observer.started(step)
-                if step.name in prepared:
-                    wait([prepared[step.name]])
-                started = {*results, *away, step.name}
-                if not any(other.seconds >= LONG_SECONDS for other in graph if other.name not in started):
-                    children.end_idle()
-                with listening(functools.partial(observer.advanced, step)):
-                    result = build_here(step, key, _upstream(step, results), cache)
-                _keep(results, step, result, observer)
-            elif away:
-                for step in graph:
-                    if step.name not in results and step.inputs:
-                        step.load()  # while the children work
-                take(*_next(events))
-    if errors:
-        raise errors[0]
-    return Outcome({name: results[name] for name in graph.steps})
+    def _next_event(self) -> tuple[Step, Future | float]:
+        """The next event; the wait is cut, so that an interrupt is noticed on every system."""
+        while True:
+            with contextlib.suppress(queue.Empty):
+                return self._events.get(timeout=1.0)
+
+    def _keep(self, step: Step, result: Result) -> None:
+        large = result.entry is not None and result.entry.bytes > _HELD_BYTES
+        self._results[step.name] = result.stored() if large else result
+        self._on_event(Event(step, result=self._results[step.name]))
+
+    def _upstream(self, step: Step) -> dict[str, Result]:
+        return {name: self._results[name] for name in step.inputs}
 
 
-def _put(events: queue.SimpleQueue, step: Step, event: Future | float) -> None:
-    events.put((step, event))
-
-
-def _next(events: queue.SimpleQueue) -> tuple[Step, Future | float]:
-    """The next event; the wait is cut, so that an interrupt is noticed on every system."""
-    while True:
-        with contextlib.suppress(queue.Empty):
-            return events.get(timeout=1.0)
-
-
-def _prepare(step: Step, taken: list[Result]) -> None:
-    """The work of a step ahead of its turn; compiling takes longer than most steps."""
+def _work_ahead(step: Step, taken: list[Result]) -> None:
+    """What a step can do before its turn."""
     assert step.ahead is not None
     try:
         step.ahead(step.spec, *(result.load() for result in taken))
@@ -230,65 +310,6 @@ def _lost(step: Step, code: int) -> WorkError:
     )
 
 
-def side_by_side(processes: int | None) -> int:
-    """Number of long steps that are built at the same time: as asked, else 2, or 1 on a single core."""
+def process_count(processes: int | None) -> int:
+    """Number of long steps that are built at the same time: as given, else 2, or 1 on a single core."""
     return min(2, os.cpu_count() or 1) if processes is None else processes
-
-
-def _take_what_is_cached(
-    graph: Graph,
-    cache: Cache,
-    results: dict[str, Result],
-    wanted: set[str],
-    running: Collection[str],
-    observer: Observer,
-) -> list[tuple[Step, str]]:
-    """Move steps that need no work into `results`; the (step, key) that are ready to be built.
-
-    Only what is wanted is verified to the last byte now, the rest when it is read.
-    """
-    ready = []
-    for step in graph:
-        if step.name in results or step.name in running or any(name not in results for name in step.inputs):
-            continue
-        contents = {name: results[name].record.content for name in step.inputs}
-        key = step.key(contents)
-        same = next((r for r in results.values() if r.record.key == key), None)
-        entry = same.entry if same else stored(step, cache, contents, thorough=step.name in wanted)
-        if same is not None:
-            record = step_record(step, key, _facts_of(same.record), reused=True)
-            _keep(results, step, Result(record, entry, same.value), observer)
-        elif entry is not None:
-            record = step_record(step, entry.facts["key"], entry.facts, reused=True)
-            _keep(results, step, Result(record, entry), observer)
-        else:
-            ready.append((step, key))
-    return ready
-
-
-def _drop_damaged(ready: list[tuple[Step, str]], cache: Cache, results: dict[str, Result], verified: set[str]) -> bool:
-    """Verify stored results before steps read them; True if one was damaged and must be built again."""
-    inputs = dict.fromkeys(name for step, _ in ready for name in step.inputs if name not in verified)
-    dropped = False
-    for name in inputs:
-        record, entry = results[name].record, results[name].entry
-        if record.reused and entry is not None and cache.find(record.kind, record.key) is None:
-            del results[name]
-            dropped = True
-        else:
-            verified.add(name)
-    return dropped
-
-
-def _keep(results: dict[str, Result], step: Step, result: Result, observer: Observer) -> None:
-    large = result.entry is not None and result.entry.bytes > _HELD_BYTES
-    results[step.name] = result.stored() if large else result
-    observer.finished(step, results[step.name])
-
-
-def _upstream(step: Step, results: Mapping[str, Result]) -> dict[str, Result]:
-    return {name: results[name] for name in step.inputs}
-
-
-def _facts_of(record: StepRecord) -> dict[str, Any]:
-    return {name: getattr(record, name) for name in ("content", "seconds", "peak_bytes", "ledger", "libraries")}

@@ -38,10 +38,10 @@ class Step:
     """One step of a run: ``build(spec, **results of takes)``.
 
     `kind` names the cache entries; steps of one kind with equal inputs share one entry. `build` is a function of a
-    module (not a lambda), it may return `CountedResult` to report counts. `takes` are the names of other steps by the
-    parameters of `build` that receive their results; several names give a list. `seconds` is what it is expected to
-    take: long steps that do not wait for each other run side by side. `reads` are functions of a module that take from
-    a large result what the build needs.
+    module (not a lambda); what it counts (`fem.storage.ledger`) is kept with the result. `takes` are the names of other
+    steps by the parameters of `build` that receive their results; several names give a list. `seconds` is what it is
+    expected to take: long steps that do not wait for each other run side by side. `reads` are functions of a module
+    that take from a large result what the build needs.
     """
 
     name: str
@@ -84,9 +84,11 @@ class Step:
 
     def facts(self, contents: Mapping[str, str]) -> dict[str, Any]:
         """Everything the result depends on, in a form that can be compared; `contents` are digests by step name."""
+        return {**self._inputs(contents), "fields": flat(self.spec)}
+
+    def _inputs(self, contents: Mapping[str, str]) -> dict[str, Any]:
         return {
             "kind": self.kind,
-            "fields": flat(self.spec),
             "spec": digest(self.spec),
             "takes": self.received(contents.__getitem__),
             "code": self.code,
@@ -95,20 +97,17 @@ class Step:
 
     def key(self, contents: Mapping[str, str]) -> str:
         """SHA-256 of what the result depends on."""
-        facts = {name: value for name, value in self.facts(contents).items() if name != "fields"}
-        return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()
+        return hashlib.sha256(json.dumps(self._inputs(contents), sort_keys=True).encode()).hexdigest()
 
 
 @dataclass(frozen=True)
-class CountedResult:
-    """What a step may return instead of the bare value: the value with counts for the build ledger.
+class Unkept:
+    """What a step returns instead of a value that is not to be stored.
 
-    A value that is not to be `kept` lacks something that another attempt may have, a picture for want of memory say.
+    It lacks something that another attempt may have, a picture for want of memory say.
     """
 
     value: Any
-    ledger: Mapping[str, int] = field(default_factory=dict)
-    kept: bool = True
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -175,15 +174,20 @@ class Graph:
                 dropped.add(step.name)
         return Graph(step for step in self if step.name not in dropped)
 
-    def seconds_to_the_end(self) -> dict[str, float]:
-        """Expected seconds of every step with the longest chain of steps that follow it."""
-        behind = dict.fromkeys(self.steps, 0.0)
-        whole = {}
-        for step in reversed(self.steps.values()):
-            whole[step.name] = step.seconds + behind[step.name]
-            for name in step.inputs:
-                behind[name] = max(behind[name], whole[step.name])
-        return whole
+
+def seconds_to_the_end(tasks: Iterable[tuple[str, float, Sequence[str]]]) -> dict[str, float]:
+    """Seconds of every task with the longest chain of those that wait for it.
+
+    Parameters
+    ----------
+    tasks : name, seconds, and names of the tasks that it waits for, which come before it
+    """
+    chain: dict[str, float] = {}
+    behind: dict[str, float] = {}
+    for name, seconds, takes in reversed(list(tasks)):
+        chain[name] = seconds + behind.get(name, 0.0)
+        behind |= {other: max(behind.get(other, 0.0), chain[name]) for other in takes}
+    return chain
 
 
 def stored(step: Step, cache: Cache, contents: Mapping[str, str], *, thorough: bool) -> Entry | None:
@@ -211,6 +215,25 @@ def stored(step: Step, cache: Cache, contents: Mapping[str, str], *, thorough: b
         if same and others == facts["fields"] and isinstance(given, int | float) and given > wanted:
             serving.append((given, entry.facts["key"]))
     return cache.find(step.kind, min(serving)[1], thorough=thorough) if serving else None
+
+
+def stored_contents(steps: Iterable[Step], cache: Cache, known: Mapping[str, str]) -> tuple[dict[str, str], list[Step]]:
+    """Digests of the results that are known or stored, by name; and the steps of the others that could be built now.
+
+    Parameters
+    ----------
+    steps, cache : each step after those it takes, and where results are stored
+    known : digests by name
+    """
+    contents, missing = dict(known), []
+    for step in steps:
+        if step.name not in contents and all(name in contents for name in step.inputs):
+            entry = stored(step, cache, contents, thorough=False)
+            if entry is None:
+                missing.append(step)
+            else:
+                contents[step.name] = entry.facts["content"]
+    return contents, missing
 
 
 def explain(graph: Graph, cache: Cache) -> list[StepStatus]:

@@ -7,11 +7,15 @@ numpy arrays, text, bytes, numbers, booleans and None. What is loaded has the sa
 from __future__ import annotations
 
 import dataclasses
+import functools
 import hashlib
+import importlib
 import json
 import os
+import re
 import shutil
-from collections.abc import Iterable, Mapping
+import sys
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +24,16 @@ import numpy as np
 from fem.storage.records import Record
 from fem.storage.stored_array import StoredArray
 from pipelines.engine.code_version import OWN_PACKAGES
-from pipelines.engine.contents import CONTENTS, ContentsError, read_contents, stored_class, type_name
 
-SHORT = 100  # numbers of an array that are told one by one
+CONTENTS = "contents.json"  # the table of contents of a stored value: a tree of nodes
+DEPTH = 50
+SHORT = 100  # numbers of an array that are compared one by one
+_FILE = re.compile(r"part_\d+\.[a-z0-9]+")
+_TYPE = re.compile(r"([A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*):([A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*)")
+
+
+class ContentsError(ValueError):
+    """A table of contents is not one that a step wrote."""
 
 
 class StorageError(TypeError):
@@ -43,7 +54,26 @@ def load_value(folder: Path) -> Any:
     ------
     OSError, ValueError : a file is missing or not what it should be
     """
-    return _load(folder, read_contents(folder))
+    return reader(folder)()
+
+
+def reader(folder: Path) -> Callable[[], Any]:
+    """A function that reads what `save_value` wrote; all of the table of contents is checked before.
+
+    The table may be damaged or made up: nested too deep, of wrong types, naming a file elsewhere or a class of another
+    program. Nothing outside our packages is imported for it; records of a user's own program are known if that program
+    has imported them.
+
+    Raises
+    ------
+    ContentsError : it is not what it should be
+    OSError : it cannot be read
+    """
+    try:
+        node = json.loads((folder / CONTENTS).read_text(encoding="utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise ContentsError(f"{CONTENTS} cannot be read") from error
+    return _reader(folder, node, 0)
 
 
 def digest(value: Any) -> str:
@@ -138,31 +168,107 @@ class _Files:
         return {"kind": "plain", "value": _plain(value)}
 
 
-def _load(folder: Path, node: Mapping[str, Any]) -> Any:
-    match node["kind"]:
+def _reader(folder: Path, node: Any, depth: int) -> Callable[[], Any]:
+    """The reader of a node; it names nothing but parts of the folder and classes that can be stored."""
+    if depth > DEPTH:
+        raise ContentsError(f"{CONTENTS} is nested more than {DEPTH} deep")
+    match _table(node).get("kind"):
         case "record":
-            arrays = {name: StoredArray(folder / file) for name, file in node["arrays"].items()}
-            return stored_class(node["type"], record=True).load(folder / node["file"], **arrays)
-        case "dataset":
-            import xarray
-
-            return xarray.load_dataset(folder / node["file"], engine="h5netcdf")
-        case "array":
-            return np.load(folder / node["file"], allow_pickle=False)
-        case "text":
-            return (folder / node["file"]).read_bytes().decode()
-        case "bytes":
-            return (folder / node["file"]).read_bytes()
+            record, file = stored_class(_text(node.get("type")), record=True), _file(folder, node.get("file"))
+            arrays = {name: _file(folder, given) for name, given in _table(node.get("arrays")).items()}
+            return lambda: record.load(file, **{name: StoredArray(path) for name, path in arrays.items()})
+        case "dataset" | "array" | "text" | "bytes" as kind:
+            return functools.partial(_FILES[kind], _file(folder, node.get("file")))
         case "dataclass":
-            made = stored_class(node["type"], record=False)
-            return made(**{name: _load(folder, item) for name, item in node["items"].items()})
+            found = stored_class(_text(node.get("type")), record=False)
+            if set(_table(node.get("items"))) != {f.name for f in dataclasses.fields(found) if f.init}:
+                raise ContentsError(f"{node['type']} has other fields")
+            values = _readers(folder, node, depth)
+            return lambda: found(**{name: value() for name, value in values.items()})
         case "dict":
-            return {name: _load(folder, item) for name, item in node["items"].items()}
-        case "list":
-            return [_load(folder, item) for item in node["items"]]
-        case "tuple":
-            return tuple(_load(folder, item) for item in node["items"])
-    return node["value"]
+            values = _readers(folder, node, depth)
+            return lambda: {name: value() for name, value in values.items()}
+        case "list" | "tuple" as kind:
+            if not isinstance(node.get("items"), list):
+                raise ContentsError("the items of a list are not a list")
+            items = [_reader(folder, item, depth + 1) for item in node["items"]]
+            return lambda: (list if kind == "list" else tuple)(item() for item in items)
+        case "plain":
+            if not isinstance(value := node.get("value", ...), str | int | float | bool | None):
+                raise ContentsError("a plain value is not plain")
+            return lambda: value
+    raise ContentsError("a part is of an unknown kind")
+
+
+def _readers(folder: Path, node: Mapping[str, Any], depth: int) -> dict[str, Callable[[], Any]]:
+    return {name: _reader(folder, item, depth + 1) for name, item in _table(node.get("items")).items()}
+
+
+def _load_dataset(path: Path) -> Any:
+    import xarray
+
+    return xarray.load_dataset(path, engine="h5netcdf")
+
+
+_FILES: dict[str, Callable[[Path], Any]] = {  # readers of what is one file, by kind
+    "dataset": _load_dataset,
+    "array": functools.partial(np.load, allow_pickle=False),
+    "text": lambda path: path.read_bytes().decode(),
+    "bytes": Path.read_bytes,
+}
+
+
+def _file(folder: Path, given: Any) -> Path:
+    """A file that a node names: a part in this folder."""
+    name = _text(given)
+    if not _FILE.fullmatch(name):
+        raise ContentsError(f"{name[:80]!r} is not the name of a part")
+    if (folder / name).is_symlink() or not (folder / name).is_file():
+        raise ContentsError(f"{name} is missing")
+    return folder / name
+
+
+def _text(value: Any) -> str:
+    if not isinstance(value, str):
+        raise ContentsError(f"a {type(value).__name__} is in the place of a name")
+    return value
+
+
+def _table(value: Any) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise ContentsError(f"a {type(value).__name__} is in the place of a table")
+    return value
+
+
+def type_name(value: Any) -> str:
+    """``module:class`` of a value."""
+    return f"{type(value).__module__}:{type(value).__qualname__}"
+
+
+def stored_class(name: str, *, record: bool) -> Any:
+    """The class of this name: a record, or (not `record`) a frozen dataclass of our packages.
+
+    Raises
+    ------
+    ContentsError : there is none
+    """
+    match = _TYPE.fullmatch(name)
+    if match is None:
+        raise ContentsError(f"{name[:80]!r} does not name a class")
+    module, qualified = match.groups()
+    ours = module.partition(".")[0] in OWN_PACKAGES
+    try:
+        found: Any = importlib.import_module(module) if ours else sys.modules.get(module)
+    except ImportError as error:
+        raise ContentsError(f"module {module} is not found") from error
+    for part in qualified.split("."):
+        found = getattr(found, part, None)
+    itself = isinstance(found, type) and (found.__module__, found.__qualname__) == (module, qualified)
+    if record and itself and issubclass(found, Record):
+        return found
+    if not record and itself and ours and dataclasses.is_dataclass(found):
+        return found
+    raise ContentsError(f"{name[:80]} is not a {'record' if record else 'dataclass of gearcase'}")
 
 
 def _fingerprint(value: Any) -> Any:
@@ -170,9 +276,10 @@ def _fingerprint(value: Any) -> Any:
         return ["record", value.digest()]
     if _is_dataset(value):
         parts = {
-            str(name): [list(v.dims), _array_digest(v.values), _text(v.attrs)] for name, v in value.variables.items()
+            str(name): [list(v.dims), _array_digest(v.values), _attributes(v.attrs)]
+            for name, v in value.variables.items()
         }
-        return ["dataset", parts, _text(value.attrs)]
+        return ["dataset", parts, _attributes(value.attrs)]
     if isinstance(value, np.ndarray):
         return ["array", _array_digest(value)]
     if isinstance(value, bytes):
@@ -209,7 +316,7 @@ def _array_digest(array: np.ndarray) -> str:
     return hashlib.sha256(f"{kind}{array.shape}".encode() + content).hexdigest()
 
 
-def _text(attributes: Mapping[Any, Any]) -> dict[str, str]:
+def _attributes(attributes: Mapping[Any, Any]) -> dict[str, str]:
     return {str(key): str(value) for key, value in attributes.items()}
 
 

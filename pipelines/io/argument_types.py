@@ -4,8 +4,17 @@ from __future__ import annotations
 
 import argparse
 import math
+from typing import TypeVar
 
 MOST = 1000  # of anything that is counted
+T = TypeVar("T")
+
+
+def _accepted(value: T, accepted: bool, words: str) -> T:
+    """The value; ArgumentTypeError with what is wrong if it is not accepted."""
+    if not accepted:
+        raise argparse.ArgumentTypeError(words)
+    return value
 
 
 def path(text: str) -> str:
@@ -22,9 +31,8 @@ def path(text: str) -> str:
 
 def count(text: str) -> int:
     """A whole number from 1."""
-    if not text.isdecimal() or len(text) > len(str(MOST)) or not 1 <= int(text) <= MOST:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1 to {MOST}")
-    return int(text)
+    inside = text.isdecimal() and len(text) <= len(str(MOST)) and 1 <= int(text) <= MOST
+    return int(_accepted(text, inside, f"{text!r} is not a whole number from 1 to {MOST}"))
 
 
 def mode_number(text: str) -> int | str:
@@ -34,29 +42,28 @@ def mode_number(text: str) -> int | str:
 
 def several(text: str) -> int:
     """A whole number from 2."""
-    if count(text) < 2:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 2 to {MOST}")
-    return int(text)
+    return _accepted(count(text), count(text) >= 2, f"{text!r} is not a whole number from 2 to {MOST}")
 
 
 def number(text: str) -> float:
     """A finite number."""
+    parts = text.replace(";", ",").split(",")
+    remedy = f". Separate numbers by blanks: {' '.join(parts)}" if len(parts) > 1 and all(parts) else ""
+    value = _read(text)
+    return _accepted(value, math.isfinite(value), f"{text!r} is not a finite number{remedy}")
+
+
+def _read(text: str) -> float:
+    """The number of a text, NaN if it is none."""
     try:
-        value = float(text)
+        return float(text)
     except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        parts = text.replace(";", ",").split(",")
-        remedy = f". Separate numbers by blanks: {' '.join(parts)}" if len(parts) > 1 and all(parts) else ""
-        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number{remedy}")
-    return value
+        return math.nan
 
 
 def positive(text: str) -> float:
     """A number above 0."""
-    if number(text) <= 0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number above 0")
-    return number(text)
+    return _accepted(number(text), number(text) > 0, f"{text!r} is not a number above 0")
 
 
 def tilt(text: str) -> float | str:
@@ -71,11 +78,8 @@ def picture(text: str) -> str:
     """The file of a picture; without an ending it gets .png."""
     path(text)
     suffix = text.rpartition(".")[2].lower() if "." in text.rpartition("/")[2] else ""
-    if suffix not in ("", "png", "svg", "pdf"):
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is not a picture format that can be written; end it in .png, .svg or .pdf"
-        )
-    return text if suffix else f"{text}.png"
+    words = f"{text!r} is not a picture format that can be written; end it in .png, .svg or .pdf"
+    return _accepted(text if suffix else f"{text}.png", suffix in ("", "png", "svg", "pdf"), words)
 
 
 def share(text: str) -> float:
@@ -93,32 +97,21 @@ def seconds(text: str) -> float:
 
 def days(text: str) -> float:
     """Days from 0."""
-    try:
-        found = float(text)
-    except ValueError:
-        found = -1.0
-    if not 0 <= found < float("inf"):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number of days, 0 or more")
-    return found
+    value = _read(text)
+    return _accepted(value, 0 <= value < math.inf, f"{text!r} is not a number of days, 0 or more")
 
 
 def from_zero(text: str) -> float:
     """A finite number from 0."""
-    if number(text) < 0:
-        raise argparse.ArgumentTypeError(f"{text!r} is negative; give 0 or more")
-    return number(text)
+    return _accepted(number(text), number(text) >= 0, f"{text!r} is negative; give 0 or more")
 
 
 def part(text: str) -> float:
     """A share from 0 to below 1, as a number or in per cent."""
     value = number(text.removesuffix("%")) / 100 if text.endswith("%") else number(text)
-    if not 0 <= value < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a fraction from 0 to below 1")
-    return value
+    return _accepted(value, 0 <= value < 1, f"{text!r} is not a fraction from 0 to below 1")
 
 
 def whole(text: str) -> int:
     """A whole number from 0."""
-    if not text.isdecimal() or len(text) > 18:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number of 0 or more")
-    return int(text)
+    return int(_accepted(text, text.isdecimal() and len(text) <= 18, f"{text!r} is not a whole number of 0 or more"))

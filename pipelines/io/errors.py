@@ -89,7 +89,7 @@ class Problems(list[Problem]):
         except SceneError as error:
             self += error.problems
         except self._refusals as error:
-            self.append(problem_of(path, str(error)))
+            self += [problem_of(path, line) for line in str(error).splitlines()]
         return None
 
     def each(self, path: str, makes: Iterable[Callable[[], Any]]) -> tuple[Any, ...]:
@@ -97,7 +97,6 @@ class Problems(list[Problem]):
         found = [self.made(f"{path}.{number}", make) for number, make in enumerate(makes, 1)]
         return tuple(one for one in found if one is not None)
 
-    def stop(self, source: str) -> None:
-        """Raise a SceneError with all problems of the scene called `source`, if there are any."""
-        if self:
-            raise SceneError(source, list(dict.fromkeys(self)))
+    def error(self, source: str) -> SceneError:
+        """All problems of the scene called `source`, each once."""
+        return SceneError(source, list(dict.fromkeys(self)))

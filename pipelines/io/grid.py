@@ -1,14 +1,10 @@
-"""A table of words: headers and rows of cells, rendered as text, Markdown, HTML or for the terminal."""
+"""A table of words: headers and rows of cells, rendered as text, Markdown or HTML."""
 
 from __future__ import annotations
 
 import html
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from rich.table import Table
 
 
 class GridError(ValueError):
@@ -65,18 +61,6 @@ class Grid:
             body.append(f'<tr class="marked">{cells}</tr>' if i in self.marked else f"<tr>{cells}</tr>")
         caption = f"<caption>{typeset(self.title)}</caption>" if self.title else ""
         return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>{''.join(body)}</tbody></table>"
-
-    def to_rich(self) -> Table:
-        """A table for `rich.console.Console.print`."""
-        from rich.table import Table
-        from rich.text import Text
-
-        table = Table(title=self.title or None, title_justify="left")
-        for header, right in zip(self.headers, self.numeric(), strict=True):
-            table.add_column(header, justify="right" if right else "left")
-        for i, row in enumerate(self.rows):
-            table.add_row(*(Text(cell) for cell in row), style="bold" if i in self.marked else None)
-        return table
 
 
 def _starts_like_number(cell: str) -> bool:

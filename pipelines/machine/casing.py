@@ -1,55 +1,68 @@
-"""The casing of a scene, in SI: its model, and the structure that the model reduces."""
+"""The casing of a scene, in SI: its model, and the structure that the model reduces.
+
+Its housing is parametric, with bores where the shafts are, or from a file, whose bores must be there.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import math
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from fem.casing.geometry.dimensions import Sensor
+import numpy as np
+
+from fem.casing.geometry.dimensions import Bore, Dimensions, Sensor, orthonormal
+from fem.casing.geometry.features import Feet
 from fem.casing.geometry.housing import Housing
+from fem.casing.geometry.locators import Point
+from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
 from fem.casing.mesh.source import Geometry
 from fem.casing.models.casing import Casing, Structure
 from fem.casing.models.registry import casing_class
 from mbd.parts.bearings import BEARING_AXES, BearingSpec
 from pipelines.io.errors import Problem, SceneError
 from pipelines.machine.bearings import bearing_points
-from pipelines.machine.housing import housing
 from pipelines.machine.layout import Layout
 from pipelines.machine.parts import MachineParts
 from pipelines.scene.scene import Scene
+from pipelines.scene.shipped_files import find_file
 from pipelines.scene.tables.casing import ElasticBase, FlexibleBase
-from pipelines.scene.tables.housing import MatricesHousingTable
+from pipelines.scene.tables.housing import HousingBase, ImportedTable, MatricesHousingTable
 
 if TYPE_CHECKING:
+    from fem.casing.imported.casing import ForeignHousing
     from fem.casing.reduced.grounded import ForcedPoint
 
+END_DISTANCE = 0.05  # from the end of the box to the outer feet, in lengths of the box
 
-def casing(scene: Scene, layout: Layout, machine: MachineParts, source: str) -> tuple[Casing, Structure]:
-    """The model with its options, and what it reduces, with the sensors on it. SceneError if it does not fit.
+
+def casing(scene: Scene, layout: Layout, machine: MachineParts) -> tuple[Casing, Structure]:
+    """The model with its options, and what it reduces, with the sensors on it.
 
     Parameters
     ----------
     scene, layout, machine : the scene, where its shafts are, and the machine that the casing carries
-    source : of the scene, for messages
+
+    Raises
+    ------
+    HousingError, InputError : a housing that does not fit
+    SceneError : the same with the keys that are wrong
     """
     table, points = scene.casing, bearing_points(scene.shafts, layout)
     model: Casing = table.made()
-    if not isinstance(table, FlexibleBase):
+    if scene.housing is None:
         return model, Structure(bearings={f"bearing_{number}": point for number, point in enumerate(points, 1)})
-    sensors: tuple[Sensor, ...] = tuple(sensor.made() for sensor in scene.sensors)
-    if isinstance(table.housing, MatricesHousingTable):
-        from pipelines.machine.foreign_housing import foreign_housing
-
-        model = casing_class("matrices")(of=model)
-        found = Structure(housing=foreign_housing(table.housing, sensors, points, source))
+    made = housing(scene.housing, tuple(sensor.made() for sensor in scene.sensors), layout, points)
+    if isinstance(scene.housing, MatricesHousingTable):
+        model, found = casing_class("matrices")(of=model), Structure(housing=made)
     else:
-        found = shaped(table, housing(table.housing, sensors, layout, points, source), source)
+        found = _shaped(table, made)
     loads, forced = loaded_axes(machine.bearings), forced_points(machine, found.sensors)
     return model, replace(found, interfaces=loads, forced=forced)
 
 
-def shaped(table: FlexibleBase, made: Geometry, source: str) -> Structure:
+def _shaped(table: FlexibleBase, made: Geometry) -> Structure:
     """A housing with its material and its bolts, without loads.
 
     Raises
@@ -59,14 +72,13 @@ def shaped(table: FlexibleBase, made: Geometry, source: str) -> Structure:
     thinnest = made.thinnest_wall if isinstance(made, Housing) else table.housing.si.wall_thickness
     if thinnest is None and getattr(table, "elements_per_wavelength", None) is not None:
         problem = "is needed for casing.elements_per_wavelength of a housing from a file"
-        raise SceneError(
-            source, [Problem("casing.housing.wall_thickness_mm", problem, "Set the thickness of its thinnest wall.")]
-        )
+        remedy = "Set the thickness of its thinnest wall."
+        raise SceneError("scene", [Problem("casing.housing.wall_thickness_mm", problem, remedy)])
     joint, bolts = None, getattr(table.housing, "joint", None)
     if isinstance(table, ElasticBase) and bolts is not None:
         from pipelines.machine.joint import bolted_joint  # late, like all that only elastic ones need
 
-        joint = bolted_joint(bolts, made, source)
+        joint = bolted_joint(bolts, made)
     return Structure(housing=made, material=table.material.made(name="casing"), joint=joint, wall=thinnest)
 
 
@@ -87,3 +99,135 @@ def loaded_axes(bearings: Iterable[BearingSpec]) -> dict[str, tuple[str, ...]]:
         spec.name: tuple(axis for axis, k in zip(BEARING_AXES, spec.stiffness, strict=True) if k > 0.0)
         for spec in bearings
     }
+
+
+def bores(table: HousingBase, layout: Layout) -> tuple[Bore, ...]:
+    """Two bores per shaft, odd numbers in the wall at -y."""
+    return tuple(
+        Bore(
+            name=f"bearing_{2 * number + (1 if side < 0 else 2)}",
+            x=x,
+            z=z,
+            side=side,
+            diameter=bore,
+            boss_diameter=boss,
+            boss_length=table.si.boss_length,
+        )
+        for number, ((x, z), bore, boss) in enumerate(
+            zip(layout.axes, table.si.bore_diameters, table.si.boss_diameters, strict=True)
+        )
+        for side in (-1, 1)
+    )
+
+
+def dimensions(table: HousingBase, layout: Layout) -> Dimensions:
+    """The dimensions of the housing, valid or not."""
+    made: Dimensions = table.made_part(Dimensions, bores=bores(table, layout), feet=feet(table))
+    return made
+
+
+def feet(table: HousingBase) -> Feet:
+    """Feet evenly spread between the ends of the box: three a side, or as many as their largest distance asks for."""
+    box = table.si
+    length, left, side, pitch = box.length, box.left_end, box.foot_length, box.foot_pitch
+    first, last = left + END_DISTANCE * length + side / 2, left + (1 - END_DISTANCE) * length - side / 2
+    places = (first, (first + last) / 2, last)
+    if pitch is not None:
+        count = max(2, math.ceil((last - first) / pitch - 1e-9) + 1)
+        places = tuple(np.linspace(first, last, count).tolist())
+    made: Feet = table.made_part(Feet, x=places)
+    return made
+
+
+def housing(
+    table: HousingBase | ImportedTable | MatricesHousingTable,
+    sensors: tuple[Sensor, ...],
+    layout: Layout,
+    points: Sequence[Point],
+) -> Any:
+    """The housing with the sensors on it: a `Geometry`, or a `ForeignHousing` of matrices.
+
+    Parameters
+    ----------
+    table : of the housing
+    sensors : on it
+    layout : where the shafts are
+    points : (x, y, z) of the bearings that it carries, m
+
+    Raises
+    ------
+    HousingError, InputError : its parts do not fit together, or there is no such file
+    SceneError : bearings that are not located or belong to no shaft
+    """
+    if isinstance(table, HousingBase):
+        made: Housing = table.made(
+            bores=bores(table, layout), feet=feet(table), sensors=sensors, bolted=table.joint is not None
+        )
+        return made
+    if problems := list(_seat_problems([seat.name for seat in table.bearings], len(points))):
+        raise SceneError("scene", problems)
+    if isinstance(table, MatricesHousingTable):
+        return foreign_housing(table, sensors, points)
+    return _imported(table, points, sensors)
+
+
+def _imported(table: ImportedTable, points: Sequence[Point], placed: tuple[Sensor, ...]) -> ImportedHousing:
+    path = find_file(table.file)
+    return ImportedHousing(
+        path=str(path),
+        sha256=content_hash(path),
+        unit=table.unit,
+        upgrade=getattr(table, "upgrade", False),
+        solids=getattr(table, "solids", ()),
+        glue=getattr(table, "glue", False),
+        origin=table.si.origin,
+        axes=orthonormal(table.axes),
+        seats=tuple(
+            Seat(name=f"bearing_{number}", locator=seat.made(), shaft_point=point)
+            for number, point in enumerate(points, 1)
+            for seat in table.bearings
+            if seat.name == f"bearing_{number}"
+        ),
+        grounds=tuple(ground.made() for ground in table.grounds),
+        sensors=placed,
+    )
+
+
+def foreign_housing(
+    table: MatricesHousingTable, sensors: tuple[Sensor, ...], points: Sequence[Point]
+) -> ForeignHousing:
+    """The housing whose matrices another program made, with the sensors on it; arguments as for `housing`."""
+    from fem.casing.imported.casing import ForeignHousing, file_digests
+    from fem.casing.imported.files import MatrixFiles
+
+    nodes = {seat.name: seat.nodes for seat in table.bearings}
+    names = {
+        "stiffness": table.file,
+        "mass": table.mass_file,
+        "nodes": table.nodes_file,
+        "equations": table.equations_file,
+    }
+    found: dict[str, Any] = {what: None if name is None else str(find_file(name)) for what, name in names.items()}
+    files = MatrixFiles(**found, system=table.units)
+    return ForeignHousing(
+        files=replace(files, digests=file_digests(files)),
+        seats=tuple((f"bearing_{n}", nodes[f"bearing_{n}"], point) for n, point in enumerate(points, 1)),
+        grounds=tuple(ground.nodes for ground in table.grounds),
+        origin=table.si.origin,
+        sensors=sensors,
+    )
+
+
+def _seat_problems(given: Sequence[str], bearings: int) -> Iterator[Problem]:
+    """What is wrong with the names of the seats given for so many bearings."""
+    wanted = [f"bearing_{number}" for number in range(1, bearings + 1)]
+    if missing := [name for name in wanted if name not in given]:
+        yield Problem(
+            "casing.housing.bearings", f"there is no seat for {', '.join(missing)}", "Add a table for every bearing"
+        )
+    if unknown := [name for name in given if name not in wanted]:
+        yield Problem(
+            "casing.housing.bearings",
+            f"there is no bearing {', '.join(unknown)}; the shafts have {wanted[0]} to {wanted[-1]}",
+            "Correct the name, or delete the table",
+        )

@@ -17,7 +17,7 @@ def main(arguments: list[str]) -> int:
     from fem.casing.mesh.imported import content_hash
     from fem.casing.mesh.mesher import write_step
     from pipelines.io.errors import InputError
-    from pipelines.machine.plant import make_plant
+    from pipelines.machine.machine import make_plant
     from pipelines.scene.file import load_scene
 
     name, target, *settings = arguments

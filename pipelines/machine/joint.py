@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -19,29 +20,17 @@ from pipelines.scene.tables.housing import CoverJointTable, PlaneJointTable
 Point = tuple[float, float, float]
 
 
-def bolted_joint(
-    table: CoverJointTable | PlaneJointTable | None, geometry: object, source: str = "scene"
-) -> BoltedJoint | None:
-    """The joint of a housing, None where it has none.
-
-    Parameters
-    ----------
-    table, geometry : of the joint, and the housing that it is in
-    source : of the scene, for messages
+def bolted_joint(table: CoverJointTable | PlaneJointTable, geometry: Any) -> BoltedJoint:
+    """The joint of a housing; only a parametric one, a `Housing`, has a cover.
 
     Raises
     ------
     SceneError : bolts that do not fit what they clamp
     """
-    if table is None:
-        return None
     try:
-        if isinstance(table, PlaneJointTable):
-            return _across_plane(table)
-        assert isinstance(geometry, Housing), "only a parametric housing has such a table"
-        return _of_cover(table, geometry)
+        return _across_plane(table) if isinstance(table, PlaneJointTable) else _of_cover(table, geometry)
     except (BoltError, HousingError) as error:
-        raise SceneError(source, [Problem("casing.housing.joint", str(error))]) from error
+        raise SceneError("scene", [Problem("casing.housing.joint", str(error))]) from error
 
 
 def joint_words(joint: BoltedJoint, material: Material) -> str:

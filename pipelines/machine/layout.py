@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
 
 from fem.elements.materials import Material
 from fem.gears.geometry import Gear, GearPair, GeometryError, Rack
 from fem.gears.modifications import PairModifications, check_modifications
+from mbd.parts.train import power_flow
 from pipelines.io.errors import Problem, SceneError
-from pipelines.machine.drives import highest_rpm
+from pipelines.machine.drives import highest_rpm, motor_places
 from pipelines.machine.flanks import modifications
-from pipelines.machine.loads import load_torque, loaded_shaft
+from pipelines.machine.loads import load_places, load_torque, loaded_shaft
 from pipelines.scene.phases import mesh_cycles
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.forces import TorqueTable
@@ -20,6 +26,7 @@ from pipelines.scene.train import place_shafts, shaft_senses, stage_shafts
 
 USUAL_BORE = 0.5  # of the root circle, where a scene gives no bore
 USUAL_BACKLASH = 80e-6  # m, where a scene says nothing of centre distance, allowances or backlash
+USUAL_LINE_LOAD = 100e3  # N/m, at which curves and contacts are shown where there is no load
 
 
 def gear_pair(stage: StageTable, steel: Material, sense: int = 1) -> GearPair:
@@ -99,12 +106,30 @@ def _gear(stage: StageTable, name: str, hand: str, sense: int) -> Gear:
 
 
 @dataclass(frozen=True, kw_only=True)
+class StageFacts:
+    """One stage at the highest motor speed and the largest load (SI)."""
+
+    ratio: float
+    centre_distance: float
+    transverse_contact_ratio: float
+    overlap_ratio: float
+    mesh_frequency: float
+    pinion_frequency: float
+    wheel_frequency: float
+    pinion_torque: float
+    mesh_force: float
+    shown_force: float  # at which curves and contacts are shown: without a load that of USUAL_LINE_LOAD
+    line_load: float
+    backlash: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class Layout:
     """Where the gears and shafts of a scene are: pairs and flank modifications by stage, the rest by shaft.
 
     Axes are (x, z) in m. Shafts are numbered from 0. Ratios of speeds are over that of shaft ``driven``, which the
-    motors turn, at ``turns`` 1/s at most. ``drawn`` (N m) are the torques of greatest magnitude with which load and
-    forces resist the rotation of every shaft.
+    motors turn, at ``turns`` 1/s at most. ``torques`` are those of greatest magnitude from load and outside forces:
+    shaft, y (m), and torque (N m, positive if it drives).
     """
 
     pairs: tuple[GearPair, ...]
@@ -118,12 +143,66 @@ class Layout:
     driven: int
     loaded: int  # the shaft that carries the load
     turns: float
-    drawn: tuple[float, ...]
+    motors: tuple[float, ...]  # y of the motors on the driven shaft (m)
+    torques: tuple[tuple[int, float, float], ...]
 
     @property
     def ratio(self) -> float:
         """Total ratio: turns of the input for one turn of the output."""
         return 1 / self.shaft_ratios[self.loaded]
+
+    @cached_property
+    def drawn(self) -> tuple[float, ...]:
+        """Torques (N m) of greatest magnitude that resist the rotation of every shaft; motors share what these draw."""
+        found = [0.0] * len(self.axes)
+        for shaft, _, torque in self.torques:
+            found[shaft] -= torque
+        return tuple(found)
+
+    @property
+    def motor_speed(self) -> float:
+        """Highest motor speed (rad/s)."""
+        return self.turns * 2 * math.pi
+
+    @property
+    def input_torque(self) -> float:
+        """Torque of all that is drawn on the driven shaft without losses (N m)."""
+        return float(np.dot(self.drawn, self.shaft_ratios))
+
+    @cached_property
+    def power_flows(self) -> list[float]:
+        """Power over motor speed (N m) that each stage, then each coupling carries without losses; parallel paths share
+        alike, see `mbd.parts.train`."""
+        flows = [*self.pair_shafts, *self.coupling_shafts]
+        drawn = np.array(self.drawn) * np.array(self.shaft_ratios)
+        return power_flow(flows, [self.driven], drawn)[: len(flows)].tolist()
+
+    @cached_property
+    def stages(self) -> tuple[StageFacts, ...]:
+        """Every stage at the highest motor speed and the largest load."""
+        stages = []
+        for pair, (pinion, _), flow in zip(self.pairs, self.pair_shafts, self.power_flows, strict=False):
+            pinion_speed = self.shaft_ratios[pinion]
+            frequency = self.motor_speed * pinion_speed / (2 * math.pi)
+            pinion_torque = flow / pinion_speed
+            force = pinion_torque / pair.pinion.base_radius
+            stages.append(
+                StageFacts(
+                    ratio=pair.ratio,
+                    centre_distance=pair.axis_distance,
+                    transverse_contact_ratio=pair.transverse_contact_ratio,
+                    overlap_ratio=pair.overlap_ratio,
+                    mesh_frequency=frequency * pair.pinion.teeth,
+                    pinion_frequency=frequency,
+                    wheel_frequency=frequency / pair.ratio,
+                    pinion_torque=pinion_torque,
+                    mesh_force=force,
+                    shown_force=force or USUAL_LINE_LOAD * pair.face_width,
+                    line_load=abs(pinion_torque) / pair.working_radii[0] / pair.face_width,
+                    backlash=pair.backlash,
+                )
+            )
+        return tuple(stages)
 
     @property
     def load_torque(self) -> float:
@@ -161,7 +240,7 @@ def lay_out(scene: Scene, source: str = "scene") -> Layout:
     cycles, phases = mesh_cycles(scene.stages, pairs, senses)
     if problems := problems or phases:
         raise SceneError(source, problems)
-    driven = (scene.drive.shaft or 1) - 1
+    driven, loaded = (scene.drive.shaft or 1) - 1, loaded_shaft(scene)
     return Layout(
         pairs=tuple(pairs),
         modifications=tuple(flanks),
@@ -174,17 +253,18 @@ def lay_out(scene: Scene, source: str = "scene") -> Layout:
             (table.shafts[0] - 1, table.shafts[1] - 1) for table in scene.couplings if table.turns_both
         ),
         driven=driven,
-        loaded=loaded_shaft(scene),
+        loaded=loaded,
         turns=highest_rpm(scene.drive) / 60,
-        drawn=_drawn(scene),
+        motors=motor_places(scene.drive, scene.shafts[driven]),
+        torques=tuple(_torques(scene, loaded)),
     )
 
 
-def _drawn(scene: Scene) -> tuple[float, ...]:
-    """Torque (N m) of load and torques from outside by shaft; motors are left to share what these draw."""
-    found = [0.0] * len(scene.shafts)
-    found[loaded_shaft(scene)] += load_torque(scene.load, loaded_shaft(scene))
+def _torques(scene: Scene, loaded: int) -> Iterator[tuple[int, float, float]]:
+    """Torques of the load and of torques from outside."""
+    places = load_places(scene.load, scene.shafts[loaded])
+    for y in places:
+        yield loaded, y, -load_torque(scene.load, loaded) / len(places)
     for number, force in enumerate(scene.forces, 1):
         if isinstance(force, TorqueTable):
-            found[force.shaft - 1] -= sum(force.spec(number).largest_torques(0.0).values())
-    return tuple(found)
+            yield force.shaft - 1, force.si.position, sum(force.spec(number).largest_torques(0.0).values())

@@ -3,40 +3,19 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 from mbd.forces.load_models import HangingLoad
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.rolling_elements import pass_frequencies
 from pipelines.machine.bearings import BearingFault, RollingBearing
-from pipelines.machine.facts import stage_facts
 from pipelines.machine.flanks import Fault
 from pipelines.machine.layout import Layout
 from pipelines.scene.shaft_faults import MAIN_ORDER, ShaftFault
+from pipelines.scene.tables.analysis import LookedFor
 from pipelines.signals.analysis import DiagnosisSettings
 from pipelines.signals.pass_lines import PassLines
 from pipelines.signals.shaft_lines import ShaftLines
-
-
-@dataclass(frozen=True, kw_only=True)
-class LookedFor:
-    """Where the diagnosis looks: a channel, a gear of a stage (from 1), windows (s), the band of the envelope (Hz).
-
-    `noise` (m/s2 rms) is added to the signals before; `possible` is False without windows or sensors; `speed_is_known`
-    where motors prescribe it; `damping_spread` is that of the casing's damping ratios in error bars.
-    """
-
-    sensor: str
-    axis: str
-    stage: int
-    gear: str
-    windows: Mapping[str, tuple[float, float]]
-    band: str | tuple[float, float]
-    noise: float
-    possible: bool
-    speed_is_known: bool
-    damping_spread: float
 
 
 def diagnosis_settings(
@@ -61,7 +40,7 @@ def diagnosis_settings(
     """
     if not asked.possible:
         return None
-    stage = stage_facts(layout)[asked.stage - 1]
+    stage = layout.stages[asked.stage - 1]
     on_wheel = asked.gear == "wheel"
     shaft = layout.pair_shafts[asked.stage - 1][on_wheel]
     words = _tooth_words([f for f in faults if layout.pair_shafts[f.stage - 1][f.gear == "wheel"] == shaft])
@@ -81,7 +60,7 @@ def diagnosis_settings(
         bearings=_bearing_frequencies(layout, rolling),
         passes=tuple(dict.fromkeys(_pass_lines(layout, rolling, fault) for fault in spalls)),
         turning=tuple(shaft_lines(layout, fault) for fault in shafts),
-        sensor=asked.sensor,
+        sensor=asked.sensor or "",
         axis=asked.axis,
         band=asked.band,
         shaft=f"shaft_{shaft + 1}",

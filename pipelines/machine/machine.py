@@ -1,28 +1,137 @@
-"""The parts of the machine of a scene, in SI: shafts with gear bodies, bearings, meshes, drive, load and losses."""
+"""The maker of the machine: a scene in SI with its shafts, gears, bearings, meshes, drive, load, losses and casing.
+
+Every part is made once. What it refuses is collected, so that all problems of a scene are listed at once.
+"""
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
-from fem.gears.geometry import Gear, GearPair
+from fem.casing.geometry.dimensions import HousingError
+from fem.contact.frame import ModelError
+from fem.contact.models.mesh_model import LawSpec
+from fem.contact.models.registry import loaded_model
+from fem.gears.geometry import Gear, GearPair, GeometryError
 from fem.gears.prescribed import PrescribedDeviations
 from mbd.parts.channels import further_channels
+from mbd.parts.checks import MachineError
 from mbd.parts.film import Film
 from mbd.parts.losses import Brake
 from mbd.parts.shafts import Disk, ShaftSpec
-from pipelines.io.errors import Problems
-from pipelines.machine.bearings import bearing_specs
-from pipelines.machine.drives import motor_couplings, motor_places, motor_torques, speed_profile
-from pipelines.machine.flanks import GEARS, Fault, damaged_teeth, prescribed_deviations
-from pipelines.machine.layout import Layout
-from pipelines.machine.loads import hanging_load, load_places, torque_load
-from pipelines.machine.parts import GearMesh, GearTeeth, MachineParts, ToothDeviations
+from pipelines.io.errors import InputError, Problem, Problems
+from pipelines.machine.bearings import bearing_faults, bearing_points, bearing_specs, rolling_bearings
+from pipelines.machine.casing import casing
+from pipelines.machine.drives import motor_couplings, motor_torques, speed_profile
+from pipelines.machine.flanks import GEARS, Fault, damaged_teeth, flanks_spec, prescribed_deviations, tooth_faults
+from pipelines.machine.layout import Layout, lay_out
+from pipelines.machine.loads import hanging_load, load_places, torque_load, weight
+from pipelines.machine.parts import GearMesh, GearTeeth, MachineParts, Recorded
+from pipelines.machine.plant import Drivetrain, Plant, labels
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.gears import DeviationTable
+from pipelines.scene.shaft_faults import shaft_faults
+from pipelines.scene.tables.gears import DeviationTable, StageTable
 from pipelines.scene.tables.losses import FilmModel
 from pipelines.scene.tables.motion import LoadBase, SpeedDrive
+
+REFUSALS = (MachineError, GeometryError, ModelError, HousingError, InputError)
+
+
+def make_plant(scene: Scene, source: str = "scene") -> Plant:
+    """The plant of a scene that fits together, see `pipelines.machine.checks.validity.checked_plant`.
+
+    Raises
+    ------
+    SceneError : all that its parts refuse, at once; `source` names the scene in it
+    """
+    problems = Problems(*REFUSALS)
+    plant = in_casing(drivetrain(scene, lay_out(scene, source), problems), scene, problems)
+    if plant is None:
+        raise problems.error(source)
+    return plant
+
+
+def make_drivetrain(scene: Scene, source: str = "scene") -> Drivetrain:
+    """Everything but the casing. SceneError as `make_plant`."""
+    problems = Problems(*REFUSALS)
+    train = drivetrain(scene, lay_out(scene, source), problems)
+    if problems:
+        raise problems.error(source)
+    return train
+
+
+def in_casing(train: Drivetrain, scene: Scene, problems: Problems) -> Plant | None:
+    """The drivetrain in its casing; None with any problems.
+
+    Parameters
+    ----------
+    train, scene : the drivetrain, and the scene that it was made of
+    problems : of the drivetrain; take what its mesh laws and its casing refuse
+    """
+    made = problems.made("casing.housing", casing, scene, train.layout, train.machine)
+    for number, spec in enumerate(train.laws, 1):
+        if reason := _law_refusal(spec):
+            problems.append(Problem(f"stages.{number}.mesh", reason))
+    return None if problems else Plant(**vars(train), casing=made[0], structure=made[1])
+
+
+def drivetrain(scene: Scene, layout: Layout, problems: Problems) -> Drivetrain:
+    """Everything but the casing; `problems` take what its parts refuse. With any, it is not complete."""
+    faults = tooth_faults(scene.tooth_faults.values(), layout.pinion_senses)
+    return Drivetrain(
+        title=scene.title,
+        labels=labels(scene),
+        models=scene.models(),
+        layout=layout,
+        laws=tuple(law_specs(scene, layout)),
+        flanks=tuple(
+            flanks_spec(pair, modifications, faults, number)
+            for number, (pair, modifications) in enumerate(zip(layout.pairs, layout.modifications, strict=True), 1)
+        ),
+        machine=machine_parts(scene, layout, faults, problems),
+        hoist=weight(scene.load),
+        rolling=() if problems else rolling_bearings(scene),
+        faults=faults,
+        spalls=tuple(bearing_faults(scene).values()),
+        shaft_faults=shaft_faults(scene),
+        bearing_points=bearing_points(scene.shafts, layout),
+        casing_modes=scene.casing.made_of.added_modes,
+        recorded=Recorded(
+            sensors=tuple(sensor.name for sensor in scene.sensors),
+            journals=scene.housing is None,
+        ),
+        motion=scene.simulation.made(),
+        looked_for=scene.diagnosis.made(
+            sensor=scene.diagnosis.sensor or (scene.sensors[0].name if scene.sensors else ""),
+            windows=dict(scene.diagnosis.windows_s),
+            possible=bool(scene.diagnosis.windows_s and scene.sensors),
+            speed_is_known=isinstance(scene.drive, SpeedDrive),
+        ),
+    )
+
+
+def law_specs(scene: Scene, layout: Layout) -> list[LawSpec]:
+    """The mesh laws that a scene asks for, by stage, before its flanks are modified or damaged."""
+    return [
+        LawSpec(
+            pair=replace(pair, backlash_allowance=0.0),
+            mesh=loaded_model(stage.mesh.made(), facts.line_load),
+        )
+        for stage, pair, facts in zip(scene.stages, layout.pairs, layout.stages, strict=True)
+    ]
+
+
+@functools.lru_cache(maxsize=64)
+def _law_refusal(spec: LawSpec) -> str:
+    """Why a law cannot be built, by its settings and path of contact; "" where nothing is known against it."""
+    try:
+        spec.mesh.check(spec.pair)
+    except (ModelError, GeometryError) as error:
+        return str(error)
+    return ""
 
 
 def _annulus(name: str, y: float, inner: float, outer: float, width: float, density: float) -> Disk:
@@ -118,7 +227,7 @@ def gear_teeth(
     deviations = None
     if table.enabled and table.include:
         seed = 1000 * table.seed + 2 * (stage - 1) + GEARS.index(gear)  # every gear its own sequence
-        deviations = ToothDeviations(grade=table.iso_grade, include=table.include, seed=seed)
+        deviations = table.made(seed=seed)
     own = [fault for fault in faults if fault.stage == stage and fault.gear == gear]
     return GearTeeth(
         deviations=deviations,
@@ -128,8 +237,20 @@ def gear_teeth(
     )
 
 
-def gear_meshes(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> tuple[GearMesh, ...]:
-    """All meshes."""
+def gear_meshes(scene: Scene, layout: Layout, faults: Sequence[Fault], problems: Problems) -> tuple[GearMesh, ...]:
+    """All meshes.
+
+    Parameters
+    ----------
+    scene, layout : the scene, and where its shafts are
+    faults : of the teeth
+    problems : take files of measured flanks that cannot be used
+    """
+
+    def teeth(stage: StageTable, number: int, gear: str, sense: int) -> GearTeeth:
+        prescribed = problems.made(f"stages.{number}", prescribed_deviations, stage, number, gear, sense)
+        return gear_teeth(scene.deviations, prescribed, faults, number, gear)
+
     return tuple(
         GearMesh(
             name=f"mesh_{number}",
@@ -137,12 +258,8 @@ def gear_meshes(scene: Scene, layout: Layout, faults: Sequence[Fault]) -> tuple[
             driven=f"shaft_{driven + 1}",
             y=stage.si.position,
             pair=pair,
-            pinion=gear_teeth(
-                scene.deviations, prescribed_deviations(stage, number, "pinion", sense), faults, number, "pinion"
-            ),
-            wheel=gear_teeth(
-                scene.deviations, prescribed_deviations(stage, number, "wheel", sense), faults, number, "wheel"
-            ),
+            pinion=teeth(stage, number, "pinion", sense),
+            wheel=teeth(stage, number, "wheel", sense),
             damping_time=stage.si.mesh_damping_time,
             cycle_at_start=layout.cycles_at_start[number - 1],
             film=film_spec(scene.film, pair),
@@ -175,17 +292,20 @@ def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault], problem
     problems : take what the parts refuse; with any, the parts are not complete
     """
     drive, driven = scene.drive, f"shaft_{layout.driven + 1}"
-    ends = motor_places(drive, scene.shafts[layout.driven])
+    ends = layout.motors
     places = load_places(scene.load, scene.shafts[layout.loaded])
     brake = drive.brake_torque_N_m if isinstance(drive, SpeedDrive) else 0.0
-    profile, load = speed_profile(drive), problems.made("load", hanging_load, scene.load, layout.loaded, places)
-    if load is not None and isinstance(drive, SpeedDrive):
+    profile, load = (
+        problems.made("drive", speed_profile, drive),
+        problems.made("load", hanging_load, scene.load, layout.loaded, places),
+    )
+    if load is not None and profile is not None and isinstance(drive, SpeedDrive):
         problems.made("load", load.check_run, profile, layout.shaft_ratios[layout.loaded], scene.simulation.end_s)
     bearings = bearing_specs(scene, problems)
     return MachineParts(
         shafts=problems.made("shafts", shaft_specs, scene, layout) or (),
         bearings=bearings,
-        meshes=gear_meshes(scene, layout, faults),
+        meshes=gear_meshes(scene, layout, faults, problems),
         couplings=motor_couplings(drive, layout.driven, ends),
         input_shaft=driven,
         profile=profile,

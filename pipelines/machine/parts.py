@@ -7,31 +7,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from fem.gears.deviations import RandomDeviations
 from fem.gears.geometry import GearPair
 from fem.gears.prescribed import PrescribedDeviations
 from mbd.parts import channels
 from mbd.parts.gear_mesh import GearedShafts
-from mbd.parts.machine import Machine, Train
-
-
-@dataclass(frozen=True, kw_only=True)
-class ToothDeviations:
-    """Deviations of the teeth of a gear: flank tolerance class of ISO 1328-1, which kinds, seed of their sequence."""
-
-    grade: int
-    include: tuple[str, ...]
-    seed: int
+from mbd.parts.machine import Train
 
 
 @dataclass(frozen=True, kw_only=True)
 class GearTeeth:
     """What is particular about the teeth of a gear; the n-th damaged tooth is variant n of the mesh law.
 
-    `deviations` are drawn, `prescribed` ones stated; None: there are none.
+    `deviations` are sampled with the seed of the gear, `prescribed` ones stated; None: there are none.
     `clearances` are numbers of teeth with what their faults add on either flank, m (inf: the tooth is missing).
     """
 
-    deviations: ToothDeviations | None
+    deviations: RandomDeviations | None
     prescribed: PrescribedDeviations | None
     clearances: tuple[tuple[int, float], ...]
     damaged: tuple[int, ...]
@@ -60,7 +52,7 @@ class Recorded:
     sensors: tuple[str, ...]
     journals: bool
 
-    def channels(self, machine: Machine) -> tuple[str, ...]:
+    def channels(self, machine: Train) -> tuple[str, ...]:
         """All channels of a machine that are recorded."""
         names = channels.channel_names(machine, self.sensors)
         if self.journals:

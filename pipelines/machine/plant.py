@@ -5,40 +5,39 @@ The scene stays what users wrote, in their units; it is read here, and by the ch
 
 from __future__ import annotations
 
-import functools
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.models.casing import Casing, Structure
-from fem.contact.frame import ModelError
 from fem.contact.models.mesh_model import LawSpec
-from fem.contact.models.registry import loaded_model
-from fem.gears.geometry import GeometryError
 from mbd.forces.load_models import HangingLoad
 from mbd.integrators.settings import MotionSettings
-from mbd.parts.checks import MachineError
-from pipelines.io.errors import Problem, Problems
-from pipelines.machine.bearings import BearingFault, RollingBearing, bearing_faults, bearing_points, rolling_bearings
-from pipelines.machine.casing import casing
-from pipelines.machine.facts import Facts, derive, stage_facts
-from pipelines.machine.flanks import Fault, flanks_spec, tooth_faults
+from pipelines.machine.bearings import BearingFault, RollingBearing
+from pipelines.machine.flanks import Fault
 from pipelines.machine.flanks_spec import FlanksSpec
-from pipelines.machine.layout import Layout, lay_out
-from pipelines.machine.loads import weight
-from pipelines.machine.looked_for import LookedFor, diagnosis_settings
-from pipelines.machine.machine import machine_parts
+from pipelines.machine.layout import Layout, StageFacts
+from pipelines.machine.looked_for import diagnosis_settings
 from pipelines.machine.parts import MachineParts, Recorded
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import ShaftFault, shaft_faults
-from pipelines.scene.tables.analysis import DiagnosisTable
-from pipelines.scene.tables.casing import FlexibleBase, SensorTable
-from pipelines.scene.tables.motion import DriveModel, SpeedDrive
+from pipelines.scene.tables.analysis import LookedFor
 from pipelines.signals.analysis import DiagnosisSettings
 
-REFUSALS = (MachineError, GeometryError, ModelError)
+
+@dataclass(frozen=True, kw_only=True)
+class Facts:
+    """Derived quantities of a plant (SI)."""
+
+    motor_speed: float
+    total_ratio: float
+    output_torque: float
+    input_torque: float
+    stages: tuple[StageFacts, ...]
+    rope_frequency: float | None
+    container_speed: float | None  # None where nothing is hoisted
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -61,6 +60,7 @@ class Drivetrain:
     spalls: tuple[BearingFault, ...]
     shaft_faults: tuple[ShaftFault, ...]
     bearing_points: tuple[tuple[float, float, float], ...]  # of bearing_1, ..., those that the casing carries (m)
+    casing_modes: int  # about as many of the casing add to those of the machine
     recorded: Recorded
     motion: MotionSettings
     looked_for: LookedFor
@@ -79,7 +79,17 @@ class Drivetrain:
     @property
     def facts(self) -> Facts:
         """What follows from it before anything is computed."""
-        return derive(self.layout, self.hoist)
+        layout, hoist = self.layout, self.hoist
+        drums = layout.motor_speed * layout.shaft_ratios[layout.loaded]
+        return Facts(
+            motor_speed=layout.motor_speed,
+            total_ratio=layout.ratio,
+            output_torque=layout.load_torque,
+            input_torque=layout.input_torque,
+            stages=layout.stages,
+            rope_frequency=None if hoist is None else hoist.rope_frequency(),
+            container_speed=None if hoist is None else drums * hoist.drum_radius / hoist.reeving_ratio,
+        )
 
     @property
     def diagnosis(self) -> DiagnosisSettings | None:
@@ -119,104 +129,12 @@ class Plant(Drivetrain):
         return self.structure.sensors
 
 
-def make_plant(scene: Scene, source: str = "scene", layout: Layout | None = None) -> Plant:
-    """The plant of a scene that fits together, see `pipelines.machine.checks.validity.checked_plant`.
-
-    Raises
-    ------
-    SceneError : all that its parts refuse, at once; `source` names the scene in it
-    """
-    layout = layout or lay_out(scene, source)
-    problems = Problems(*REFUSALS)
-    train = _drivetrain(scene, layout, problems)
-    made = problems.made("casing", casing, scene, layout, train.machine, source)
-    for number, spec in enumerate(train.laws, 1):
-        if reason := _law_refusal(spec):
-            problems.append(Problem(f"stages.{number}.mesh", reason))
-    problems.stop(source)
-    return Plant(**vars(train), casing=made[0], structure=made[1])
-
-
-def make_drivetrain(scene: Scene, source: str = "scene", layout: Layout | None = None) -> Drivetrain:
-    """Everything but the casing. SceneError as `make_plant`."""
-    problems = Problems(*REFUSALS)
-    train = _drivetrain(scene, layout or lay_out(scene, source), problems)
-    problems.stop(source)
-    return train
-
-
-def _drivetrain(scene: Scene, layout: Layout, problems: Problems) -> Drivetrain:
-    faults = tooth_faults(scene.tooth_faults.values(), layout.pinion_senses)
-    return Drivetrain(
-        title=scene.title,
-        labels=_labels(scene),
-        models=scene.models(),
-        layout=layout,
-        laws=tuple(law_specs(scene, layout)),
-        flanks=tuple(
-            flanks_spec(pair, modifications, faults, number)
-            for number, (pair, modifications) in enumerate(zip(layout.pairs, layout.modifications, strict=True), 1)
-        ),
-        machine=machine_parts(scene, layout, faults, problems),
-        hoist=weight(scene.load),
-        rolling=() if problems else rolling_bearings(scene),
-        faults=faults,
-        spalls=tuple(bearing_faults(scene).values()),
-        shaft_faults=shaft_faults(scene),
-        bearing_points=bearing_points(scene.shafts, layout),
-        recorded=Recorded(
-            sensors=tuple(sensor.name for sensor in scene.sensors),
-            journals=not isinstance(scene.casing, FlexibleBase),
-        ),
-        motion=scene.simulation.made(),
-        looked_for=looked_for(scene.diagnosis, scene.sensors, scene.drive),
-    )
-
-
-def law_specs(scene: Scene, layout: Layout) -> list[LawSpec]:
-    """The mesh laws that a scene asks for, by stage, before its flanks are modified or damaged."""
-    loads = [facts.line_load for facts in stage_facts(layout)]
-    return [
-        LawSpec(
-            pair=replace(pair, backlash_allowance=0.0),
-            mesh=loaded_model(stage.mesh.made(), load),
-        )
-        for stage, pair, load in zip(scene.stages, layout.pairs, loads, strict=True)
-    ]
-
-
-@functools.lru_cache(maxsize=64)
-def _law_refusal(spec: LawSpec) -> str:
-    """Why a law cannot be built, by its settings and path of contact; "" where nothing is known against it."""
-    try:
-        spec.mesh.check(spec.pair)
-    except (ModelError, GeometryError) as error:
-        return str(error)
-    return ""
-
-
-def looked_for(table: DiagnosisTable, sensors: Sequence[SensorTable], drive: DriveModel) -> LookedFor:
-    """What is asked of the diagnosis."""
-    return LookedFor(
-        sensor=table.sensor or (sensors[0].name if sensors else ""),
-        axis=table.axis,
-        stage=table.stage,
-        gear=table.gear,
-        windows=dict(table.windows_s),
-        band=table.envelope_band_Hz,
-        noise=table.noise_m_s2,
-        possible=bool(table.windows_s and sensors),
-        speed_is_known=isinstance(drive, SpeedDrive),
-        damping_spread=table.damping_spread,
-    )
-
-
 def fault_labels(scene: Scene) -> list[dict[str, Any]]:
     """Every fault of a scene with its kind, place and severity, in the words of the scene."""
     return [*(fault.model_dump() for fault in scene.faults), *(fault.label for fault in shaft_faults(scene))]
 
 
-def _labels(scene: Scene) -> dict[str, Any]:
+def labels(scene: Scene) -> dict[str, Any]:
     """What is known of a run without its motion: the attributes that say what was run."""
     deviations, faults = scene.deviations, fault_labels(scene)
     return {

@@ -58,6 +58,11 @@ class Contents:
         return ", ".join(shown(channel.name, 60) for channel in self.channels[:20]) or "none"
 
 
+def of_array(name: str, values: np.ndarray, **facts: Any) -> Channel:
+    """The channel of an array of one dimension, which may lie in a file; `facts` are other fields of `Channel`."""
+    return Channel(name=name, size=len(values), dtype=values.dtype, read=lambda part: values[part], **facts)
+
+
 def array_channels(
     name: str, values: Any, *, units: str = "", rate: float | None = None, problem: str = ""
 ) -> Iterator[Channel]:

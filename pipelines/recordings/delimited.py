@@ -18,7 +18,7 @@ import numpy as np
 
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
-from pipelines.recordings.channels import Channel, Contents, distinct, exported_place, name_and_units
+from pipelines.recordings.channels import Channel, Contents, distinct, exported_place, name_and_units, of_array
 
 _LINES = 50_000  # read at once
 _HEAD = 100  # lines in which the data must begin
@@ -68,14 +68,8 @@ def open_channels(path: Path) -> Contents:
 
 def _channels(values: np.ndarray, layout: Layout) -> Iterator[Channel]:
     for column, (name, units) in enumerate(zip(layout.names, layout.units, strict=True)):
-
-        def read(part: slice, column: int = column) -> np.ndarray:
-            return np.array(values[part, column])
-
         label = name or (_guessed(values[:1000, column]) if column == 0 else "") or f"channel {column + 1}"
-        yield Channel(
-            name=label, size=len(values), dtype=values.dtype, read=read, units=units, place=exported_place(label)
-        )
+        yield of_array(label, values[:, column], units=units, place=exported_place(label))
 
 
 def _guessed(start: np.ndarray) -> str:

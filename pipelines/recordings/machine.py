@@ -6,47 +6,27 @@ It is described by a short file of its own (`pipelines.recordings.machine_table.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
 
 from pipelines.io.errors import InputError, Problem, SceneError
 from pipelines.io.other_files import SCENE_KEYS
 from pipelines.io.shown import shown
-from pipelines.recordings.machine_table import BearingTable, ChannelName, MachineTable
-from pipelines.recordings.units import plain_units
+from pipelines.recordings.machine_table import BearingTable, MachineTable
 from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 
 
 @dataclass(frozen=True, kw_only=True)
-class Tachometer:
-    """A channel of pulses of a shaft; `level` of a pulse in the units of the channel, None for half way."""
-
-    channel: ChannelName
-    pulses_per_turn: float
-    shaft: str
-    level: float | None
-
-
-@dataclass(frozen=True, kw_only=True)
 class Machine:
-    """The kinematics, and how the channels of a file become signals in m/s2.
+    """The kinematics, and the `table` that says how the channels of a file become signals in m/s2.
 
-    `sensors` are channels by sensor and axis, empty where every channel of the file is a sensor. `rate` is in Hz;
-    `time` is the channel that holds the time, None if its name says so, False if the file's time is not used;
-    `sensitivity` is in V per g, None where the file is not in volts; `full_scale` is that of a WAV file, in `units`.
+    A machine from a scene has the table of a machine file that sets nothing of this: every channel is a sensor.
     """
 
     name: str
     kinematics: Kinematics
-    sensors: Mapping[str, Mapping[str, ChannelName]] = field(default_factory=dict)
-    rate: float | None = None
-    time: ChannelName | Literal[False] | None = None
-    units: str | None = None
-    sensitivity: float | None = None
-    full_scale: float = 1.0
-    tachometer: Tachometer | None = None
+    table: MachineTable = field(default_factory=MachineTable.model_construct)
 
 
 def read_machine(source: str | Path) -> Machine:
@@ -89,37 +69,21 @@ def _of_scene(source: str | Path) -> Machine:
 
 
 def _of_table(table: MachineTable, shafts: Sequence[Shaft], bearings: Sequence[Bearing], name: str) -> Machine:
-    pulses = table.tachometer
-    return Machine(
-        name=name,
-        kinematics=Kinematics(
-            shafts=tuple(shafts),
-            gears=tuple(
-                Gear(name=f"stage {stage} {gear}", shaft=_name(number), stage=stage, teeth=teeth)
-                for stage, (pair, numbers) in enumerate(zip(table.teeth, _pairs(table), strict=True), 1)
-                for gear, teeth, number in zip(("pinion", "wheel"), pair, numbers, strict=True)
-            ),
-            bearings=tuple(bearings),
-            frequency=None if table.speed_rpm is None else table.speed_rpm / 60,
+    kinematics = Kinematics(
+        shafts=tuple(shafts),
+        gears=tuple(
+            Gear(name=f"stage {stage} {gear}", shaft=shaft_name(number), stage=stage, teeth=teeth)
+            for stage, (pair, numbers) in enumerate(zip(table.teeth, _pairs(table), strict=True), 1)
+            for gear, teeth, number in zip(("pinion", "wheel"), pair, numbers, strict=True)
         ),
-        sensors=table.sensors,
-        rate=table.rate_Hz,
-        time=table.time,
-        units=None if table.units is None else plain_units(table.units),
-        sensitivity=None if table.sensitivity_mV_g is None else table.sensitivity_mV_g / 1000,
-        full_scale=table.full_scale,
-        tachometer=None
-        if pulses is None
-        else Tachometer(
-            channel=pulses.channel,
-            pulses_per_turn=pulses.pulses_per_turn,
-            shaft=_name(pulses.shaft),
-            level=pulses.level,
-        ),
+        bearings=tuple(bearings),
+        frequency=None if table.speed_rpm is None else table.speed_rpm / 60,
     )
+    return Machine(name=name, kinematics=kinematics, table=table)
 
 
-def _name(number: int) -> str:
+def shaft_name(number: int) -> str:
+    """The name of a shaft by its number in the machine file."""
     return f"shaft_{number}"
 
 
@@ -166,7 +130,7 @@ def _shafts(table: MachineTable) -> tuple[list[Shaft], list[Problem]]:
             problems.append(
                 Problem(path, f"there is no shaft {shaft}, allowed are 1 to {len(speeds)}", "Correct the number")
             )
-    return [Shaft(name=_name(number), ratio=speeds[number]) for number in sorted(speeds)], problems
+    return [Shaft(name=shaft_name(number), ratio=speeds[number]) for number in sorted(speeds)], problems
 
 
 def _bearings(table: MachineTable) -> tuple[list[Bearing], list[Problem]]:
@@ -177,7 +141,7 @@ def _bearings(table: MachineTable) -> tuple[list[Bearing], list[Problem]]:
     for number, bearing in enumerate(table.bearings, 1):
         try:
             orders = bearing.orders() or _geometric_orders(bearing)
-            found.append(Bearing(name=bearing.name, shaft=_name(bearing.shaft), orders=orders))
+            found.append(Bearing(name=bearing.name, shaft=shaft_name(bearing.shaft), orders=orders))
         except MachineError as error:
             problems.append(Problem(f"bearings.{number}", str(error), "Correct its numbers"))
     return found, problems

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from pipelines.recordings import hdf5
-from pipelines.recordings.channels import Channel, Contents
+from pipelines.recordings.channels import Channel, Contents, of_array
 from pipelines.recordings.numpy_files import named_arrays
 
 _WIDTH = 8  # bytes of a number
@@ -55,9 +55,5 @@ def _exported(content: Mapping[str, Any]) -> Iterator[Channel]:
         return
     for row, sensor in enumerate(np.atleast_1d(names["sensor"])):
         for column, axis in enumerate(np.atleast_1d(names["axis"])):
-
-            def read(part: slice, row: int = row, column: int = column) -> np.ndarray:
-                return values[part, row, column]
-
             name, place = f"acceleration {sensor} {axis}", (str(sensor), str(axis))
-            yield Channel(name=name, size=len(values), dtype=values.dtype, read=read, units="m/s2", place=place)
+            yield of_array(name, values[:, row, column], units="m/s2", place=place)

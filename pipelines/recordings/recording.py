@@ -22,7 +22,7 @@ from pipelines.recordings.channels import Channel, Contents
 from pipelines.recordings.checks import checked_extremes, clipped_share
 from pipelines.recordings.formats import damage_refused, format_of, memory_needed, open_channels
 from pipelines.recordings.hdf5 import holds_recording
-from pipelines.recordings.machine import Machine
+from pipelines.recordings.machine import Machine, shaft_name
 from pipelines.recordings.machine_table import AXES, DEFAULT_AXIS, ChannelName
 from pipelines.recordings.time_axis import is_time, sampling
 from pipelines.recordings.units import ACCELERATIONS, GRAVITY, VOLTAGES, may_be_acceleration, plain_units
@@ -70,7 +70,7 @@ def _response(path: Path) -> xarray.Dataset:
 
 
 def _recording(contents: Contents, machine: Machine, path: Path, form: str) -> xarray.Dataset:
-    source, tachometer = shown(path), machine.tachometer
+    source, table, tachometer = shown(path), machine.table, machine.table.tachometer
     clock = _clock(contents, machine, source)
     pulses = None if tachometer is None else channel_of(contents, tachometer.channel, source)
     places = _places(contents, machine, [one for one in (clock, pulses) if one is not None], source)
@@ -78,15 +78,15 @@ def _recording(contents: Contents, machine: Machine, path: Path, form: str) -> x
     used = [*signals, *([] if pulses is None else [pulses])]
     _check_lengths([*used, *([] if clock is None else [clock])], source)
     extremes = {channel.name: checked_extremes(channel, source) for channel in used}
-    rate, start = sampling(used, clock, machine.rate, source)
-    units = {channel.name: machine.units or plain_units(channel.units) or "m/s2" for channel in signals}
-    full = machine.full_scale if form == "WAV" else 1.0
+    rate, start = sampling(used, clock, table.rate_Hz, source)
+    units = {channel.name: plain_units(table.units or channel.units) or "m/s2" for channel in signals}
+    full = table.full_scale if form == "WAV" else 1.0
     scales = {channel.name: full * _to_si(channel, units[channel.name], machine, source) for channel in signals}
     axes = [axis for axis in AXES if any(axis in given for given in places.values())]
-    table = [[given.get(axis) for axis in axes] for given in places.values()]
-    variables = {"acceleration": _variable(("sensor", "axis"), table, scales, {"units": "m/s2"})}
+    placed = [[given.get(axis) for axis in axes] for given in places.values()]
+    variables = {"acceleration": _variable(("sensor", "axis"), placed, scales, {"units": "m/s2"})}
     if pulses is not None and tachometer is not None:
-        marks = {"pulses_per_turn": tachometer.pulses_per_turn, "shaft": tachometer.shaft}
+        marks = {"pulses_per_turn": tachometer.pulses_per_turn, "shaft": shaft_name(tachometer.shaft)}
         marks |= {} if tachometer.level is None else {"level": tachometer.level}
         variables["tachometer"] = _variable((), pulses, {pulses.name: 1.0}, marks | {"units": pulses.units})
     found = xarray.Dataset(
@@ -163,10 +163,11 @@ def channel_of(contents: Contents, wanted: ChannelName, source: str) -> Channel:
 
 def _clock(contents: Contents, machine: Machine, source: str) -> Channel | None:
     """The channel that holds the time: the one that the machine names, or the first that is called so."""
-    if machine.time is False:
+    wanted = machine.table.time
+    if wanted is False:
         return None
-    if machine.time is not None:
-        return channel_of(contents, machine.time, source)
+    if wanted is not None:
+        return channel_of(contents, wanted, source)
     return next((channel for channel in contents.channels if is_time(channel)), None)
 
 
@@ -174,10 +175,10 @@ def _places(
     contents: Contents, machine: Machine, others: Sequence[Channel], source: str
 ) -> dict[str, dict[str, Channel]]:
     """Channels by sensor and axis: those that the machine names, else all that may be accelerations."""
-    if machine.sensors:
+    if machine.table.sensors:
         return {
             name: {axis: channel_of(contents, channel, source) for axis, channel in axes.items()}
-            for name, axes in machine.sensors.items()
+            for name, axes in machine.table.sensors.items()
         }
     found = [
         channel
@@ -224,9 +225,9 @@ def _to_si(channel: Channel, units: str, machine: Machine, source: str) -> float
             f"{where}, allowed are {', '.join((*ACCELERATIONS, *VOLTAGES))}. Set units in the machine file, or another "
             "channel in sensors."
         )
-    if machine.sensitivity is None:
+    if machine.table.sensitivity_mV_g is None:
         raise InputError(f"{where}. Set sensitivity_mV_g of the sensors in the machine file.")
-    return VOLTAGES[units] / machine.sensitivity * GRAVITY
+    return VOLTAGES[units] / (machine.table.sensitivity_mV_g / 1000) * GRAVITY
 
 
 def _warnings(

@@ -12,7 +12,7 @@ import numpy as np
 
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
-from pipelines.recordings.channels import Channel, Contents
+from pipelines.recordings.channels import Channel, Contents, of_array
 
 _INCREMENT = "wf_increment"  # s, of a waveform
 _UNITS = ("unit_string", "NI_UnitDescription")
@@ -73,14 +73,7 @@ def _channel(name: str, channel: Any) -> Channel:
     values = np.asarray(channel[:])
     step = channel.properties.get(_INCREMENT)
     units = next((str(channel.properties[key]) for key in _UNITS if channel.properties.get(key)), "")
-    return Channel(
-        name=name,
-        size=len(values),
-        dtype=values.dtype,
-        read=lambda part: values[part],
-        units=units,
-        rate=1.0 / float(step) if step else None,
-    )
+    return of_array(name, values, units=units, rate=1.0 / float(step) if step else None)
 
 
 def _library() -> Any:

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from pipelines.io.universal_file import QUANTITIES, Function, Record, read_functions
-from pipelines.recordings.channels import Channel, Contents, array_channels, distinct, exported_place
+from pipelines.recordings.channels import Channel, Contents, array_channels, distinct, exported_place, of_array
 
 _AXES = {1: "x", 2: "y", 3: "z"}
 _UNSAID = (0, 1, 12)  # types of the ordinate that may be an acceleration: unknown, general, acceleration
@@ -33,15 +31,10 @@ def _channel(name: str, record: Record) -> Channel:
     head = record.head
     values = -record.values if head.direction < 0 else record.values
 
-    def read(part: slice) -> np.ndarray:
-        return values[part]
-
     units = head.units or ("" if head.quantity in _UNSAID else QUANTITIES.get(head.quantity, "another quantity"))
-    return Channel(
-        name=name,
-        size=len(values),
-        dtype=values.dtype,
-        read=read,
+    return of_array(
+        name,
+        values,
         units=units,
         rate=1.0 / head.step if record.x is None and head.step > 0.0 else None,
         place=exported_place(name) or _place(head),

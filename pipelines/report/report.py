@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from pipelines.diagnosis.control_verdict import criterion, directions, sentences, summary_grid
 from pipelines.io.grid import Grid
@@ -98,20 +99,17 @@ def _gears(contents: ReportContents) -> list[str]:
 
 
 def _rolling(contents: ReportContents) -> list[str]:
-    if not contents.rolling:
-        return []
-    note = (
+    return _noted(
+        contents.rolling,
         "Pass frequencies at the highest speed, without slip. A spall on a rolling element meets both rings in each "
-        "turn of the element, so its frequency is 2 BSF."
+        "turn of the element, so its frequency is 2 BSF.",
     )
-    return [page.table(grid("", contents.rolling)), page.note(note)]
 
 
 def _shafts(contents: ReportContents) -> list[str]:
-    if not contents.shafts:
-        return []
-    note = "Orders 1x and 2x of the shaft at the highest speed. The diagnosis evaluates these two lines."
-    return [page.table(grid("", contents.shafts)), page.note(note)]
+    return _noted(
+        contents.shafts, "Orders 1x and 2x of the shaft at the highest speed. The diagnosis evaluates these two lines."
+    )
 
 
 def _stiffness(contents: ReportContents) -> list[str]:
@@ -119,12 +117,16 @@ def _stiffness(contents: ReportContents) -> list[str]:
 
 
 def _casing(contents: ReportContents) -> list[str]:
-    note = (
+    return _noted(
+        contents.casing_rows,
         "Coordinates: degrees of freedom of the reduced model. The checks compare it with the finite-element model: "
-        "symmetry, rigid-body motions, mass, inertia and reactions. gearcase casing SCENE prints each of them."
-    )
-    parts = [page.table(grid("", contents.casing_rows)), page.note(note)] if contents.casing_rows else []
-    return parts + _picture(contents.casing_picture)
+        "symmetry, rigid-body motions, mass, inertia and reactions. gearcase casing SCENE prints each of them.",
+    ) + _picture(contents.casing_picture)
+
+
+def _noted(rows: Sequence[Mapping[str, Any]], note: str) -> list[str]:
+    """A table with what explains it, where there are rows."""
+    return [page.table(grid("", rows)), page.note(note)] if rows else []
 
 
 def _picture(found: str | LeftOut | None) -> list[str]:
@@ -163,15 +165,13 @@ def _cost(cost: RunCost) -> list[str]:
 
 
 def _energy(contents: ReportContents) -> list[str]:
-    if not contents.energy:
-        return []
-    note = (
+    return _noted(
+        contents.energy,
         "Energies over the whole simulation, in joule. Stored: change of the stored energy. Parametric: work of "
         "springs whose stiffness changes in time. Residual: received plus parametric minus dissipated minus stored; 0 "
         "except for numerical errors. Scale: the energy with which the residual is compared. The total includes the "
-        "rotation of the shafts."
+        "rotation of the shafts.",
     )
-    return [page.table(grid("", contents.energy)), page.note(note)]
 
 
 def _provenance(cost: RunCost) -> list[str]:

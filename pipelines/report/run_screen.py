@@ -14,10 +14,10 @@ from pipelines.diagnosis.control_verdict import all_seen, case_name, headline
 from pipelines.diagnosis.prediction import FEWEST_FOR_P
 from pipelines.diagnosis.verdict import Finding, Verdict
 from pipelines.machine.kinematics import kinematics_of
-from pipelines.machine.looked_for import LookedFor
 from pipelines.machine.plant import Plant
 from pipelines.report.first_screen import Average, Envelope, FirstScreen, Ranked
 from pipelines.report.zoom_data import ENVELOPE_ORDERS, streams
+from pipelines.scene.tables.analysis import LookedFor
 from pipelines.signals.analysis import DiagnosisSettings, analyse, noisy_signal
 from pipelines.signals.features.average import FEWEST_TURNS, average
 from pipelines.signals.features.turns import cut_turns
@@ -56,7 +56,8 @@ def first_screen(
     baseline : whether it compares with healthy machines of other deviations, not with the exact control
     """
     if verdict is not None and baseline:
-        verdicts, found, label = list(words.sentences(verdict)), verdict.alarm, _against(verdict)
+        verdicts, found = list(words.sentences(verdict)), verdict.alarm
+        label = f"Compared with {verdict.healthy} healthy recordings of machines with other deviations."
     else:
         verdicts, found = _verdict(plant, diagnoses, failure)
         label = CONTROL if diagnoses else ""
@@ -70,10 +71,6 @@ def first_screen(
         ranking=() if verdict is None else [_ranked(finding) for finding in verdict.findings],
         ranking_note="" if verdict is None else _ranking_note(verdict),
     )
-
-
-def _against(verdict: Verdict) -> str:
-    return f"Compared with {verdict.healthy} healthy recordings of machines with other deviations."
 
 
 def _ranked(finding: Finding) -> Ranked:

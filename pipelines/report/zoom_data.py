@@ -12,9 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipelines.report.thinning import extremes, largest
-from pipelines.signals.analysis import DiagnosisSettings, channel, channel_names, noisy_signal, sampling
-from pipelines.signals.spectrum import amplitude_spectrum, cut, envelope_spectrum, whole_revolutions
+from pipelines.signals.analysis import DiagnosisSettings, analyse, channel, channel_names
 
 if TYPE_CHECKING:
     import xarray
@@ -163,13 +161,10 @@ def _spectra(
     run: xarray.Dataset, sensor: str, settings: DiagnosisSettings, band: tuple[float, float], stream: int
 ) -> Iterator[tuple[np.ndarray, float]]:
     """Spectrum and envelope spectrum (bin, axis) of every window, each with its resolution in Hz; with sensor noise."""
-    rate, begin = sampling(run)
-    noisy = noisy_signal(run, replace(settings, sensor=sensor, axis="resultant"), stream)
-    for start, end in settings.windows.values():
-        segment = whole_revolutions((start - begin, end - begin), rate, settings.revolution_frequency)
-        axes = cut(noisy, rate, segment).T
-        spectra = [amplitude_spectrum(axis, segment, settings.spectrum_window) for axis in axes]
-        envelopes = [envelope_spectrum(axis, segment, band, settings.spectrum_window) for axis in axes]
+    axes = [replace(settings, sensor=sensor, axis=str(axis)) for axis in run.axis.values]
+    found = [analyse(run, of_axis, stream=stream, band=band) for of_axis in axes]
+    for window in settings.windows:
+        spectra, envelopes = ([getattr(one, kind)[window] for one in found] for kind in ("spectra", "envelopes"))
         shown = envelopes[0].frequency <= ENVELOPE_ORDERS * settings.revolution_frequency
         yield np.stack([one.amplitude for one in spectra], axis=1), spectra[0].resolution
         yield np.stack([one.amplitude[shown] for one in envelopes], axis=1), envelopes[0].resolution
@@ -178,3 +173,38 @@ def _spectra(
 def _lines(amplitude: np.ndarray, resolution: float, most: int) -> tuple[Trace, int]:
     values, stretch = largest(amplitude, most)
     return Trace(start=(stretch - 1) * resolution / 2, step=stretch * resolution, values=values), stretch
+
+
+def extremes(values: np.ndarray, most: int) -> tuple[np.ndarray, int]:
+    """Smallest and largest value of stretches, in the order in which they come, and the samples of a stretch.
+
+    Parameters
+    ----------
+    values : float (n,)
+    most : points that are wanted, an even number
+
+    Returns
+    -------
+    float (at most `most`,), two per stretch, and the length of a stretch; the values themselves and 1 if they are few
+    """
+    if len(values) <= most:
+        return values, 1
+    stretch = -(-2 * len(values) // most)
+    laid = _laid(values, stretch)
+    low, high = laid.argmin(axis=1), laid.argmax(axis=1)
+    places = np.stack([np.minimum(low, high), np.maximum(low, high)], axis=1)
+    return np.take_along_axis(laid, places, axis=1).ravel(), stretch
+
+
+def largest(values: np.ndarray, most: int) -> tuple[np.ndarray, int]:
+    """The largest value of every stretch and the samples of a stretch, of float (n,), at most `most` of them."""
+    if len(values) <= most:
+        return values, 1
+    stretch = -(-len(values) // most)
+    return _laid(values, stretch).max(axis=1), stretch
+
+
+def _laid(values: np.ndarray, stretch: int) -> np.ndarray:
+    """Rows of a stretch each; the last one is filled up with the last value."""
+    missing = -len(values) % stretch
+    return np.concatenate([values, np.full(missing, values[-1])]).reshape(-1, stretch)

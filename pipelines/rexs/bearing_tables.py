@@ -20,6 +20,7 @@ RADIAL = {"ball": 4.0, "roller": 8.0}  # N/um per mm of bore
 FREE = 0.01  # N/um, the least that a scene takes
 LEVER = 0.4  # of the bore
 RIGID = 1e6  # N/um: stiffer ones mean rigid
+BOTH = "its balls hold both"
 BALLS = ("radial_grooved_ball_bearing", "angular_contact_ball_bearing", "four_point_contact_ball_bearing")
 
 
@@ -41,7 +42,10 @@ def bearing_table(bearing: Bearing, shaft: Shaft, path: str) -> tuple[dict[str, 
     if wanted in known:
         value = f'designation "{wanted}"'
         reason = f"the catalogue's inside of {bearing.label}, of which the file has none; no clearance"
-        return {"model": "hertz", "designation": wanted}, [_assumed(path, value, reason), *_one_way(bearing, path)]
+        return {"model": "hertz", "designation": wanted}, [
+            _assumed(path, value, reason),
+            *_one_way(bearing, path, BOTH),
+        ]
     if bearing.kind == BALLS[0] and bearing.inner_diameter and bearing.outer_diameter and bearing.static_rating:
         return _estimated(bearing, bearing.inner_diameter, bearing.outer_diameter, bearing.static_rating, path)
     return _springs(bearing, shaft, path, "not in the catalogue and without rolling elements in the file")
@@ -89,14 +93,14 @@ def _estimated(
     }
     value = f"{count} balls of {diameter:.4g} mm on {pitch:g} mm"
     reason = f"{bearing.label}: from its bore, outside diameter and static rating; no clearance"
-    return table, [_assumed(path, value, reason), *_one_way(bearing, path)]
+    return table, [_assumed(path, value, reason), *_one_way(bearing, path, BOTH)]
 
 
-def _one_way(bearing: Bearing, path: str) -> list[Note]:
-    """Ball bearings hold both directions; a file may say that the seat lets go of one."""
+def _one_way(bearing: Bearing, path: str, both: str) -> list[Note]:
+    """Balls and springs hold `both` directions; a file may say that the seat lets go of one."""
     if bearing.axial not in ("positive", "negative"):
         return []
-    reason = f"{bearing.label} carries thrust in the {bearing.axial} direction only; its balls hold both"
+    reason = f"{bearing.label} carries thrust in the {bearing.axial} direction only; {both}"
     return [Note(kind="changed", where=path, value="thrust in both directions", reason=reason)]
 
 
@@ -117,13 +121,8 @@ def _springs(
         "tilt_stiffness_N_m_per_rad": 1e6 * radial * (LEVER * bore / 1000) ** 2,
     }
     value = f"springs of {radial:g} N/um radial, {axial:g} N/um axial"
-    notes = [_assumed(path, value, f"{bearing.label}: {why}; by its bore of {bore:g} mm{given}")]
-    return table, notes + (_one_way_springs(bearing, path) if bearing.axial in ("positive", "negative") else [])
-
-
-def _one_way_springs(bearing: Bearing, path: str) -> list[Note]:
-    reason = f"{bearing.label} carries thrust in the {bearing.axial} direction only; springs hold both"
-    return [Note(kind="changed", where=path, value="thrust in both directions", reason=reason)]
+    assumed = _assumed(path, value, f"{bearing.label}: {why}; by its bore of {bore:g} mm{given}")
+    return table, [assumed, *_one_way(bearing, path, "springs hold both")]
 
 
 def _seat(bearing: Bearing, shaft: Shaft) -> float:

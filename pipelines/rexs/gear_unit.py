@@ -132,15 +132,18 @@ class GearUnit:
     notes: tuple[Note, ...]
 
     @property
+    def speeds(self) -> dict[int, float]:
+        """Turns of each shaft, by its place in the tuple, for one turn of the input."""
+        found = {0: 1.0}
+        for stage in self.stages:
+            driving, driven = stage.shafts
+            found[driven] = found[driving] * stage.pinion.teeth / stage.wheel.teeth
+        return found
+
+    @property
     def ratio(self) -> float:
         """Turns of the input for one turn of the output."""
-        speeds = {0: 1.0}
-        waiting = list(self.stages)
-        while ready := next((stage for stage in waiting if stage.shafts[0] in speeds), None):
-            waiting.remove(ready)
-            driving, driven = ready.shafts
-            speeds[driven] = speeds[driving] * ready.pinion.teeth / ready.wheel.teeth
-        return 1 / speeds[self.output]
+        return 1 / self.speeds[self.output]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,13 +17,22 @@ def document_of_json(content: bytes, source: str) -> Document:
 
     Raises
     ------
-    RexsError : no JSON, or not the structure of REXS
+    RexsError : no JSON, or see `document_of_model`
     """
     try:
         tree = json.loads(content)
     except (ValueError, RecursionError) as error:
         raise RexsError(f"{source}: not valid JSON: {shown(str(error))}. Correct it.") from error
-    model = _table(_table(tree, source).get("model"), source)
+    return document_of_model(_table(_table(tree, source).get("model"), source), source)
+
+
+def document_of_model(model: Mapping[str, Any], source: str) -> Document:
+    """The document of the object "model" of REXS.
+
+    Raises
+    ------
+    RexsError : not the structure of REXS
+    """
     spectrum = _table(model.get("load_spectrum", {}), source)
     components = [_component(_table(one, source), source) for one in _list(model, "components", source)]
     return Document(

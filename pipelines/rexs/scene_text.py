@@ -254,13 +254,8 @@ def _motion_lines(unit: GearUnit, motion: MotionTables, stages: list[StageTable]
     yield "[load]"
     yield from _keys(motion.load)
     yield from _missing(motion, "load")
-    speed = (unit.load_case.speed or 0.0) / 60
-    fastest = 0.0
-    speeds = {0: speed}
-    for stage in unit.stages:
-        driving, driven = stage.shafts
-        fastest = max(fastest, abs(speeds[driving]) * stage.pinion.teeth)
-        speeds[driven] = speeds[driving] * stage.pinion.teeth / stage.wheel.teeth
+    speed = abs(unit.load_case.speed or 0.0) / 60
+    fastest = max(speed * unit.speeds[stage.shafts[0]] * stage.pinion.teeth for stage in unit.stages)
     rate = max(10_000.0, 1000.0 * math.ceil(HARMONICS * fastest / 1000))
     yield ""
     yield "[simulation]"

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from typing import Any
 
 from pipelines.io.shown import shown
-from pipelines.rexs.document import Attribute, Component, Document, Relation, RexsError, by_number
+from pipelines.rexs.document import Document, RexsError
+from pipelines.rexs.json_form import document_of_model
 
 
 class _Builder(ET.TreeBuilder):
@@ -28,49 +30,44 @@ def document_of_xml(content: bytes, source: str) -> Document:
         raise RexsError(f"{source}: not valid XML: {shown(str(error))}. Correct that line.") from error
     if root.tag != "model":
         raise RexsError(f"{source}: its root is <{shown(root.tag)}>, that of REXS is <model>. Set a REXS file.")
-    cases = {
-        _whole(case, "id", source): {_whole(one, "id", source): _attributes(one) for one in case.iterfind("component")}
-        for case in root.iterfind("load_spectrum/load_case")
-    }
-    components = [_component(one, source) for one in root.iterfind("components/component")]
-    return Document(
-        source=source,
-        version=root.get("version", ""),
-        written_by=f"{root.get('applicationId', 'unknown')} {root.get('applicationVersion', '')}".strip(),
-        components=by_number(components, source),
-        relations=tuple(_relation(one, source) for one in root.iterfind("relations/relation")),
-        load_cases=cases,
+    return document_of_model(
+        {
+            **root.attrib,
+            "components": [_component(one, source) for one in root.iterfind("components/component")],
+            "relations": [_relation(one, source) for one in root.iterfind("relations/relation")],
+            "load_spectrum": {"load_cases": [_case(one, source) for one in root.iterfind("load_spectrum/load_case")]},
+        },
+        source,
     )
 
 
-def _component(element: ET.Element, source: str) -> Component:
-    return Component(
-        number_in_file=_whole(element, "id", source),
-        kind=element.get("type", ""),
-        name=element.get("name", ""),
-        attributes=_attributes(element),
-        source=source,
-    )
+def _case(element: ET.Element, source: str) -> dict[str, Any]:
+    components = [_component(one, source) for one in element.iterfind("component")]
+    return {"id": _whole(element, "id", source), "components": components}
 
 
-def _attributes(element: ET.Element) -> dict[str, Attribute]:
-    return {one.get("id", ""): _attribute(one) for one in element.iterfind("attribute")}
+def _component(element: ET.Element, source: str) -> dict[str, Any]:
+    attributes = [_attribute(one) for one in element.iterfind("attribute")]
+    return {**element.attrib, "id": _whole(element, "id", source), "attributes": attributes}
 
 
-def _attribute(element: ET.Element) -> Attribute:
-    unit = element.get("unit", "none")
+def _attribute(element: ET.Element) -> dict[str, Any]:
     array = element.find("array")
-    if array is None:
-        return Attribute(text=element.text or "", unit=unit)
+    value = element.text or "" if array is None else [_number(one.text or "") for one in array.iterfind("c")]
+    return {"id": element.get("id", ""), "unit": element.get("unit", "none"), "value": value}
+
+
+def _number(text: str) -> float | str:
+    """The number of a text; the text itself, of which a scene asks for none."""
     try:
-        return Attribute(numbers=tuple(float(one.text or "") for one in array.iterfind("c")), unit=unit)
+        return float(text)
     except ValueError:
-        return Attribute(unit=unit)  # texts, of which a scene asks for none
+        return text
 
 
-def _relation(element: ET.Element, source: str) -> Relation:
-    roles = {ref.get("role", ""): _whole(ref, "id", source) for ref in element.iterfind("ref")}
-    return Relation(kind=element.get("type", ""), roles=roles)
+def _relation(element: ET.Element, source: str) -> dict[str, Any]:
+    refs = [{"role": ref.get("role", ""), "id": _whole(ref, "id", source)} for ref in element.iterfind("ref")]
+    return {"type": element.get("type", ""), "refs": refs}
 
 
 def _whole(element: ET.Element, key: str, source: str) -> int:

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 from fem.storage import shown_html
 
 if TYPE_CHECKING:
-    from pipelines.machine.facts import Facts
-    from pipelines.machine.plant import Plant
+    from pipelines.machine.plant import Facts, Plant
     from pipelines.scene.file import LoadedScene
 
 
@@ -75,7 +74,7 @@ def check_scene(loaded: LoadedScene) -> Checked:
         plant=study.plant,
         facts=study.plant.facts,
         control=loaded.scene.control or "none",
-        cost=str(estimate(loaded.scene, len(study.motions))),
+        cost=str(estimate(study.plant, len(study.motions))),
         warnings=tuple(warnings),
     )
 
@@ -135,7 +134,7 @@ def _times(plant: Plant) -> Iterator[str]:
     """How long a window must be for each shaft, and which are too short."""
     from pipelines.machine.kinematics import kinematics_of
     from pipelines.signals.features.average import FEWEST_TURNS
-    from pipelines.signals.orders.needed_time import needed_seconds
+    from pipelines.signals.orders.kinematics import needed_seconds
     from pipelines.signals.spectrum import FEWEST_REVOLUTIONS
 
     windows = plant.looked_for.windows

@@ -16,7 +16,7 @@ from pipelines.runs import run_folder
 if TYPE_CHECKING:
     from pipelines.diagnosis.control_diagnosis import Diagnosis
     from pipelines.diagnosis.uncertainty.line_bars import LineBars
-    from pipelines.engine.working import Work
+    from pipelines.engine.run_graph import Work
     from pipelines.scene.file import Settings
 
 
@@ -27,7 +27,7 @@ def diagnose_folder(folder: Path, settings: Settings = ()) -> Diagnosis:
     ------
     InputError : the scene names nothing to look at, or no control was run
     """
-    from pipelines.machine.plant import make_drivetrain
+    from pipelines.machine.machine import make_drivetrain
     from pipelines.scene.file import load_scene
     from pipelines.steps.diagnosing import CaseSpec, diagnoses
 

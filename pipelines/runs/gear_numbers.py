@@ -19,15 +19,13 @@ from fem.contact.evaluation.evaluator import LawEvaluator
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
 from pipelines.io.user_files import whole_file, writable_file
-from pipelines.report.figures.pattern import contact_pattern
 from pipelines.report.figures.plots import TransmissionErrors
 from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, Passage, engagement
 
 if TYPE_CHECKING:
     import xarray
 
-    from fem.contact.law import MeshLaw
-    from pipelines.engine.working import Work
+    from pipelines.engine.run_graph import Work
     from pipelines.scene.file import LoadedScene
 
 PER_CYCLE = 40  # positions
@@ -63,19 +61,6 @@ class _Case:
     modified: bool
     passage: Passage
 
-    @property
-    def law(self) -> MeshLaw:
-        found = self.laws
-        return found.drive if self.faulty else found.healthy if self.modified else found.unmodified
-
-    @property
-    def teeth(self) -> tuple[np.ndarray, np.ndarray]:
-        """Terms of the teeth of pinion and wheel, see `fem.contact.teeth`."""
-        found = self.laws
-        if self.faulty:
-            return found.pinion_faults, found.wheel_faults
-        return np.zeros(found.pair.pinion.teeth), np.zeros(found.pair.wheel.teeth)
-
 
 def machine_states(loaded: LoadedScene, work: Work) -> list[MeshState]:
     """Forces and tilts of all stages where the loaded machine rests at the start of its motion.
@@ -87,17 +72,13 @@ def machine_states(loaded: LoadedScene, work: Work) -> list[MeshState]:
     """
     from mbd.forces.flank import flank_name
     from mbd.system.statics import equilibrium
-    from pipelines.machine.assembly import assemble_machine, assemble_system
-    from pipelines.runs.single_results import scene_graph
+    from pipelines.runs.single_results import build_system
 
-    graph, plant = scene_graph(loaded)
-    outcome = work.build(graph, [*plant.law_names, "casing"])
-    machine = assemble_machine(plant.machine, [outcome.value(name) for name in plant.law_names])
-    system = assemble_system(machine, outcome.value("casing"), plant.recorded)
+    system = build_system(loaded, work)
     rest = equilibrium(system)
     rows = system.rows @ rest.displacement
     found = []
-    for number, (mesh, force) in enumerate(zip(machine.meshes, rest.mesh_force, strict=True), 1):
+    for number, (mesh, force) in enumerate(zip(system.machine.meshes, rest.mesh_force, strict=True), 1):
         if force <= 0.0:
             raise InputError(
                 f"--tilt machine: the drive flank of stage {number} carries {force:.4g} N at the start of the motion. "
@@ -186,11 +167,12 @@ def _pressures(case: _Case, curve: StiffnessCurve) -> tuple[np.ndarray, np.ndarr
 
     Contact of a tip edge beyond the active flank has no Hertz pressure: the curvature of the flank ends there.
     """
-    law, pair = case.law, case.laws.pair
+    pair, law = case.laws.pair, case.laws.law(faulty=case.faulty, modified=case.modified)
+    teeth = case.laws.teeth(faulty=case.faulty)
     evaluator = LawEvaluator(law)
     pressure = np.zeros(curve.share.shape)
     for row, c, delta, psi in zip(pressure, curve.cycle, curve.transmission_error, curve.tilt, strict=True):
-        pairs, loads = evaluator.line_loads(float(c), float(delta), float(psi), *case.teeth)
+        pairs, loads = evaluator.line_loads(float(c), float(delta), float(psi), *teeth)
         xi = c - pairs[:, None] + law.cycle_shift
         on_flank = (xi >= pair.xi_start) & (xi <= pair.xi_end)
         found = contact_pressure(pair, law, float(c), pairs, loads)
@@ -200,11 +182,14 @@ def _pressures(case: _Case, curve: StiffnessCurve) -> tuple[np.ndarray, np.ndarr
 
 def _greatest_pressure(case: _Case, state: MeshState) -> float:
     """The greatest value (Pa) of the contact pattern of the tooth that passes: `gearcase inspect` shows the same."""
-    found = contact_pattern(
-        case.state, case.laws.pair, case.law, "pinion", round(case.passage.cycle), state.force, case.teeth,
+    pattern = case.laws.pattern(
+        tooth=round(case.passage.cycle),
+        faulty=case.faulty,
+        modified=case.modified,
+        force=state.force,
         tilt=state.tilt,
-    )  # fmt: skip
-    return float(np.nanmax(found.pressure, initial=0.0))
+    )
+    return float(np.nanmax(pattern.values, initial=0.0))
 
 
 def gear_rows(pairs: Sequence[PairLaws], curves: xarray.Dataset) -> list[dict[str, Any]]:

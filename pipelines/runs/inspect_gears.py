@@ -55,10 +55,9 @@ class InspectedStage:
     def mesh_view(self, cycles: np.ndarray) -> MeshView:
         """The mesh at its load at the cycles (frame,), healthy and with its faults."""
         found, pair = self.laws, self.laws.pair
-        sound = np.zeros(pair.pinion.teeth), np.zeros(pair.wheel.teeth)
-        states = [mesh_frames("healthy", pair, found.healthy, found.force, cycles, *sound)]
+        states = [mesh_frames("healthy", pair, found.healthy, found.force, cycles, *found.teeth())]
         if found.faults:
-            teeth = found.pinion_faults, found.wheel_faults
+            teeth = found.teeth(faulty=True)
             states.append(mesh_frames(found.faults, pair, found.drive, found.force, cycles, *teeth))
         placed = self.placed
         view = stage_view(placed, found.healthy, in_mesh=True)
@@ -121,8 +120,7 @@ class InspectedStage:
         """The contact pattern of the damaged tooth, of both neighbours of a missing one, or of pinion tooth 0."""
         found, pair, fault = self.laws, self.laws.pair, self.fault
         gear, tooth = ("pinion", 0) if fault is None else (fault.gear, fault.tooth or 0)
-        sound = np.zeros(pair.pinion.teeth), np.zeros(pair.wheel.teeth)
-        patterns = [contact_pattern("healthy", pair, found.healthy, gear, tooth, found.force, sound)]
+        patterns = [contact_pattern("healthy", pair, found.healthy, gear, tooth, found.force, found.teeth())]
         damage = self.placed.damage
         shown = f"tooth {tooth} of the {gear}"
         states = [] if fault is None else [(self.marked, tooth)]
@@ -131,7 +129,7 @@ class InspectedStage:
             count = getattr(pair, gear).teeth
             states = [(f"tooth {(tooth - 1) % count}, in mesh before the missing one", tooth - 1),
                       (f"tooth {(tooth + 1) % count}, in mesh after it", tooth + 1)]  # fmt: skip
-        teeth = found.pinion_faults, found.wheel_faults
+        teeth = found.teeth(faulty=True)
         patterns += [
             contact_pattern(name, pair, found.drive, gear, number, found.force, teeth) for name, number in states
         ]

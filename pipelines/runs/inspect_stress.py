@@ -14,8 +14,8 @@ from pipelines.report.figures.views import LeftOut
 if TYPE_CHECKING:
     from fem.contact.models.mesh_model import LawSpec
     from fem.contact.models.solid import Solid
+    from pipelines.engine.run_graph import Work
     from pipelines.engine.step import Graph, Step
-    from pipelines.engine.working import Work
     from pipelines.machine.plant import Plant
 
 _CRACK = "the crack is not in the finite elements: the stress is that of an uncracked tooth"
@@ -59,7 +59,7 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
     target = None if options.mesh is None else checked_mesh_file(options.mesh)
     pair, model = plant.layout.pairs[stage - 1], stress_model(plant.laws[stage - 1])
     outcome = work.build(graph, law_names(plant))
-    found = pair_laws(plant, {name: outcome.value(name) for name in law_names(plant)})[stage - 1]
+    found = pair_laws(plant, outcome.value)[stage - 1]
     index = round((acting(found) if options.position is None else options.position) * model.positions)
     force = plant.facts.stages[stage - 1].shown_force
     if options.torque is not None:

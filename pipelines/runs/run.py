@@ -1,38 +1,41 @@
-"""Run a scene with its control, diagnose it, and write the result folder."""
+"""Run a scene with its control, diagnose it, and write the result folder.
+
+The files are written as results come: the signals as soon as all motions are there, so that nothing after them can cost
+them, then verdict, diagnosis and report.
+"""
 
 from __future__ import annotations
 
+import json
 import logging
+import platform
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from traceback import format_exception
+from typing import TYPE_CHECKING, Any
 
-from pipelines.engine.run_graph import run_graph
-from pipelines.engine.step import Graph, StepRecord
-from pipelines.engine.working import Work
+from pipelines.diagnosis.uncertainty.words import bars_words
+from pipelines.engine.build_step import Result
+from pipelines.engine.code_version import library_versions
+from pipelines.engine.run_graph import Outcome, Work
+from pipelines.engine.step import Graph, Step, StepRecord
 from pipelines.io.errors import WorkError
+from pipelines.report.contents import RunCost
+from pipelines.report.report import write_report
 from pipelines.runs import run_folder
 from pipelines.runs.claims import claimed
-from pipelines.runs.written import Written
-from pipelines.scene.file import LoadedScene
-from pipelines.steps.results import result_steps
-from pipelines.steps.study import plan_study
+from pipelines.scene.file import LoadedScene, control_differences
+from pipelines.signals.motion_warnings import log_warnings
+from pipelines.steps.results import BARS, DIAGNOSIS, REPORT, VERDICT, result_steps
+from pipelines.steps.study import Study, plan_study
+
+if TYPE_CHECKING:
+    from mbd.output.trajectory import Trajectory
+    from pipelines.machine.plant import Plant
 
 _LOG = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Options:
-    """How much is run, and how."""
-
-    out: str | Path | None = None
-    with_control: bool = True
-    with_report: bool = True  # diagnosis and report; without them only the signals
-    both_loads: bool = True
-    seeds: int = 0
-    baseline: int = 0  # healthy machines with other deviations, to judge against
-    work: Work = field(default_factory=Work)
+_WRITERS = ("h5py", "h5netcdf", "xarray")  # of the signals
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,38 +49,53 @@ class Finished:
     left_out: tuple[str, ...]
 
 
-def run_scene(loaded: LoadedScene, options: Options) -> Finished:
+def run_scene(
+    loaded: LoadedScene,
+    *,
+    out: str | Path | None = None,
+    with_control: bool = True,
+    with_report: bool = True,
+    both_loads: bool = True,
+    seeds: int = 0,
+    baseline: int = 0,
+    work: Work | None = None,
+) -> Finished:
     """Run a loaded scene and write its result folder: the signals first, so that nothing after them can cost them.
+
+    Parameters
+    ----------
+    loaded : the scene
+    out : folder of the results instead of ./runs/<scene>/<time>
+    with_control, both_loads, seeds, baseline : as `plan_study`
+    with_report : write diagnosis and report; without them only the signals
+    work : how the steps are built
 
     Raises
     ------
-    SceneError, InputError : the scene cannot be used, or `options.out`
+    SceneError, InputError : the scene cannot be used, or `out`
     WorkError : a step failed; where that was the diagnosis or the report, the folder with the signals is named
     """
+    work = work or Work()
     study = plan_study(
         loaded,
-        with_control=options.with_control,
-        both_loads=options.both_loads and options.with_report,
-        seeds=options.seeds,
-        baseline=options.baseline if options.with_report else 0,
+        with_control=with_control,
+        both_loads=both_loads and with_report,
+        seeds=seeds,
+        baseline=baseline if with_report else 0,
     )
-    graph = Graph([*study.graph, *(result_steps(loaded, study) if options.with_report else [])])
-    wanted = graph.steps if options.with_report else study.motions
+    graph = Graph([*study.graph, *(result_steps(loaded, study) if with_report else [])])
+    wanted = graph.steps if with_report else study.motions
     failure: Exception | None = None
-    with (
-        claimed(loaded.name, options.out) as claim,
-        run_folder.logged_to(claim.folder / "log.jsonl"),
-        options.work.observed(graph.needed(wanted)) as observer,
-    ):
-        written = Written(claim.folder, loaded, study, observer)
+    with claimed(loaded.name, out) as claim, run_folder.logged_to(claim.folder / "log.jsonl"):
+        written = _Files(claim.folder, loaded, study)
         try:
-            run_graph(graph, options.work.cache, wanted, observer=written, processes=options.work.processes)
+            work.build(graph, wanted, written.add)
         except Exception as error:
             if not written.signals:
                 raise
             failure = error
             _LOG.info("after the signals: %r", error, extra={"facts": {"traceback": format_exception(error)}})
-    if options.out is None:
+    if out is None:
         run_folder.note_latest(claim.final)
     if failure is not None:
         raise _kept(failure, claim.final) from failure
@@ -100,3 +118,135 @@ def _kept(failure: Exception, folder: Path) -> WorkError:
     for note in getattr(failure, "__notes__", ()):
         error.add_note(note)
     return error
+
+
+class _Files:
+    """The files of a run in a folder.
+
+    Parameters
+    ----------
+    folder : that exists
+    loaded, study : the scene, and what is run of it
+    """
+
+    def __init__(self, folder: Path, loaded: LoadedScene, study: Study) -> None:
+        self._folder, self._loaded, self._study = folder, loaded, study
+        self._results: dict[str, Result] = {}
+        self._words: dict[str, str] = {}
+        self.signals = False  # whether they are written
+        self.left_out: list[str] = []
+
+    @property
+    def outcome(self) -> Outcome:
+        """What is finished, in the order of the graph."""
+        return Outcome(self._results)
+
+    @property
+    def words(self) -> str:
+        """The texts of diagnosis and verdict; the verdict first where it compares with other machines."""
+        order = (VERDICT, DIAGNOSIS) if self._study.baseline else (DIAGNOSIS, VERDICT)
+        return "\n".join(self._words[name] for name in order if name in self._words)
+
+    def add(self, step: Step, result: Result) -> None:
+        """Write what can be written with one more result."""
+        self._results[step.name] = result
+        if not self.signals and all(name in self._results for name in self._study.motions):
+            self._write_signals()
+            self.signals = True
+        if step.name == VERDICT:
+            self._write_verdict(result.load())
+        elif step.name == DIAGNOSIS:
+            self._write_diagnosis(result.load())
+        elif step.name == REPORT:
+            self._write_report(result.load())
+        if {DIAGNOSIS, BARS} <= self._results.keys() and step.name in (DIAGNOSIS, BARS):
+            self._write_words()
+
+    def _write_signals(self) -> None:
+        """What a diagnosis can be repeated from: the scene, its response and that of its control."""
+        loaded, study, results = self._loaded, self._study, self._results
+        log_warnings(results[name].load() for name in study.motions)
+        if "casing" in results:
+            from pipelines.runs.single_results import misread_sensors
+
+            positions = {sensor.name: sensor.position for sensor in study.plant.sensors}
+            for words in misread_sensors(results["casing"].load(), positions):
+                _LOG.warning("%s", words)
+        (self._folder / run_folder.ASKED).write_text(loaded.asked(), encoding="utf-8")
+        own_control = study.control is not None and not control_differences(loaded, study.control)
+        resolved = loaded.resolved(own_control=own_control)
+        (self._folder / run_folder.RESOLVED).write_text(resolved, encoding="utf-8")
+        needed = study.graph.needed(study.motions).steps
+        facts = _facts(loaded.name, study.plant, Outcome({name: results[name] for name in needed}))
+        run_folder.write_json(self._folder / run_folder.RUN, facts)
+        case = study.cases[0]
+        _write_response(self._folder / run_folder.RESPONSE, results[case.faulty].load(), case.plant, facts)
+        if case.healthy is not None and case.control is not None:
+            _write_response(self._folder / run_folder.CONTROL, results[case.healthy].load(), case.control, facts)
+
+    def _write_verdict(self, found: Mapping[str, Any]) -> None:
+        if found["failure"]:
+            self.left_out.append(f"The ranking of components is left out: {found['failure']}")
+            return
+        self._words[VERDICT] = found["words"]
+        run_folder.write_json(self._folder / f"{VERDICT}.json", asdict(found["verdict"]))
+        (self._folder / f"{VERDICT}.txt").write_text(found["words"], encoding="utf-8")
+
+    def _write_diagnosis(self, found: Mapping[str, Any]) -> None:
+        for name, content in found["files"].items():
+            (self._folder / name).write_bytes(content)
+        if found["failure"]:
+            self.left_out.append(f"The diagnosis is left out: {found['failure']}")
+
+    def _write_words(self) -> None:
+        """The diagnosis with its error bars as text."""
+        if found := self._results[DIAGNOSIS].load()["words"]:
+            self._words[DIAGNOSIS] = f"{found}\n{bars_words(self._results[BARS].load())}"
+            (self._folder / "diagnosis.txt").write_text(self._words[DIAGNOSIS], encoding="utf-8")
+
+    def _write_report(self, found: Mapping[str, Any]) -> None:
+        facts = _facts(self._loaded.name, self._study.plant, self.outcome)
+        cost = RunCost(
+            steps=[{name: row[name] for name in ("step", "seconds", "peak MB")} for row in facts["steps"]],
+            ledger=facts["ledger"],
+            provenance={name: value for name, value in facts.items() if name not in ("ledger", "steps")},
+        )
+        write_report(self._folder / run_folder.REPORT, self._study.plant.title, found["body"], cost)
+        run_folder.write_json(self._folder / run_folder.RUN, facts)
+        self.left_out += found["left_out"]
+
+
+def _facts(name: str, plant: Plant, outcome: Outcome) -> dict[str, Any]:
+    """Of the steps so far: versions, models and keys, the same for the same result; ledger and cost. `name` of the
+    scene."""
+    used = {library: version for record in outcome.records for library, version in record.libraries.items()}
+    return {
+        "scene": name,
+        "versions": {"python": platform.python_version(), **library_versions("gearcase", *_WRITERS), **used},
+        "models": plant.models,
+        "threads per process": 1,
+        "keys": {record.name: record.key[:32] for record in outcome.records},
+        "ledger": outcome.ledger(),
+        "steps": [
+            {
+                "step": record.name,
+                "seconds": round(record.seconds, 3),
+                "peak MB": round(record.peak_bytes / 1e6),
+                "reused": record.reused,
+                "ledger": dict(record.ledger),
+            }
+            for record in outcome.records
+        ],
+    }
+
+
+def _write_response(path: Path, motion: Trajectory, plant: Plant, facts: Mapping[str, Any]) -> None:
+    """The labelled signals with the facts of this run as attributes."""
+    from pipelines.signals.response_file import write_response
+
+    told = {
+        "provenance": json.dumps({name: facts[name] for name in ("scene", "versions", "models", "keys")}),
+        "steps": json.dumps(facts["steps"]),
+        "build_ledger": json.dumps(facts["ledger"]),
+    }
+    write_response(motion, {**plant.labels, **told}, path)

@@ -23,8 +23,9 @@ if TYPE_CHECKING:
     from fem.casing.reduced.modes import CasingModes, NaturalModes
     from fem.casing.uncertainty.frequency_limits import FrequencyLimits
     from mbd.system.linearised import LinearModes
+    from mbd.system.system import System
+    from pipelines.engine.run_graph import Work
     from pipelines.engine.step import Graph, StepRecord
-    from pipelines.engine.working import Work
     from pipelines.machine.plant import Plant
     from pipelines.scene.file import LoadedScene
     from pipelines.steps.pair_curves import PairLaws
@@ -131,7 +132,7 @@ def build_pairs(loaded: LoadedScene, work: Work) -> tuple[PairLaws, ...]:
 
     graph, plant = scene_graph(loaded)
     outcome = work.build(graph, law_names(plant))
-    return pair_laws(plant, {name: outcome.value(name) for name in law_names(plant)})
+    return pair_laws(plant, outcome.value)
 
 
 def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) -> Casing:
@@ -165,7 +166,7 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
     if elastic:
         from fem.casing.reduced.modes import kept_modes, natural_modes
 
-        modes, checkup = outcome.value("casing modes")
+        modes, checkup = outcome.value("casing modes")[:2]
         spec = graph.steps["casing"].spec
         mounts = spec.mounts
         chosen = kept_modes(modes, modes.springs(mounts), limit=limit, frequency_error=spec.frequency_error)
@@ -233,18 +234,32 @@ def build_machine_modes(
     cycle : mesh cycle of stage 1, by default that of the start
     speed : of the motors, rad/s; losses and gyroscopic moments follow it
     """
-    from mbd.system.linearised import linear_modes, turned
+    from mbd.system.linearised import linear_modes
     from mbd.system.system import DEFAULT_BAND
+
+    system = build_system(loaded, work, max(DEFAULT_BAND, 2 * up_to), cycle)
+    return linear_modes(system, up_to=up_to, speed=speed), system.machine.meshes[0].cycle_at_start
+
+
+def build_system(loaded: LoadedScene, work: Work, band: float | None = None, cycle: float | None = None) -> System:
+    """The machine of a scene in its casing.
+
+    Parameters
+    ----------
+    loaded, work : the scene, and what builds its steps
+    band : Hz, see `assemble_system`
+    cycle : mesh cycle of stage 1 to which it is turned, by default that of the start
+    """
+    from mbd.system.linearised import turned
     from pipelines.machine.assembly import assemble_machine, assemble_system
 
     graph, plant = scene_graph(loaded)
     outcome = work.build(graph, [*plant.law_names, "casing"])
     train = assemble_machine(plant.machine, [outcome.value(name) for name in plant.law_names])
-    first = train.meshes[0]
-    train = turned(train, 0.0 if cycle is None else (cycle - first.cycle_at_start) / first.cycles_per_radian)
-    band = max(DEFAULT_BAND, 2 * up_to)
-    system = assemble_system(train, outcome.value("casing"), plant.recorded, band)
-    return linear_modes(system, up_to=up_to, speed=speed), train.meshes[0].cycle_at_start
+    if cycle is not None:
+        first = train.meshes[0]
+        train = turned(train, (cycle - first.cycle_at_start) / first.cycles_per_radian)
+    return assemble_system(train, outcome.value("casing"), plant.recorded, band)
 
 
 def build_signals(loaded: LoadedScene, work: Work) -> xarray.Dataset:

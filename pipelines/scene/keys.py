@@ -22,6 +22,7 @@ from pydantic.fields import FieldInfo
 from pipelines.io.toml_text import format_value
 from pipelines.scene.problems import unit_of
 from pipelines.scene.scene import Scene
+from pipelines.scene.tables.base import is_list, tables, tag_key, tags
 from pipelines.scene.tables.samples import ColumnTable
 
 HEAD = """# Scene keys
@@ -56,7 +57,7 @@ class _Sections:
             inner = tables(member.annotation)
             if not inner:
                 continue
-            place = ".".join(part for part in (path, f"{name}[]" if _is_list(member.annotation) else name) if part)
+            place = ".".join(part for part in (path, f"{name}[]" if is_list(member.annotation) else name) if part)
             if table not in (above := self.parents.setdefault(inner, [])):
                 above.append(table)
             if place not in (known := self.places.setdefault(inner, [])):
@@ -80,13 +81,6 @@ class _Sections:
         """All sections: those below a key of the scene together, in the order of these keys."""
         top = [*Scene.model_fields, FROM_FILE]
         return sorted(self.places, key=lambda members: top.index(re.split("[.:]", self.heading(members))[0]))
-
-
-def tables(annotation: object) -> Tables:
-    """The table classes inside a type: itself, the members of a union, the items of a tuple."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return (annotation,)
-    return tuple(one for argument in typing.get_args(annotation) for one in tables(argument))
 
 
 def slug(heading: str) -> str:
@@ -114,7 +108,7 @@ def _section(members: Tables, sections: _Sections) -> Iterator[str]:
         yield f"\n{_text(members[0])}\n\n{places}"
         yield from _rows(members[0], sections)
         return
-    tag = _tag(members[0])
+    tag = tag_key(members[0])
     links = ", ".join(f"[{_value(one)}](#{slug(f'{heading}: {_value(one)}')})" for one in members)
     yield f"\n{places}: one of the tables {links}, chosen by `{tag}`."
     for number, one in enumerate(members):
@@ -210,7 +204,9 @@ def default(member: FieldInfo) -> str:
         return "required"
     value: Any = member.default if member.default_factory is None else member.default_factory()  # type: ignore[call-arg]
     if isinstance(value, BaseModel):
-        return f"{_tag(type(value))} `{_value(type(value))}`" if len(tables(member.annotation)) > 1 else "its defaults"
+        return (
+            f"{tag_key(type(value))} `{_value(type(value))}`" if len(tables(member.annotation)) > 1 else "its defaults"
+        )
     return "none" if value is None else f"`{format_value(value)}`"
 
 
@@ -232,21 +228,9 @@ def _chooses(member: FieldInfo) -> bool:
     return typing.get_origin(member.annotation) is typing.Literal and len(typing.get_args(member.annotation)) == 1
 
 
-def _tag(table: type[BaseModel]) -> str:
-    """The key by which a table is chosen among others."""
-    return "model" if "model" in table.model_fields else "kind"
-
-
 def _value(table: type[BaseModel]) -> str:
-    """The value of that key."""
-    return str(typing.get_args(table.model_fields[_tag(table)].annotation)[0])
-
-
-def _is_list(annotation: Any) -> bool:
-    origin = typing.get_origin(annotation)
-    if origin in (typing.Union, types.UnionType, typing.Annotated):
-        return any(_is_list(one) for one in typing.get_args(annotation))
-    return origin is tuple and bool(tables(annotation))
+    """The value by which a table is chosen among others."""
+    return str(tags(table)[0])
 
 
 def _is_list_of_numbers(member: FieldInfo) -> bool:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,8 +15,12 @@ from pipelines.io.errors import InputError, Problem, SceneError
 from pipelines.io.shown import shown
 from pipelines.io.user_files import read_text, regular_file
 
+if TYPE_CHECKING:
+    import xarray
+
 COLUMNS = ("tooth", "flank", "diameter_mm", "position_mm", "deviation_um")
 NETCDF = (".nc", ".netcdf")
+_AXES = ("tooth", "diameter_mm", "position_mm")
 _MOST_BYTES = 50_000_000
 
 
@@ -37,9 +41,9 @@ def measured_flanks(name: str, path: str, sense: int) -> MeasuredFlanks:
     try:
         regular_file(file, _MOST_BYTES)
         if file.suffix.lower() in NETCDF:
-            axes, deviation = _from_netcdf(file, path)
+            found = _from_netcdf(file, path)
         else:
-            axes, deviation = _from_csv(read_text(file, _MOST_BYTES), path)
+            found = _from_csv(read_text(file, _MOST_BYTES), path)
     except FileNotFoundError:
         raise _refused(
             path, "there is no such file", "Correct the path; it starts at the folder of the scene", name
@@ -48,58 +52,54 @@ def measured_flanks(name: str, path: str, sense: int) -> MeasuredFlanks:
         raise
     except InputError as error:
         raise _refused(path, str(error), "") from error
-    tooth, diameter, position = axes
+    axes = {name: np.asarray(found[name].values, dtype=float) for name in _AXES}
+    tooth, diameter, position = axes.values()
+    for name, axis in axes.items():
+        if (np.diff(axis) <= 0).any() or (axis is tooth and (axis % 1).any()) or (axis is diameter and axis.min() <= 0):
+            raise _refused(
+                path, f"{name} must increase; teeth must be whole numbers and diameters positive", "Correct the file"
+            )
     face = sense * position / 1000
     order = np.argsort(face)
     return MeasuredFlanks(
         tooth=tooth.astype(int),
         radius=diameter / 2000,
         face=face[order],
-        deviation=deviation[..., order] / 1_000_000,
+        deviation=found.reindex(flank=list(FLANKS)).fillna(0.0).values[..., order] / 1_000_000,
     )
 
 
-def _from_csv(text: str, path: str) -> tuple[list[np.ndarray], np.ndarray]:
-    """Teeth, diameters and positions, and the deviations (flank, tooth, diameter, position), as written."""
+def _from_csv(text: str, path: str) -> xarray.DataArray:
+    """Deviations (flank, tooth, diameter_mm, position_mm) as written; NaN on flanks that are not there."""
+    import pandas as pd
+
     rows = csv.DictReader(io.StringIO(text))
     names = [(name or "").strip() for name in rows.fieldnames or ()]
     if names != list(COLUMNS):
         found = ", ".join(map(shown, names)) or "none"
         raise _refused(path, f"the columns are {found}", f"Name them {', '.join(COLUMNS)}, separated by commas")
     rows.fieldnames = names
-    points: dict[tuple[int, float, float, float], float] = {}
+    points: dict[tuple[str | float, ...], float] = {}
     for row in rows:
         flank = (row["flank"] or "").strip()
         if flank not in FLANKS:
             raise _refused(path, f"line {rows.line_num}: flank is {shown(flank)}", "Set drive or coast")
-        tooth, diameter, position, value = (_number(row[key], rows.line_num, key, path) for key in _NUMBERS)
-        point = (FLANKS.index(flank), tooth, diameter, position)
-        if point in points:
+        *place, value = (_number(row[key], rows.line_num, key, path) for key in (*_AXES, "deviation_um"))
+        if (flank, *place) in points:
             raise _refused(path, f"line {rows.line_num}: this point is there twice", "Delete one of the two lines")
-        points[point] = value
+        points[flank, *place] = value
     if not points:
         raise _refused(path, "the file has no points", "Write one point in each line below the header")
-    axes = [np.array(sorted({point[axis] for point in points})) for axis in (1, 2, 3)]
-    deviation = np.zeros((len(FLANKS), *(len(axis) for axis in axes)))
-    places = [{value: i for i, value in enumerate(axis.tolist())} for axis in axes]
-    counted = np.zeros(deviation.shape[:2], dtype=int)
-    for (side, *where), value in points.items():
-        i, j, k = (place[at] for place, at in zip(places, where, strict=True))
-        deviation[side, i, j, k] = value
-        counted[side, i] += 1
-    whole = deviation.shape[2] * deviation.shape[3]
-    partly = np.argwhere((counted > 0) & (counted < whole))
-    if len(partly):
-        side, i = partly[0]
-        raise _refused(
-            path,
-            f"the {FLANKS[side]} flank of tooth {axes[0][i]:g} has {counted[side, i]} of {whole} points of the grid",
-            "Measure every flank at the same diameters and positions, or delete its lines",
-        )
-    return _checked(axes, path), deviation
-
-
-_NUMBERS = ("tooth", "diameter_mm", "position_mm", "deviation_um")
+    deviation: xarray.DataArray = pd.Series(points).rename_axis(["flank", *_AXES]).to_xarray()
+    for (flank, tooth), one in deviation.stack(place=("flank", "tooth")).groupby("place"):
+        counted = int(one.notnull().sum())
+        if 0 < counted < one.size:
+            raise _refused(
+                path,
+                f"the {flank} flank of tooth {tooth:g} has {counted} of {one.size} points of the grid",
+                "Measure every flank at the same diameters and positions, or delete its lines",
+            )
+    return deviation
 
 
 def _number(cell: str | None, line: int, column: str, path: str) -> float:
@@ -112,51 +112,31 @@ def _number(cell: str | None, line: int, column: str, path: str) -> float:
     return value
 
 
-def _from_netcdf(file: Path, path: str) -> tuple[list[np.ndarray], np.ndarray]:
-    """As `_from_csv`, from the variable deviation_um (flank, tooth, diameter_mm, position_mm) with its coordinates."""
+def _from_netcdf(file: Path, path: str) -> xarray.DataArray:
+    """As `_from_csv`, from the variable deviation_um."""
     import xarray
 
+    wanted = ("flank", *_AXES)
     try:
         with xarray.open_dataset(file, engine="h5netcdf") as data:
             found = data["deviation_um"].load()
-            wanted = ("flank", *COLUMNS[:1], *COLUMNS[2:4])
-            if set(found.dims) != set(wanted) or not set(wanted) <= set(found.coords):
-                raise _refused(
-                    path,
-                    f"deviation_um has the dimensions {', '.join(map(str, found.dims))}",
-                    f"Set {', '.join(wanted)}",
-                )
-            found = found.transpose(*wanted)
-            sides = [str(flank) for flank in found["flank"].values]
-            axes = [np.asarray(found[name].values, dtype=float) for name in wanted[1:]]
-            given = np.asarray(found.values, dtype=float)
+        if set(found.dims) != set(wanted) or not set(wanted) <= set(found.coords):
+            raise _refused(
+                path,
+                f"deviation_um has the dimensions {', '.join(map(str, found.dims))}",
+                f"Set {', '.join(wanted)}",
+            )
+        sides = [str(flank) for flank in found["flank"].values]
+        found = found.transpose(*wanted).astype(float).assign_coords(flank=sides)
     except SceneError:
         raise
     except Exception as error:  # the libraries raise errors of every kind
         raise _refused(path, f"cannot be read as netCDF ({error})", "Set a CSV or netCDF file") from error
-    if not set(sides) <= set(FLANKS) or len(set(sides)) < len(sides) or not np.isfinite(given).all():
+    if not set(sides) <= set(FLANKS) or len(set(sides)) < len(sides) or not np.isfinite(found.values).all():
         raise _refused(
             path, "flank must hold drive and coast, each once, and all deviations must be finite", "Correct the file"
         )
-    deviation = np.zeros((len(FLANKS), *given.shape[1:]))
-    for side, values in zip(sides, given, strict=True):
-        deviation[FLANKS.index(side)] = values
-    return _checked(axes, path), deviation
-
-
-def _checked(axes: Sequence[np.ndarray], path: str) -> list[np.ndarray]:
-    """The axes, if teeth are whole numbers, diameters positive and all of them rise."""
-    tooth, diameter, _ = axes
-    for name, wrong in (
-        ("tooth", (tooth % 1 != 0).any()),
-        ("diameter_mm", (diameter <= 0).any()),
-        *((name, (np.diff(axis) <= 0).any()) for name, axis in zip((COLUMNS[0], *COLUMNS[2:4]), axes, strict=True)),
-    ):
-        if wrong:
-            raise _refused(
-                path, f"{name} must increase; teeth must be whole numbers and diameters positive", "Correct the file"
-            )
-    return list(axes)
+    return found
 
 
 def _refused(path: str, message: str, remedy: str, value: str | None = None) -> SceneError:

@@ -22,6 +22,8 @@ import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from fem.options import option_of
+
 if TYPE_CHECKING:
     import argparse
     from collections.abc import Sequence
@@ -96,7 +98,6 @@ LEVELS = {
 }
 COARSER = {"tetrahedron-20": 1.5, "hexahedron-32": 1.27}  # than quadratic tetrahedra, of about as many unknowns
 BETWEEN_BOSSES = 1.05  # distance of two axes, seen along x or z, over the sum of the radii of their bosses
-MOST_SLICES = 101  # that a scene may ask for
 PRESETS = tuple(LEVELS)
 _BAND = "casing.band_Hz"
 
@@ -108,13 +109,20 @@ def preset_settings(scene: Scene, preset: str) -> Settings:
     level = LEVELS[preset]
     settings: Settings = {"simulation.step_us": level.step_us}
     for number, stage in enumerate(scene.stages, start=1):
-        slices = min(max(level.slices, math.ceil(_overlap_ratio(stage) / level.slice_width)), MOST_SLICES)
+        slices = min(max(level.slices, math.ceil(_overlap_ratio(stage) / level.slice_width)), most_slices())
         settings[f"stages.{number}.mesh"] = {"model": "solid", "refinement": level.refinement, "slices": slices}
     if isinstance(scene.casing, ElasticBase):
         settings |= _casing_mesh(scene, scene.casing, level)
     if (band := getattr(scene.casing, "band_Hz", None)) is not None:
         settings[_BAND] = band * level.band
     return settings
+
+
+def most_slices() -> int:
+    """Of every mesh model."""
+    from fem.contact.models.mesh_model import MeshModel
+
+    return int(option_of(MeshModel, "slices").le or 0)
 
 
 def _overlap_ratio(stage: StageTable) -> float:

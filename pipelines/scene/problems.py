@@ -7,15 +7,17 @@ suffix of the key, explanations from its field descriptions.
 from __future__ import annotations
 
 import functools
-import types
 import typing
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 
 from pipelines.io.errors import Problem, problem_of
 from pipelines.io.shown import MOST_CHARACTERS, nearest_name, shown_value
+from pipelines.scene.tables.base import is_list, tables, tags
 
 UNITS = {  # by the suffix of a key, longer suffixes first
     "N_m_s_per_rad": "N m s/rad", "N_m_per_rad": "N m/rad", "N_per_um": "N/um", "kg_m2": "kg m2", "kg_m3": "kg/m3",
@@ -47,7 +49,7 @@ def problems_of(error: ValidationError, model: type[BaseModel], tree: Mapping[st
     """The problems of one validation, each in our words, without repeats; and how many more were found than worded."""
     out: dict[Problem, None] = {}
     items = [item for item in error.errors(include_url=False) if not _counts_others(item)]
-    paths = functools.cache(lambda: _all_paths(model, tree))
+    paths = functools.cache(lambda: _all_paths(_Place(model, tree)))
     for item in items[:_MOST_WORDED]:
         own = getattr(item.get("ctx", {}).get("error"), "problems", None)
         out.update(dict.fromkeys(own or _own_words(item, model, tree, paths)))
@@ -83,6 +85,47 @@ def _own_words(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths
     return [problem_of(where, line) for line in str(item["ctx"]["error"]).splitlines()]
 
 
+@dataclass(frozen=True)
+class _Place:
+    """A place in the tree of a scene: what it may hold, what it holds, and its field in the table around it."""
+
+    annotation: Any
+    value: Any
+    field: FieldInfo | None = None
+    in_list: bool = False
+
+    @property
+    def is_table(self) -> bool:
+        """Whether a table may be here, rather than a list of tables or a value."""
+        return bool(tables(self.annotation)) and (self.in_list or not is_list(self.annotation))
+
+    @property
+    def tables(self) -> list[type[BaseModel]]:
+        """The tables that may be here: those of the model that the value chooses, or all."""
+        members = [*tables(self.annotation)] if self.is_table else []
+        tag = self.value.get("model", self.value.get("kind")) if isinstance(self.value, Mapping) else None
+        return [one for one in members if tag in tags(one)] or members
+
+    @property
+    def keys(self) -> list[str]:
+        """The keys of the tables that may be here."""
+        return list(dict.fromkeys(name for one in self.tables for name in one.model_fields))
+
+    def below(self, step: str) -> _Place:
+        """The place of a key of the table here, or of an item (from 1) of the list here."""
+        if isinstance(self.value, list | tuple) and step.isdecimal():
+            held = self.value[int(step) - 1] if 0 < int(step) <= len(self.value) else None
+            return _Place(self.annotation, held, in_list=True)
+        held = self.value.get(step) if isinstance(self.value, Mapping) else None
+        field = next((one.model_fields[step] for one in self.tables if step in one.model_fields), None)
+        named = typing.get_args(self.annotation)[1] if typing.get_origin(self.annotation) is dict else None
+        return _Place(named if field is None else field.annotation, held, field)
+
+
+def _at(path: Iterable[str], model: Any, tree: Any) -> _Place:
+    return functools.reduce(_Place.below, path, _Place(model, tree))
+
+
 def user_path(location: Iterable[int | str], model: Any, tree: Any, *, missing: bool = False) -> tuple[str, ...]:
     """A validator's location as the path a user would write: items count from 1, model tags are left out.
 
@@ -93,22 +136,17 @@ def user_path(location: Iterable[int | str], model: Any, tree: Any, *, missing: 
     missing : the last key is not in the tree
     """
     path: tuple[str, ...] = ()
-    annotation, value, steps = model, tree, list(location)
-    for place, step in enumerate(steps):
-        members = _models(annotation)
-        is_tag = len(members) > 1 and step in {name for m in members for name in (*_tags(m), m.__name__)}
-        if is_tag and not (place == len(steps) - 1 and missing):
-            chosen = [m for m in members if step in (*_tags(m), m.__name__)]
-            annotation = chosen[0]
-            continue
-        if isinstance(step, int) and isinstance(value, list | tuple):
-            path += (str(step + 1),)
-            value = value[step] if step < len(value) else None
-            annotation = _item(annotation)
-        elif isinstance(value, Mapping) and (step in value or (missing and place == len(steps) - 1)):
-            path += (str(step),)
-            annotation = _field(members, str(step), annotation)
-            value = value.get(step)
+    place, steps = _Place(model, tree), list(location)
+    for number, step in enumerate(steps):
+        ends = missing and number == len(steps) - 1
+        members = tables(place.annotation)
+        chosen = [one for one in members if step in (*tags(one), one.__name__)] if len(members) > 1 else []
+        is_item = isinstance(step, int) and isinstance(place.value, list | tuple)
+        if chosen and not ends:
+            place = _Place(chosen[0], place.value)
+        elif is_item or (isinstance(place.value, Mapping) and (step in place.value or ends)):
+            path += (str(step + 1 if isinstance(step, int) else step),)
+            place = place.below(path[-1])
     return path
 
 
@@ -150,7 +188,7 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
         return Problem(where, f"must be one of {', '.join(known)}", remedy, written)
     if kind == "union_tag_not_found":
         key = _tag_key(context)
-        known = [str(tag) for member in _found(path, model, tree)[1] for tag in _tags(member)]
+        known = [str(tag) for member in _at(path, model, tree).tables for tag in tags(member)]
         return Problem(f"{where}.{key}", "is missing", f"Set {key} to one of {', '.join(known)}.")
     if kind.startswith(("float", "int", "decimal")) or kind == "finite_number":
         noun = "a whole number" if kind.startswith("int") else "a finite number" if "finite" in kind else "a number"
@@ -161,9 +199,7 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
             written,
         )
     if kind == "string_pattern_mismatch":
-        return Problem(
-            where, "does not have the required form", f"Correct it: {_described(path, model, tree)[0]}.", written
-        )
+        return Problem(where, "does not have the required form", f"Correct it{_meaning(path, model, tree)}.", written)
     if kind in _KINDS:
         message, remedy = _KINDS[kind]
         if message == _LIST[0] and isinstance(value, Mapping):
@@ -230,7 +266,7 @@ def _unknown_key(
     path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, Any], paths: _Paths
 ) -> tuple[str, str]:
     table = ".".join(path[:-1])
-    known = known_keys(path[:-1], model, tree)
+    known = _at(path[:-1], model, tree).keys
     whole = model.__name__.removesuffix("Table").lower()
     message = f"is not a key of [{table}]" if table else f"is not a key of the {whole}"
     near = RENAMED.get(".".join(path)) or nearest(path[-1], known)
@@ -266,114 +302,29 @@ def _quantity(key: str) -> str:
     return head if head and unit in (*map(str.lower, UNITS), *_OTHER_UNITS) else key
 
 
-def known_keys(path: tuple[str, ...], model: Any, tree: Any) -> list[str]:
-    """The keys that the table at `path` may have (with the model that the tree chooses there)."""
-    annotation, value = model, tree
-    for step in path:
-        members = _chosen(_models(annotation), value)
-        if isinstance(value, list | tuple) and step.isdecimal():
-            annotation = _item(annotation)
-            value = value[int(step) - 1] if 0 < int(step) <= len(value) else None
-        else:
-            annotation = _field(members, step, annotation)
-            value = value.get(step) if isinstance(value, Mapping) else None
-    return list(dict.fromkeys(name for m in _chosen(_models(annotation), value) for name in m.model_fields))
-
-
-def _all_paths(model: Any, tree: Any, path: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
+def _all_paths(place: _Place, path: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
     """Paths of all keys that a scene of this shape may have, from the top down."""
     out: list[tuple[str, ...]] = []
-    for name in known_keys((), model, tree):
-        out.append((*path, name))
-        value = tree.get(name) if isinstance(tree, Mapping) else None
-        annotation = _field(_chosen(_models(model), tree), name, None)
-        if isinstance(value, list | tuple):
-            for number, item in enumerate(value[:_MOST_ITEMS], start=1):
-                out += _all_paths(_item(annotation), item, (*path, name, str(number)))
-        else:
-            out += _all_paths(annotation, value, (*path, name))
+    for name in place.keys:
+        here, below = (*path, name), place.below(name)
+        items = [str(number + 1) for number in range(len(below.value))] if isinstance(below.value, list | tuple) else []
+        out += [here, *_all_paths(below, here)]
+        for number in items[:_MOST_ITEMS]:
+            out += _all_paths(below.below(number), (*here, number))
     return sorted(out, key=len)
 
 
 def _example(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, Any]) -> str:
-    described, table = _described(path, model, tree)
-    meaning = f": {described}" if described else ""
-    return f"the table [{'.'.join(path)}]{meaning}" if table else f"{path[-1]} = ...{meaning or _unit(path[-1])}"
+    meaning = _meaning(path, model, tree)
+    if _at(path, model, tree).is_table:
+        return f"the table [{'.'.join(path)}]{meaning}"
+    return f"{path[-1]} = ...{meaning or _unit(path[-1])}"
 
 
 def _meaning(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, Any]) -> str:
     """Description of the key at a path behind a colon, or ""."""
-    described = _described(path, model, tree)[0]
-    return f": {described}" if described else ""
-
-
-def _described(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, Any]) -> tuple[str, bool]:
-    """Description of the key at a path, "" without one, and whether it is a table."""
-    field, members = _found(path, model, tree)
-    return (field.description.rstrip(".") if field is not None and field.description else ""), bool(members)
-
-
-def _found(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, Any]) -> tuple[Any, list[type[BaseModel]]]:
-    """The field at a path, None without one, and the tables that it may hold."""
-    annotation: Any = model
-    value: Any = tree
-    field = None
-    for step in path:
-        members = _chosen(_models(annotation), value)
-        field = next((m.model_fields[step] for m in members if step in m.model_fields), None)
-        if isinstance(value, list | tuple) and step.isdecimal():
-            annotation, value = _item(annotation), value[int(step) - 1]
-        else:
-            annotation = _field(members, step, annotation)
-            value = value.get(step) if isinstance(value, Mapping) else None
-    return field, _models(annotation)
-
-
-def _models(annotation: Any) -> list[type[BaseModel]]:
-    """The models among the alternatives of an annotation (Annotated, Optional, unions, named types looked through)."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return [annotation]
-    if hasattr(annotation, "__value__"):
-        return _models(annotation.__value__)
-    origin = typing.get_origin(annotation)
-    if origin is typing.Annotated:
-        return _models(typing.get_args(annotation)[0])
-    if origin in (typing.Union, types.UnionType):
-        return [m for part in typing.get_args(annotation) for m in _models(part)]
-    return []
-
-
-def _chosen(members: list[type[BaseModel]], value: Any) -> list[type[BaseModel]]:
-    tag = value.get("model", value.get("kind")) if isinstance(value, Mapping) else None  # kind: of faults
-    return [m for m in members if tag in _tags(m)] or members
-
-
-def _tags(model: type[BaseModel]) -> tuple[Any, ...]:
-    field = model.model_fields.get("model", model.model_fields.get("kind"))
-    return typing.get_args(field.annotation) if field is not None else ()
-
-
-def _field(members: list[type[BaseModel]], name: str, annotation: Any) -> Any:
-    for member in members:
-        if name in member.model_fields:
-            return member.model_fields[name].annotation
-    if typing.get_origin(annotation) is dict:
-        return typing.get_args(annotation)[1]
-    return None
-
-
-def _item(annotation: Any) -> Any:
-    """The annotation of an item of a list or tuple, looking through Annotated and Optional."""
-    if hasattr(annotation, "__value__"):
-        return _item(annotation.__value__)
-    origin, arguments = typing.get_origin(annotation), typing.get_args(annotation)
-    if origin is typing.Annotated:
-        return _item(arguments[0])
-    if origin in (list, tuple):
-        return arguments[0] if arguments else None
-    if origin in (typing.Union, types.UnionType):
-        return next((found for part in arguments if (found := _item(part)) is not None), None)
-    return None
+    field = _at(path, model, tree).field
+    return f": {field.description.rstrip('.')}" if field is not None and field.description else ""
 
 
 def _unit(key: str) -> str:

@@ -7,7 +7,7 @@ SI, once.
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
@@ -19,7 +19,6 @@ from pipelines.scene.tables.base import Table
 from pipelines.scene.tables.bearings import BearingModel
 from pipelines.scene.tables.casing import (
     CasingModel,
-    FlexibleBase,
     MaterialTable,
     SensorTable,
 )
@@ -80,6 +79,11 @@ class Scene(Table):
         return {"mesh": [stage.mesh.model for stage in self.stages], **found, "integrator": self.simulation.integrator}
 
     @property
+    def housing(self) -> Any:
+        """The table of the housing; None of a casing without one."""
+        return getattr(self.casing, "housing", None)
+
+    @property
     def tooth_faults(self) -> dict[int, FaultTable]:
         """Faults of teeth by their number in the scene, from 1."""
         return {number: fault for number, fault in enumerate(self.faults, 1) if isinstance(fault, FaultBase)}
@@ -105,49 +109,47 @@ class Scene(Table):
             )
         else:
             yield from self._shaft_numbers()
-        if isinstance(self.casing, FlexibleBase) and isinstance(self.casing.housing, HousingBase):
+        if isinstance(self.housing, HousingBase):
             for key in ("bore_diameters_mm", "boss_diameters_mm"):
-                count = len(getattr(self.casing.housing, key))
+                count = len(getattr(self.housing, key))
                 if count != len(self.shafts):
                     yield (
                         f"casing.housing.{key} has {count} values for {len(self.shafts)} shafts. Set one for each shaft"
                     )
-        elif self.sensors and not isinstance(self.casing, FlexibleBase):
+        elif self.sensors and self.housing is None:
             yield (
                 f'sensors: {len(self.sensors)} sensors on a casing, but casing.model = "{self.casing.model}". Set '
-                "sensors = [], or "
-                "another casing.model"
+                "sensors = [], or another casing.model"
             )
-        names = [sensor.name for sensor in self.sensors]
-        for name in sorted({n for n in names if names.count(n) > 1}):
-            yield f"sensors: the name {name} occurs {names.count(name)} times. Set another name"
-        probes = [probe.name for probe in self.probes]
-        for name in sorted({n for n in probes if probes.count(n) > 1}):
-            yield f"probes: the name {name} occurs {probes.count(name)} times. Set another name"
+        for key, named in (("sensors", self.sensors), ("probes", self.probes)):
+            names = [one.name for one in named]
+            for name in sorted({n for n in names if names.count(n) > 1}):
+                yield f"{key}: the name {name} occurs {names.count(name)} times. Set another name"
 
     def _shaft_numbers(self):
         named: list[tuple[str, tuple[int, ...]]] = [
             (f"stages.{n}", pair) for n, pair in enumerate(stage_shafts(self.stages), 1)
         ]
         named += [(f"couplings.{n}.shafts", tuple(s - 1 for s in c.shafts)) for n, c in enumerate(self.couplings, 1)]
-        named += [(f"disks.{n}.shaft", (disk.shaft - 1,)) for n, disk in enumerate(self.disks, 1)]
-        named += [(f"probes.{n}.shaft", (probe.shaft - 1,)) for n, probe in enumerate(self.probes, 1)]
-        named += [(f"forces.{n}.shaft", (force.shaft - 1,)) for n, force in self._forces_on_shafts()]
-        named += [("drive.shaft", ((self.drive.shaft or 1) - 1,))]
-        named += [("load.shaft", ((self.load.shaft or len(self.shafts)) - 1,))]
+        for key, items in (("disks", self.disks), ("probes", self.probes), ("forces", self.forces)):
+            named += [(f"{key}.{n}.shaft", (one.shaft - 1,)) for n, one in enumerate(items, 1) if hasattr(one, "shaft")]
+        ends = {"drive.shaft": self.drive.shaft or 1, "load.shaft": self.load.shaft or len(self.shafts)}
+        named += [(path, (shaft - 1,)) for path, shaft in ends.items()]
         for path, shafts in named:
             for place in shafts:
                 if not 0 <= place < len(self.shafts):
                     yield f"{path}: there is no shaft {place + 1}. {_up_to(len(self.shafts))}"
             if len(shafts) == 2 and shafts[0] == shafts[1]:
                 yield f"{path}: both ends are on shaft {shafts[0] + 1}. Set two different shafts"
-        for order, force in self._forces_on_shafts():
+        for order, force in enumerate(self.forces, 1):
+            if not isinstance(force, PlacedTable):
+                continue
             sections = self.shafts[min(max(force.shaft, 1), len(self.shafts)) - 1].sections
             start, end = sections[0].start_mm, sections[-1].end_mm
-            for key, place in force.positions.items():
-                if not start <= place <= end:
-                    yield f"forces.{order}.{key} = {place:g}: is not on shaft {force.shaft}. Set {start:g} to {end:g}"
-        if isinstance(self.casing, FlexibleBase):
+            for key, y in force.positions.items():
+                if not start <= y <= end:
+                    yield f"forces.{order}.{key} = {y:g}: is not on shaft {force.shaft}. Set {start:g} to {end:g}"
+        if self.housing is not None:
             for number, shaft in enumerate(self.shafts, 1):
                 carried = len(shaft.bearing_positions_mm) - shaft.bearing_supports.count("ground")
                 if carried != 2:
@@ -175,9 +177,6 @@ class Scene(Table):
                     f'the model {bearing.model}, which has no rolling elements. Set {at}.model = "hertz", with a '
                     "designation or the geometry of the bearing"
                 )
-
-    def _forces_on_shafts(self):
-        return [(n, force) for n, force in enumerate(self.forces, 1) if isinstance(force, PlacedTable)]
 
     def _references(self):
         yield from self._spalled_bearings()

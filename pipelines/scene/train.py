@@ -58,15 +58,8 @@ def stage_shafts(stages: Sequence[StageTable]) -> list[tuple[int, int]]:
 
 def shaft_senses(count: int, stages: Sequence[StageTable], couplings: Sequence[CouplingTable]) -> list[int]:
     """Lifting sense of every shaft, +1 about +y as the first: meshes reverse it, couplings keep it; +1 out of reach."""
-    links = [(one, other, -1) for one, other in stage_shafts(stages)]
-    links += [(table.shafts[0] - 1, table.shafts[1] - 1, 1) for table in couplings if table.turns_both]
-    senses = {0: 1}
-    while True:
-        ready = next((link for link in links if (link[0] in senses) != (link[1] in senses)), None)
-        if ready is None:
-            return [senses.get(shaft, 1) for shaft in range(count)]
-        one, other, sense = ready if ready[0] in senses else (ready[1], ready[0], ready[2])
-        senses[other] = senses[one] * sense
+    found, _ = _walked([*_stage_steps(stages, [0.0] * len(stages)), *_coupling_steps(couplings)])
+    return [found[shaft].sense if shaft in found else 1 for shaft in range(count)]
 
 
 def place_shafts(
@@ -80,21 +73,8 @@ def place_shafts(
     stages, pairs : tables of the stages, and the gears of each
     couplings : tables of the couplings
     """
-    waiting = [_stage_step(*item) for item in zip(range(len(stages)), stages, pairs, stage_shafts(stages), strict=True)]
-    waiting += [
-        _Step(f"couplings.{number}", table.shafts[0] - 1, table.shafts[1] - 1, 0.0, 0.0, 1, 1.0)
-        for number, table in enumerate(couplings, 1)
-        if table.turns_both
-    ]
-    found, problems = {0: Place(0.0, 0.0, 1, 1.0)}, []
-    while ready := next((step for step in waiting if step.first in found or step.second in found), None):
-        waiting.remove(ready)
-        step = ready if ready.first in found else ready.back()
-        place = step.to(found[step.first])
-        if step.second in found:
-            problems += _loop(ready, place, found[step.second], step.second)
-        else:
-            found[step.second] = place
+    distances = [pair.axis_distance for pair in pairs]
+    found, problems = _walked([*_stage_steps(stages, distances), *_coupling_steps(couplings)])
     lost = [str(shaft + 1) for shaft in range(count) if shaft not in found]
     if lost:
         problems.append(
@@ -123,10 +103,32 @@ def _beside_one_another(places: Sequence[Place], couplings: Sequence[CouplingTab
             )
 
 
-def _stage_step(number: int, stage: StageTable, pair: GearPair, shafts: tuple[int, int]) -> _Step:
-    angle = stage.si.direction
-    x, z = pair.axis_distance * math.cos(angle), pair.axis_distance * math.sin(angle)
-    return _Step(f"stages.{number + 1}", *shafts, x, z, -1, 1 / pair.ratio)
+def _walked(waiting: list[_Step]) -> tuple[dict[int, Place], list[Problem]]:
+    """Places of the shafts in reach of the first, and loops that do not close."""
+    found, problems = {0: Place(0.0, 0.0, 1, 1.0)}, []
+    while ready := next((step for step in waiting if step.first in found or step.second in found), None):
+        waiting.remove(ready)
+        step = ready if ready.first in found else ready.back()
+        place = step.to(found[step.first])
+        if step.second in found:
+            problems += _loop(ready, place, found[step.second], step.second)
+        else:
+            found[step.second] = place
+    return found, problems
+
+
+def _stage_steps(stages: Sequence[StageTable], distances: Sequence[float]) -> Iterator[_Step]:
+    """From pinion to wheel of every stage, their axes at a distance (m)."""
+    for number, (stage, shafts, distance) in enumerate(zip(stages, stage_shafts(stages), distances, strict=True), 1):
+        angle, ratio = stage.si.direction, stage.wheel_teeth / stage.pinion_teeth
+        x, z = distance * math.cos(angle), distance * math.sin(angle)
+        yield _Step(f"stages.{number}", *shafts, x, z, -1, 1 / ratio)
+
+
+def _coupling_steps(couplings: Sequence[CouplingTable]) -> Iterator[_Step]:
+    for number, table in enumerate(couplings, 1):
+        if table.turns_both:
+            yield _Step(f"couplings.{number}", table.shafts[0] - 1, table.shafts[1] - 1, 0.0, 0.0, 1, 1.0)
 
 
 def _loop(step: _Step, place: Place, known: Place, shaft: int) -> list[Problem]:

@@ -28,7 +28,7 @@ class ShaftLines:
 
     def wanted(self) -> list[tuple[str, int, float]]:
         """Label, order and frequency (Hz) of every line."""
-        return [(self._label(k), k, k * self.frequency) for k in ORDERS]
+        return [(f"{k}x {self.shaft}", k, k * self.frequency) for k in ORDERS]
 
     def own(self, lines: LineTable) -> LineTable:
         """Its rows among the lines of a case and window."""
@@ -58,9 +58,6 @@ class ShaftLines:
                 "line lies beyond half of the sampling rate"
             )
         return f"{'; '.join(parts)}."
-
-    def _label(self, order: int) -> str:
-        return f"{order}x {self.shaft}"
 
 
 def criterion() -> str:

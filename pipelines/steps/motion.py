@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fem.processes.executor import tell_share
-from pipelines.engine.step import CountedResult
+from fem.storage.ledger import count
 
 if TYPE_CHECKING:
     from fem.casing.reduced.body import ReducedBody
@@ -33,7 +33,7 @@ class MotionSpec:
 
 def build(
     spec: MotionSpec, *, body: ReducedBody, laws: Sequence[tuple[MeshLaw, MeshLaw]], folder: Path | None = None
-) -> CountedResult:
+) -> Trajectory:
     """The trajectory of the wanted channels, with energy balance and counters.
 
     Parameters
@@ -52,11 +52,13 @@ def build(
     compile_loop(spec.motion.integrator)  # while `compiled_ahead` may still compile what the assembly needs
     system = assembled(spec, body, laws)
     trajectory = moved(system, spec.motion, folder / "values.npy" if folder else None)
-    machine = system.machine
-    return CountedResult(
-        trajectory,
-        ledger(trajectory, system.basis.shape[1], rope=bool(machine.load is not None and machine.load.coordinates)),
-    )
+    load = system.machine.load
+    count("simulations")
+    count("coordinates", system.basis.shape[1])
+    count("rope_coordinates", int(bool(load is not None and load.coordinates)))
+    count("time_steps", trajectory.counter("steps") if "steps" in trajectory.counter_names else 0)
+    count("channels", len(trajectory.channel_names))
+    return trajectory
 
 
 def compiled_ahead(spec: MotionSpec, *laws: tuple[MeshLaw, MeshLaw]) -> None:
@@ -98,15 +100,3 @@ def moved(system: System, given: MotionSettings, file: Path | None = None) -> Tr
         speed = float(system.machine.profile.speed(np.zeros(1))[0])
         start = other_start(system, equilibrium(system, speed), given.start)
     return simulate(system, given, tell_share, start=start, file=file)
-
-
-def ledger(trajectory: Trajectory, coordinates: int, *, rope: bool) -> dict[str, int]:
-    """Counts of the run."""
-    counts = {name: trajectory.counter(name) for name in trajectory.counter_names if name == "steps"}
-    return {
-        "simulations": 1,
-        "coordinates": coordinates,
-        "rope_coordinates": int(rope),
-        "time_steps": counts.get("steps", 0),
-        "channels": len(trajectory.channel_names),
-    }

@@ -16,7 +16,7 @@ from pipelines.machine.flanks_spec import FlanksSpec
 from pipelines.steps.laws import build_modified
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable
 
     import xarray
 
@@ -84,6 +84,16 @@ class PairLaws(PairState):
         given = self.flanks.modifications
         return given != PairModifications(misalignment=given.misalignment)
 
+    def law(self, *, faulty: bool = False, modified: bool = True) -> MeshLaw:
+        """Of the drive flank in one state, see `stiffness`."""
+        return self.drive if faulty else self.healthy if modified else self.unmodified
+
+    def teeth(self, *, faulty: bool = False) -> tuple[np.ndarray, np.ndarray]:
+        """Terms of the teeth of pinion and wheel, see `fem.contact.teeth`; zero without the faults."""
+        if faulty:
+            return self.pinion_faults, self.wheel_faults
+        return np.zeros(self.pair.pinion.teeth), np.zeros(self.pair.wheel.teeth)
+
     def stiffness(
         self,
         cycle: np.ndarray | None = None,
@@ -106,7 +116,7 @@ class PairLaws(PairState):
         from fem.contact.evaluation.curves import stiffness_curve
 
         return stiffness_curve(
-            self.drive if faulty else self.healthy if modified else self.unmodified,
+            self.law(faulty=faulty, modified=modified),
             self.force if force is None else force,
             cycle,
             psi=tilt,
@@ -147,17 +157,16 @@ class PairLaws(PairState):
         tooth: int = 0,
         *,
         faulty: bool = False,
+        modified: bool = True,
         force: float | None = None,
-        tilt: float = 0.0,
+        tilt: float | None = 0.0,
     ) -> xarray.DataArray:
         """The contact pattern: greatest Hertz pressure on the unrolled flank of a tooth over its whole engagement.
 
         Parameters
         ----------
         gear, tooth : "pinion" or "wheel", and the number of the tooth
-        faulty : with the faults
-        force : N, on the line of action; that of the scene by default
-        tilt : of the gears in the plane of action along the face coordinate of the law, rad
+        faulty, modified, force, tilt : as `stiffness`
 
         Returns
         -------
@@ -168,15 +177,14 @@ class PairLaws(PairState):
 
         from pipelines.report.figures.pattern import contact_pattern
 
-        sound = np.zeros(self.pair.pinion.teeth), np.zeros(self.pair.wheel.teeth)
         found = contact_pattern(
             self.faults if faulty else "healthy",
             self.pair,
-            self.drive if faulty else self.healthy,
+            self.law(faulty=faulty, modified=modified),
             gear,
             tooth,
             self.force if force is None else force,
-            (self.pinion_faults, self.wheel_faults) if faulty else sound,
+            self.teeth(faulty=faulty),
             tilt=tilt,
         )
         where = {
@@ -244,10 +252,10 @@ def pair_states(plant: Plant) -> tuple[PairState, ...]:
     return tuple(found)
 
 
-def pair_laws(plant: Plant, laws: Mapping[str, Laws]) -> tuple[PairLaws, ...]:
-    """The pairs of a plant by stage; `laws` of drive and coast flank by the names of `law_names`."""
+def pair_laws(plant: Plant, law: Callable[[str], Laws]) -> tuple[PairLaws, ...]:
+    """The pairs of a plant by stage; `law` gives the laws of drive and coast flank by the names of `law_names`."""
     names = zip(pair_states(plant), plant.law_names, plant.sound_law_names, strict=True)
-    return tuple(state.with_laws(laws[name], laws[sound]) for state, name, sound in names)
+    return tuple(state.with_laws(law(name), law(sound)) for state, name, sound in names)
 
 
 def passages(faults: tuple[Fault, ...], stage: int) -> tuple[Passage, ...]:

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fem.casing.geometry.dimensions import Sensor
-from pipelines.engine.step import CountedResult, Step
+from pipelines.engine.step import Step, Unkept
 from pipelines.machine.plant import Plant
 from pipelines.report.figures.damage import needs_law
 from pipelines.report.figures.shapes import PlacedPair, placed_pair
@@ -66,13 +66,13 @@ def picture_steps(plant: Plant, names: Iterable[str]) -> list[Step]:
     return steps
 
 
-def build_gears(placed: PlacedPair, *, laws: Laws | None = None) -> CountedResult:
+def build_gears(placed: PlacedPair, *, laws: Laws | None = None) -> Picture | Unkept:
     """The rendered pair with its first damaged tooth, or why it is left out; its sound `laws` if `needs_law`."""
     from pipelines.report.figures.render import render_gears
     from pipelines.report.figures.shapes import stage_view
 
     picture = render_gears(stage_view(placed, laws[0] if laws else None))
-    return CountedResult(picture, kept=isinstance(picture, Picture))
+    return picture if isinstance(picture, Picture) else Unkept(picture)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -86,7 +86,7 @@ class CurvesSpec:
 
 def build_curves(
     spec: CurvesSpec, *, picture: Picture | LeftOut, laws: Sequence[Laws], sound: Sequence[Laws]
-) -> CountedResult:
+) -> dict[str, Any] | Unkept:
     """Elements of the page: "gears", the picture and its curve or why there is none; "stiffness", the other curves.
 
     Parameters
@@ -100,9 +100,9 @@ def build_curves(
     curves = stiffness_plots([state.with_laws(own, healthy) for state, own, healthy in states])
     first = curves.pop(spec.first - 1)
     if isinstance(picture, LeftOut):
-        return CountedResult({"gears": picture, "stiffness": pictures.stiffness([first, *curves])}, kept=False)
+        return Unkept({"gears": picture, "stiffness": pictures.stiffness([first, *curves])})
     gears = pictures.gears(picture, first, spec.names)
-    return CountedResult({"gears": gears, "stiffness": pictures.stiffness(curves) if curves else ""})
+    return {"gears": gears, "stiffness": pictures.stiffness(curves) if curves else ""}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,14 +112,12 @@ class CasingPictureSpec:
     sensors: tuple[Sensor, ...]
 
 
-def build_casing(spec: CasingPictureSpec, *, mesh: CasingMesh) -> CountedResult:
+def build_casing(spec: CasingPictureSpec, *, mesh: CasingMesh) -> str | Unkept:
     """The casing with its key points as an element of the page, or why it is left out."""
     from pipelines.report import pictures
 
     picture = rendered_casing(mesh, spec.sensors)
-    if isinstance(picture, LeftOut):
-        return CountedResult(picture, kept=False)
-    return CountedResult(pictures.casing(picture))
+    return Unkept(picture) if isinstance(picture, LeftOut) else pictures.casing(picture)
 
 
 def stiffness_plots(pairs: Sequence[PairLaws]) -> list[StiffnessPlot]:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mbd.forces.load_models import HangingLoad
-from pipelines.engine.step import CountedResult
+from pipelines.engine.step import Unkept
 from pipelines.machine.looked_for import pass_rates, shaft_lines
 from pipelines.machine.plant import Plant
 from pipelines.signals.motion_warnings import gathered, told
@@ -54,7 +54,7 @@ def build(
     diagnosis: Mapping[str, Any] | None = None,
     verdict: Mapping[str, Any] | None = None,
     bars: LineBars | str = "",
-) -> CountedResult:
+) -> dict[str, Any] | Unkept:
     """The body of the page as text, and the reasons of pictures that were left out; kept if there are none.
 
     Parameters
@@ -98,7 +98,7 @@ def build(
         casing_rows=_casing_rows(body, modes),
         runs=runs,
         windows=dict(asked.windows),
-        sensor=asked.sensor,
+        sensor=asked.sensor or "",
         axis=asked.axis,
         settings=settings,
         energy=energy_rows(responses[0]),
@@ -108,7 +108,8 @@ def build(
     with _collector_paused():
         page = report_body(contents)
     left_out = [p.reason for p in (curves["gears"], casing) if isinstance(p, LeftOut)]
-    return CountedResult({"body": page, "left_out": left_out}, kept=not left_out)
+    made = {"body": page, "left_out": left_out}
+    return Unkept(made) if left_out else made
 
 
 @contextlib.contextmanager

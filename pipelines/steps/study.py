@@ -100,7 +100,7 @@ def plan_study(
         for seed, plant in _baseline(loaded, control, baseline)
     ]
     study = Study(graph=Graph(steps), cases=tuple(cases), control=control, baseline=tuple(others))
-    check_room(loaded.scene, source, len(study.motions))
+    check_room(study.plant, source, len(study.motions))
     return study
 
 

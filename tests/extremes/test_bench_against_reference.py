@@ -9,7 +9,7 @@ import pytest
 
 from mbd.integrators.settings import Settings
 from mbd.output.simulate import simulate
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.machine.assembly import assemble_machine, assemble_system
 from pipelines.runs.single_results import scene_graph
 from pipelines.scene.file import load_scene

@@ -1,16 +1,68 @@
-"""What the elements of a casing are given beyond their nodes: cubic displacements, and functions of edges."""
+"""Unknowns that are added to those of the nodes: displacements that the elements do not hold themselves.
+
+Their functions vanish at all nodes, so that the first 3 n unknowns remain the displacements there.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 
-from fem.casing.enrichment.functions import edge_functions
+from fem.casing.enrichment.functions import EdgeFunctions, edge_functions
 from fem.casing.mesh.mesh import CasingMesh
-from fem.elements.added_unknowns import AddedUnknowns, Together
-from fem.elements.cubic import cubic_functions
+from fem.elements.cubic import CubicFunctions, cubic_functions
 from fem.elements.materials import Material
+from fem.elements.solids import assemble
+
+KINDS_APART = 100  # between numbers of cubic functions and of those of edges: they may be at the same place
+
+
+@dataclass(frozen=True, eq=False)
+class AddedUnknowns:
+    """Those of cubic functions, if the mesh has any, then those of edges."""
+
+    cubic: CubicFunctions | None
+    edges: EdgeFunctions
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+    @property
+    def numbers(self) -> np.ndarray:
+        """Of an unknown (m,) among those of its place."""
+        if self.cubic is None:
+            return self.edges.numbers
+        return np.concatenate([self.cubic.numbers, KINDS_APART + self.edges.numbers])
+
+    @property
+    def places(self) -> np.ndarray:
+        """Where their functions are (m, 3), m."""
+        return self.edges.places if self.cubic is None else np.concatenate([self.cubic.places, self.edges.places])
+
+    def matrices(self, elements: np.ndarray | None = None) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+        """Stiffness (N/m) and mass (kg) of the nodes and these unknowns together.
+
+        Parameters
+        ----------
+        elements : numbers of those that contribute; all by default
+        """
+        mesh, material = self.edges.mesh, self.edges.material
+        K, M = assemble(
+            mesh.nodes,
+            mesh.elements,
+            elastic_modulus=material.elastic_modulus,
+            poisson_ratio=material.poisson_ratio,
+            density=material.density,
+            cubic=self.cubic,
+            chosen=elements,
+        )
+        if not len(self.edges):
+            return K, M
+        below = self.edges.matrices(None if elements is None else elements.tolist())
+        return _bordered(K, below[0]), _bordered(M, below[1])
 
 
 def added_functions(
@@ -29,7 +81,17 @@ def added_functions(
     held, rigid : patches whose nodes are clamped, or move as a rigid body
     joined : facets (f, k) at which parts of the mesh touch without sharing nodes
     """
-    if not mesh.cubic:
-        return edge_functions(mesh, material, held=held, joined=joined)
-    cubic = cubic_functions(mesh.nodes, mesh.elements, mesh.facets_of([*held, *rigid]), material)
-    return Together.of([cubic, edge_functions(mesh, material, held=held, joined=joined, cubic=cubic)])
+    cubic = cubic_functions(mesh.nodes, mesh.elements, mesh.facets_of([*held, *rigid])) if mesh.cubic else None
+    return AddedUnknowns(cubic, edge_functions(mesh, material, held=held, joined=joined, cubic=cubic))
+
+
+def _bordered(matrix: sp.csr_matrix, rows: sp.csr_matrix) -> sp.csr_matrix:
+    """A symmetric matrix (k, k) with further rows (m, k + m) and the columns that they are."""
+    columns = sp.csr_matrix(rows[:, : matrix.shape[0]].T)
+    return sp.csr_matrix(sp.vstack([sp.hstack([matrix, columns], format="csr"), rows], format="csr"))
+
+
+def extended(matrix: sp.csr_matrix, size: int) -> sp.csr_matrix:
+    """A matrix (k, k) with empty rows and columns up to a size."""
+    ends = np.full(size - matrix.shape[0], matrix.nnz, matrix.indptr.dtype)
+    return sp.csr_matrix((matrix.data, matrix.indices, np.append(matrix.indptr, ends)), shape=(size, size))

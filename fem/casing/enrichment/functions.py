@@ -30,7 +30,6 @@ from fem.casing.enrichment.lines import GRID, gauss, graded, quadratic
 from fem.casing.enrichment.profiles import ALONG, Profiles
 from fem.casing.enrichment.topology import Sector, Topology
 from fem.casing.mesh.mesh import CasingMesh
-from fem.elements.added_unknowns import AddedUnknowns
 from fem.elements.cubic import CubicFunctions
 from fem.elements.cubic_shapes import element_shapes
 from fem.elements.materials import Material
@@ -51,23 +50,32 @@ class _Part:
 
 
 @dataclass(frozen=True, eq=False)
-class EdgeFunctions(AddedUnknowns):
-    """The unknowns of all nodes on edges, and the elements that have part in them; places as of `_between`."""
+class EdgeFunctions:
+    """The unknowns of all nodes on edges, and the elements that have part in them."""
 
+    numbers: np.ndarray  # (m,), of an unknown among those of its place
+    places: np.ndarray  # (m, 3), m, see `_between`
     mesh: CasingMesh
     material: Material
     cubic: CubicFunctions | None  # of the same mesh, whose unknowns stand before these
     parts: dict[int, list[_Part]]  # by element
 
+    def __len__(self) -> int:
+        return len(self.numbers)
+
     def matrices(self, elements: Collection[int] | None = None) -> tuple[sp.csr_matrix, sp.csr_matrix]:
-        """As `AddedUnknowns.matrices`."""
+        """Rows (m, k + m) of stiffness (N/m) and mass (kg), k other unknowns before these.
+
+        Parameters
+        ----------
+        elements : numbers of those that contribute; all by default
+        """
         chosen = self.parts if elements is None else {one: self.parts[one] for one in elements if one in self.parts}
         same: dict[bytes, list[int]] = defaultdict(list)
         for element, own in chosen.items():
             same[_shape_key(self.mesh.nodes[self.mesh.elements[element]], own)].append(element)
         alike = list(same.values())
         before = 3 * len(self.mesh.nodes) + (0 if self.cubic is None else len(self.cubic))
-        size = before + len(self)
         rows: list[np.ndarray] = []
         columns: list[np.ndarray] = []
         stiffness: list[np.ndarray] = []
@@ -76,20 +84,21 @@ class EdgeFunctions(AddedUnknowns):
         for members, found in zip([*alike[::2], *alike[1::2]], first + other, strict=True):
             K_element, K_own, M_element, M_own = found
             for element in members:
-                added = before + _unknowns(self.parts[element])
+                added = _unknowns(self.parts[element])
                 at, sign = self._of_element(element)
                 moving = np.flatnonzero(at.ravel() >= 0)
-                row, column = np.repeat(added, len(moving)), np.tile(at.ravel()[moving], len(added))
-                rows += [row, column, np.repeat(added, len(added))]
-                columns += [column, row, np.tile(added, len(added))]
+                touched = np.concatenate([at.ravel()[moving], before + added])
+                rows.append(np.repeat(added, len(touched)))
+                columns.append(np.tile(touched, len(added)))
                 for entries, across, among in ((stiffness, K_element, K_own), (mass, M_element, M_own)):
-                    coupled = (across * sign).reshape(len(added), -1)[:, moving].ravel()
-                    entries += [coupled, coupled, among.ravel()]
+                    coupled = (across * sign).reshape(len(added), -1)[:, moving]
+                    entries.append(np.hstack([coupled, among]).ravel())
+        shape = (len(self), before + len(self))
         if not rows:
-            return sp.csr_matrix((size, size)), sp.csr_matrix((size, size))
+            return sp.csr_matrix(shape), sp.csr_matrix(shape)
         place = (np.concatenate(rows), np.concatenate(columns))
-        K = sp.csr_matrix((np.concatenate(stiffness), place), shape=(size, size))
-        return K, sp.csr_matrix((self.material.density * np.concatenate(mass), place), shape=(size, size))
+        K = sp.csr_matrix((np.concatenate(stiffness), place), shape=shape)
+        return K, sp.csr_matrix((self.material.density * np.concatenate(mass), place), shape=shape)
 
     def _of_element(self, element: int) -> tuple[np.ndarray, np.ndarray]:
         """Numbers (3, a) of its unknowns along x, y, z, -1 of those that are held, and signs (a,) of its functions."""

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
+from fem.casing.geometry.dimensions import HousingError
+
 MODAL = -1  # axis of a coordinate that is no motion of a node
 POUND_FORCE_INCH = 175.12683524647636  # kg: 1 lbf s2/in, by 1 lbf = 4.4482216152605 N, 1 in = 0.0254 m
 SYSTEMS = {  # length m, mass kg, time s
@@ -23,7 +25,7 @@ SYSTEMS = {  # length m, mass kg, time s
 }
 
 
-class ForeignError(ValueError):
+class ForeignError(HousingError):
     """Matrices of another program cannot be used: a file, its equations, its units, or the body itself."""
 
 

@@ -6,62 +6,18 @@ answered with the nearest candidates.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from fem.casing.geometry.locators import ByBox, ByCylinder, ByGroup, ByPlane, ByPoint, Locator, Point
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.nearest_candidates import cylinders_like, planes_like
 from fem.casing.mesh.surface import Surface
 
-Point = tuple[float, float, float]
 RADIUS_TOLERANCE = 0.005  # of the radius: how far a corner may lie off the cylinder that is looked for
 PLANE_TOLERANCE = 5e-5  # m: how far a corner may lie off the plane
 FARTHEST_POINT = 0.005  # m: a named point farther from the surface is a mistake
 _FLAT = np.cos(np.radians(1.0))  # facets of one plane
 _FACING = 0.8  # least cosine between the normal of a facet and the radius of the cylinder it lies on
-
-
-@dataclass(frozen=True, kw_only=True)
-class ByGroup:
-    """A physical group, node set or element set of the file."""
-
-    group: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class ByCylinder:
-    """The cylinder of `diameter` about the line along `axis` through `through` (m), the part nearest to that point."""
-
-    through: Point
-    diameter: float
-    axis: Point = (0.0, 1.0, 0.0)
-
-
-@dataclass(frozen=True, kw_only=True)
-class ByPoint:
-    """The flat face on which a point (m) lies."""
-
-    point: Point
-
-
-@dataclass(frozen=True, kw_only=True)
-class ByBox:
-    """Everything of the surface that lies inside a box (m)."""
-
-    low: Point
-    high: Point
-
-
-@dataclass(frozen=True, kw_only=True)
-class ByPlane:
-    """Everything of the surface in the plane through a point (m) with a normal; falls into its unconnected parts."""
-
-    through: Point
-    normal: Point
-
-
-Locator = ByGroup | ByCylinder | ByPoint | ByBox | ByPlane
 
 
 def locate(surface: Surface, name: str, locator: Locator) -> np.ndarray:
@@ -79,9 +35,10 @@ def locate(surface: Surface, name: str, locator: Locator) -> np.ndarray:
         case ByPoint():
             return _face(surface, name, locator)
         case ByBox():
-            inside = (surface.corners >= locator.low).all(axis=(1, 2)) & (surface.corners <= locator.high).all((1, 2))
+            low, high = locator.box
+            inside = (surface.corners >= low).all(axis=(1, 2)) & (surface.corners <= high).all(axis=(1, 2))
             if not inside.any():
-                raise MeshError(f"{name}: no surface lies inside the box {_box(locator)}; {_span(surface)}")
+                raise MeshError(f"{name}: no surface lies inside the box {_mm(low)} to {_mm(high)}; {_span(surface)}")
             return np.flatnonzero(inside)
         case ByPlane():
             return np.concatenate(plane_parts(surface, name, locator))
@@ -193,10 +150,6 @@ def _unit(vector: Point | np.ndarray) -> np.ndarray:
 def _span(surface: Surface) -> str:
     low, high = surface.points[surface.triangles].min(axis=(0, 1)), surface.points[surface.triangles].max(axis=(0, 1))
     return f"the surface spans {_mm(low)} to {_mm(high)}"
-
-
-def _box(box: ByBox) -> str:
-    return f"{_mm(box.low)} to {_mm(box.high)}"
 
 
 def _mm(point: Point | np.ndarray) -> str:

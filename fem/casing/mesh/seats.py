@@ -10,11 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from fem.casing.geometry.locators import ByCylinder
 from fem.casing.mesh.imported import ImportedHousing, check_extent, seat_point
-from fem.casing.mesh.locate import ByCylinder, Surface, locate
+from fem.casing.mesh.locate import locate
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.sizes import MM
 from fem.casing.mesh.step_file import read_step
+from fem.casing.mesh.surface import Surface
 
 _ROUND, _LONG = 25, 2  # points of the grid around a cylinder and along it
 _EXACT = {"Plane", "Cylinder", "Cone", "Sphere", "Torus"}  # of a solid made of these, no other face can be a bore

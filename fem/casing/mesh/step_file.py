@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
+from fem.casing.geometry.locators import ByCylinder
 from fem.casing.mesh.imported import (
     STL_SUFFIXES,
     UNITS,
@@ -23,7 +24,6 @@ from fem.casing.mesh.imported import (
     check_extent,
     find_key_points,
 )
-from fem.casing.mesh.locate import ByCylinder
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.sizes import MM, Refinement, Sizes
 from fem.casing.mesh.surface import Surface

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from fem.casing.models.casing import HousingCasing, Structure
 from fem.casing.models.damped_part import DampedPart
-from fem.casing.models.holding import CasingReduction, ErrorCheck, Holding
+from fem.casing.models.holding import CasingReduction, ErrorCheck, Holding, QuadraticModes
 from fem.casing.models.meshing import Meshing, SizedMeshing
 from fem.casing.models.recovery import Recovery
 from fem.casing.models.stage import BODY, MESH, MODES, PlannedStage
@@ -102,13 +102,15 @@ class ElasticCasing(HousingCasing):
                 coarser += [mesh, reduction.lowest(name, mesh)]
         names = tuple(stage.name for stage in coarser[1::2])
         sized = [] if self.error is None else self._sized(first, reduction, names)
-        lower = [reduction.lowest(QUADRATIC, first, quadratic=True)] if extrapolated and cubic else []
+        quadratic = extrapolated and cubic
+        modes = replace(reduction, quadratic=quadratic)
+        lower = [PlannedStage(name=QUADRATIC, stage=QuadraticModes(), takes={"modes": MODES})] if quadratic else []
         return (
             *([] if sized else [first]),
             *coarser,
             *sized,
+            PlannedStage(name=MODES, stage=modes, takes={"mesh": MESH}, seconds=14.0 if quadratic else 10.0),
             *lower,
-            PlannedStage(name=MODES, stage=reduction, takes={"mesh": MESH}, seconds=10.0),
             self.recovered(structure, names or tuple(stage.name for stage in lower)),
         )
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from fem.casing.reduced.accuracy import ErrorStatement
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.checkup import CheckUp
-    from fem.casing.reduced.grounded import ForcedPoint, GroundedCasing
+    from fem.casing.reduced.grounded import AssembledCasing, ForcedPoint, GroundedCasing
     from fem.casing.reduced.modes import CasingModes
     from fem.casing.reduced.reduction import Reduction
     from fem.casing.uncertainty.extrapolation import LowestModes
@@ -40,7 +40,10 @@ class Holding:
 
 @dataclass(frozen=True, kw_only=True)
 class CasingReduction(Stage):
-    """Factorise and reduce. `regions` are parts whose stiffness is known separately, `forced` points bear forces."""
+    """Factorise and reduce. `regions` are parts whose stiffness is known separately, `forced` points bear forces.
+
+    `quadratic`: also the lowest modes without the cubic displacements of the elements, for the discretisation error.
+    """
 
     kind: ClassVar[str] = "casing-modes"
     libraries: ClassVar[tuple[str, ...]] = _SPARSE
@@ -49,15 +52,16 @@ class CasingReduction(Stage):
     held: Holding
     regions: tuple[Region, ...]
     forced: tuple[ForcedPoint, ...]
+    quadratic: bool = False
 
-    def casing(self, mesh: CasingMesh) -> GroundedCasing:
-        """The meshed casing in its ground, factorised."""
-        from fem.casing.reduced.grounded import ground_casing
+    def assembled(self, mesh: CasingMesh) -> AssembledCasing:
+        """The meshed casing in its ground."""
+        from fem.casing.reduced.grounded import assembled_casing
 
-        return ground_casing(mesh, forced=self.forced, regions=self.regions, **vars(self.held))
+        return assembled_casing(mesh, forced=self.forced, regions=self.regions, **vars(self.held))
 
-    def build(self, *, mesh: CasingMesh) -> tuple[CasingModes, CheckUp]:
-        """The reduced matrices with their check-up.
+    def build(self, *, mesh: CasingMesh) -> tuple[CasingModes, CheckUp] | tuple[CasingModes, CheckUp, LowestModes]:
+        """The reduced matrices with their check-up, and the quadratic modes where requested.
 
         Raises
         ------
@@ -67,17 +71,21 @@ class CasingReduction(Stage):
         from threadpoolctl import threadpool_limits
 
         from fem.casing.reduced.checkup import check_up
+        from fem.casing.uncertainty.extrapolation import lowest_modes
 
         with threadpool_limits(1):  # the heavy steps run in two halves side by side
-            casing = self.casing(mesh)
+            assembled = self.assembled(mesh)
+            lower = (lowest_modes(assembled.quadratic(), static=self.static),) if self.quadratic else ()
+            casing = assembled.held()
             modes, reduction = self.reduced(casing)
+            casing = replace(casing, interface=casing.interface.whole)
             found = check_up(casing, reduction)
         if found.failures:
             raise CasingError(
                 f"casing: the check-up of the reduced body fails in {', '.join(found.failures)}. Use a finer "
                 f"casing.element_size_mm, or another casing model.\n{found.report(0)}"
             )
-        return modes, found
+        return modes, found, *lower
 
     @abstractmethod
     def reduced(self, casing: GroundedCasing) -> tuple[CasingModes, Reduction]:
@@ -101,9 +109,22 @@ class LowestReduction(Stage):
 
     def build(self, *, mesh: CasingMesh) -> LowestModes:
         """The lowest modes."""
+        from fem.casing.reduced.grounded import assembled_casing
         from fem.casing.uncertainty.extrapolation import lowest_modes
 
-        return lowest_modes(replace(mesh, cubic=0) if self.quadratic else mesh, static=self.static, **vars(self.held))
+        mesh = replace(mesh, cubic=0) if self.quadratic else mesh
+        return lowest_modes(assembled_casing(mesh, **vars(self.held)), static=self.static)
+
+
+@dataclass(frozen=True, kw_only=True)
+class QuadraticModes(Stage):
+    """The quadratic modes that a `CasingReduction` found in addition to its own."""
+
+    kind: ClassVar[str] = "casing-coarser"
+
+    def build(self, *, modes: tuple[CasingModes, CheckUp, LowestModes]) -> LowestModes:
+        """The lowest modes."""
+        return modes[2]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,7 +149,7 @@ class ErrorCheck(Stage):
         held, recovery = self.reduction.held, self.recovery
         iron = replace(held.material, elastic_modulus=body.stiffness_factor * held.material.elastic_modulus)
         return state_error(
-            replace(self.reduction, held=replace(held, material=iron)).casing(mesh),
+            replace(self.reduction, held=replace(held, material=iron)).assembled(mesh).held(),
             body,
             band=self.band,
             sensors=recovery.sensors,

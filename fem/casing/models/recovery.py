@@ -36,7 +36,9 @@ class Recovery(Stage):
     limit: float | None
     frequency_error: float | None = None
 
-    def build(self, *, modes: tuple[CasingModes, CheckUp], coarser: Sequence[LowestModes] = ()) -> ReducedBody:
+    def build(
+        self, *, modes: tuple[CasingModes, CheckUp, *tuple[LowestModes, ...]], coarser: Sequence[LowestModes] = ()
+    ) -> ReducedBody:
         """Bearing coordinates and modes.
 
         Parameters

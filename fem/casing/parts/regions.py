@@ -10,12 +10,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 
 from fem.casing.mesh.mesh import MeshError
-from fem.elements.materials import Material
 from fem.elements.solid_elements import solid_element
-from fem.elements.solids import assemble
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,20 +47,3 @@ def elements_inside(nodes: np.ndarray, elements: np.ndarray, regions: Sequence[R
                     f"casing parts {other.name} and {region.name} share {both} elements; separate the boxes"
                 )
     return [np.flatnonzero(chosen) for chosen in inside]
-
-
-def stiffness_of(nodes: np.ndarray, elements: np.ndarray, material: Material) -> sp.csr_matrix:
-    """Stiffness (3 node, 3 node) of some elements (e, k) of a mesh with these nodes, N/m."""
-    used, flat = np.unique(elements, return_inverse=True)
-    K, _ = assemble(
-        nodes[used],
-        flat.reshape(elements.shape),
-        elastic_modulus=material.elastic_modulus,
-        poisson_ratio=material.poisson_ratio,
-        density=material.density,
-    )
-    unknowns = (3 * used[:, None] + np.arange(3)).ravel()
-    entries = K.tocoo()
-    return sp.csr_matrix(
-        (entries.data, (unknowns[entries.row], unknowns[entries.col])), shape=(3 * len(nodes), 3 * len(nodes))
-    )

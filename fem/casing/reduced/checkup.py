@@ -21,11 +21,12 @@ import scipy.sparse as sp
 
 from fem.casing.reduced.grounded import GroundedCasing
 from fem.casing.reduced.lanczos import block_lanczos
-from fem.casing.reduced.reduction import Reduction
+from fem.casing.reduced.reduction import Reduction, largest_entry
 from fem.elements.solids import mass_properties, rigid_body_modes
 from fem.numerics.threads import side_by_side
 from fem.storage.records import Record, array, names, scalar
 
+_COLUMNS = 50  # of modes multiplied at once: bounds the memory
 _LIMITS = {
     "stiffness_asymmetry": 1e-12,
     "mass_asymmetry": 1e-12,
@@ -147,7 +148,7 @@ def check_up(casing: GroundedCasing, reduction: Reduction, *, full_band: float |
         full = full[: len(frequencies)]
         error = frequencies[: len(full)] / full - 1.0
     force = casing.expansion.T @ MR
-    effective = (phi.T @ (reduction.basis.T @ force)) ** 2
+    effective = (phi.T @ reduction.projected(force)) ** 2
     moving = np.ones(len(R))
     moving[casing.clamped] = 0.0
     rigid, reduced = side_by_side(
@@ -156,7 +157,7 @@ def check_up(casing: GroundedCasing, reduction: Reduction, *, full_band: float |
     return CheckUp(
         stiffness_asymmetry=_asymmetry(casing.K),
         mass_asymmetry=_asymmetry(casing.M),
-        grounding=float(abs(casing.K @ R).max() / (abs(casing.K).max() * abs(R).max())),
+        grounding=float(abs(casing.K @ R).max() / (largest_entry(casing.K) * abs(R).max())),
         **rigid,
         **reduced,
         mass=mass,
@@ -174,7 +175,7 @@ def check_up(casing: GroundedCasing, reduction: Reduction, *, full_band: float |
 def _asymmetry(matrix: sp.csr_matrix) -> float:
     """By one product with a random vector of signs, in which entries that differ do not cancel."""
     signs = np.random.default_rng(0).choice([-1.0, 1.0], matrix.shape[0])
-    return float(abs(matrix @ signs - matrix.T @ signs).max(initial=0.0) / abs(matrix.data).max(initial=0.0))
+    return float(abs(matrix @ signs - matrix.T @ signs).max(initial=0.0) / largest_entry(matrix))
 
 
 def _held(casing: GroundedCasing, reduction: Reduction) -> np.ndarray:
@@ -254,7 +255,8 @@ def _reduced_items(casing: GroundedCasing, reduction: Reduction, held: np.ndarra
     modes = E @ reduction.modes
     between = product(casing.K, E @ reduction.constraint).T @ modes
     scale = np.sqrt(np.outer(np.diag(interface.stiffness), np.maximum((2 * math.pi * reduction.frequencies) ** 2, 1.0)))
-    identity = modes.T @ product(casing.M, modes)
+    blocks = np.array_split(modes, max(1, modes.shape[1] // _COLUMNS), axis=1)
+    identity = np.hstack([modes.T @ product(casing.M, block) for block in blocks])
     static = 0.0
     if b:
         exact = interface.rows @ interface.factor.solve(interface.rows.T.toarray())

@@ -11,25 +11,24 @@ body, as a stiff outer ring pressed into its seat does: u = E [other unknowns, s
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
 
-from fem.casing.enrichment.added import added_functions
+from fem.casing.enrichment.added import KINDS_APART, AddedUnknowns, added_functions, extended
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.mesh.mesh import CasingMesh
 from fem.casing.parts.bolted_joint import BoltedJoint, joint_stiffness
 from fem.casing.parts.names import JOINTS, Attachment, Ground
-from fem.casing.parts.regions import Region, elements_inside, stiffness_of
+from fem.casing.parts.regions import Region, elements_inside
 from fem.casing.parts.split import split_mesh
 from fem.casing.reduced.attachment import AXES, AttachmentError, mean_motion_rows, nearest_surface_point
 from fem.casing.reduced.body import BEARING_AXES
-from fem.casing.reduced.halves import Places, interface_of
+from fem.casing.reduced.halves import Places, choice_of, interface_of
 from fem.casing.reduced.reduction import Interface
-from fem.elements.added_unknowns import AddedUnknowns
 from fem.elements.materials import Material
-from fem.elements.solids import assemble, rigid_body_modes
+from fem.elements.solids import rigid_body_modes
 from fem.numerics.linear_solver import Solver
 from fem.numerics.memory import give_back
 
@@ -44,9 +43,9 @@ class ForcedPoint:
     axes: tuple[str, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class GroundedCasing:
-    """Free-body matrices, the unknowns q left by clamping and rigid patches, u = E q, and the held interface."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class AssembledCasing:
+    """Free-body matrices, the unknowns q left by clamping and rigid patches, u = E q, and the rows of the interface."""
 
     mesh: CasingMesh
     material: Material
@@ -56,9 +55,10 @@ class GroundedCasing:
     M: sp.csr_matrix
     expansion: sp.csr_matrix  # E (u, n)
     clamped: np.ndarray  # of the unknowns; empty on springs
+    added: Places  # of all nodes, and of what is added to them
     coordinate_names: tuple[str, ...]  # of the interface, "ground_1:ux", ..., "bearing_1:ux", ...
+    rows: sp.csr_matrix  # of the interface (interface, n)
     springs: np.ndarray  # (interface,), reference springs D, N/m; zero but at feet on springs
-    interface: Interface
     parts: Mapping[str, sp.csr_matrix]  # what parts bring to K_free (n, n), by their names
 
     @property
@@ -68,13 +68,62 @@ class GroundedCasing:
 
     @property
     def K_free(self) -> sp.csr_matrix:
-        """Stiffness E^T K E (n, n) without the reference springs, made anew: it is as large as K."""
+        """Stiffness E^T K E (n, n) without the reference springs, computed at every call: it is as large as K."""
         return _projected(self.K, self.expansion)
 
     @property
     def M_free(self) -> sp.csr_matrix:
-        """Mass E^T M E (n, n), made anew."""
+        """Mass E^T M E (n, n), computed at every call."""
         return _projected(self.M, self.expansion)
+
+    def expanded(self, q: np.ndarray) -> np.ndarray:
+        """Displacements (3 node, k) of the mesh."""
+        return self.expansion[: 3 * len(self.mesh.nodes)] @ q
+
+    def rigid_motions(self, centre: np.ndarray) -> np.ndarray:
+        """Unit translations and rotations about a centre (u, 6): added ones have no part in them."""
+        out = np.zeros((self.K.shape[0], 6))
+        out[: 3 * len(self.mesh.nodes)] = rigid_body_modes(self.mesh.nodes, centre)
+        return out
+
+    def quadratic(self) -> AssembledCasing:
+        """The same casing without the cubic displacements of its elements, which are hierarchic."""
+        cubic = self.added.numbers < KINDS_APART
+        size, first = self.K.shape[0], 3 * len(self.mesh.nodes)
+        kept, left = np.ones(size, bool), np.ones(self.unknowns, bool)
+        kept[first:], left[self.unknowns - len(cubic) :] = ~cubic, ~cubic
+        return replace(
+            self,
+            mesh=replace(self.mesh, cubic=0),
+            K=sp.csr_matrix(self.K[kept][:, kept]),
+            M=sp.csr_matrix(self.M[kept][:, kept]),
+            expansion=sp.csr_matrix(self.expansion[kept][:, left]),
+            added=Places(self.added.nodes, self.added.functions[~cubic], self.added.numbers[~cubic]),
+            rows=sp.csr_matrix(self.rows[:, left]),
+            parts={},
+        )
+
+    def held(self, solver: Solver = "auto") -> GroundedCasing:
+        """Factorised, with the constraint modes of its interface; see `ground_casing`."""
+        on_springs = self.ground == "springs"
+        interface = interface_of(
+            None if self.attachment == "rigid" else self.added,
+            self.K,
+            self.M,
+            self.rows,
+            expansion=self.expansion,
+            penalty=self.springs if on_springs else None,
+            solver=solver,
+        )
+        give_back()
+        return GroundedCasing(**vars(self), interface=interface)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class GroundedCasing(AssembledCasing):
+    """A casing whose interface is held."""
+
+    interface: Interface
 
     @property
     def K_held(self) -> sp.csr_matrix:
@@ -86,18 +135,7 @@ class GroundedCasing:
         K = self.K_free
         if not springs.any():
             return K
-        rows = self.interface.rows
-        return sp.csr_matrix(K + rows.T @ sp.diags_array(springs) @ rows)
-
-    def expanded(self, q: np.ndarray) -> np.ndarray:
-        """Displacements (3 node, k) of the mesh."""
-        return self.expansion[: 3 * len(self.mesh.nodes)] @ q
-
-    def rigid_motions(self, centre: np.ndarray) -> np.ndarray:
-        """Unit translations and rotations about a centre (u, 6): added ones have no part in them."""
-        out = np.zeros((self.K.shape[0], 6))
-        out[: 3 * len(self.mesh.nodes)] = rigid_body_modes(self.mesh.nodes, centre)
-        return out
+        return sp.csr_matrix(K + self.rows.T @ sp.diags_array(springs) @ self.rows)
 
 
 def ground_casing(
@@ -116,6 +154,40 @@ def ground_casing(
 
     Parameters
     ----------
+    mesh, material, interfaces, forced, ground, attachment, regions, joint : those of `assembled_casing`
+    solver : see `fem.numerics.linear_solver.factorize`
+
+    Raises
+    ------
+    SingularMatrixError : a part of the mesh hangs loose; or see `assembled_casing`
+    """
+    return assembled_casing(
+        mesh,
+        material,
+        interfaces=interfaces,
+        forced=forced,
+        ground=ground,
+        attachment=attachment,
+        regions=regions,
+        joint=joint,
+    ).held(solver)
+
+
+def assembled_casing(
+    mesh: CasingMesh,
+    material: Material,
+    *,
+    interfaces: Mapping[str, Sequence[str]] | None = None,
+    forced: Sequence[ForcedPoint] = (),
+    ground: Ground = "fixed",
+    attachment: Attachment = "mean",
+    regions: Sequence[Region] = (),
+    joint: BoltedJoint | None = None,
+) -> AssembledCasing:
+    """Assemble, hold or free the feet, and tie the points.
+
+    Parameters
+    ----------
     mesh, material : of the casing
     interfaces : bearing patches that carry loads with the axes they carry; all with `BEARING_AXES` by default
     forced : surface points that bear outside forces, interfaces too
@@ -123,13 +195,11 @@ def ground_casing(
     attachment : a point has the "mean" motion of its patch, or the patch is "rigid"
     regions : parts of the housing whose stiffness is told from that of the rest
     joint : bolts that hold two halves together, else they are one body
-    solver : see `fem.numerics.linear_solver.factorize`
 
     Raises
     ------
     AttachmentError : no ground patch, an interface that touches the clamped nodes, rigid patches that share nodes
     MeshError : unknown patch, a region without elements or with those of another, a joint that is none of this mesh
-    SingularMatrixError : a part of the mesh hangs loose
     """
     split = None if joint is None else split_mesh(mesh, joint.plane)
     mesh = mesh if split is None else split.mesh
@@ -153,37 +223,16 @@ def ground_casing(
         rigid=points if attachment == "rigid" else (),
         joined=joined,
     )
-    K, M = added.added_to(
-        *assemble(
-            mesh.nodes,
-            mesh.elements,
-            elastic_modulus=material.elastic_modulus,
-            poisson_ratio=material.poisson_ratio,
-            density=material.density,
-        )
-    )
-    bolts = None if split is None or joint is None else added.extended(joint_stiffness(joint, split, material))
+    K, M = added.matrices()
+    bolts = None if split is None or joint is None else extended(joint_stiffness(joint, split, material), K.shape[0])
     K = K if bolts is None else sp.csr_matrix(K + bolts)
     expansion, rows, names = _tied(mesh, points, forced, attachment, clamped_nodes, len(added))
-    K_free, M_free = _projected(K, expansion), _projected(M, expansion)
-    parts = {name: _projected(part, expansion) for name, part in _parts(mesh, material, regions, added).items()}
+    parts = {name: _projected(part, expansion) for name, part in _parts(mesh, regions, added).items()}
     if bolts is not None:
         parts[JOINTS] = _projected(bolts, expansion)
     give_back()
     reference = material.elastic_modulus * mesh.element_size
-    springs = np.array([reference if name.startswith("ground_") else 0.0 for name in names])
-    places = Places(np.delete(mesh.nodes, clamped_nodes, axis=0), added.places, added.numbers)
-    interface = interface_of(
-        None if attachment == "rigid" else places,
-        K_free,
-        M_free,
-        rows,
-        penalty=springs if on_springs else None,
-        solver=solver,
-    )
-    del K_free, M_free
-    give_back()
-    return GroundedCasing(
+    return AssembledCasing(
         mesh=mesh,
         material=material,
         ground=ground,
@@ -192,9 +241,10 @@ def ground_casing(
         M=M,
         expansion=expansion,
         clamped=_unknowns(clamped_nodes),
+        added=Places(mesh.nodes, added.places, added.numbers),
         coordinate_names=names,
-        springs=springs,
-        interface=interface,
+        rows=rows,
+        springs=np.array([reference if name.startswith("ground_") else 0.0 for name in names]),
         parts=parts,
     )
 
@@ -216,18 +266,10 @@ def _tied(
     return expansion, sp.csr_matrix(sp.hstack([rows, sp.csr_matrix((rows.shape[0], added))])), tuple(names)
 
 
-def _parts(
-    mesh: CasingMesh, material: Material, regions: Sequence[Region], added: AddedUnknowns
-) -> dict[str, sp.csr_matrix]:
+def _parts(mesh: CasingMesh, regions: Sequence[Region], added: AddedUnknowns) -> dict[str, sp.csr_matrix]:
     """Stiffness (u, u) of the elements of every region by its name."""
     inside = elements_inside(mesh.nodes, mesh.elements, regions)
-    return {
-        region.name: sp.csr_matrix(
-            added.extended(stiffness_of(mesh.nodes, mesh.elements[chosen], material))
-            + added.matrices(chosen.tolist())[0]
-        )
-        for region, chosen in zip(regions, inside, strict=True)
-    }
+    return {region.name: added.matrices(chosen)[0] for region, chosen in zip(regions, inside, strict=True)}
 
 
 def _point_rows(mesh: CasingMesh, point: ForcedPoint) -> sp.csr_matrix:
@@ -285,8 +327,7 @@ def _rigid_patches(
 
 def _projected(matrix: sp.csr_matrix, expansion: sp.csr_matrix) -> sp.csr_matrix:
     """E^T A E; a plain choice of unknowns is sliced."""
-    if expansion.nnz == expansion.shape[1]:
-        chosen = expansion.tocsc().indices
+    if (chosen := choice_of(expansion)) is not None:
         return sp.csr_matrix(matrix[chosen][:, chosen])
     return sp.csr_matrix(expansion.T @ matrix @ expansion)
 

@@ -25,7 +25,7 @@ import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
 from fem.casing.reduced.lanczos import block_lanczos
-from fem.casing.reduced.reduction import Interface, Reduction, held_interface, reduce_and_count
+from fem.casing.reduced.reduction import Interface, Reduction, held_interface, largest_entry, reduce_and_count
 from fem.numerics.linear_solver import Factor, Solver
 from fem.numerics.memory import give_back
 from fem.numerics.threads import side_by_side
@@ -53,6 +53,11 @@ class MirroredInterface(Interface):
     """The interface of a whole body, held by halves."""
 
     halves: tuple[Half, Half]
+
+    @property
+    def whole(self) -> Interface:
+        """Without the matrices of the halves."""
+        return Interface(self.factor, self.rows, self.constraint, self.stiffness)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,10 +88,10 @@ class _Reflection:
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Where the unknowns are: three at every node, then those that are added."""
+    """Where the unknowns u are: three at every node, then those that are added."""
 
     nodes: np.ndarray  # (n, 3), m
-    functions: np.ndarray  # (m, 3), m, those of `fem.elements.added_unknowns.AddedUnknowns`
+    functions: np.ndarray  # (m, 3), m, those of `fem.casing.enrichment.added.AddedUnknowns`
     numbers: np.ndarray  # (m,)
 
 
@@ -96,30 +101,40 @@ def interface_of(
     M: sp.csr_matrix,
     rows: sp.csr_matrix,
     *,
+    expansion: sp.csr_matrix,
     penalty: np.ndarray | None = None,
     solver: Solver = "auto",
 ) -> Interface:
-    """`held_interface`, by halves if the body has a mirror plane normal to an axis.
+    """`held_interface` of E^T K E, by halves if the body has a mirror plane normal to an axis.
 
     Parameters
     ----------
-    places : of the unknowns; None: not to be looked at
-    K, rows, penalty, solver : those of `held_interface`
-    M : sparse (n, n), kg
+    places : of the unknowns u; None: not to be looked at
+    K, M : sparse (u, u), stiffness and mass in SI
+    rows, penalty, solver : those of `held_interface`
+    expansion : E (u, n), a plain choice of unknowns if there are `places`
 
     Raises
     ------
     as `held_interface`
     """
+    chosen = choice_of(expansion)
+    if chosen is None:
+        return held_interface(sp.csr_matrix(expansion.T @ K @ expansion), rows, penalty=penalty, solver=solver)
     for axis in range(3):
-        reflection = None if places is None else _reflection(places, axis, K)
-        if reflection is None or not all(_unchanged(matrix, reflection) for matrix in (K, M)):
+        reflection = None if places is None else _reflection(places, axis, K, chosen)
+        if reflection is None or not all(_unchanged(matrix, reflection, expansion) for matrix in (K, M)):
             continue
         turned = _of_interface(rows, reflection)
         stiffness = np.zeros(rows.shape[0]) if penalty is None else penalty
         if turned is not None and np.allclose(turned * stiffness, stiffness[:, None] * turned):
-            return _mirrored(reflection, turned, K, M, rows, penalty, solver)
-    return held_interface(K, rows, penalty=penalty, solver=solver)
+            return _mirrored(reflection, turned, K, M, expansion, rows, penalty, solver)
+    return held_interface(sp.csr_matrix(K[chosen][:, chosen]), rows, penalty=penalty, solver=solver)
+
+
+def choice_of(expansion: sp.csr_matrix) -> np.ndarray | None:
+    """Numbers (n,) of the unknowns u that E (u, n) chooses; None if it combines some."""
+    return expansion.tocsc().indices if expansion.nnz == expansion.shape[1] else None
 
 
 def reduced_and_counted(
@@ -189,8 +204,8 @@ def _by_halves(work: Callable[[Half], Result], interface: MirroredInterface) -> 
     return side_by_side(lambda: work(one), lambda: work(other))
 
 
-def _reflection(places: Places, axis: int, K: sp.csr_matrix) -> _Reflection | None:
-    """The reflection about the middle of the body, None if its nodes or functions have no images."""
+def _reflection(places: Places, axis: int, K: sp.csr_matrix, chosen: np.ndarray) -> _Reflection | None:
+    """The reflection of the chosen unknowns about the middle of the body, None if some have no images."""
     low, high = places.nodes.min(axis=0), places.nodes.max(axis=0)
     near = _SAME * float(np.linalg.norm(high - low))
     nodes = places.nodes
@@ -207,11 +222,14 @@ def _reflection(places: Places, axis: int, K: sp.csr_matrix) -> _Reflection | No
     if 2 * len(kept) < len(nodes) or 2 * len(kept_functions) < len(other):
         return None
     first = 3 * len(nodes)
-    return _Reflection(
-        np.concatenate([_unknowns(image), first + other]),
-        np.concatenate([sign.ravel(), _signs(K, _unknowns(image), sign.ravel(), other)]),
-        np.concatenate([_unknowns(kept), first + kept_functions]),
-    )
+    images = np.concatenate([_unknowns(image), first + other])
+    signs = np.concatenate([sign.ravel(), _signs(K, _unknowns(image), sign.ravel(), other)])
+    number = np.full(len(images), -1)
+    number[chosen] = np.arange(len(chosen))
+    own_images, own_kept = number[images[chosen]], number[np.concatenate([_unknowns(kept), first + kept_functions])]
+    if own_images.min(initial=0) < 0:
+        return None
+    return _Reflection(own_images, signs[chosen], own_kept[own_kept >= 0])
 
 
 def _images(points: np.ndarray, twice: float, axis: int, near: float) -> np.ndarray | None:
@@ -239,11 +257,11 @@ def _unknowns(nodes: np.ndarray) -> np.ndarray:
     return (3 * nodes[:, None] + np.arange(3)).ravel()
 
 
-def _unchanged(matrix: sp.csr_matrix, reflection: _Reflection) -> bool:
-    """Whether S A S = A, by products with a random vector."""
-    x = np.random.default_rng(0).standard_normal(matrix.shape[0])
-    difference = matrix @ reflection(x) - reflection(matrix @ x)
-    return bool(abs(difference).max() <= _ROUNDING * abs(matrix).max() * np.linalg.norm(x))
+def _unchanged(matrix: sp.csr_matrix, reflection: _Reflection, expansion: sp.csr_matrix) -> bool:
+    """Whether S A S = A of A = E^T matrix E, by products with a random vector."""
+    x = np.random.default_rng(0).standard_normal(expansion.shape[1])
+    reflected, product = (expansion.T @ (matrix @ (expansion @ some)) for some in (reflection(x), x))
+    return bool(abs(reflected - reflection(product)).max() <= _ROUNDING * largest_entry(matrix) * np.linalg.norm(x))
 
 
 def _of_interface(rows: sp.csr_matrix, reflection: _Reflection) -> np.ndarray | None:
@@ -262,20 +280,22 @@ def _mirrored(
     turned: np.ndarray,
     K: sp.csr_matrix,
     M: sp.csr_matrix,
+    expansion: sp.csr_matrix,
     rows: sp.csr_matrix,
     penalty: np.ndarray | None,
     solver: Solver,
 ) -> MirroredInterface:
     value, vector = la.eigh(turned)
-    largest = float(K.diagonal().max())
+    largest, kept = float(K.diagonal().max()), expansion.tocsc().indices[reflection.kept]
 
     def held(parity: float) -> Half:
         Q, C, share = reflection.motions(parity), vector[:, value * parity > 0.0], reflection.share(parity)
         scale = np.divide(1.0, share, out=np.zeros_like(share), where=share > 0.0)
+        in_body = sp.csr_matrix(expansion @ Q)
 
         def of_half(matrix: sp.csr_matrix) -> sp.csr_matrix:
             """Q_i^T A Q_j = A_i Q_j / share_i: the images of the rows give the same products."""
-            found = sp.csr_matrix(matrix[reflection.kept] @ Q)
+            found = sp.csr_matrix(matrix[kept] @ in_body)
             found.data *= np.repeat(scale, np.diff(found.indptr))
             return found
 
@@ -288,15 +308,19 @@ def _mirrored(
 
     halves = side_by_side(lambda: held(1.0), lambda: held(-1.0))
 
-    def solve(b: np.ndarray) -> np.ndarray:
-        def of(half: Half) -> np.ndarray:
-            return np.asarray(half.motions @ half.interface.factor.solve(half.motions.T @ b))
+    solvers = tuple((half.motions, half.interface.factor.solve) for half in halves)  # all that is kept by `solve`
 
-        one, other = side_by_side(lambda: of(halves[0]), lambda: of(halves[1]))
+    def solve(b: np.ndarray) -> np.ndarray:
+        def of(motions: sp.csr_matrix, inverse: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+            return np.asarray(motions @ inverse(motions.T @ b))
+
+        one, other = side_by_side(lambda: of(*solvers[0]), lambda: of(*solvers[1]))
         return one + other
 
     return MirroredInterface(
-        factor=Factor(f"{halves[0].interface.factor.name}, by symmetric and antisymmetric halves", K.shape[0], solve),
+        factor=Factor(
+            f"{halves[0].interface.factor.name}, by symmetric and antisymmetric halves", expansion.shape[1], solve
+        ),
         rows=rows,
         constraint=sum(half.motions @ (half.interface.constraint @ half.coordinates.T) for half in halves),
         stiffness=sum(half.coordinates @ half.interface.stiffness @ half.coordinates.T for half in halves),

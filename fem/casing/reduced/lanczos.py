@@ -22,6 +22,7 @@ from fem.numerics.threads import side_by_side
 
 _TOLERANCE = 1e-7  # residual of a Ritz pair over its theta; the eigenvalue is then good to about its square
 _CHUNK = 8  # blocks that share one array
+_NOTHING = 1e-11  # share of a new block that reorthogonalisation removes, below which M times it need not be computed
 _RANK = 1e-12  # directions of a new block below this part of its largest (in mass norm squared) are dropped
 
 
@@ -87,13 +88,14 @@ def block_lanczos(
     while basis.used + (width := X.shape[1]) <= min(n, largest_basis):
         basis.append(X)
         step += 1
-        W = operator(MX)
+        W = np.ascontiguousarray(operator(MX))
         diagonal = MX.T @ W
         diagonal = 0.5 * (diagonal + diagonal.T)
         W -= before @ link.T
         W -= X @ diagonal
         MW = product(M, W)
-        basis.remove(W, basis.products(MW))  # full reorthogonalisation
+        removed = basis.products(MW)
+        basis.remove(W, removed)  # full reorthogonalisation
         T = _bordered(T, link, diagonal)
         combine, rest = m_orthonormal(W, MW)  # MW of before: what was removed is small, and a second pass follows
         exhausted = basis.used >= n or not rest.size or abs(rest).max() < 1e-13 * abs(np.diag(T)).max()
@@ -106,7 +108,7 @@ def block_lanczos(
                 return value[:number], basis.combined(vector[:, :number])
         before = X
         X = W @ combine
-        MX = product(M, X)
+        MX = MW @ combine if abs(removed @ combine).max() <= _NOTHING else product(M, X)
         again, more = m_orthonormal(X, MX)  # the first pass squares the condition of the block
         X, MX, link = X @ again, MX @ again, more @ rest
     raise EigenError(
@@ -157,7 +159,7 @@ class _Basis:
         if fits:
             self._parts[-1][:, self._end : self._end + fits] = X[:, :fits]
         if fits < X.shape[1]:
-            self._parts.append(np.empty((self._n, self._chunk), order="F"))
+            self._parts.append(np.empty((self._n, self._chunk)))
             self._parts[-1][:, : X.shape[1] - fits] = X[:, fits:]
         self._end = (self._end + X.shape[1] - 1) % self._chunk + 1
         self.used += X.shape[1]
@@ -172,23 +174,24 @@ class _Basis:
         return np.vstack([some for both in zip(left, right, strict=True) for some in both])
 
     def remove(self, W: np.ndarray, coefficients: np.ndarray) -> None:
-        """W -= Q @ coefficients in place, W (n, k)."""
-        W[...] = self._added(np.asfortranarray(W), coefficients, -1.0)
+        """W -= Q @ coefficients in place, W (n, k) by rows."""
+        self._add(W, coefficients, -1.0)
 
     def combined(self, coefficients: np.ndarray) -> np.ndarray:
         """Q @ coefficients (n, k)."""
-        return self._added(np.zeros((self._n, coefficients.shape[1]), order="F"), coefficients, 1.0)
+        out = np.zeros((self._n, coefficients.shape[1]))
+        self._add(out, coefficients, 1.0)
+        return out
 
-    def _added(self, W: np.ndarray, coefficients: np.ndarray, factor: float) -> np.ndarray:
-        """W + factor Q @ coefficients, W by columns, overwritten; by halves of the rows."""
+    def _add(self, W: np.ndarray, coefficients: np.ndarray, factor: float) -> None:
+        """W += factor Q @ coefficients in place, W by rows; by halves of these."""
+        turned = np.asfortranarray(coefficients.T)
 
         def run(rows: slice) -> None:
             start = 0
             for part in self._filled():
-                some = np.asfortranarray(coefficients[start : start + part.shape[1]])
-                blas.add_product(part[rows], some, W[rows], factor)
+                blas.add_product(turned[:, start : start + part.shape[1]], part[rows].T, W[rows].T, factor)
                 start += part.shape[1]
 
         half = self._n // 2
         side_by_side(lambda: run(slice(half)), lambda: run(slice(half, None)))
-        return W

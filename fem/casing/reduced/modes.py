@@ -115,7 +115,6 @@ def casing_modes(
     counted : fixed-interface modes below it by the law of inertia; -1: not counted
     """
     mesh = casing.mesh
-    basis = reduction.basis
     extra = reduction.modes.shape[1] - reduction.n_fixed
     mode_names = [f"mode_{i + 1}" for i in range(reduction.n_fixed)] + [f"inertia_{i + 1}" for i in range(extra)]
     mass, centre, inertia = mass_properties(mesh.nodes, mesh.elements, casing.material.density)
@@ -134,11 +133,11 @@ def casing_modes(
         band_limit=band_limit,
         counted=counted,
         unknowns=casing.unknowns,
-        participation=basis.T @ (casing.expansion.T @ inertial),
+        participation=reduction.projected(casing.expansion.T @ inertial),
         foot_stiffness=foot_stiffness,
         foot_inertia=foot_inertia,
         part_names=tuple(casing.parts),
-        part_stiffness=_of_parts(casing, basis),
+        part_stiffness=_of_parts(casing, reduction),
         total_mass=mass,
         centre=centre,
         inertia=inertia,
@@ -146,15 +145,15 @@ def casing_modes(
         point_positions=mesh.patch_points,
         nodes=mesh.nodes,
         facets=mesh.facets,
-        basis=_expanded(casing, basis).reshape(len(mesh.nodes), 3, -1),
+        basis=_expanded(casing, reduction).reshape(len(mesh.nodes), 3, -1),
         element_size=mesh.element_size,
     )
 
 
-def _of_parts(casing: GroundedCasing, basis: np.ndarray) -> np.ndarray:
+def _of_parts(casing: GroundedCasing, reduction: Reduction) -> np.ndarray:
     """T^T K_p T (part, coordinate, coordinate)."""
-    found = [basis.T @ (stiffness @ basis) for stiffness in casing.parts.values()]
-    return np.array(found).reshape(len(found), basis.shape[1], basis.shape[1])
+    found = [reduction.projected(stiffness @ reduction.basis) for stiffness in casing.parts.values()]
+    return np.array(found).reshape(len(found), *reduction.mass.shape)
 
 
 def _clamped_feet(casing: GroundedCasing, MX: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -167,11 +166,14 @@ def _clamped_feet(casing: GroundedCasing, MX: np.ndarray) -> tuple[np.ndarray, n
     return clamped_reactions(sums, casing.K, MX, casing.expansion, interface.constraint, interface.inverse)
 
 
-def _expanded(casing: GroundedCasing, basis: np.ndarray) -> np.ndarray:
-    """The basis on all unknowns of the mesh in single precision, a few columns at a time."""
-    out = np.empty((3 * len(casing.mesh.nodes), basis.shape[1]), np.float32)
-    for start in range(0, basis.shape[1], 32):
-        out[:, start : start + 32] = casing.expanded(basis[:, start : start + 32])
+def _expanded(casing: GroundedCasing, reduction: Reduction) -> np.ndarray:
+    """T on all unknowns of the mesh in single precision, a few columns at a time."""
+    out, place = np.empty((3 * len(casing.mesh.nodes), len(reduction.mass)), np.float32), 0
+    for whole in (reduction.constraint, reduction.modes):
+        for start in range(0, whole.shape[1], 32):
+            some = whole[:, start : start + 32]
+            out[:, place : place + some.shape[1]] = casing.expanded(some)
+            place += some.shape[1]
     return out
 
 

@@ -26,7 +26,6 @@ import scipy.sparse as sp
 
 from fem.casing.reduced.lanczos import EigenError, block_lanczos, m_orthonormal
 from fem.numerics.linear_solver import Factor, Solver, factorize
-from fem.numerics.threads import side_by_side
 
 _DENSE = 400  # up to this many unknowns the modes come from a dense eigensolution on the null space of B
 _SPANNED = 1e-12  # share of its mass that a vector has beyond the modes, below which it is rounding
@@ -49,8 +48,12 @@ class Reduction:
 
     @property
     def basis(self) -> np.ndarray:
-        """T (n, b + m)."""
+        """T (n, b + m), a copy of both."""
         return np.hstack([self.constraint, self.modes])
+
+    def projected(self, loads: np.ndarray) -> np.ndarray:
+        """T^T loads of loads (n, k)."""
+        return np.vstack([self.constraint.T @ loads, self.modes.T @ loads])
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +64,11 @@ class Interface:
     rows: sp.csr_matrix  # B (b, n)
     constraint: np.ndarray  # Psi (n, b)
     stiffness: np.ndarray  # S^-1 - D (b, b)
+
+    @property
+    def whole(self) -> Interface:
+        """Without what only a reduction needs."""
+        return self
 
     def inverse(self, X: np.ndarray) -> np.ndarray:
         """P X: displacements under the loads X (n, k) with the interface held."""
@@ -164,7 +172,7 @@ def count_fixed_modes(interface: Interface, K: sp.spmatrix, M: sp.spmatrix, high
     for step in range(3):
         shift = (2.0 * math.pi * highest * (1.0 - 1e-6 * step)) ** 2
         try:
-            return count_negative(plan, sp.csr_matrix(K - shift * M), interface.rows)
+            return count_negative(plan, K, M, shift, interface.rows)
         except NearlySingularError as error:
             reason = str(error)
     raise EigenError(f"the modes below {highest:g} Hz cannot be counted ({reason}); choose another band")
@@ -173,7 +181,7 @@ def count_fixed_modes(interface: Interface, K: sp.spmatrix, M: sp.spmatrix, high
 def reduce_and_count(
     interface: Interface, K: sp.spmatrix, M: sp.spmatrix, *, highest: float, enrich: bool = True
 ) -> tuple[Reduction, int]:
-    """`reduce_body` and, side by side with it, `count_fixed_modes`.
+    """`reduce_body` after `count_fixed_modes`: both use two cores, and the memory of one is free for the other.
 
     Parameters
     ----------
@@ -183,10 +191,8 @@ def reduce_and_count(
     ------
     EigenError : not as many modes found as the law of inertia counts; or see the two
     """
-    reduction, counted = side_by_side(
-        lambda: reduce_body(interface, K, M, highest=highest, enrich=enrich),
-        lambda: count_fixed_modes(interface, K, M, highest),
-    )
+    counted = count_fixed_modes(interface, K, M, highest)
+    reduction = reduce_body(interface, K, M, highest=highest, enrich=enrich)
     if reduction.n_fixed != counted:
         raise EigenError(
             f"casing: {reduction.n_fixed} fixed-interface modes found below {highest:g} Hz, {counted} exist; "
@@ -208,6 +214,11 @@ def _beyond(modes: np.ndarray, extra: np.ndarray, M: sp.csr_matrix) -> np.ndarra
     extra = extra @ m_orthonormal(extra, M @ extra)[0]
     extra = extra - modes @ (modes.T @ (M @ extra))
     return extra @ m_orthonormal(extra, M @ extra)[0]
+
+
+def largest_entry(matrix: sp.csr_matrix) -> float:
+    """By magnitude, without a copy."""
+    return float(max(matrix.data.max(initial=0.0), -matrix.data.min(initial=0.0)))
 
 
 def _symmetric(matrix: np.ndarray) -> np.ndarray:

@@ -10,19 +10,17 @@ lie lower than the frequencies, therefore corrects all of the stiffness: K = (1 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg as la
 from threadpoolctl import threadpool_limits
 
-from fem.casing.mesh.mesh import CasingMesh
 from fem.casing.mesh.sizes import Sizes
-from fem.casing.parts.bolted_joint import BoltedJoint
-from fem.casing.parts.names import Attachment, Ground
+from fem.casing.parts.names import Ground
 from fem.casing.reduced.body import MODES_OVER_BAND
-from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.grounded import AssembledCasing
 from fem.casing.reduced.halves import lowest
 from fem.casing.reduced.modes import CasingModes
 from fem.casing.reduced.reduction import reduce_body
@@ -30,7 +28,6 @@ from fem.casing.uncertainty.cubic_limits import cubic_limits
 from fem.casing.uncertainty.frequency_limits import LEAST_MODES, FrequencyLimits, LimitError
 from fem.casing.uncertainty.laws import RATIOS, law_of
 from fem.casing.uncertainty.pairing import counterparts, sample_nodes
-from fem.elements.materials import Material
 from fem.elements.solid_elements import SOLIDS
 from fem.storage.records import Record, array, integer, scalar, text
 
@@ -59,30 +56,21 @@ def coarser_sizes(sizes: Sizes) -> tuple[Sizes, ...]:
     return tuple(sizes.times(ratio) for ratio in RATIOS)
 
 
-def lowest_modes(
-    mesh: CasingMesh,
-    material: Material,
-    *,
-    static: bool,
-    interfaces: Mapping[str, Sequence[str]] | None = None,
-    ground: Ground = "fixed",
-    attachment: Attachment = "mean",
-    joint: BoltedJoint | None = None,
-) -> LowestModes:
-    """The modes on a coarser mesh.
+def lowest_modes(assembled: AssembledCasing, *, static: bool) -> LowestModes:
+    """The modes of a casing on a coarser mesh, or on the same one without cubic displacements.
 
     Parameters
     ----------
-    mesh, material : of the casing
+    assembled : the casing
     static : take the matrices condensed to the interface, as the model static has
-    interfaces, ground, attachment, joint : those of `ground_casing`
 
     Raises
     ------
-    as `ground_casing` and `reduce_body`
+    as `AssembledCasing.held` and `reduce_body`
     """
+    ground = assembled.ground
     with threadpool_limits(1):  # the heavy steps run in two halves side by side
-        casing = ground_casing(mesh, material, interfaces=interfaces, ground=ground, attachment=attachment, joint=joint)
+        casing = assembled.held()
         if ground == "fixed" and not static:  # definite as it stands: no interface needs to be held
             theta, phi = lowest(casing.interface, lambda: casing.M_free, MODES)
             frequencies = 1.0 / (2.0 * np.pi * np.sqrt(theta))
@@ -95,9 +83,9 @@ def lowest_modes(
     return LowestModes(
         frequencies=frequencies,
         shapes=casing.expanded(phi)[unknowns],
-        element_size=mesh.element_size,
+        element_size=casing.mesh.element_size,
         unknowns=casing.unknowns,
-        element=mesh.element.name,
+        element=casing.mesh.element.name,
     )
 
 

@@ -60,14 +60,9 @@ class LawTables(NamedTuple):
     pinion_modes: float  # modes of a damaged tooth
     wheel_modes: float
     block: np.ndarray  # (block, field of `Slices`, lane)
-    compliance: np.ndarray  # (cell, 2) C, m2/N
-    contact_offset: np.ndarray  # (cell, 2) B
-    fraction: np.ndarray  # (cell, 2) phi, 0 in a cell with an infinite gap
-    gain: np.ndarray  # (cell, 2) sqrt(D)
-    gap: np.ndarray  # (cell * FINER, 2) m, mean over a slice
-    rise: np.ndarray  # (cell * FINER, 2) m, of the mean over the least gap in a slice
-    whole: np.ndarray  # (cell * FINER, 2) N/m, load at which a slice is wholly in contact
-    even: np.ndarray  # (cell * FINER, 2) part of a slice over which its gap is even
+    coarse: np.ndarray  # (cell, 8) C (m2/N), B, phi (0 in a cell with an infinite gap), sqrt(D); value, change of each
+    fine: np.ndarray  # (cell * FINER, 8) over a slice: mean gap (m), its rise over the least gap (m), load that closes
+    # the slice wholly (N/m), part of the slice over which the gap is even; value and change of each
     neighbour: np.ndarray  # (cell, neighbour, 2) c_1, c_2, ..., m2/N
     pinion_softening: np.ndarray  # (variant, slice, position) compliance that a damaged tooth adds, m2/N
     pinion_gap: np.ndarray  # (variant, slice, position) m
@@ -112,14 +107,10 @@ def pack(law: MeshLaw) -> np.ndarray:
         pinion_modes=pinion_modes,
         wheel_modes=wheel_modes,
         block=_blocks(law),
-        compliance=_cells(law.compliance),
-        contact_offset=_cells(law.contact_offset),
-        fraction=fraction,
-        gain=_cells(np.sqrt(law.spread_compliance)),
-        gap=_cells(means.gap),
-        rise=_cells(means.rise),
-        whole=_cells(means.whole),
-        even=_cells(means.even),
+        coarse=np.hstack(
+            [_cells(law.compliance), _cells(law.contact_offset), fraction, _cells(np.sqrt(law.spread_compliance))]
+        ),
+        fine=np.hstack([_cells(table) for table in (means.gap, means.rise, means.whole, means.even)]),
         neighbour=np.swapaxes(_cells(law.neighbour_compliance), 0, 1),
         pinion_softening=law.pinion_variant_compliance,
         pinion_gap=law.pinion_variant_gap,
@@ -163,9 +154,9 @@ def unpacked(packed):
     first, second = int(numbers[3]), int(numbers[4])
     blocks = (slices + LANES - 1) // LANES
     at = NUMBERS + blocks * FIELDS * LANES
-    block, tables = views(packed, NUMBERS, 1, (blocks, FIELDS, LANES)), views(packed, at, 4, (cells, 2))
+    block, coarse = views(packed, NUMBERS, 1, (blocks, FIELDS, LANES)), views(packed, at, 1, (cells, 8))
     at += 8 * cells
-    touching = views(packed, at, 4, (FINER * cells, 2))
+    fine = views(packed, at, 1, (FINER * cells, 8))
     at += 8 * FINER * cells
     neighbour = views(packed, at, 1, (cells, neighbours, 2))
     at += 2 * cells * neighbours
@@ -177,7 +168,7 @@ def unpacked(packed):
     pinion_mode = views(packed, at, 1, (first, 3, slices, cells + 1, of_pinion))
     at += first * 3 * slices * (cells + 1) * of_pinion
     wheel_mode = views(packed, at, 1, (second, 3, slices, cells + 1, of_wheel))
-    return LawTables(*(numbers + block + tables + touching + neighbour + pinion + wheel + pinion_mode + wheel_mode))
+    return LawTables(*(numbers + block + coarse + fine + neighbour + pinion + wheel + pinion_mode + wheel_mode))
 
 
 @inner(**INLINE)

@@ -10,8 +10,8 @@ import numpy as np
 
 from fem.casing.geometry.dimensions import HousingError
 from fem.casing.geometry.housing import Housing
+from fem.casing.geometry.locators import ByCylinder, ByGroup, ByPlane, Locator
 from fem.casing.mesh.imported import ALONG_Y, OFF_AXIS, ImportedHousing
-from fem.casing.mesh.locate import ByCylinder, ByGroup, ByPlane
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.models.casing import HousingCasing
@@ -21,8 +21,6 @@ from pipelines.machine.bearings import bearing_names, bearing_points
 from pipelines.machine.layout import Layout
 from pipelines.machine.plant import Plant
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.casing import FlexibleBase
-from pipelines.scene.tables.housing import ImportedTable
 
 MOST_ELEMENTS = 1_500_000  # quadratic tetrahedra, 2 million nodes: about 60 GB to factorise
 MOST_NODES = 2_000_000
@@ -32,39 +30,34 @@ LARGEST_LOOK = 10e6  # bytes of a housing file that is looked into without being
 
 def bad_casing(scene: Scene, plant: Plant) -> Iterator[Problem]:
     """Everything that the casing's mesh would refuse and can be known without it."""
-    table, layout, structure, casing = scene.casing, plant.layout, plant.structure, plant.casing
-    made = structure.housing
-    if not isinstance(casing, HousingCasing) or not isinstance(made, Housing | ImportedHousing):
-        return
-    if isinstance(made, Housing):
-        yield from _off_middle(scene, layout, {bore.name: made.bore_centre(bore) for bore in made.bores}, "boss")
-    else:
+    made, table = plant.structure.housing, scene.casing
+    if isinstance(made, ImportedHousing):
         cheap = list(_misplaced_seats(scene, made))
-        yield from cheap
-        if not cheap:
-            yield from _seats_in_file(scene, layout, made)
-    if isinstance(made, Housing) and casing.needs_mesh(structure):
-        from fem.casing.mesh.mesher import check_element_size
+        yield from cheap or _seats_in_file(scene, plant.layout, made)
+    if not isinstance(made, Housing) or not isinstance(plant.casing, HousingCasing):
+        return
+    yield from _off_middle(scene, plant.layout, {bore.name: made.bore_centre(bore) for bore in made.bores}, "boss")
+    if not plant.casing.needs_mesh(plant.structure):
+        return
+    from fem.casing.mesh.mesher import check_element_size
 
-        sizes = casing.sizes(structure)
-        try:
-            check_element_size(made, sizes.element)
-        except MeshError as error:
-            yield Problem("casing.element_size_mm", str(error), "", f"{table.element_size_mm:g}")
-            return
-        if table.element.startswith("hexahedron"):
-            yield from _no_hexahedra(made, sizes, table.element, table.element_size_mm)
-            return
-        count = _elements(made, sizes.element)
-        if count > MOST_ELEMENTS:
-            least = sizes.element * (count / MOST_ELEMENTS) ** (1 / 3)
-            yield Problem(
-                "casing.element_size_mm",
-                f"elements of {1000 * sizes.element:.3g} mm give about {count / 1e6:.1f} million tetrahedra, more than "
-                f"{MOST_ELEMENTS / 1e6:.1f} million",
-                f"Set {1000 * least:.2g} or more{OR_BAND}",
-                f"{table.element_size_mm:g}",
-            )
+    sizes = plant.casing.sizes(plant.structure)
+    try:
+        check_element_size(made, sizes.element)
+    except MeshError as error:
+        yield Problem("casing.element_size_mm", str(error), "", f"{table.element_size_mm:g}")
+        return
+    if table.element.startswith("hexahedron"):
+        yield from _no_hexahedra(made, sizes, table.element, table.element_size_mm)
+    elif (count := _elements(made, sizes.element)) > MOST_ELEMENTS:
+        least = sizes.element * (count / MOST_ELEMENTS) ** (1 / 3)
+        yield Problem(
+            "casing.element_size_mm",
+            f"elements of {1000 * sizes.element:.3g} mm give about {count / 1e6:.1f} million tetrahedra, more than "
+            f"{MOST_ELEMENTS / 1e6:.1f} million",
+            f"Set {1000 * least:.2g} or more{OR_BAND}",
+            f"{table.element_size_mm:g}",
+        )
 
 
 def _no_hexahedra(made: Housing, sizes: Sizes, element: str, asked: float) -> Iterator[Problem]:
@@ -109,12 +102,10 @@ def _nodes(made: Housing, size: float) -> float:
 
 def _off_middle(scene: Scene, layout: Layout, points: dict[str, np.ndarray], what: str) -> Iterator[Problem]:
     """Bearings that are not in the middle of their seat, where the casing takes their load."""
-    places = {name: (shaft, place) for name, shaft, place in bearing_names(scene.shafts)}
-    for number, wanted in enumerate(bearing_points(scene.shafts, layout), 1):
-        name = f"bearing_{number}"
+    carried = [found for found in bearing_names(scene.shafts) if not found[0].startswith("ground")]
+    for (name, shaft, place), wanted in zip(carried, bearing_points(scene.shafts, layout), strict=True):
         if name not in points:
             continue
-        shaft, place = places[name]
         middle, y = 1000 * float(points[name][1]), 1000 * wanted[1]
         if abs(middle - y) > 1000 * BEARING_PLACE_TOLERANCE:
             yield Problem(
@@ -127,20 +118,11 @@ def _off_middle(scene: Scene, layout: Layout, points: dict[str, np.ndarray], wha
 
 def _misplaced_seats(scene: Scene, made: ImportedHousing) -> Iterator[Problem]:
     """Seats whose axis is not that of their shaft, by the scene alone; directions without a length."""
-    table = getattr(scene.casing, "housing", None)
-    if not isinstance(table, ImportedTable):
-        return
-    numbers = {seat.name: number for number, seat in enumerate(table.bearings, 1)}
+    paths = {seat.name: f"casing.housing.bearings.{number}" for number, seat in enumerate(scene.housing.bearings, 1)}
     shafts = {name: shaft + 1 for name, shaft, _ in bearing_names(scene.shafts)}
     for seat in made.seats:
-        path = f"casing.housing.bearings.{numbers[seat.name]}"
-        if isinstance(seat.locator, ByGroup) and made.is_step:
-            yield Problem(
-                f"{path}.group",
-                f"{seat.name}: a STEP file has no groups",
-                "Set through_mm and diameter_mm instead",
-                f'"{seat.locator.group}"',
-            )
+        path = paths[seat.name]
+        yield from _group_of_step(made, path, seat.locator, "through_mm and diameter_mm", f"{seat.name}: ")
         if not isinstance(seat.locator, ByCylinder) or seat.shaft_point is None:
             continue
         axis, through = np.array(seat.locator.axis), np.array(seat.locator.through)
@@ -160,38 +142,40 @@ def _misplaced_seats(scene: Scene, made: ImportedHousing) -> Iterator[Problem]:
             yield Problem(
                 f"{path}.through_mm",
                 f"the axis of the seat of {seat.name} is {1000 * off:.4g} mm away from that of shaft "
-                f"{shafts[seat.name]} at "
-                f"x {1000 * wanted[0]:.6g}, z {1000 * wanted[2]:.6g} mm (limit {1000 * OFF_AXIS:g} mm)",
+                f"{shafts[seat.name]} at x {1000 * wanted[0]:.6g}, z {1000 * wanted[2]:.6g} mm (limit "
+                f"{1000 * OFF_AXIS:g} mm)",
                 "Correct it, casing.housing.origin_mm, or the place of the shaft (centre_distance_mm, direction_deg)",
                 str([round(1000 * value, 6) for value in seat.locator.through]),
             )
     for number, ground in enumerate(made.grounds, 1):
+        path = f"casing.housing.grounds.{number}"
         if isinstance(ground, ByPlane) and not any(ground.normal):
-            yield Problem(
-                f"casing.housing.grounds.{number}.normal", "is no direction", "Set one, as in [0.0, 0.0, 1.0]"
-            )
-        if isinstance(ground, ByGroup) and made.is_step:
-            yield Problem(
-                f"casing.housing.grounds.{number}.group",
-                "a STEP file has no groups",
-                "Set point_mm, box_mm, or through_mm and normal instead",
-                f'"{ground.group}"',
-            )
+            yield Problem(f"{path}.normal", "is no direction", "Set one, as in [0.0, 0.0, 1.0]")
+        yield from _group_of_step(made, path, ground, "point_mm, box_mm, or through_mm and normal")
+
+
+def _group_of_step(made: ImportedHousing, path: str, locator: Locator, instead: str, of: str = "") -> Iterator[Problem]:
+    """A group as the place in a file without groups.
+
+    Parameters
+    ----------
+    made, path, locator : the housing, a place in it, and the path of that in the scene
+    instead : keys by which the place can be found
+    of : what is located, for the message
+    """
+    if isinstance(locator, ByGroup) and made.is_step:
+        yield Problem(f"{path}.group", f"{of}a STEP file has no groups", f"Set {instead} instead", f'"{locator.group}"')
 
 
 def _seats_in_file(scene: Scene, layout: Layout, made: ImportedHousing) -> Iterator[Problem]:
     """Seats that are not in the file, or not where the bearings are."""
-    casing = scene.casing
-    if not isinstance(casing, FlexibleBase) or not isinstance(table := casing.housing, ImportedTable):
-        return
-    found = _looked_up(made, casing.element)
+    table, found = scene.housing, _looked_up(made, scene.casing.element)
     if isinstance(found, MeshError):
         yield Problem("casing.housing.file", str(found), "", f'"{table.file}"')
         return
-    numbers = {seat.name: number for number, seat in enumerate(table.bearings, 1)}
-    for name, point in found.items():
-        if isinstance(point, MeshError):
-            yield Problem(f"casing.housing.bearings.{numbers[name]}", str(point))
+    for number, seat in enumerate(table.bearings, 1):
+        if isinstance(point := found.get(seat.name), MeshError):
+            yield Problem(f"casing.housing.bearings.{number}", str(point))
     points = {name: point for name, point in found.items() if not isinstance(point, MeshError)}
     yield from _off_middle(scene, layout, points, "seat")
 

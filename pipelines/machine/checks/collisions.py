@@ -1,4 +1,4 @@
-"""Collisions: what of the gearbox would run into something else, found before anything is computed.
+"""Collisions: what of the gearbox would run into something else or is far outside, found before anything is computed.
 
 Everything is a cylinder along y or a flat wall: tip circles against neighbouring shafts, gears, bosses and walls,
 shafts against walls.
@@ -10,12 +10,17 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
+from fem.casing.geometry.dimensions import Dimensions
 from pipelines.io.errors import Problem
+from pipelines.machine.casing import dimensions
 from pipelines.machine.layout import Layout
+from pipelines.machine.plant import Drivetrain
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.casing import FlexibleBase
 from pipelines.scene.tables.housing import HousingBase
 
+FARTHEST_SENSOR = 50.0  # mm: a sensor farther from the housing is a mistake in the scene
 _WAYS_OUT = {  # what makes room at a wall
     "left end wall": "Reduce casing.housing.left_end_mm",
     "right end wall": "Raise casing.housing.length_mm",
@@ -49,15 +54,19 @@ class Cylinder:
 
 def gears(scene: Scene, layout: Layout) -> list[Cylinder]:
     """Tip cylinders of all gears, pinion and wheel of stage 1 first."""
-    found = []
-    for number, (stage, pair) in enumerate(zip(scene.stages, layout.pairs, strict=True)):
-        middle, half = stage.si.position, stage.si.face_width / 2
-        places = layout.pair_shafts[number]
-        for shaft, gear, name in ((places[0], pair.pinion, "pinion"), (places[1], pair.wheel, "wheel")):
-            label = f"tip circle of the stage {number + 1} {name}"
-            ends = middle - half, middle + half
-            found.append(Cylinder(label, f"stages.{number + 1}", shaft, gear.tip_radius, *ends, gear.bore_radius))
-    return found
+    return [
+        Cylinder(
+            f"tip circle of the stage {number} {name}",
+            f"stages.{number}",
+            shaft,
+            gear.tip_radius,
+            stage.si.position - stage.si.face_width / 2,
+            stage.si.position + stage.si.face_width / 2,
+            gear.bore_radius,
+        )
+        for number, (stage, pair, on) in enumerate(zip(scene.stages, layout.pairs, layout.pair_shafts, strict=True), 1)
+        for shaft, gear, name in ((on[0], pair.pinion, "pinion"), (on[1], pair.wheel, "wheel"))
+    ]
 
 
 def shafts(scene: Scene) -> list[Cylinder]:
@@ -76,15 +85,13 @@ def shafts(scene: Scene) -> list[Cylinder]:
     ]
 
 
-def bosses(housing: HousingBase) -> list[Cylinder]:
+def bosses(housing: Dimensions) -> list[Cylinder]:
     """Bearing bosses inside both side walls."""
-    outer, length = housing.si.width / 2, housing.si.boss_length
-    found = []
-    for index, diameter in enumerate(housing.si.boss_diameters):
-        for number, start in ((2 * index + 1, -outer), (2 * index + 2, outer - length)):
-            name = f"boss of bearing {number}"
-            found.append(Cylinder(name, "casing.housing.boss_diameters_mm", index, diameter / 2, start, start + length))
-    return found
+    key = "casing.housing.boss_diameters_mm"
+    return [
+        Cylinder(f"boss of bearing {number}", key, (number - 1) // 2, bore.boss_diameter / 2, *housing.bore_span(bore))
+        for number, bore in enumerate(housing.bores, 1)
+    ]
 
 
 def _clashes(first: list[Cylinder], second: list[Cylinder], layout: Layout) -> Iterator[Problem]:
@@ -105,9 +112,8 @@ def _clashes(first: list[Cylinder], second: list[Cylinder], layout: Layout) -> I
                 )
 
 
-def _mates(scene: Scene, layout: Layout) -> Iterator[Problem]:
+def _mates(bodies: list[Cylinder], layout: Layout) -> Iterator[Problem]:
     """Gears that overlap in y and do not mesh, on other shafts or on the same one; a gear may be in several stages."""
-    bodies = gears(scene, layout)
     meshing = {frozenset((_body(one), _body(two))) for one, two in zip(bodies[::2], bodies[1::2], strict=True)}
     for i, one in enumerate(bodies):
         for two in bodies[i + 1 :]:
@@ -127,23 +133,17 @@ def _body(gear: Cylinder) -> tuple[int, float, float, float]:
     return gear.shaft, round(gear.radius, 9), round(gear.start, 9), round(gear.end, 9)
 
 
-def _wall_clashes(scene: Scene, layout: Layout, housing: HousingBase) -> Iterator[Problem]:
-    box, common = housing.si, housing.si.wall_thickness
-    end = box.end_wall_thickness or common
-    left = box.left_end + end
-    right = box.left_end + box.length - end
-    floor = -box.shaft_height + (box.floor_thickness or common)
-    cover = box.height - box.shaft_height - (box.cover_thickness or common)
-    side = box.width / 2 - (box.side_wall_thickness or common)
-    for body in gears(scene, layout):
-        x, z = layout.axes[body.shaft]
+def _wall_clashes(scene: Scene, train: Drivetrain, housing: Dimensions) -> Iterator[Problem]:
+    (left, front, floor), (right, back, cover) = (corner.tolist() for corner in housing.cavity)
+    for body in gears(scene, train.layout):
+        x, z = train.layout.axes[body.shaft]
         rooms = {
             "left end wall": x - body.radius - left,
             "right end wall": right - x - body.radius,
             "floor": z - body.radius - floor,
             "cover": cover - z - body.radius,
-            "-y side wall": body.start + side,
-            "+y side wall": side - body.end,
+            "-y side wall": body.start - front,
+            "+y side wall": back - body.end,
         }
         for name, room in rooms.items():
             if room <= 0:
@@ -153,28 +153,38 @@ def _wall_clashes(scene: Scene, layout: Layout, housing: HousingBase) -> Iterato
                     f"the {body.name} {reach} the {name} of the housing",
                     f"{_WAYS_OUT[name]}, or move the gear",
                 )
-    for number, shaft in enumerate(scene.shafts, 1):
-        carried = [
-            y
-            for place, y in enumerate(shaft.bearing_positions_mm)
-            if not (shaft.bearing_supports and shaft.bearing_supports[place] == "ground")
-        ]
-        for bearing, y in zip((2 * number - 1, 2 * number), carried, strict=True):
-            low, high = housing.width_mm / 2 - housing.boss_length_mm, housing.width_mm / 2
-            if not low <= abs(y) <= high or (y < 0) != (bearing % 2 == 1):
-                sign = "-" if bearing % 2 else "+"
-                yield Problem(
-                    f"shafts.{number}.bearing_positions_mm",
-                    f"bearing {bearing} at y = {y:g} mm is outside its boss, y = {sign}{low:g} to {sign}{high:g} mm",
-                    "Move the bearing into the boss, or correct casing.housing.boss_length_mm or width_mm",
-                )
+    for number, (bore, (_, y, _)) in enumerate(zip(housing.bores, train.bearing_points, strict=True), 1):
+        low, high = housing.bore_span(bore)
+        if not low - 1e-9 <= y <= high + 1e-9:
+            inner, outer = (1000 * end for end in sorted((low, high), key=abs))
+            yield Problem(
+                f"shafts.{(number + 1) // 2}.bearing_positions_mm",
+                f"bearing {number} at y = {1000 * y:g} mm is outside its boss, y = {inner:+g} to {outer:+g} mm",
+                "Move the bearing into the boss, or correct casing.housing.boss_length_mm or width_mm",
+            )
 
 
-def find_collisions(scene: Scene, layout: Layout) -> list[Problem]:
+def find_collisions(scene: Scene, train: Drivetrain) -> list[Problem]:
     """Everything that touches what it must not touch."""
-    problems = [*_mates(scene, layout), *_clashes(gears(scene, layout), shafts(scene), layout)]
-    if isinstance(scene.casing, FlexibleBase) and isinstance(scene.casing.housing, HousingBase):
-        housing = scene.casing.housing
-        problems += _clashes(gears(scene, layout), bosses(housing), layout)
-        problems += _wall_clashes(scene, layout, housing)
+    layout, bodies = train.layout, gears(scene, train.layout)
+    problems = [*_mates(bodies, layout), *_clashes(bodies, shafts(scene), layout)]
+    if isinstance(scene.housing, HousingBase):
+        housing = dimensions(scene.housing, layout)
+        problems += [*_clashes(bodies, bosses(housing), layout), *_wall_clashes(scene, train, housing)]
+        problems += _far_sensors(scene, housing)
     return problems
+
+
+def _far_sensors(scene: Scene, housing: Dimensions) -> Iterator[Problem]:
+    """Sensors outside the box around the housing and its feet by more than the limit."""
+    low, high = (1000 * corner for corner in housing.box)
+    low[2] -= 1000 * (housing.feet.height + housing.feet.pad_height)
+    for number, sensor in enumerate(scene.sensors, 1):
+        distance = math.dist(sensor.position_mm, np.clip(sensor.position_mm, low, high))
+        if distance > FARTHEST_SENSOR:
+            x, y, z = (f"{start:g} to {end:g}" for start, end in zip(low, high, strict=True))
+            yield Problem(
+                f"sensors.{number}.position_mm",
+                f"{sensor.name} is {distance:.0f} mm outside the housing; the limit is {FARTHEST_SENSOR:.0f} mm",
+                f"Set a place near the housing, x {x}, y {y}, z {z} mm.",
+            )

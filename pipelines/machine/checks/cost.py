@@ -14,12 +14,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fem.storage.cache_folder import cache_root
-from mbd.elements.reading import further_class
-from mbd.parts.checks import MachineError
 from pipelines.io.errors import Problem, SceneError
 from pipelines.io.shown import duration
-from pipelines.scene.scene import Scene
-from pipelines.scene.tables.casing import FlexibleBase
+from pipelines.machine.plant import Drivetrain
 
 MOST_STEPS = 1e9  # of one simulation: half a day
 MOST_VALUES = 1e9  # samples times channels of one simulation: 8 GB
@@ -45,38 +42,38 @@ class Cost:
         return 8.0 * self.samples * self.channels
 
 
-def cost(scene: Scene) -> Cost:
+def cost(train: Drivetrain) -> Cost:
     """What one simulation takes."""
-    table = scene.simulation
-    samples = table.end_s * table.output_rate_Hz
-    steps = samples * max(1.0, math.ceil(1e6 / table.output_rate_Hz / max(table.step_us, 1e-12) - 1e-9))
-    blocks = sum(math.ceil(stage.mesh.slices / 16) for stage in scene.stages)
-    seconds = steps * (_STEP_SECONDS + _MODE_SECONDS * _modes(scene) + _SLICES_SECONDS * blocks)
-    return Cost(samples=samples, steps=steps, channels=_channels(scene), seconds=seconds)
+    motion = train.motion
+    samples = motion.end * motion.output_rate
+    steps = samples * max(1.0, math.ceil(1 / motion.output_rate / max(motion.step or math.inf, 1e-18) - 1e-9))
+    blocks = sum(math.ceil(law.mesh.slices / 16) for law in train.laws)
+    seconds = steps * (_STEP_SECONDS + _MODE_SECONDS * _modes(train) + _SLICES_SECONDS * blocks)
+    return Cost(samples=samples, steps=steps, channels=len(train.recorded.channels(train.machine)), seconds=seconds)
 
 
-def too_long(scene: Scene) -> Iterator[Problem]:
+def too_long(train: Drivetrain) -> Iterator[Problem]:
     """More time steps or signals than one simulation may have."""
-    one, table = cost(scene), scene.simulation
+    one, motion = cost(train), train.motion
     if one.steps > MOST_STEPS:
         yield Problem(
             "simulation.step_us",
-            f"gives {one.steps:.3g} time steps in {table.end_s:g} s, more than {MOST_STEPS:.0g} (about "
+            f"gives {one.steps:.3g} time steps in {motion.end:g} s, more than {MOST_STEPS:.0g} (about "
             f"{MOST_STEPS * one.seconds / one.steps / 3600:.2g} hours)",
-            f"Set {table.end_s / MOST_STEPS * 1e6:.2g} or more, or reduce simulation.end_s",
-            f"{table.step_us:g}",
+            f"Set {motion.end / MOST_STEPS * 1e6:.2g} or more, or reduce simulation.end_s",
+            f"{1e6 * (motion.step or 0.0):g}",
         )
     if one.samples * one.channels > MOST_VALUES:
         yield Problem(
             "simulation.output_rate_Hz",
             f"gives {one.samples:.3g} samples of {one.channels} channels, {words(one.bytes)}, more than "
             f"{words(8 * MOST_VALUES)} for one simulation",
-            f"Set {MOST_VALUES / one.channels / table.end_s:.4g} or less, or reduce simulation.end_s",
-            f"{table.output_rate_Hz:g}",
+            f"Set {MOST_VALUES / one.channels / motion.end:.4g} or less, or reduce simulation.end_s",
+            f"{motion.output_rate:g}",
         )
 
 
-def check_room(scene: Scene, source: str, simulations: int) -> None:
+def check_room(train: Drivetrain, source: str, simulations: int) -> None:
     """Compare the signals of a study with the room in the cache and the result folder.
 
     A cache without room is a warning of the run as long as memory can hold the signals instead.
@@ -85,7 +82,7 @@ def check_room(scene: Scene, source: str, simulations: int) -> None:
     ------
     SceneError : they do not fit
     """
-    one, problems = cost(scene), []
+    one, problems = cost(train), []
     motions, packed = simulations * one.bytes, min(simulations, _WRITTEN) * _PACKED * one.bytes
     for folder, needed, held in ((cache_root(), motions, _HELD), (Path("runs"), packed, 0.0)):
         free = shutil.disk_usage(_existing(folder)).free
@@ -102,9 +99,9 @@ def check_room(scene: Scene, source: str, simulations: int) -> None:
         raise SceneError(source, problems)
 
 
-def estimate(scene: Scene, simulations: int) -> str:
+def estimate(train: Drivetrain, simulations: int) -> str:
     """The cost of a study in words."""
-    one = cost(scene)
+    one = cost(train)
     disk = (simulations + min(simulations, _WRITTEN) * _PACKED) * one.bytes
     return (
         f"{simulations} simulation{'s' if simulations > 1 else ''} of {one.steps:.3g} time steps and {one.samples:.3g} "
@@ -122,27 +119,14 @@ def words(size: float) -> str:
     return f"{size:.4g} TB"
 
 
-def _modes(scene: Scene) -> float:
+def _modes(train: Drivetrain) -> float:
     """About how many modes of the machine are kept."""
-    length = scene.shaft_model.element_length_mm
-    nodes = 0.0
-    for shaft in scene.shafts:
-        stretch = shaft.sections[-1].end_mm - shaft.sections[0].start_mm
-        nodes += min(333.0, stretch / length) + len(shaft.sections) + len(shaft.bearing_positions_mm) + 2
-    per_node = 3.0 if scene.shaft_model.model == "timoshenko" else 1.0  # half of the bending modes lie above the band
-    return per_node * nodes + scene.casing.made_of.added_modes
-
-
-def _channels(scene: Scene) -> int:
-    """Signals that are recorded, see `mbd.parts.channels.channel_names`."""
-    bearings = sum(len(shaft.bearing_positions_mm) for shaft in scene.shafts)
-    count = 3 * scene.drive.motors + 2 * len(scene.shafts) + 4 * len(scene.stages) + 3 * bearings
-    count += 3 * (len(scene.sensors) if isinstance(scene.casing, FlexibleBase) else bearings)
-    things = {"bearing": bearings, "shaft": len(scene.shafts), "stage": len(scene.stages)}
-    for name in scene.simulation.channels:
-        kind = further_class(name, MachineError).kind
-        count += things[kind.dims[0]] * len(kind.spelled(""))
-    return count + scene.load.channels
+    found = float(train.casing_modes)
+    for shaft in train.machine.shafts:
+        bearings = sum(bearing.shaft == shaft.name for bearing in train.machine.bearings)
+        nodes = min(333.0, (shaft.y_end - shaft.y_start) / shaft.element_length) + len(shaft.sections) + bearings + 2
+        found += nodes * (3.0 if shaft.model == "timoshenko" else 1.0)  # half of the bending modes exceed the band
+    return found
 
 
 def _existing(folder: Path) -> Path:

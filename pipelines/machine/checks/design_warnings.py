@@ -10,8 +10,7 @@ from pipelines.machine.bearings import bearing_names, bearing_table
 from pipelines.machine.checks.flank_checks import flank_warnings
 from pipelines.machine.checks.strength import strength_warnings
 from pipelines.machine.checks.window_checks import bad_windows
-from pipelines.machine.drives import motor_places, motor_torques
-from pipelines.machine.facts import StageFacts, input_torque, stage_facts
+from pipelines.machine.drives import motor_torques
 from pipelines.machine.layout import Layout
 from pipelines.machine.plant import Drivetrain
 from pipelines.scene.problems import other_unit
@@ -25,15 +24,14 @@ HARMONICS = 5  # of the fastest mesh that a good record holds
 def design_warnings(scene: Scene, plant: Drivetrain) -> tuple[str, ...]:
     """All warnings, in the order of the scene's tables."""
     layout = plant.layout
-    stages = stage_facts(layout)
     return (
         *_materials(scene),
-        *_gears(scene, layout, stages),
-        *flank_warnings(scene, layout, stages),
-        *strength_warnings(scene, layout, stages),
+        *_gears(scene, layout),
+        *flank_warnings(scene, plant),
+        *strength_warnings(scene, layout),
         *_fits(scene, layout),
         *_drive(scene, layout),
-        *_record(scene, layout, stages),
+        *_record(scene, layout),
         *_diagnosis(scene, plant),
     )
 
@@ -50,8 +48,8 @@ def _materials(scene: Scene) -> Iterator[str]:
                 yield f"{place}.{key} = {value:g}: an unusual value. {remedy.rstrip('.')}"
 
 
-def _gears(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterator[str]:
-    for number, (stage, pair, facts) in enumerate(zip(scene.stages, layout.pairs, stages, strict=True), 1):
+def _gears(scene: Scene, layout: Layout) -> Iterator[str]:
+    for number, (stage, pair, facts) in enumerate(zip(scene.stages, layout.pairs, layout.stages, strict=True), 1):
         place = f"stages.{number}"
         if facts.transverse_contact_ratio < 1.2:
             yield (
@@ -119,8 +117,8 @@ def _fits(scene: Scene, layout: Layout) -> Iterator[str]:
 
 def _drive(scene: Scene, layout: Layout) -> Iterator[str]:
     """Motors of a torque that the largest load overcomes at their greatest."""
-    motors = motor_torques(scene.drive, layout.driven, motor_places(scene.drive, scene.shafts[layout.driven]))
-    given, drawn = sum(abs(motor.largest) for motor in motors), input_torque(layout)
+    motors = motor_torques(scene.drive, layout.driven, layout.motors)
+    given, drawn = sum(abs(motor.largest) for motor in motors), layout.input_torque
     if motors and given < drawn:
         yield (
             f"drive: the motors give at most {given:.4g} N m, and the load takes {drawn:.4g} N m at their shaft. "
@@ -129,8 +127,8 @@ def _drive(scene: Scene, layout: Layout) -> Iterator[str]:
         )
 
 
-def _record(scene: Scene, layout: Layout, stages: list[StageFacts]) -> Iterator[str]:
-    for number, facts in enumerate(stages, 1):
+def _record(scene: Scene, layout: Layout) -> Iterator[str]:
+    for number, facts in enumerate(layout.stages, 1):
         if scene.simulation.output_rate_Hz < 2 * HARMONICS * facts.mesh_frequency:
             yield (
                 f"simulation.output_rate_Hz = {scene.simulation.output_rate_Hz:g} covers fewer than {HARMONICS} "

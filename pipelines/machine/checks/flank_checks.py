@@ -3,40 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from fem.gears.deviations import GRADES, pitch_tolerance
 from fem.gears.flank_deviations import flank_tolerance
-from fem.gears.prescribed import check_prescribed
+from fem.gears.prescribed import PrescribedDeviations, check_prescribed
 from fem.gears.rack import GeometryError
-from pipelines.io.errors import Problem, SceneError
-from pipelines.machine.flanks import GEARS, damage, prescribed_deviations
+from pipelines.io.errors import Problem
+from pipelines.machine.flanks import GEARS, Fault
 from pipelines.machine.layout import Layout
-from pipelines.machine.plant import law_specs
+from pipelines.machine.plant import Drivetrain
+from pipelines.scene.presets import most_slices
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.faults import FaultTable
 
-if TYPE_CHECKING:
-    from pipelines.machine.facts import StageFacts
-
-MOST_SLICES = 101  # of every mesh model
 THIN_TIP = 0.2  # modules; the usual least tip thickness of through-hardened teeth
 LEAST_POSITIONS = 64  # grid points per base pitch of models without such a key
 TYPICAL_STIFFNESS = 18e9  # N/m2: c_gamma of steel pairs, for orders of magnitude only
 
 
-def bad_flanks(scene: Scene, layout: Layout) -> Iterator[Problem]:
-    """Faults that do not fit on their teeth, deviations outside ISO 1328-1."""
-    for number, fault in scene.tooth_faults.items():
-        one = damage(fault, layout.pinion_senses[fault.stage - 1])
+def bad_flanks(scene: Scene, train: Drivetrain) -> Iterator[Problem]:
+    """Faults that do not fit on their teeth, deviations that no gear has or that are outside ISO 1328-1."""
+    pairs = train.layout.pairs
+    for number, fault in zip(scene.tooth_faults, train.faults, strict=True):
         try:
-            one.check(getattr(layout.pairs[fault.stage - 1], fault.gear))
+            fault.damage.check(getattr(pairs[fault.stage - 1], fault.gear))
         except GeometryError as error:
             yield Problem(f"faults.{number}", str(error))
     if not scene.deviations.enabled:
         return
-    yield from _bad_prescribed(scene, layout)
-    for number, pair in enumerate(layout.pairs, 1):
+    for number, (stage, mesh) in enumerate(zip(scene.stages, train.machine.meshes, strict=True), 1):
+        for name in GEARS:
+            given: PrescribedDeviations | None = getattr(mesh, name).prescribed
+            try:
+                if given is not None:
+                    check_prescribed(getattr(mesh.pair, name), given, getattr(stage.mesh, "positions", LEAST_POSITIONS))
+            except GeometryError as error:
+                yield Problem(f"stages.{number}.{name}.deviations", str(error))
+    for number, pair in enumerate(pairs, 1):
         for name in GEARS:
             try:
                 pitch_tolerance(getattr(pair, name), scene.deviations.iso_grade)
@@ -48,22 +50,6 @@ def bad_flanks(scene: Scene, layout: Layout) -> Iterator[Problem]:
                     f"{name}: {error}",
                     "Set deviations.enabled = false, or delete items of deviations.include.",
                 )
-
-
-def _bad_prescribed(scene: Scene, layout: Layout) -> Iterator[Problem]:
-    """Stated deviations that no gear has."""
-    for number, (stage, pair, sense) in enumerate(
-        zip(scene.stages, layout.pairs, layout.pinion_senses, strict=True), 1
-    ):
-        for name in GEARS:
-            try:
-                given = prescribed_deviations(stage, number, name, sense)
-                if given is not None:
-                    check_prescribed(getattr(pair, name), given, getattr(stage.mesh, "positions", LEAST_POSITIONS))
-            except GeometryError as error:
-                yield Problem(f"stages.{number}.{name}.deviations", str(error))
-            except SceneError as error:
-                yield from error.problems
 
 
 def _prescribed_warnings(scene: Scene, layout: Layout) -> Iterator[str]:
@@ -92,11 +78,12 @@ def _prescribed_warnings(scene: Scene, layout: Layout) -> Iterator[str]:
                 )
 
 
-def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Iterator[str]:
+def flank_warnings(scene: Scene, train: Drivetrain) -> Iterator[str]:
     """What a gear designer would question, and what hides a fault."""
+    layout = train.layout
     yield from _prescribed_warnings(scene, layout)
     for number, (spec, pair, modification) in enumerate(
-        zip(law_specs(scene, layout), layout.pairs, layout.modifications, strict=True), 1
+        zip(train.laws, layout.pairs, layout.modifications, strict=True), 1
     ):
         place = f"stages.{number}"
         for name, short in zip(GEARS, pair.shortened_by_undercut, strict=True):
@@ -119,27 +106,27 @@ def flank_warnings(scene: Scene, layout: Layout, facts: list[StageFacts]) -> Ite
                     f'thickness of a web. Set {place}.mesh.model = "solid"'
                 )
         yield from (f"{place}: {text}" for text in spec.mesh.warnings(modification))
-    for number, fault in scene.tooth_faults.items():
+    for number, fault in zip(scene.tooth_faults, train.faults, strict=True):
         stage, pair = scene.stages[fault.stage - 1], layout.pairs[fault.stage - 1]
         width = pair.face_width / stage.mesh.slices
         name, fine = ("length", 10) if fault.kind == "spalled-tooth" else ("extent", 4)  # slices over the damage
-        extent, key = getattr(fault.made(), name, None), f"{name}_mm"
+        extent, key = getattr(fault.damage, name, None), f"{name}_mm"
         if extent is not None and extent < 2 * width:
             yield (
                 f"faults.{number}: {key} = {1000 * extent:g} is resolved coarsely by slices of {width * 1000:.2f} mm. "
                 + _finer(fault.stage, stage.mesh.slices, fine * pair.face_width / extent, key)
             )
-        yield from _hidden(scene, layout, number, fault, facts[fault.stage - 1])
+        yield from _hidden(scene, layout, number, fault)
 
 
 def _finer(stage: int, slices: int, wanted: float, key: str) -> str:
-    """What to do about a fault that is small against the slices, of which a mesh has 101 at most."""
-    if slices >= MOST_SLICES:
+    """What to do about a fault that is small against the slices, of which a mesh has so many at most."""
+    if slices >= (most := most_slices()):
         return f"Raise {key}, or reduce face_width_mm"
-    return f"Raise stages.{stage}.mesh.slices to {min(MOST_SLICES, max(2, round(wanted)))}"
+    return f"Raise stages.{stage}.mesh.slices to {min(most, max(2, round(wanted)))}"
 
 
-def _hidden(scene: Scene, layout: Layout, number: int, fault: FaultTable, facts: StageFacts) -> Iterator[str]:
+def _hidden(scene: Scene, layout: Layout, number: int, fault: Fault) -> Iterator[str]:
     """Compares the change that a fault makes in the transmission error with the single pitch tolerance.
 
     Of faults whose change depends on more than their size nothing is estimated.
@@ -147,9 +134,8 @@ def _hidden(scene: Scene, layout: Layout, number: int, fault: FaultTable, facts:
     if not scene.deviations.enabled:
         return
     pair = layout.pairs[fault.stage - 1]
-    approach = facts.mesh_force / pair.face_width / TYPICAL_STIFFNESS
-    one = damage(fault, layout.pinion_senses[fault.stage - 1])
-    change = one.movement(pair, approach, alone=fault.tooth is not None)
+    approach = layout.stages[fault.stage - 1].mesh_force / pair.face_width / TYPICAL_STIFFNESS
+    change = fault.damage.movement(pair, approach, alone=fault.tooth is not None)
     if change is None:
         return
     tolerance = pitch_tolerance(getattr(pair, fault.gear), scene.deviations.iso_grade).single

@@ -200,8 +200,7 @@ def worn_depth(
 def _normals(section: Section) -> np.ndarray:
     """Unit normals (point, 2) of the section, outwards."""
     along = np.gradient(section.points, axis=0)
-    found: np.ndarray = np.column_stack([along[:, 1], -along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None]
-    return found
+    return np.asarray(np.column_stack([along[:, 1], -along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None])
 
 
 def _scale(depth: float, module: float) -> float:

@@ -14,7 +14,7 @@ from pipelines.io.user_files import write_whole
 from pipelines.report.figures.film import film_page, png, save_figure, write_gif
 from pipelines.report.figures.mesh_frames import MeshFrames
 from pipelines.report.figures.render import render_mesh, show_window
-from pipelines.report.figures.views import GearPairView, LeftOut, Picture
+from pipelines.report.figures.views import LeftOut, PairStates, Picture
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,18 +25,12 @@ STILL_SIZE, FILM_SIZE = (1000, 690), (600, 414)  # pixels of a rendered state
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class MeshView:
+class MeshView(PairStates):
     """What is shown: the gears, the cycles of the frames, and one or two states of the teeth, the healthy one first.
 
     `marked` names the damaged tooth of the second state, "" without one.
     """
 
-    title: str
-    gears: GearPairView
-    damaged: GearPairView | None
-    marked: str
-    model: str
-    force: float  # N
     cycles: np.ndarray
     states: tuple[MeshFrames, ...]
 
@@ -78,7 +72,7 @@ def write_film(view: MeshView, stem: Path, progress: Callable[[float], None]) ->
 
 def _rendered(view: MeshView, size: tuple[int, int] = STILL_SIZE) -> list[list[Picture]] | LeftOut:
     """All frames of every state, the states side by side: rendering takes a processor each."""
-    gears = [view.gears if n == 0 or view.damaged is None else view.damaged for n in range(len(view.states))]
+    gears = [view.of_state(n) for n in range(len(view.states))]
     with ThreadPoolExecutor(len(gears)) as pool:
         found = list(pool.map(lambda g, s: render_mesh(g, view.cycles, s, _most(view), size), gears, view.states))
     rendered = []
@@ -101,7 +95,7 @@ def show_mesh(view: MeshView, image: Path | None = None) -> None:
     ------
     InputError : no display, or the window cannot be opened
     """
-    gears = [view.gears if n == 0 or view.damaged is None else view.damaged for n in range(len(view.states))]
+    gears = [view.of_state(n) for n in range(len(view.states))]
     marked = ["" if n == 0 or not view.marked else f", {view.marked} red" for n in range(len(view.states))]
     load = f"load {view.force:.4g} N, law {view.model}"
     show_window(view.title, load, view.cycles, gears, view.states, marked, image)

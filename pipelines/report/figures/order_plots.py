@@ -31,7 +31,12 @@ def waterfall_figure(found: Waterfall, title: str, units: str, *, top: float | N
     figure = new_figure(5.6)
     axes = figure.subplots()
     _draw(axes, found, units, top)
-    dress(axes, title, "order of " + _plain(found.shaft) if found.over == "order" else "frequency, Hz", "speed, rpm")
+    dress(
+        axes,
+        title,
+        "order of " + found.shaft.replace("_", " ") if found.over == "order" else "frequency, Hz",
+        "speed, rpm",
+    )
     return figure
 
 
@@ -102,7 +107,3 @@ def _draw(axes: Axes, found: Waterfall, units: str, top: float | None) -> None:
         vmax=high,
     )
     axes.figure.colorbar(mesh, ax=axes, label=f"dB re 1 {units}")
-
-
-def _plain(name: str) -> str:
-    return name.replace("_", " ")

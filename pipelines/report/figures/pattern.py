@@ -114,10 +114,8 @@ def _flank_rolls(pair: GearPair, gear: str) -> np.ndarray:
 def _position(pair: GearPair, gear: str, roll: np.ndarray) -> np.ndarray:
     """Positions xi on the path of contact at roll lengths of a gear."""
     own = pair.roll_lengths(0.0)[0 if gear == "pinion" else 1]
-    found: np.ndarray = (roll - own) / pair.base_pitch * (1 if gear == "pinion" else -1)
-    return found
+    return np.asarray((roll - own) / pair.base_pitch * (1 if gear == "pinion" else -1))
 
 
 def _diameter(pair: GearPair, gear: str, roll: np.ndarray) -> np.ndarray:
-    found: np.ndarray = 2 * np.hypot(getattr(pair, gear).base_radius, roll)
-    return found
+    return np.asarray(2 * np.hypot(getattr(pair, gear).base_radius, roll))

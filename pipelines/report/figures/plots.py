@@ -259,8 +259,7 @@ class TransmissionErrors:
 
 def orders(error: np.ndarray) -> np.ndarray:
     """Amplitudes (order,) of the orders 1, 2, ... of the mesh frequency of one whole mesh cycle (position,)."""
-    lines: np.ndarray = 2 * np.abs(np.fft.rfft(error))[1 : ORDERS + 1] / error.size
-    return lines
+    return np.asarray(2 * np.abs(np.fft.rfft(error))[1 : ORDERS + 1] / error.size)
 
 
 def transmission_error_figure(title: str, errors: Sequence[TransmissionErrors]) -> Figure:

@@ -54,8 +54,7 @@ def render_tooth(view: GearPairView, size: tuple[int, int] = (900, 900)) -> Pict
     mate = "wheel" if gear == "pinion" else "pinion"
     arrays = {name: value for name, value in arrays.items() if not name.startswith(f"{mate}_")}
     arrays["near"] = np.array(True)
-    centre = 0.0 if gear == "pinion" else view.centre_distance
-    teeth = view.pinion_teeth if gear == "pinion" else view.wheel_teeth
+    centre, teeth = view.centre(gear), getattr(view, gear).teeth
     radius = float(np.linalg.norm(places["marked"][:2] - [centre, 0.0]))
     half = 0.62 * max(view.face_width, 4 * np.pi * radius / teeth)
     outward, around = turned_in(np.eye(3)[:2], view.marked_angle, 0.0)
@@ -79,29 +78,26 @@ def _directions(origin: np.ndarray, length: float) -> dict[str, np.ndarray]:
 
 def _gear_arrays(view: GearPairView) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """Surfaces of the gears and of the damaged tooth, and where their names stand."""
-    shifts = {"pinion": np.zeros(3), "wheel": np.array([view.centre_distance, 0.0, 0.0])}
-    teeth = {"pinion": view.pinion_teeth, "wheel": view.wheel_teeth}
-    outlines = {"pinion": view.pinion_outline, "wheel": view.wheel_outline}
-    twists = {"pinion": view.pinion_twist, "wheel": view.wheel_twist}
-    bores = {"pinion": view.pinion_bore, "wheel": view.wheel_bore}
-    front = _front(view)
-    webs = {"pinion": view.pinion_web, "wheel": view.wheel_web}
-    arrays: dict[str, Any] = {"marked_gear": np.array(view.marked_gear), "marked_missing": np.array(view.missing)}
-    arrays["frame"] = view.frame
-    places = {}
-    for gear, outline in outlines.items():
-        if gear == view.marked_gear:
-            outline, tooth = without_tooth(outline, teeth[gear], view.marked_angle)
-            points, quads = prism_surface(tooth, twists[gear], view.face_width)
-            arrays["marked_points"], arrays["marked_quads"] = points + shifts[gear], quads
+    front, places = _front(view), {}
+    arrays: dict[str, Any] = {
+        "marked_gear": np.array(view.marked_gear),
+        "marked_missing": np.array(view.missing),
+        "frame": view.frame,
+    }
+    for name, gear in (("pinion", view.pinion), ("wheel", view.wheel)):
+        shift, outline = np.array([view.centre(name), 0.0, 0.0]), gear.outline
+        if name == view.marked_gear:
+            outline, tooth = without_tooth(outline, gear.teeth, view.marked_angle)
+            points, quads = prism_surface(tooth, gear.twist, view.face_width)
+            arrays["marked_points"], arrays["marked_quads"] = points + shift, quads
             if view.tooth is not None and not view.tooth.missing:
-                arrays |= _tooth_arrays(view.tooth, view.marked_angle, float(shifts[gear][0]))
-            angle = view.marked_angle + twists[gear] * float(front[2])
+                arrays |= _tooth_arrays(view.tooth, view.marked_angle, view.centre(name))
+            angle = view.marked_angle + gear.twist * float(front[2])
             middle = np.hypot(*tooth.T).mean() * np.array([np.cos(angle), np.sin(angle), 0.0])
-            places["marked"] = middle + front + shifts[gear]
-        points, quads = gear_surface(outline, bores[gear], twists[gear], view.face_width, web=webs[gear])
-        arrays[f"{gear}_points"], arrays[f"{gear}_quads"] = points + shifts[gear], quads
-        places[gear] = front + shifts[gear]
+            places["marked"] = middle + front + shift
+        points, quads = gear_surface(outline, gear.bore, gear.twist, view.face_width, web=gear.web)
+        arrays[f"{name}_points"], arrays[f"{name}_quads"] = points + shift, quads
+        places[name] = front + shift
     return arrays, places
 
 
@@ -169,30 +165,43 @@ def render_mesh(
     most_load : N/m, line load at the end of the colours
     size : width and height of a picture, pixels
     """
-    arrays, places, focus = _mesh_arrays(view, cycles, frames, most_load)
+    arrays, places, focus = _frame_arrays(view, cycles, frames)
+    arrays["most_load"] = np.array(most_load)
     return _render(
         "mesh", "contact lines", arrays, places, size, _mesh_direction(view), UP, 1.0,
         frames=len(cycles), focus=focus,
     )  # fmt: skip
 
 
-def _mesh_arrays(
-    view: GearPairView, cycles: np.ndarray, frames: MeshFrames, most_load: float
+def _frame_arrays(
+    view: GearPairView, cycles: np.ndarray, frames: MeshFrames
 ) -> tuple[dict[str, Any], dict[str, np.ndarray], tuple[float, float, float, float]]:
-    """What `draw_mesh` draws, the named places, and the point to look at with half the height seen."""
-    pitch = view.centre_distance * view.pinion_teeth / (view.pinion_teeth + view.wheel_teeth)
-    half = 0.75 * max(view.face_width, 9 * pitch / view.pinion_teeth)
+    half = 0.75 * max(view.face_width, 9 * view.centre_distance / (view.pinion.teeth + view.wheel.teeth))
+    return _mesh_arrays(view, cycles, frames.points, frames.load, half, 0.02)
+
+
+def _mesh_arrays(
+    view: GearPairView, cycles: np.ndarray, points: np.ndarray, load: np.ndarray, half: float, radius: float
+) -> tuple[dict[str, Any], dict[str, np.ndarray], tuple[float, float, float, float]]:
+    """Gears and contact lines, the named places, and the point to look at with half the height seen.
+
+    Parameters
+    ----------
+    view, cycles : the gears, and their positions (frame,)
+    points, load : of the contact lines, m and N/m
+    half, radius : half of the height that is seen, m, and radius of the contact lines over it
+    """
+    pitch = view.centre_distance * view.pinion.teeth / (view.pinion.teeth + view.wheel.teeth)
     arrays, _ = _gear_arrays(view)
     arrays |= {
-        "line_points": frames.points,
-        "line_load": frames.load,
-        "most_load": np.array(most_load),
-        "line_radius": np.array(0.02 * half),
+        "line_points": points,
+        "line_load": load,
+        "line_radius": np.array(radius * half),
         "seen": np.array([pitch, 2.5 * half]),
         "toward": 6 * half * np.array(_mesh_direction(view)) @ view.frame[:3, :3],  # parallel: nothing hides them then
         "centre_distance": np.array(view.centre_distance),
-        "pinion_turn": 2 * np.pi * cycles / view.pinion_teeth,
-        "wheel_turn": -2 * np.pi * cycles / view.wheel_teeth,
+        "pinion_turn": 2 * np.pi * cycles / view.pinion.teeth,
+        "wheel_turn": -2 * np.pi * cycles / view.wheel.teeth,
     }
     middle = placed(np.array([pitch, 0.0, 0.0]), view.frame)
     return arrays, {"mesh": middle} | _directions(middle, 0.2 * half), (*middle.tolist(), half)
@@ -237,19 +246,20 @@ def show_window(
     most = max(float(np.nanmax(state.load)) for state in states)
     arrays: dict[str, Any] = {"cycles": cycles}
     for number, (view, state) in enumerate(zip(gears, states, strict=True)):
-        own, _, focus = _mesh_arrays(view, cycles, state, most)
+        own, _, focus = _frame_arrays(view, cycles, state)
         own |= {
+            "most_load": np.array(most),
             "toward": np.zeros(3),
             "seen": np.array([0.0, np.inf]),  # a window can be turned and moved
             "curve_cycle": state.curve.cycle,
             "secant": state.curve.secant,
             "share": state.curve.share,
+            "curve_pair": state.curve.pair,
         }
-        arrays |= {f"{number}_{key}": value for key, value in (own | {"curve_pair": state.curve.pair}).items()}
+        arrays |= {f"{number}_{key}": value for key, value in own.items()}
     with tempfile.TemporaryDirectory(prefix="gearcase-") as folder:
         job: dict[str, Any] = {
             "kind": "screen",
-            "arrays": str(Path(folder) / "arrays.npz"),
             "images": [] if image is None else [str(image)],
             "size": [1500, 950],
             "title": title,
@@ -260,10 +270,7 @@ def show_window(
             "up": UP,
             "focus": focus,
         }
-        np.savez(job["arrays"], **arrays)
-        path = Path(folder) / "job.json"
-        path.write_text(json.dumps(job), encoding="utf-8")
-        failure = _run_child(path, timeout=None)
+        failure = _run_job(Path(folder), job, arrays, timeout=None)
     if failure is not None:
         raise InputError(f"--screen: the window is not opened: {failure.what}. {failure.remedy}")
 
@@ -281,32 +288,14 @@ def render_stress(
     most : Pa, stress at the end of the colours
     size : width and height of the picture, pixels
     """
-    pitch = view.centre_distance * view.pinion_teeth / (view.pinion_teeth + view.wheel_teeth)
-    module = view.centre_distance * 2 / (view.pinion_teeth + view.wheel_teeth)
-    half = 0.56 * max(view.face_width, 9 * module)
-    arrays, _ = _gear_arrays(view)
-    arrays |= {
-        "points": teeth.points,
-        "cells": teeth.cells,
-        "von_mises": teeth.von_mises,
-        "most": np.array(most),
-        "line_points": teeth.line_points,
-        "line_load": teeth.line_load,
-        "line_radius": np.array(0.011 * half),
-        "toward": 6 * half * np.array(_mesh_direction(view)) @ view.frame[:3, :3],
-        "centre_distance": np.array(view.centre_distance),
-        "pinion_turn": np.array([2 * np.pi * cycle / view.pinion_teeth]),
-        "wheel_turn": np.array([-2 * np.pi * cycle / view.wheel_teeth]),
-    }
-    middle, front = placed(np.array([pitch, 0.0, 0.0]), view.frame), _front(view)
-    places = _in_scene({name: np.array([pitch + side * 3.2 * module, 0.0, 0.0]) + front
-                        for name, side in (("pinion", -1), ("wheel", 1))}, view)  # fmt: skip
-    places |= {"mesh": middle} | _directions(middle, 0.2 * half)
-    return _single(
-        _render(
-            "stress", "stress", arrays, places, size, _mesh_direction(view), UP, 1.0, focus=(*middle.tolist(), half),
-        )
-    )  # fmt: skip
+    module = view.centre_distance * 2 / (view.pinion.teeth + view.wheel.teeth)
+    half, pitch = 0.56 * max(view.face_width, 9 * module), module * view.pinion.teeth / 2
+    arrays, places, focus = _mesh_arrays(view, np.array([cycle]), teeth.line_points, teeth.line_load, half, 0.011)
+    arrays |= {"points": teeth.points, "cells": teeth.cells, "von_mises": teeth.von_mises, "most": np.array(most)}
+    sides = (("pinion", -1), ("wheel", 1))
+    named = {name: np.array([pitch + side * 3.2 * module, 0.0, 0.0]) + _front(view) for name, side in sides}
+    places |= _in_scene(named, view)
+    return _single(_render("stress", "stress", arrays, places, size, _mesh_direction(view), UP, 1.0, focus=focus))
 
 
 def _render(
@@ -324,7 +313,6 @@ def _render(
     with tempfile.TemporaryDirectory(prefix="gearcase-") as folder:
         job: dict[str, Any] = {
             "kind": kind,
-            "arrays": str(Path(folder) / "arrays.npz"),
             "images": [str(Path(folder) / f"picture_{number}.png") for number in range(frames)],
             "pixels": str(Path(folder) / "pixels.json"),
             "size": list(size),
@@ -334,10 +322,7 @@ def _render(
             "focus": focus,
             "places": {key: [float(v) for v in place] for key, place in places.items()},
         }
-        np.savez(job["arrays"], **arrays)
-        job_path = Path(folder) / "job.json"
-        job_path.write_text(json.dumps(job), encoding="utf-8")
-        failure = _run_child(job_path, TIMEOUT)
+        failure = _run_job(Path(folder), job, arrays, TIMEOUT)
         if failure is None and not all(Path(file).exists() for file in (*job["images"], job["pixels"])):
             failure = no_picture()
         if failure is not None:
@@ -350,6 +335,14 @@ def _render(
 
 def _single(pictures: list[Picture] | LeftOut) -> Picture | LeftOut:
     return pictures if isinstance(pictures, LeftOut) else pictures[0]
+
+
+def _run_job(folder: Path, job: Mapping[str, Any], arrays: Mapping[str, Any], timeout: float | None) -> Failure | None:
+    """Write a job with its arrays into a folder and run it."""
+    np.savez(folder / "arrays.npz", **arrays)
+    path = folder / "job.json"
+    path.write_text(json.dumps({**job, "arrays": str(folder / "arrays.npz")}), encoding="utf-8")
+    return _run_child(path, timeout)
 
 
 def _run_child(job: Path, timeout: float | None) -> Failure | None:

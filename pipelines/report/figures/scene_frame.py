@@ -29,11 +29,9 @@ def scene_frame(pinion: tuple[float, float], wheel: tuple[float, float], y: floa
 
 def placed(points: np.ndarray, frame: np.ndarray) -> np.ndarray:
     """Points (..., 3) in the scene."""
-    found: np.ndarray = points @ frame[:3, :3].T + frame[:3, 3]
-    return found
+    return np.asarray(points @ frame[:3, :3].T + frame[:3, 3])
 
 
 def turned_away(vectors: np.ndarray, frame: np.ndarray) -> np.ndarray:
     """Vectors (..., 3) of the picture's frame in the scene."""
-    found: np.ndarray = vectors @ frame[:3, :3].T
-    return found
+    return np.asarray(vectors @ frame[:3, :3].T)

@@ -19,7 +19,7 @@ from pipelines.machine.plant import Plant
 from pipelines.report.figures.damage import drawn_tooth
 from pipelines.report.figures.scene_frame import scene_frame
 from pipelines.report.figures.tooth_shape import DrawnTooth
-from pipelines.report.figures.views import CasingView, GearPairView
+from pipelines.report.figures.views import CasingView, GearPairView, GearView
 
 VISIBLE = 1 / 7  # of a turn before it meshes: there a damaged tooth is not hidden by the other gear
 
@@ -61,22 +61,14 @@ def gear_view(
         rotation = 2 * math.pi * (cycle - number) / teeth
         angle = pinion_zero + rotation if gear == "pinion" else wheel_zero - rotation
     return GearPairView(
-        pinion_outline=outline(pair.pinion, pinion_zero),
-        wheel_outline=outline(pair.wheel, wheel_zero),
-        pinion_teeth=pair.pinion.teeth,
-        wheel_teeth=pair.wheel.teeth,
-        pinion_bore=pair.pinion.bore_radius,
-        wheel_bore=pair.wheel.bore_radius,
-        pinion_twist=twist(pair.pinion),
-        wheel_twist=twist(pair.wheel),
+        pinion=_shape(pair.pinion, pinion_zero),
+        wheel=_shape(pair.wheel, wheel_zero),
         face_width=pair.face_width,
         centre_distance=pair.axis_distance,
         marked_gear="" if marked is None else marked[0],
         marked_angle=angle,
         missing=missing,
         tooth=tooth,
-        pinion_web=_web(pair.pinion),
-        wheel_web=_web(pair.wheel),
         frame=scene_frame((0.0, 0.0), (1.0, 0.0), 0.0, 1) if frame is None else frame,
         sense=sense,
     )
@@ -143,6 +135,16 @@ def tooth_damage(faults: Sequence[Fault], shown: Fault) -> tuple[ToothFault, ...
 def shown_cycle(pair: GearPair, marked: tuple[str, int] | None) -> int:
     """The mesh cycle at which a view out of mesh shows the pair."""
     return 0 if marked is None else marked[1] - round(VISIBLE * getattr(pair, marked[0]).teeth)
+
+
+def _shape(gear: Gear, centre_angle: float) -> GearView:
+    return GearView(
+        outline=outline(gear, centre_angle),
+        teeth=gear.teeth,
+        bore=gear.bore_radius,
+        twist=twist(gear),
+        web=_web(gear),
+    )
 
 
 def outline(gear: Gear, centre_angle: float) -> np.ndarray:

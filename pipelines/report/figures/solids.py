@@ -102,15 +102,6 @@ def prism_surface(
     return points, np.concatenate([_walls(count, layers), bottom_face, top_face])
 
 
-def enclosed_volume(points: np.ndarray, quads: np.ndarray) -> float:
-    """Volume inside a closed surface, m3, by the divergence theorem over two triangles per quad."""
-    total = 0.0
-    for corners in (quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]):
-        a, b, c = (points[corners[:, i]] for i in range(3))
-        total += float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6
-    return total
-
-
 def _drawn(ring: np.ndarray, twist: float, face_width: float, layers: int) -> np.ndarray:
     sections = []
     for z in np.linspace(-face_width / 2, face_width / 2, layers):

@@ -18,7 +18,7 @@ from pipelines.report.figures.film import save_figure
 from pipelines.report.figures.mesh_frames import contact_places
 from pipelines.report.figures.render import render_stress
 from pipelines.report.figures.scene_frame import placed, turned_away
-from pipelines.report.figures.views import GearPairView, LeftOut, Picture, Teeth
+from pipelines.report.figures.views import LeftOut, PairStates, Picture, Teeth
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,16 +31,10 @@ FORMATS = (".vtu", ".inp", ".msh", ".bdf")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class StressView:
+class StressView(PairStates):
     """What is shown: one or two states of the teeth, the healthy one first; `marked` names the damaged tooth."""
 
-    title: str
-    gears: GearPairView
-    damaged: GearPairView | None
-    marked: str
     note: str  # what the stress does not hold, "" if nothing
-    model: str
-    force: float  # N
     cycle: float
     names: tuple[str, ...]
     states: tuple[Teeth, ...]
@@ -114,8 +108,7 @@ def write_stress(view: StressView, path: Path) -> Path | LeftOut:
     most = max(float(state.von_mises[np.unique(state.cells)].max()) for state in view.states)
     pictures = []
     for number, state in enumerate(view.states):
-        gears = view.gears if number == 0 or view.damaged is None else view.damaged
-        picture = render_stress(gears, view.cycle, state, most)
+        picture = render_stress(view.of_state(number), view.cycle, state, most)
         if isinstance(picture, LeftOut):
             return picture
         pictures.append(picture)

@@ -135,9 +135,7 @@ def draw_casing(plotter: Any, arrays: dict[str, np.ndarray]) -> None:
     """Translucent walls with their edges, and the key points as spheres in the colour of their kind."""
     mesh = surface(arrays["nodes"], arrays["triangles"])
     plotter.add_mesh(mesh, color="#b9c2cc", opacity=0.28, smooth_shading=False)
-    edges = mesh.extract_feature_edges(FEATURE_ANGLE, **SHARP)
-    if edges.n_cells:
-        plotter.add_mesh(edges, color="#4a5560", line_width=1.2)
+    _draw_edges(plotter, mesh, "#4a5560", 1.2)
     radius = 0.011 * float(np.linalg.norm(np.ptp(arrays["nodes"], axis=0)))
     for kind, colour in POINTS.items():
         for centre in arrays[f"{kind}_points"]:
@@ -146,13 +144,9 @@ def draw_casing(plotter: Any, arrays: dict[str, np.ndarray]) -> None:
 
 def draw_mode(plotter: Any, arrays: dict[str, np.ndarray]) -> Callable[[int], None]:
     """A body coloured by the amplitude of its displacement, its edges at rest behind it."""
-    triangles = arrays["triangles"]
-    cells = np.column_stack([np.full(len(triangles), 3), triangles]).ravel()
-    mesh = pyvista.PolyData(arrays["nodes"].copy(), cells)
+    mesh = pyvista.PolyData.from_regular_faces(arrays["nodes"].copy(), arrays["triangles"])
     mesh["amplitude"] = np.linalg.norm(arrays["shape"], axis=1)
-    edges = mesh.extract_feature_edges(FEATURE_ANGLE, **SHARP)
-    if edges.n_cells:
-        plotter.add_mesh(edges.copy(), color="#9aa4ad", line_width=1.0)
+    _draw_edges(plotter, mesh, "#9aa4ad", 1.0)
     plotter.add_mesh(mesh, scalars="amplitude", cmap="viridis", clim=(0.0, 1.0), ambient=0.5, show_scalar_bar=False)
     reach = float(arrays["reach"])
     low, high = arrays["nodes"].min(axis=0) - reach, arrays["nodes"].max(axis=0) + reach
@@ -211,16 +205,12 @@ def draw_stress(plotter: Any, arrays: dict[str, np.ndarray]) -> None:
     The lines are moved by "toward", in parallel projection towards the eye: nothing hides them.
     """
     plotter = Placed(plotter, arrays["frame"])
-    count = len(arrays["cells"])
-    cells = np.column_stack([np.full(count, 8), arrays["cells"]]).ravel()
-    kinds = np.full(count, pyvista.CellType.HEXAHEDRON)
-    grid = pyvista.UnstructuredGrid(cells, kinds, arrays["points"])
+    grid = pyvista.UnstructuredGrid({pyvista.CellType.HEXAHEDRON: arrays["cells"]}, arrays["points"])
     grid["stress"] = arrays["von_mises"]
     skin = grid.clean(tolerance=1e-6).extract_surface(algorithm="dataset_surface")
     plotter.add_mesh(skin, scalars="stress", cmap=STRESS_COLOURS, clim=(0.0, float(arrays["most"])),
                      show_scalar_bar=False, ambient=0.45, diffuse=0.6)  # fmt: skip
-    edges = skin.extract_feature_edges(FEATURE_ANGLE, **SHARP)
-    plotter.add_mesh(edges, color="#202020", line_width=1.0)
+    _draw_edges(plotter, skin, "#202020", 1.0)
     lines = contact_lines(arrays["line_points"], arrays["line_load"], float(arrays["line_radius"]))
     if lines is not None:
         lines.translate(arrays["toward"], inplace=True)
@@ -339,8 +329,7 @@ def seen(points: np.ndarray, faces: np.ndarray, turns: np.ndarray, centre: float
         matrix = turned(float(turn), centre)
         flat = points[:, :2] @ matrix[:2, :2].T + matrix[:2, 3]
         near |= np.hypot(flat[:, 0] - place[0], flat[:, 1]) < place[1]
-    found: np.ndarray = near[faces].any(axis=1)
-    return found
+    return np.asarray(near[faces].any(axis=1))
 
 
 def contact_lines(points: np.ndarray, load: np.ndarray, radius: float) -> pyvista.PolyData | None:
@@ -350,16 +339,14 @@ def contact_lines(points: np.ndarray, load: np.ndarray, radius: float) -> pyvist
     if pair.size == 0:
         return None
     ends = np.stack([points[pair, piece], points[pair, piece + 1]], axis=1).reshape(-1, 3)
-    cells = np.column_stack([np.full(pair.size, 2), np.arange(2 * pair.size).reshape(-1, 2)]).ravel()
-    lines = pyvista.PolyData(ends, lines=cells)
+    lines = pyvista.line_segments_from_points(ends)
     lines["load"] = np.stack([load[pair, piece], load[pair, piece + 1]], axis=1).ravel()
     return lines.tube(radius=radius, n_sides=10)
 
 
 def surface(points: np.ndarray, faces: np.ndarray, values: dict[str, np.ndarray] | None = None) -> pyvista.PolyData:
     """A surface of faces with a fixed number of corners and values at the points, double points merged."""
-    cells = np.column_stack([np.full(len(faces), faces.shape[1]), faces]).ravel()
-    made = pyvista.PolyData(points, cells)
+    made = pyvista.PolyData.from_regular_faces(points, faces)
     for name, of_points in (values or {}).items():
         made[name] = of_points
     return made.triangulate().clean()

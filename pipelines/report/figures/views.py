@@ -12,35 +12,56 @@ from pipelines.report.figures.tooth_shape import DrawnTooth
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class GearPairView:
-    """Two gears in the transverse section at mid face, each about its own centre, turned as they mesh.
+class GearView:
+    """A gear in the transverse section at mid face, about its own centre, turned as it meshes."""
 
-    The wheel's centre lies at (centre_distance, 0) from the pinion's. Outlines float (n, 2), counter-clockwise, m,
-    with all teeth; twists rad per m of face width. `marked_gear` "pinion" | "wheel" | "" and `marked_angle` (rad,
-    polar angle of the middle of the tooth about its own centre) draw one tooth red, see-through if it is
-    `missing`, or as the `tooth` with its damage. Webs are (inner radius of the rim, end, end along the face), m.
-    `frame` (4, 4) takes points to the scene, `sense` is +1 where the face coordinate runs along the global y.
+    outline: np.ndarray  # (n, 2), m, counter-clockwise, with all teeth
+    teeth: int
+    bore: float  # radius, m
+    twist: float  # rad per m of face width
+    web: tuple[float, float, float] | None = None  # inner radius of the rim, end, end along the face, m
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class GearPairView:
+    """Two gears; the wheel's centre lies at (centre_distance, 0) from the pinion's.
+
+    `marked_gear` "pinion" | "wheel" | "" and `marked_angle` (rad, polar angle of the middle of the tooth about its own
+    centre) draw one tooth red, see-through if it is `missing`, or as the `tooth` with its damage. `frame` (4, 4) takes
+    points to the scene, `sense` is +1 where the face coordinate runs along the global y.
     """
 
-    pinion_outline: np.ndarray
-    wheel_outline: np.ndarray
-    pinion_teeth: int
-    wheel_teeth: int
-    pinion_bore: float
-    wheel_bore: float
-    pinion_twist: float
-    wheel_twist: float
+    pinion: GearView
+    wheel: GearView
     face_width: float
     centre_distance: float
     marked_gear: str = ""
     marked_angle: float = 0.0
     missing: bool = True
     tooth: DrawnTooth | None = None
-    pinion_web: tuple[float, float, float] | None = None
-    wheel_web: tuple[float, float, float] | None = None
     frame: np.ndarray = field(default_factory=lambda: scene_frame((0.0, 0.0), (1.0, 0.0), 0.0, 1))
     sense: int = 1
     seen_from: int = -1  # the end of the shafts, along the global y
+
+    def centre(self, gear: str) -> float:
+        """Place of the centre of "pinion" or "wheel", m."""
+        return 0.0 if gear == "pinion" else self.centre_distance
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PairStates:
+    """A pair under load, healthy and perhaps `damaged`; `marked` names the damaged tooth, "" without one."""
+
+    title: str
+    gears: GearPairView
+    damaged: GearPairView | None
+    marked: str
+    model: str
+    force: float  # N
+
+    def of_state(self, number: int) -> GearPairView:
+        """The gears of a state of the teeth, 0 the healthy one."""
+        return self.gears if number == 0 or self.damaged is None else self.damaged
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

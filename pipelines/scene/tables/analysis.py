@@ -1,52 +1,70 @@
-"""Tables of what is looked for in the signals."""
+"""What is looked for in the signals, and its table."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import Field
 
-from pipelines.scene.tables.base import Number, Positive, Table, Whole, Window
+from fem.options import option
+from pipelines.scene.tables.base import Window
+from pipelines.scene.tables.derived import DerivedTable, table
 
 
-class DiagnosisTable(Table):
-    """Signal, gear and windows that are diagnosed."""
+@dataclass(frozen=True, kw_only=True)
+class LookedFor:
+    """Signal, gear and windows that are diagnosed.
 
-    sensor: Annotated[
-        str | None, Field(description="name of the sensor whose signal is diagnosed; without it: the first sensor")
-    ] = None
-    axis: Annotated[
-        Literal["x", "y", "z", "resultant"],
-        Field(description="channel of that sensor; resultant: root of the sum of squares"),
-    ] = "z"
-    stage: Annotated[
-        Whole, Field(ge=1, description="number of the stage whose mesh frequency carries the sidebands")
-    ] = 1
-    gear: Annotated[
-        Literal["pinion", "wheel"], Field(description="gear whose shaft frequency is the spacing of the sidebands")
-    ] = "wheel"
+    `possible` is False without windows or sensors; `speed_is_known` where motors prescribe it.
+    """
+
+    sensor: str | None = option(None, text="name of the sensor whose signal is diagnosed; without it: the first sensor")
+    axis: Literal["x", "y", "z", "resultant"] = option(
+        "z", text="channel of that sensor; resultant: root of the sum of squares"
+    )
+    stage: int = option(1, ge=1, text="number of the stage whose mesh frequency carries the sidebands")
+    gear: Literal["pinion", "wheel"] = option(
+        "wheel", text="gear whose shaft frequency is the spacing of the sidebands"
+    )
+    windows: Mapping[str, tuple[float, float]]
+    band: Literal["mesh", "resonance"] | tuple[float, float] = option(
+        "mesh",
+        key="envelope_band_Hz",
+        gt=0,
+        text="band that is demodulated: [low, high]; mesh: from 0.5 f_m to 1.5 f_m; "
+        "resonance: the band in which the healthy control vibrates most",
+    )
+    noise: float = option(
+        0.01,
+        unit="m/s2",
+        key="noise_m_s2",
+        ge=0,
+        text="rms of the white sensor noise that is added before diagnosis; 0: none",
+    )
+    damping_spread: float = option(
+        0.3,
+        gt=0,
+        le=9,
+        text="for the error bars: the damping ratios of the casing are uncertain; 90 % of their possible values differ "
+        "from the given ones by a factor of at most 1 + this value",
+    )
+    possible: bool
+    speed_is_known: bool
+
+
+class _WindowsBase(DerivedTable):
+    """When signals are diagnosed."""
+
     windows_s: dict[str, Window] = Field(
         default_factory=dict,
         max_length=100,
         description="windows of constant speed that are diagnosed, by name; empty: no diagnosis",
     )
-    envelope_band_Hz: Annotated[
-        Literal["mesh", "resonance"] | tuple[Positive, Positive],
-        Field(
-            description="band that is demodulated: [low, high]; mesh: from 0.5 f_m to 1.5 f_m; "
-            "resonance: the band in which the healthy control vibrates most"
-        ),
-    ] = "mesh"
-    noise_m_s2: Annotated[
-        Number, Field(ge=0, description="rms of the white sensor noise that is added before diagnosis; 0: none")
-    ] = 0.01
-    damping_spread: Annotated[
-        Number,
-        Field(
-            gt=0,
-            le=9,
-            description="for the error bars: the damping ratios of the casing are uncertain; 90 % of "
-            "their possible values differ from the given ones by a factor of at most 1 + "
-            "this value",
-        ),
-    ] = 0.3
+
+
+if TYPE_CHECKING:
+    DiagnosisTable = Any
+else:
+    DiagnosisTable = table(LookedFor, _WindowsBase)

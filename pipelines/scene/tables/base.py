@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import types
+import typing
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -40,3 +42,29 @@ class SIValues:
             if f"{name}_{suffix}" in type(self._table).model_fields:
                 return in_si(getattr(self._table, f"{name}_{suffix}"), unit)
         raise AttributeError(f"{type(self._table).__name__} has no key {name} with a unit that is not SI")
+
+
+def tables(annotation: object) -> tuple[type[BaseModel], ...]:
+    """The table classes inside a type: itself, the members of a union, the items of a tuple."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return (annotation,)
+    return tuple(one for argument in typing.get_args(annotation) for one in tables(argument))
+
+
+def is_list(annotation: Any) -> bool:
+    """Whether a type is a list of tables."""
+    origin = typing.get_origin(annotation)
+    if origin in (typing.Union, types.UnionType, Annotated):
+        return any(is_list(one) for one in typing.get_args(annotation))
+    return origin is tuple and bool(tables(annotation))
+
+
+def tag_key(table: type[BaseModel]) -> str:
+    """The key by which a table is chosen among others."""
+    return "model" if "model" in table.model_fields else "kind"
+
+
+def tags(table: type[BaseModel]) -> tuple[Any, ...]:
+    """The values of that key; none of a table that is not chosen."""
+    field = table.model_fields.get(tag_key(table))
+    return typing.get_args(field.annotation) if field is not None else ()

@@ -47,6 +47,28 @@ class DerivedTable(Table):
         return part(**given | parts | others)
 
 
+class EitherTable(DerivedTable):
+    """A table with the options of several classes; what it gives makes an object of one of them."""
+
+    kinds: ClassVar[tuple[type, ...]]
+    alone = True
+
+    def made(self, **others: Any) -> Any:
+        """An object of the class whose required options are given, in SI.
+
+        Raises
+        ------
+        ValueError : they are those of none or of several
+        """
+        ways = {kind: [key for key, (_, default) in _keys(kind).items() if default is ...] for kind in self.kinds}
+        given = {key for keys in ways.values() for key in keys if getattr(self, key) is not None}
+        for kind, keys in ways.items():
+            if given == set(keys):
+                return self.made_part(kind, **others)
+        choices = ", or ".join(" with ".join(keys) for keys in ways.values())
+        raise ValueError(f"is located by {', '.join(sorted(given)) or 'nothing'}. Set {choices}")
+
+
 @functools.cache
 def table(made_of: type, base: type[DerivedTable] = DerivedTable, **tag: tuple[str, str]) -> Any:
     """The table class of a dataclass: the keys of a base class, and its options.
@@ -63,11 +85,7 @@ def table(made_of: type, base: type[DerivedTable] = DerivedTable, **tag: tuple[s
     }
     if typing.get_origin(hints.get("model")) is Literal:
         keys["model"] = (hints["model"], typing.get_args(hints["model"])[0])
-    for field, hint, one in _options(made_of):
-        given = Field(description=one.text, min_length=one.least, max_length=one.most, pattern=one.pattern)
-        annotation: Any = Annotated[_strict(hint, one), given]
-        default = ... if field.default is dataclasses.MISSING else _given(field.default, one)
-        keys[key_of(field.name, one)] = (annotation, default)
+    keys |= _keys(made_of)
     doc = (made_of.__doc__ or "").split("\n\n")[0]
     made = create_model(made_of.__name__, __base__=base, __doc__=doc, **keys)
     made.made_of = made_of
@@ -75,6 +93,26 @@ def table(made_of: type, base: type[DerivedTable] = DerivedTable, **tag: tuple[s
         "option" in f.metadata or f.default is not dataclasses.MISSING for f in dataclasses.fields(made_of)
     )
     return made
+
+
+def either(base: type[DerivedTable], *kinds: type) -> Any:
+    """The table with the keys of a base class and the options of several classes, of which it gives one."""
+    keys: dict[str, Any] = {key: given for kind in kinds for key, given in _keys(kind, optional=True).items()}
+    made: Any = create_model(base.__name__.lstrip("_"), __base__=base, __doc__=base.__doc__, **keys)
+    made.kinds = kinds
+    return made
+
+
+def _keys(made_of: type, *, optional: bool = False) -> dict[str, tuple[Any, Any]]:
+    """The keys of a class, each with its type and default; if `optional`, those that must be given need not be."""
+    keys = {}
+    for field, hint, one in _options(made_of):
+        given = Field(description=one.text, min_length=one.least, max_length=one.most, pattern=one.pattern)
+        annotation, default = _strict(hint, one), _given(field.default, one)
+        if field.default is dataclasses.MISSING:
+            annotation, default = (annotation | None, None) if optional else (annotation, ...)
+        keys[key_of(field.name, one)] = (Annotated[annotation, given], default)
+    return keys
 
 
 def _options(made_of: type) -> Iterator[tuple[dataclasses.Field, Any, Option]]:
@@ -129,4 +167,4 @@ def _given(value: Any, one: Option) -> Any:
     """A default in SI in the unit of a table, the number that a user would write."""
     if isinstance(value, tuple):
         return tuple(_given(item, one) for item in value)
-    return one.given(value) if one.unit and value is not None else value
+    return one.given(value) if one.unit and value not in (None, dataclasses.MISSING) else value

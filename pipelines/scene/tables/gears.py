@@ -8,8 +8,9 @@ from pydantic import Field
 
 from fem.contact.models.plane import Plane
 from fem.contact.models.registry import MODELS, mesh_model
+from fem.gears.deviations import RandomDeviations
 from pipelines.scene.tables.base import Flag, Number, Positive, Table, Whole
-from pipelines.scene.tables.derived import choice, table
+from pipelines.scene.tables.derived import DerivedTable, choice, table
 from pipelines.scene.tables.gear_details import GearTable, MisalignmentTable
 
 if TYPE_CHECKING:
@@ -92,15 +93,15 @@ class StageTable(Table):
     mesh: Annotated[MeshModel, Field(description="model of the mesh stiffness")] = table(Plane)()
 
 
-class DeviationTable(Table):
-    """Random deviations of every tooth, within the tolerances of ISO 1328-1."""
+class _DeviationBase(DerivedTable):
+    """Whether gears deviate."""
 
     enabled: Annotated[
         Flag, Field(description="false: gears without any deviation, also without those of stages.pinion.deviations")
     ] = True
-    iso_grade: Annotated[Whole, Field(ge=1, le=11, description="flank tolerance class of ISO 1328-1:2013")] = 5
-    seed: Annotated[Whole, Field(ge=0, le=2**31, description="seed of the random deviations")] = 1
-    include: Annotated[
-        tuple[Literal["pitch", "profile", "helix"], ...],
-        Field(description="kinds of deviations: cumulative pitch, profile (slope and form), helix (slope and form)"),
-    ] = ("pitch",)
+
+
+if TYPE_CHECKING:
+    DeviationTable = Any
+else:
+    DeviationTable = table(RandomDeviations, _DeviationBase)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -10,9 +9,10 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from fem.casing.geometry.features import LARGEST
 from fem.casing.geometry.housing import Housing
+from fem.casing.geometry.locators import ByBox, ByCylinder, ByGroup, ByPlane, ByPoint
 from fem.casing.parts.bolts import Size
 from pipelines.scene.tables.base import Flag, Number, Positive, Table, Whole
-from pipelines.scene.tables.derived import DerivedTable, table
+from pipelines.scene.tables.derived import DerivedTable, EitherTable, either, table
 
 Vector = tuple[Number, Number, Number]
 Axes = tuple[Vector, Vector, Vector]
@@ -114,24 +114,7 @@ class HousingBase(DerivedTable):
         return not any(more)
 
 
-class _PlaceTable(Table, ABC):
-    """A place on the surface of an imported housing: exactly one way to find it."""
-
-    @model_validator(mode="after")
-    def _one_way(self) -> Any:
-        ways = self._ways()
-        given = {key for keys in ways for key in keys if getattr(self, key) is not None}
-        if not any(given == set(keys) for keys in ways):
-            choices = ", or ".join(" with ".join(keys) for keys in ways)
-            raise ValueError(f"is located by {', '.join(sorted(given)) or 'nothing'}. Set {choices}")
-        return self
-
-    @abstractmethod
-    def _ways(self) -> tuple[tuple[str, ...], ...]:
-        """The sets of keys that locate a place."""
-
-
-class SeatTable(_PlaceTable):
+class SeatBase(EitherTable):
     """A bearing seat, given by axis and diameter of its bore or by a group of the mesh file."""
 
     name: Annotated[
@@ -141,28 +124,17 @@ class SeatTable(_PlaceTable):
             description="bearing_1, bearing_2, ...: two per shaft, odd numbers at its -y end",
         ),
     ]
-    through_mm: Annotated[Vector | None, Field(description="a point on the axis of the bore, near the seat")] = None
-    diameter_mm: Annotated[Positive | None, Field(description="diameter of the bore")] = None
-    axis: Annotated[Vector, Field(description="direction of the bore")] = (0.0, 1.0, 0.0)
-    group: Annotated[str | None, Field(description="physical group, node set or element set of the file")] = None
-
-    def _ways(self) -> tuple[tuple[str, ...], ...]:
-        return ("through_mm", "diameter_mm"), ("group",)
 
 
-class GroundTable(_PlaceTable):
+class GroundBase(EitherTable):
     """Ground faces: a flat face, everything in a box, all faces in a plane, or a group of the file."""
 
-    point_mm: Annotated[Vector | None, Field(description="a point on a flat face, which is the ground face")] = None
-    box_mm: Annotated[tuple[Vector, Vector] | None, Field(description="lower and upper corner of a box")] = None
-    through_mm: Annotated[Vector | None, Field(description="a point of a plane; every face in it is a ground face")] = (
-        None
-    )
-    normal: Annotated[Vector | None, Field(description="normal of that plane")] = None
-    group: Annotated[str | None, Field(description="physical group, node set or element set of the file")] = None
 
-    def _ways(self) -> tuple[tuple[str, ...], ...]:
-        return ("point_mm",), ("box_mm",), ("through_mm", "normal"), ("group",)
+if TYPE_CHECKING:
+    SeatTable = Any
+    GroundTable = Any
+else:
+    SeatTable, GroundTable = either(SeatBase, ByCylinder, ByGroup), either(GroundBase, ByPoint, ByBox, ByPlane, ByGroup)
 
 
 class ImportedTable(Table):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -105,12 +105,11 @@ DriveModel = Annotated[
 class TorqueLoad(SomewhereTable, TorqueCurve):
     """A brake, fan or other machine that takes a torque; positive torques resist positive rotation."""
 
-    channels: ClassVar[int] = 4
     model: Literal["torque"] = "torque"
 
 
 class LoadBase(DerivedTable):
-    """Where the drums are that a weight hangs on."""
+    """Places of the drums that carry a hanging mass."""
 
     shaft: Annotated[
         Whole | None, Field(ge=1, description="number of the shaft of the drums; without it: the last")
@@ -118,11 +117,6 @@ class LoadBase(DerivedTable):
     drum_positions_mm: Annotated[
         tuple[Number, ...], Field(description="y of the drums; empty: both ends of their shaft")
     ] = ()
-
-    @property
-    def channels(self) -> int:
-        """Number of its channels that are recorded."""
-        return load_model(self.model).channels
 
 
 StaticTorqueTable = table(StaticTorqueLoad, LoadBase)

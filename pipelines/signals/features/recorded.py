@@ -89,7 +89,8 @@ def feature_table(
         if not turning:
             raise FeatureError(f"{name}: no shaft makes {FEWEST_TURNS} revolutions. Choose a longer window.")
         bands[name] = envelope_band(kinematics, time, turning[0][1].frequency / turning[0][0].ratio)
-        found: Lines = {(WHOLE, feature): values for feature, values in _of_signal(signal[:, inside]).items()}
+        whole = statistics(signal[:, inside])
+        found: Lines = {(WHOLE, feature): whole[feature] for feature in OF_SIGNAL}
         for shaft, cut in turning:
             lines, marks = _shaft_lines(cut, bands[name], shaft, kinematics)
             found |= lines
@@ -155,11 +156,6 @@ def envelope_band(kinematics: Kinematics, time: np.ndarray, frequency: float) ->
             "sampling rate."
         )
     return guard * frequency, high
-
-
-def _of_signal(signal: np.ndarray) -> dict[str, np.ndarray]:
-    found = statistics(signal)
-    return {name: found[name] for name in OF_SIGNAL}
 
 
 def _shaft_lines(

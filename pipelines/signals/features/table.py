@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -57,19 +58,20 @@ class FeatureTable(Record):
 
     def labelled(self) -> xarray.DataArray:
         """The values over sensor, axis, component and feature; NaN where there is none."""
-        import xarray
+        values: dict[tuple[str, ...], float] = {
+            (sensor, axis, *line): self.value[i, j]
+            for i, (sensor, axis) in enumerate(zip(self.sensor, self.axis, strict=True))
+            for j, line in enumerate(self.lines)
+        }
+        return labelled_array(values, ("sensor", "axis", "component", "feature")).rename("features")
 
-        parts = (self.sensor, self.axis, self.component, self.feature)
-        known = [list(dict.fromkeys(part)) for part in parts]
-        out = np.full([len(part) for part in known], np.nan)
-        for i, (sensor, axis) in enumerate(zip(self.sensor, self.axis, strict=True)):
-            for j, (component, feature) in enumerate(self.lines):
-                place = (
-                    known[0].index(sensor),
-                    known[1].index(axis),
-                    known[2].index(component),
-                    known[3].index(feature),
-                )
-                out[place] = self.value[i, j]
-        dims = ("sensor", "axis", "component", "feature")
-        return xarray.DataArray(out, dims=dims, coords=dict(zip(dims, known, strict=True)), name="features")
+
+def labelled_array(values: Mapping[tuple[str, ...], float], dims: Sequence[str]) -> xarray.DataArray:
+    """An array with named axes from values by place; NaN where there is none, labels in the order of the values."""
+    import xarray
+
+    known = [list(dict.fromkeys(labels)) for labels in zip(*values, strict=True)]
+    out = np.full([len(labels) for labels in known], np.nan)
+    for place, value in values.items():
+        out[tuple(labels.index(label) for labels, label in zip(known, place, strict=True))] = value
+    return xarray.DataArray(out, dims=dims, coords=dict(zip(dims, known, strict=True)))

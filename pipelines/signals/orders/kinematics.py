@@ -77,3 +77,17 @@ class Kinematics:
     def mesh_orders(self) -> dict[int, float]:
         """Tooth meshing of every pair, in orders of the first shaft, by the number of the pair."""
         return {gear.stage: gear.teeth * self.shaft(gear.shaft).ratio for gear in self.gears}
+
+
+def needed_seconds(kinematics: Kinematics, turns: int) -> dict[str, float]:
+    """Length (s) of a window that holds so many whole turns, wherever the mark of the shaft is, by shaft.
+
+    It is that of one turn more, at the nominal speed.
+
+    Raises
+    ------
+    ValueError : the nominal speed is not known or 0
+    """
+    if not kinematics.frequency:
+        raise ValueError(f"nominal speed {kinematics.frequency} Hz: no time follows from it. Set a speed above 0.")
+    return {shaft.name: (turns + 1) / (shaft.ratio * kinematics.frequency) for shaft in kinematics.shafts}

@@ -15,7 +15,7 @@ from pipelines.diagnosis.prediction import FEWEST_FOR_P
 from pipelines.diagnosis.simulated import FeatureSettings
 from pipelines.io.errors import InputError
 from pipelines.machine.kinematics import kinematics_of
-from pipelines.machine.plant import make_drivetrain
+from pipelines.machine.machine import make_drivetrain
 from pipelines.signals.features.table import FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.steps.verdict import known_faults

@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipelines.datasets.facts import read_facts, stored_layout
-from pipelines.datasets.layout import RunLayout
-from pipelines.datasets.rows import read_row, sweep_rows, write_row
+from pipelines.datasets.layout import RunLayout, read_facts, stored_layout
+from pipelines.datasets.rows import RowJob, compute_rows, read_row
 from pipelines.datasets.store import read_run
 from pipelines.diagnosis.simulated import FeatureSettings, run_features
 from pipelines.engine.code_version import code_version
@@ -32,14 +31,11 @@ TABLES = "feature_tables"
 
 
 @dataclass(frozen=True, kw_only=True)
-class TableJob:
-    """A run of a campaign whose features are wanted; `checksums` are those of its signals."""
+class TableJob(RowJob):
+    """A run of a campaign whose features are wanted."""
 
-    folder: Path
-    run: int
     settings: FeatureSettings
     noise: float  # rms, m/s2
-    checksums: Mapping[str, Any]
 
     @property
     def rows(self) -> str:
@@ -48,10 +44,19 @@ class TableJob:
 
     @property
     def made_of(self) -> dict[str, Any]:
-        """What its features hang on."""
+        """What its features depend on."""
         windows = {name: list(window) for name, window in self.settings.windows.items()}
         code = code_version("pipelines.diagnosis.simulated")
         return {"code": code, "windows": windows, "noise_m_s2": self.noise, "checksums": dict(self.checksums)}
+
+    def computed(self) -> dict[str, Any]:
+        """The table of features, or why there is none."""
+        layout = stored_layout(read_facts(self.folder)["layout"])
+        recording = recording_of(self.folder, self.run, layout).assign_attrs(sensor_noise_m_s2=self.noise)
+        try:
+            return {"failure": "", "table": _plain(run_features(recording, self.settings, stream=self.run))}
+        except (FeatureError, RotationError) as error:
+            return {"failure": str(error), "table": None}
 
 
 def make_tables(
@@ -70,31 +75,12 @@ def make_tables(
     InputError : no run has features: why the first one has none
     OSError : a row cannot be written
     """
-    for folder in {job.folder / job.rows for job in jobs}:
-        folder.mkdir(parents=True, exist_ok=True)
-    left = [job for job in jobs if _made(job) is None]
-    for count, _ in enumerate(executor.map(write_table, left), 1):
-        told(count, len(left))
-    for folder, name in {(job.folder, job.rows) for job in jobs}:
-        sweep_rows(folder, name)
+    compute_rows(jobs, executor, told)
     rows = [read_row(job.folder, job.run, job.rows) for job in jobs]
     found = [_table(row["table"]) for row in rows]
     if rows and all(table is None for table in found):
         raise InputError(f"no run has features. The first: {rows[0]['failure']}")
     return found
-
-
-def write_table(job: TableJob) -> None:
-    """Compute the features of a run and write their row."""
-    layout = stored_layout(read_facts(job.folder)["layout"])
-    recording = recording_of(job.folder, job.run, layout).assign_attrs(sensor_noise_m_s2=job.noise)
-    table, failure = None, ""
-    try:
-        table = run_features(recording, job.settings, stream=job.run)
-    except (FeatureError, RotationError) as error:
-        failure = str(error)
-    row = {"run": job.run, "made_of": job.made_of, "failure": failure, "table": table and _plain(table)}
-    write_row(job.folder, job.run, row, job.rows)
 
 
 def recording_of(folder: Path, run: int, layout: RunLayout) -> xarray.Dataset:
@@ -109,15 +95,6 @@ def recording_of(folder: Path, run: int, layout: RunLayout) -> xarray.Dataset:
             **{name: list(values) for name, values in layout.names.items()},
         },
     )
-
-
-def _made(job: TableJob) -> dict[str, Any] | None:
-    """The row of a job if it is there and made in this way."""
-    try:
-        row = read_row(job.folder, job.run, job.rows)
-    except InputError:
-        return None
-    return row if row.get("made_of") == job.made_of else None
 
 
 def _plain(table: FeatureTable) -> dict[str, Any]:

@@ -72,7 +72,7 @@ def write_casing(casing: Casing, title: str, target: Path) -> list[Path]:
             further = form.write(casing, title, path, target)
     except OSError as error:
         raise InputError(f"{target}: cannot be written ({error.strerror}). Choose another --export.") from error
-    return [target, *further]
+    return [target, *(further or ())]
 
 
 def free_body(casing: Casing) -> Superelement:
@@ -249,48 +249,31 @@ def write_vtu(mesh: CasingMesh, modes: CasingModes, natural: NaturalModes, path:
 
 @dataclass(frozen=True, kw_only=True)
 class Format:
-    """A format of an export: `write(casing, title, path, target)` returns the files next to the target."""
+    """A format of an export: `write(casing, title, path, target)` returns the files next to the target, if any."""
 
-    write: Callable[[Casing, str, Path, Path], list[Path]]
+    write: Callable[[Casing, str, Path, Path], list[Path] | None]
     elastic: bool = False  # needs modes of finite elements
 
 
-def _h5(casing: Casing, title: str, path: Path, target: Path) -> list[Path]:
-    casing.body.save(path)
-    return []
-
-
-def _mat(casing: Casing, title: str, path: Path, target: Path) -> list[Path]:
-    write_mat(casing.body, path)
-    return []
-
-
-def _uff(casing: Casing, title: str, path: Path, target: Path) -> list[Path]:
-    write_uff(casing.body, path, title=title, band=casing.band)
-    return []
-
-
-def _vtu(casing: Casing, title: str, path: Path, target: Path) -> list[Path]:
+def _vtu(casing: Casing, title: str, path: Path, target: Path) -> None:
     if casing.mesh is None or casing.modes is None or casing.natural is None:
         raise InputError(f"--export {target.name}: the casing has no mesh. Export .h5, .mat or .npz instead.")
     write_vtu(casing.mesh, casing.modes, casing.natural, path, band=casing.band)
-    return []
 
 
-def _free(write: Callable[[Superelement, Path, Path], list[Path]]) -> Format:
-    def written(casing: Casing, title: str, path: Path, target: Path) -> list[Path]:
-        return write(free_body(casing), path, target)
-
-    return Format(write=written, elastic=True)
+def _free(write: Callable[[Superelement, Path, Path], list[Path] | None]) -> Format:
+    return Format(write=lambda casing, title, path, target: write(free_body(casing), path, target), elastic=True)
 
 
 FORMATS: Mapping[str, Format] = {
-    ".h5": Format(write=_h5),
-    ".mat": Format(write=_mat),
+    ".h5": Format(write=lambda casing, title, path, target: casing.body.save(path)),
+    ".mat": Format(write=lambda casing, title, path, target: write_mat(casing.body, path)),
     ".npz": _free(write_npz),
     ".mtx": _free(write_matrix_market),
     ".op4": _free(write_output4),
     ".pch": _free(write_punch),
-    ".uff": Format(write=_uff),
+    ".uff": Format(
+        write=lambda casing, title, path, target: write_uff(casing.body, path, title=title, band=casing.band)
+    ),
     ".vtu": Format(write=_vtu, elastic=True),
 }

@@ -10,6 +10,7 @@ from fem.casing.recognition.contents import Contents
 from fem.casing.recognition.shaft_fit import ShaftFit, tilt
 from pipelines.io.grid import Grid
 from pipelines.io.shown import shown
+from pipelines.report.contents import grid
 
 MOST_ROWS = 40
 _LEAST_TILT = 0.01  # degrees that are mentioned
@@ -66,21 +67,20 @@ def _solids(contents: Contents) -> str:
 
 
 def _bores(contents: Contents) -> str:
-    rows = tuple(
-        (
-            str(one.number),
-            str(one.solid),
-            f"{1000 * one.diameter:.4f}",
-            f"{1000 * one.length:.3f}",
-            _mm(one.centre),
-            _direction(one.axis),
-            f"{np.degrees(one.angle):.0f}",
-        )
+    rows = [
+        {
+            "bore": one.number,
+            "solid": one.solid,
+            "diameter mm": f"{1000 * one.diameter:.4f}",
+            "length mm": f"{1000 * one.length:.3f}",
+            "middle mm": _mm(one.centre),
+            "axis": _direction(one.axis),
+            "of 360 deg": f"{np.degrees(one.angle):.0f}",
+        }
         for one in contents.bores[:MOST_ROWS]
-    )
-    headers = ("bore", "solid", "diameter mm", "length mm", "middle mm", "axis", "of 360 deg")
+    ]
     title = f"{len(contents.bores)} {'bore' if len(contents.bores) == 1 else 'bores'}, the widest first"
-    return Grid(title=title, headers=headers, rows=rows).to_text() + _more(len(contents.bores))
+    return grid(title, rows).to_text() + _more(len(contents.bores))
 
 
 def _tilt(contents: Contents) -> Iterator[str]:
@@ -91,13 +91,18 @@ def _tilt(contents: Contents) -> Iterator[str]:
 
 
 def _flats(contents: Contents) -> str:
-    rows = tuple(
-        (str(one.number), str(one.solid), f"{1e6 * one.area:.5g}", _mm(one.centre), _direction(one.normal))
+    rows = [
+        {
+            "face": one.number,
+            "solid": one.solid,
+            "area mm2": f"{1e6 * one.area:.5g}",
+            "middle mm": _mm(one.centre),
+            "normal": _direction(one.normal),
+        }
         for one in contents.flats[: MOST_ROWS // 4]
-    )
-    headers = ("face", "solid", "area mm2", "middle mm", "normal")
+    ]
     title = f"{len(contents.flats)} flat faces, the largest first"
-    return Grid(title=title, headers=headers, rows=rows).to_text() + _more(len(contents.flats), MOST_ROWS // 4)
+    return grid(title, rows).to_text() + _more(len(contents.flats), MOST_ROWS // 4)
 
 
 def _patterns(contents: Contents) -> str:
@@ -115,22 +120,21 @@ def _patterns(contents: Contents) -> str:
 
 def fitted(fit: ShaftFit) -> str:
     """Which bore is the seat of which bearing, in the frame of the scene."""
-    rows = tuple(
-        (
-            one.bearing,
-            str(one.shaft + 1),
-            str(one.bore.number),
-            f"{1000 * one.bore.diameter:.4f}",
-            f"{1000 * one.off:.4f}",
-            f"{1000 * one.y:.4f}",
-            f"{1000 * one.middle:.4f}",
-        )
+    rows = [
+        {
+            "bearing": one.bearing,
+            "shaft": one.shaft + 1,
+            "bore": one.bore.number,
+            "diameter mm": f"{1000 * one.bore.diameter:.4f}",
+            "off axis mm": f"{1000 * one.off:.4f}",
+            "bearing at y mm": f"{1000 * one.y:.4f}",
+            "middle of seat y mm": f"{1000 * one.middle:.4f}",
+        }
         for one in fit.seats
-    )
-    headers = ("bearing", "shaft", "bore", "diameter mm", "off axis mm", "bearing at y mm", "middle of seat y mm")
+    ]
     turn = float(np.degrees(np.arccos(np.clip((np.trace(fit.axes) - 1.0) / 2.0, -1.0, 1.0))))
     title = f"Seats of the scene's bearings, the file turned by {turn:.3f} deg"
-    return Grid(title=title, headers=headers, rows=rows).to_text()
+    return grid(title, rows).to_text()
 
 
 def _more(count: int, most: int = MOST_ROWS) -> str:

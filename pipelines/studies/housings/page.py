@@ -10,10 +10,11 @@ from importlib.resources import files
 import numpy as np
 
 from fem.casing.recognition.contents import Contents
-from pipelines.studies.housings.thinned import thinned
 
 MOST_LABELS = 200
 _STEPS = 65535  # of a coordinate along the longest side, in two bytes
+MOST_TRIANGLES = 125_000  # 3 MB of a page
+_CELLS = 2000  # of the finest grid along the longest side
 
 
 def housing_page(contents: Contents, seats: dict[int, str], text: str) -> str:
@@ -54,3 +55,33 @@ transform:translate(-50%,-50%);color:#1f4e79;font-weight:bold;pointer-events:non
 <script>{script}</script>
 </body></html>
 """
+
+
+def thinned(points: np.ndarray, triangles: np.ndarray, most: int = MOST_TRIANGLES) -> tuple[np.ndarray, np.ndarray]:
+    """Points and triangles to look at, `most` triangles at most, small ones between merged points left out.
+
+    Points are merged in the cells of a grid, the finest of a series that leaves few enough triangles with three
+    different points. Nothing is computed with them.
+
+    Parameters
+    ----------
+    points : (n, 3)
+    triangles : int (t, 3), into the points
+    most : triangles
+
+    References
+    ----------
+    Rossignac & Borrel (1993), Multi-resolution 3D approximations for rendering complex scenes.
+    """
+    cells = _CELLS
+    low, side = points.min(axis=0), float(np.ptp(points, axis=0).max())
+    found = points, triangles
+    while len(found[1]) > most:
+        cell = np.floor((points - low) / side * cells).astype(np.int64)
+        _, first, number = np.unique(cell, axis=0, return_index=True, return_inverse=True)
+        merged = number.ravel()[triangles]
+        whole = merged[(merged != np.roll(merged, 1, axis=1)).all(axis=1)]
+        once = np.unique(np.sort(whole, axis=1), axis=0, return_index=True)[1]
+        found = points[first], whole[np.sort(once)]
+        cells = 3 * cells // 4
+    return found

@@ -104,7 +104,7 @@ def _symmetric(matrix: np.ndarray) -> np.ndarray:
     return np.asarray(0.5 * (matrix + matrix.T))
 
 
-def write_npz(found: Superelement, path: Path, target: Path) -> list[Path]:
+def write_npz(found: Superelement, path: Path, target: Path) -> None:
     """All in one file of NumPy."""
     with path.open("wb") as file:
         np.savez_compressed(
@@ -118,7 +118,6 @@ def write_npz(found: Superelement, path: Path, target: Path) -> list[Path]:
             rows=found.rows,
             row_names=np.array(found.row_names),
         )
-    return []
 
 
 def write_matrix_market(found: Superelement, path: Path, target: Path) -> list[Path]:
@@ -148,7 +147,7 @@ def write_output4(found: Superelement, path: Path, target: Path) -> list[Path]:
     return _write_map(found, target)
 
 
-def write_punch(found: Superelement, path: Path, target: Path) -> list[Path]:
+def write_punch(found: Superelement, path: Path, target: Path) -> None:
     """GRID and SPOINT cards, then KAAX, MAAX and BAAX as DMIG."""
     try:
         import pandas as pd
@@ -162,7 +161,6 @@ def write_punch(found: Superelement, path: Path, target: Path) -> list[Path]:
         for number in found.equations[found.equations[:, 1] == 0, 0]:
             file.write(f"SPOINT  {int(number):8d}\n")
         bulk.wtdmig(file, {f"{n}X": pd.DataFrame(A, index=index, columns=index) for n, A in found.files().items()})
-    return []
 
 
 def _without_writer(target: Path) -> InputError:

@@ -31,29 +31,18 @@ class Axis:
     also: tuple[str, ...] = ()
 
 
-def _gear_mesh(scene: Scene, fineness: float) -> Settings:
-    found = {
-        f"stages.{number}.mesh.refinement": stage.mesh.refinement * fineness
-        for number, stage in enumerate(scene.stages, 1)
-        if hasattr(stage.mesh, "refinement")
-    }
-    return found or _nothing("gear-mesh", "stages.*.mesh.model", [stage.mesh.model for stage in scene.stages], "plane")
+def _of_meshes(axis: str, key: str, made: Callable[[float], float]) -> Callable[[Scene, float], Settings]:
+    """The settings of a key of every mesh that has it: `made` of its value times the fineness."""
 
+    def settings(scene: Scene, fineness: float) -> Settings:
+        found: Settings = {
+            f"stages.{number}.mesh.{key}": made(getattr(stage.mesh, key) * fineness)
+            for number, stage in enumerate(scene.stages, 1)
+            if hasattr(stage.mesh, key)
+        }
+        return found or _nothing(axis, "stages.*.mesh.model", [stage.mesh.model for stage in scene.stages], "plane")
 
-def _slices(scene: Scene, fineness: float) -> Settings:
-    return {
-        f"stages.{number}.mesh.slices": max(1, round(stage.mesh.slices * fineness))
-        for number, stage in enumerate(scene.stages, 1)
-    }
-
-
-def _positions(scene: Scene, fineness: float) -> Settings:
-    found = {
-        f"stages.{number}.mesh.positions": round(stage.mesh.positions * fineness)
-        for number, stage in enumerate(scene.stages, 1)
-        if hasattr(stage.mesh, "positions")
-    }
-    return found or _nothing("positions", "stages.*.mesh.model", [stage.mesh.model for stage in scene.stages], "plane")
+    return settings
 
 
 def _casing_mesh(scene: Scene, fineness: float) -> Settings:
@@ -98,17 +87,23 @@ AXES = {
         probe="gears",
         formal_order=4.0,
         ratio=2**0.5,
-        settings=_gear_mesh,
+        settings=_of_meshes("gear-mesh", "refinement", float),
     ),
     "slices": Axis(
         words="slices along the face",
         probe="gears",
         formal_order=2.0,
         ratio=2.0,
-        settings=_slices,
+        settings=_of_meshes("slices", "slices", lambda value: max(1, round(value))),
         also=("transmission",),
     ),
-    "positions": Axis(words="positions per pitch", probe="gears", formal_order=2.0, ratio=2.0, settings=_positions),
+    "positions": Axis(
+        words="positions per pitch",
+        probe="gears",
+        formal_order=2.0,
+        ratio=2.0,
+        settings=_of_meshes("positions", "positions", round),
+    ),
     "casing-mesh": Axis(
         words="elements of the casing", probe="modes", formal_order=None, ratio=1.3, settings=_casing_mesh
     ),

@@ -100,6 +100,8 @@ def _limit(h: Sequence[float], v: Sequence[float], order: float) -> float:
 
 def _order(h: Sequence[float], v: Sequence[float]) -> tuple[str, float | None]:
     """How the three finest values behave, and their order where they fall on a limit."""
+    from scipy.optimize import brentq
+
     fine, coarse = v[1] - v[0], v[2] - v[1]
     scale = max(abs(x) for x in v)
     if abs(fine) <= ROUND_OFF * scale:
@@ -113,10 +115,7 @@ def _order(h: Sequence[float], v: Sequence[float]) -> tuple[str, float | None]:
         return "diverging", None
     if _excess(h, coarse / fine, high) < 0:
         return "monotone", LARGEST_ORDER
-    for _ in range(200):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if _excess(h, coarse / fine, middle) < 0 else (low, middle)
-    return "monotone", 0.5 * (low + high)
+    return "monotone", float(brentq(lambda order: _excess(h, coarse / fine, order), low, high))
 
 
 def _excess(h: Sequence[float], ratio: float, order: float) -> float:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from statistics import median
 
 from pipelines.diagnosis.uncertainty.line_bars import LineBars
+from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph
-from pipelines.engine.working import Work
 from pipelines.scene.file import LoadedScene
 from pipelines.steps.results import bars_step, casing_taken
 from pipelines.steps.study import plan_study

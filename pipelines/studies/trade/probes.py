@@ -20,6 +20,7 @@ import numpy as np
 from pipelines.engine.run_graph import Outcome
 from pipelines.machine.plant import Plant
 from pipelines.steps.pair_curves import law_names, pair_laws
+from pipelines.studies.housings.responses import accelerances
 
 FREQUENCIES = 10  # lowest ones that are compared
 MODES = 30  # lowest ones that tell a common order
@@ -53,7 +54,7 @@ class Probe:
 
 def _gears(plant: Plant, outcome: Outcome) -> list[Value]:
     values = []
-    for found in pair_laws(plant, {name: outcome.value(name) for name in law_names(plant)}):
+    for found in pair_laws(plant, outcome.value):
         number, curve = found.stage, found.stiffness()
         ripple = float(np.ptp(curve.transmission_error))
         values.append(Value(name=f"stage {number} stiffness", unit="N/um", value=float(curve.secant.mean()) / 1e6))
@@ -65,17 +66,9 @@ def _transmission(plant: Plant, outcome: Outcome) -> list[Value]:
     cycle = np.arange(POSITIONS) / POSITIONS
     return [
         Value(name=f"stage {found.stage} TE at {place:.4f}", unit="um", value=float(error) * 1e6)
-        for found in pair_laws(plant, {name: outcome.value(name) for name in law_names(plant)})
+        for found in pair_laws(plant, outcome.value)
         for place, error in zip(cycle, found.stiffness(cycle).transmission_error, strict=True)
     ]
-
-
-def _casing(plant: Plant, outcome: Outcome) -> list[Value]:
-    return _natural_modes(outcome, FREQUENCIES)
-
-
-def _modes(plant: Plant, outcome: Outcome) -> list[Value]:
-    return _natural_modes(outcome, MODES)
 
 
 def _natural_modes(outcome: Outcome, count: int) -> list[Value]:
@@ -108,12 +101,9 @@ def _frf(plant: Plant, outcome: Outcome) -> list[Value]:
     into = np.array([body.row(f"bearing_1:{axis}") for axis in ("ux", "uy", "uz")])
     values = []
     for centre in 1000.0 * 2.0 ** (np.arange(-10, 8) / 3):
-        total = 0.0
-        for frequency in centre * 2.0 ** ((np.arange(OCTAVE_POINTS) + 0.5) / OCTAVE_POINTS / 3 - 1 / 6):
-            w = 2 * np.pi * frequency
-            transfer = out @ np.linalg.solve(body.stiffness + 1j * w * body.damping - w * w * body.mass, into.T)
-            total += float(np.linalg.norm(w * w * transfer)) ** 2
-        level = 10 * np.log10(total / OCTAVE_POINTS)
+        frequencies = centre * 2.0 ** ((np.arange(OCTAVE_POINTS) + 0.5) / OCTAVE_POINTS / 3 - 1 / 6)
+        squares = np.abs(accelerances(body, out, into, frequencies)) ** 2
+        level = 10 * np.log10(squares.sum() / OCTAVE_POINTS)
         values.append(Value(name=f"FRF at {centre:.0f} Hz", unit=DECIBEL, value=float(level)))
     return values
 
@@ -180,8 +170,8 @@ def _lines(plant: Plant, outcome: Outcome) -> list[Value]:
 PROBES = {
     "gears": Probe(law_names, _gears),
     "transmission": Probe(law_names, _transmission),
-    "casing": Probe(lambda _: ["casing"], _casing),
-    "modes": Probe(lambda _: ["casing"], _modes),
+    "casing": Probe(lambda _: ["casing"], lambda _, outcome: _natural_modes(outcome, FREQUENCIES)),
+    "modes": Probe(lambda _: ["casing"], lambda _, outcome: _natural_modes(outcome, MODES)),
     "frf": Probe(lambda _: ["casing"], _frf),
     "machine": Probe(lambda plant: [*plant.law_names, "casing"], _machine),
     "signals": Probe(lambda _: ["simulate"], _signals),

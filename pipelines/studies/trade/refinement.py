@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from fem.storage import shown_html
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.scene.file import LoadedScene, changed
 from pipelines.studies.trade.axes import AXES
 from pipelines.studies.trade.convergence import Convergence, ConvergenceError, study

@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from pipelines.io.grid import Grid
 from pipelines.report.contents import grid
 from pipelines.studies.trade.axes import AXES
+from pipelines.studies.trade.probes import POSITIONS
 from pipelines.studies.trade.refinement import RefinementStudy
 
 if TYPE_CHECKING:
@@ -32,6 +35,8 @@ REACH = {  # probes whose settings move what a study looks at
     "machine": ("gears", "modes", "machine"),
     "signals": ("gears", "modes", "machine", "signals"),
 }
+TRANSMISSION = "transmission"
+LOWEST_ORDER = 8
 
 
 def convergence_table(name: str, found: RefinementStudy) -> Grid:
@@ -142,3 +147,26 @@ def convergence_figure(name: str, found: RefinementStudy) -> Figure:
     axes.yaxis.set_minor_formatter(numbers if high < 10 * low else NullFormatter())
     figure.legend(loc="outside lower center", ncols=2, frameon=False, fontsize=9)
     return figure
+
+
+def tone_and_distance(error: np.ndarray, finest: np.ndarray) -> tuple[float, float]:
+    """Largest line from `LOWEST_ORDER` on, and rms without its mean, of the difference of two curves (position,)."""
+    apart = np.subtract(error, finest)
+    lines = 2 * np.abs(np.fft.rfft(apart)) / apart.size
+    return float(lines[LOWEST_ORDER:].max()), float(apart.std())
+
+
+def slicing_table(name: str, found: RefinementStudy) -> Grid:
+    """Tone and rms distance of e from the finest level, by stage and level, um."""
+    curves = [
+        np.array([v.value for v in level.by_probe[TRANSMISSION]]).reshape(-1, POSITIONS) for level in found.levels
+    ]
+    rows = []
+    for stage, finest in enumerate(curves[0]):
+        for number, words in enumerate(("largest line", "rms")):
+            row: dict[str, object] = {"TE less that of the finest level": f"stage {stage + 1} {words}, um"}
+            for fineness, level in zip(found.fineness[1:], curves[1:], strict=True):
+                value = tone_and_distance(level[stage], finest)[number]
+                row["in use" if fineness == 1.0 else f"x{fineness:.3g}"] = f"{value:.2g}"
+            rows.append(row)
+    return grid(f"{name}: tones of the slices (mesh order {LOWEST_ORDER} and above) and error of e", rows)

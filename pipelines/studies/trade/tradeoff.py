@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from fem.storage import shown_html
-from pipelines.engine.working import Work
+from pipelines.engine.run_graph import Work
 from pipelines.io.errors import SceneError
 from pipelines.scene.file import LoadedScene, changed
 from pipelines.studies.trade.choices import PRESET, Choice, choices

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from pipelines.engine.run_graph import Outcome
+from pipelines.engine.run_graph import Outcome, Work
 from pipelines.engine.step import Graph, Step
-from pipelines.engine.working import Work
 from pipelines.machine.checks.validity import checked_plant
 from pipelines.machine.plant import Plant
 from pipelines.scene.file import LoadedScene, changed
@@ -38,34 +37,50 @@ class Measured:
         return sum(self.seconds.values())
 
 
+def build_variants(
+    scenes: Mapping[str, LoadedScene],
+    needed: Callable[[Plant], Sequence[str]],
+    work: Work,
+    kinds: Sequence[str],
+) -> dict[str, tuple[Plant, Outcome]]:
+    """Build the needed steps of every scene, each distinct step once; machine model in SI and results by variant.
+
+    Parameters
+    ----------
+    scenes : by variant
+    needed : names of the steps that are needed, of a machine model in SI
+    work : how steps are built
+    kinds : of warnings on the motions that are logged, see `pipelines.signals.motion_warnings`
+    """
+    steps: list[Step] = []
+    names, plants = {}, {}
+    for variant, loaded in scenes.items():
+        plants[variant] = plant = checked_plant(loaded.scene, loaded.source.shown)
+        new = plant_steps(plant)
+        added = add_steps(steps, new, f"{variant}: ")
+        names[variant] = {step: added[step] for step in Graph(new).needed(needed(plant)).steps}
+    graph = Graph(steps)
+    every = dict.fromkeys(name for own in names.values() for name in own.values())
+    outcome = work.build(graph, every)
+    log_warnings((outcome.value(step.name) for step in graph if step.name in every and step.kind == "simulate"), kinds)
+    return {
+        variant: (plant, Outcome({step: outcome.results[name] for step, name in names[variant].items()}))
+        for variant, plant in plants.items()
+    }
+
+
 def measure(
     scenes: Mapping[str, LoadedScene],
     probes: Sequence[str],
     work: Work,
 ) -> dict[str, Measured]:
-    """Build what the named probes need of every scene, each distinct step once, and read them; by variant.
+    """Build what the named probes need of every scene, each distinct step once, and read them; by variant."""
 
-    Raises
-    ------
-    SceneError, InputError, WorkError : a scene cannot be used, or a step failed
-    """
-    steps: list[Step] = []
-    names, wanted, plants = {}, {}, {}
-    for variant, loaded in scenes.items():
-        plants[variant] = plant = checked_plant(loaded.scene, loaded.source.shown)
-        new = plant_steps(plant)
-        names[variant] = add_steps(steps, new, f"{variant}: ")
-        needed = [name for probe in probes for name in PROBES[probe].steps(plant)]
-        wanted[variant] = Graph(new).needed(needed).steps
-    graph = Graph(steps)
-    every = dict.fromkeys(names[variant][step] for variant, needed in wanted.items() for step in needed)
-    outcome = work.build(graph, every)
-    motions = [outcome.value(step.name) for step in graph if step.name in every and step.kind == "simulate"]
-    log_warnings(motions, ("repeat",))  # the others are errors that the comparison itself shows
-    return {
-        variant: _measured(plant, probes, {step: names[variant][step] for step in wanted[variant]}, outcome)
-        for variant, plant in plants.items()
-    }
+    def needed(plant: Plant) -> list[str]:
+        return [name for probe in probes for name in PROBES[probe].steps(plant)]
+
+    built = build_variants(scenes, needed, work, ("repeat",))  # other warnings are errors that the comparison shows
+    return {variant: _measured(plant, probes, own) for variant, (plant, own) in built.items()}
 
 
 def step_costs(scenes: Iterable[LoadedScene], work: Work) -> dict[str, float]:
@@ -88,8 +103,7 @@ def step_costs(scenes: Iterable[LoadedScene], work: Work) -> dict[str, float]:
     return costs
 
 
-def _measured(plant: Plant, probes: Sequence[str], names: Mapping[str, str], outcome: Outcome) -> Measured:
-    own = Outcome({step: outcome.results[name] for step, name in names.items()})
+def _measured(plant: Plant, probes: Sequence[str], own: Outcome) -> Measured:
     distinct = {record.key: (step, record) for step, record in zip(own.results, own.records, strict=True)}
     return Measured(
         by_probe={probe: tuple(PROBES[probe].read(plant, own)) for probe in probes},

@@ -15,20 +15,17 @@ import numpy as np
 import xarray
 
 from pipelines.diagnosis.control_diagnosis import STATES
-from pipelines.engine.step import Graph, Step
-from pipelines.machine.checks.validity import checked_plant
 from pipelines.scene.file import LoadedScene, load_scene
 from pipelines.scene.presets import preset_on
 from pipelines.signals.analysis import DiagnosisSettings
-from pipelines.signals.motion_warnings import log_warnings
+from pipelines.signals.features.table import labelled_array
 from pipelines.signals.response import make_response
-from pipelines.steps.graph import plant_steps
-from pipelines.steps.study import add_steps
+from pipelines.studies.trade.variants import build_variants
 from pipelines.studies.verification.claims import Evidence
 from pipelines.studies.verification.measures import Levels, fault_levels, load_levels
 
 if TYPE_CHECKING:
-    from pipelines.engine.working import Work
+    from pipelines.engine.run_graph import Work
 
 LOADS = ("rope", "static-torque")
 LOSSES: Mapping[str, Mapping[str, Any]] = {
@@ -61,7 +58,7 @@ class Case:
     @property
     def name(self) -> str:
         """For progress."""
-        return f"{self.state}, {self.load}, losses {self.losses}, seed {self.seed}: "
+        return f"{self.state}, {self.load}, losses {self.losses}, seed {self.seed}"
 
 
 def cases(seeds: int) -> Iterator[Case]:
@@ -92,21 +89,17 @@ def simulated(seeds: int, preset: str, work: Work) -> Evidence:
     ------
     SceneError, WorkError : a scene does not fit, or a step failed; finished ones stay in the cache
     """
-    steps: list[Step] = []
-    motions, labels = {}, {}
-    looked_for: dict[str, DiagnosisSettings] = {}  # by load
-    for case in cases(seeds):
-        loaded = scene_of(case, preset)
-        plant = checked_plant(loaded.scene, loaded.source.shown)
-        motions[case] = add_steps(steps, plant_steps(plant), case.name)["simulate"]
-        labels[case] = plant.labels
-        if plant.diagnosis is not None and case.state == "faulty":
-            looked_for[case.load] = plant.diagnosis
-    outcome = work.build(Graph(steps), motions.values())
-    log_warnings((outcome.value(name) for name in motions.values()), ("step", "energy"))
+    scenes = {case.name: scene_of(case, preset) for case in cases(seeds)}
+    built = build_variants(scenes, lambda _: ["simulate"], work, ("step", "energy"))
+    plants = {case: built[case.name][0] for case in cases(seeds)}
+    looked_for = {  # by load
+        case.load: plant.diagnosis
+        for case, plant in plants.items()
+        if plant.diagnosis is not None and case.state == "faulty"
+    }
 
     def run(case: Case) -> xarray.Dataset:
-        return make_response(outcome.value(motions[case]), labels[case])
+        return make_response(built[case.name][1].value("simulate"), plants[case].labels)
 
     levels: dict[tuple[str, ...], Levels] = {}
     loads: dict[tuple[str, ...], Levels] = {}
@@ -141,8 +134,4 @@ def _load_levels(runs: Mapping[tuple[str, str], xarray.Dataset], settings: Diagn
 def _table(found: Mapping[tuple[str, ...], Levels], dims: tuple[str, ...]) -> xarray.DataArray:
     """An array with named axes from values by place."""
     flat = {(*place, measure): value for place, levels in found.items() for measure, value in levels.items()}
-    names = [list(dict.fromkeys(place[axis] for place in flat)) for axis in range(len(dims))]
-    values = np.full([len(one) for one in names], np.nan)
-    for place, value in flat.items():
-        values[tuple(one.index(word) for one, word in zip(names, place, strict=True))] = value
-    return xarray.DataArray(values, dims=dims, coords=dict(zip(dims, names, strict=True)), attrs={"units": "dB"})
+    return labelled_array(flat, dims).assign_attrs(units="dB")

@@ -1,0 +1,114 @@
+"""Shafts: what is outside the ends of one, one of too many elements, and one that nothing holds.
+
+A shaft that nothing holds is found by the motions of rigid shafts between their bearings, meshes and motors.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from mbd.parts.bearings import BEARING_AXES
+from mbd.parts.checks import MachineError
+from mbd.parts.gear_mesh import contact_rows
+from mbd.parts.shafts import shaft_nodes
+from pipelines.io.errors import Problem
+from pipelines.machine.layout import Layout
+from pipelines.machine.loads import load_places
+from pipelines.machine.parts import MachineParts
+from pipelines.machine.plant import Plant
+from pipelines.scene.scene import Scene
+from pipelines.scene.tables.motion import LoadBase
+
+_AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
+_WORDS = {"uy": "move along its axis", "ry": "rotate", "rx": "tilt", "rz": "tilt"}
+_ARM = 0.1  # m: by which rotations are counted beside displacements
+_TAKES_PART = 0.25  # share of a direction of a shaft in free motions from which it is named
+_FREE = 1e-9  # singular value over the largest, below which nothing holds a motion
+
+
+def off_shaft(scene: Scene, layout: Layout) -> Iterator[Problem]:
+    """What is placed outside the ends of its shaft."""
+    placed = [(f"probes.{n}.position_mm", p.shaft - 1, p.position_mm) for n, p in enumerate(scene.probes, 1)]
+    placed += [(f"disks.{n}.position_mm", d.shaft - 1, d.position_mm) for n, d in enumerate(scene.disks, 1)]
+    for number, (stage, pair) in enumerate(zip(scene.stages, layout.pair_shafts, strict=True), 1):
+        placed += [(f"stages.{number}.position_mm", shaft, stage.position_mm) for shaft in pair]
+    for number, coupling in enumerate(scene.couplings, 1):
+        for shaft, y in zip(coupling.shafts, coupling.positions_mm, strict=True):
+            placed.append((f"couplings.{number}.positions_mm", shaft - 1, y))
+    key = "load.drum_positions_mm" if isinstance(scene.load, LoadBase) else "load.position_mm"
+    placed += [(key, layout.loaded, 1000 * y) for y in load_places(scene.load, scene.shafts[layout.loaded])]
+    placed += [("drive.position_mm", layout.driven, 1000 * y) for y in layout.motors]
+    for path, number, y in placed:
+        sections = scene.shafts[number].sections
+        start, end = sections[0].start_mm, sections[-1].end_mm
+        if not start - 1e-6 <= y <= end + 1e-6:
+            yield Problem(
+                path,
+                f"y = {y:g} mm is not on shaft {number + 1}, which extends from {start:g} to {end:g} mm",
+                "Correct it, or make the shaft longer (sections)",
+            )
+
+
+def long_shafts(machine: MachineParts) -> Iterator[Problem]:
+    """Shafts of too many elements."""
+    for number, spec in enumerate(machine.shafts, 1):
+        on = [mesh.y for mesh in machine.meshes if spec.name in (mesh.driving, mesh.driven)]
+        on += [bearing.y for bearing in machine.bearings if bearing.shaft == spec.name]
+        try:
+            shaft_nodes(spec, tuple(on))
+        except MachineError as error:
+            yield Problem(f"shafts.{number}", str(error))
+
+
+def unheld(plant: Plant) -> Iterator[Problem]:
+    """The shafts that take part in motions that nothing holds, each with the direction in which it moves most."""
+    rows = np.array(list(_springs(plant)))
+    scaled = rows * np.tile([1.0, 1.0, 1.0, 1 / _ARM, 1 / _ARM, 1 / _ARM], len(plant.machine.shafts))
+    scaled /= np.linalg.norm(scaled, axis=1)[:, None]
+    _, sizes, motions = np.linalg.svd(scaled)
+    held = int((sizes > _FREE * sizes[0]).sum())
+    share = (motions[held:] ** 2).sum(axis=0).reshape(-1, 6)  # 1: moves by itself, 0: not at all
+    for number, shares in enumerate(share, 1):
+        if shares.max() < _TAKES_PART:
+            continue
+        axis = _AXES[int(np.argmax(shares))]
+        yield Problem(
+            f"shafts.{number}",
+            f"shaft {number} can {_WORDS.get(axis, 'move across its axis')} freely",
+            "Set a bearing that carries axial load (the NU types do not)"
+            if axis == "uy"
+            else "Set a second bearing, or one with tilt stiffness",
+        )
+
+
+def _springs(plant: Plant) -> Iterator[np.ndarray]:
+    """Rows (6 shafts) of everything that has stiffness, on the displacements and rotations of rigid shafts at y = 0."""
+    layout, machine = plant.layout, plant.machine
+    numbers = {shaft.name: number for number, shaft in enumerate(machine.shafts)}
+
+    def row(shaft: int, y: float, coefficients: np.ndarray) -> np.ndarray:
+        found = np.zeros(6 * len(numbers))
+        x, _, z = coefficients[:3]
+        found[6 * shaft : 6 * shaft + 6] = coefficients + [0.0, 0.0, 0.0, y * z, 0.0, -y * x]
+        return found
+
+    for bearing in machine.bearings:
+        for axis, stiffness in zip(BEARING_AXES, bearing.stiffness, strict=True):
+            if stiffness > 0.0:
+                yield row(numbers[bearing.shaft], bearing.y, np.eye(6)[_AXES.index(axis)])
+    yield row(layout.driven, 0.0, np.eye(6)[4])
+    for coupling in machine.shaft_couplings:
+        one, other = (numbers[shaft] for shaft in coupling.shafts)
+        for direction, strength in zip(np.eye(6), coupling.stiffness, strict=True):
+            if strength:
+                yield row(one, coupling.y[0], direction) - row(other, coupling.y[1], direction)
+    for mesh, law, (driving, driven) in zip(machine.meshes, plant.laws, layout.pair_shafts, strict=True):
+        line = layout.axes[driven][0] - layout.axes[driving][0], layout.axes[driven][1] - layout.axes[driving][1]
+        radii = mesh.pair.pinion.base_radius, mesh.pair.wheel.base_radius
+        lead = mesh.pair.pinion.hand_sign * math.tan(mesh.pair.base_helix_angle)
+        flank = contact_rows(line, radii, mesh.pair.working_pressure_angle, lead, layout.senses[driving])
+        for contact in flank[: 2 if law.mesh.slices > 1 else 1]:
+            yield row(driving, mesh.y, contact[:6]) + row(driven, mesh.y, contact[6:])
