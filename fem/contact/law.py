@@ -35,7 +35,7 @@ pair p and on the pairs p - 1 and p + 1 (`near` 0, 1, 2 stands for p - 1, p, p +
 
     x_i loses sum_k m_k(i) q_k,   q_k = sum_j m_k(j) fraction_j f_j width_j
 
-like a displacement of the bodies, by all loads together (`fem.contact.evaluation.damaged_face`).
+like a displacement of the bodies, by all loads together (`fem.contact.evaluation.solver`).
 """
 
 from __future__ import annotations

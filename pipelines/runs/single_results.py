@@ -208,7 +208,7 @@ def misread_sensors(body: ReducedBody, positions: Mapping[str, tuple[float, floa
     import numpy as np
 
     places = dict(zip(body.point_names, body.point_positions, strict=True))
-    moving = dict(zip(body.row_names, np.abs(body.rows).max(axis=1) > 0.0, strict=True))
+    moving = dict(zip(body.row_names, np.abs(body.rows).max(axis=1, initial=0.0) > 0.0, strict=True))
     for name, position in positions.items():
         if name in places and (distance := float(np.linalg.norm(places[name] - np.array(position)))) > _SENSOR_OFF:
             yield (
