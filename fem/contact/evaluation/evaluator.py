@@ -15,11 +15,8 @@ A slice in contact on a part of its width has less of both, see `fem.contact.par
 The Hertz term A f (B - ln f) stops growing at ln f = B - 1, where its contact width reaches the depth at which the
 displacement is counted; above it is held constant, which keeps the law monotone at any load.
 
-The line loads of a slice are solved in `fem.contact.evaluation.slice_loads`, those of slices that are coupled along the
-face in `fem.contact.evaluation.coupled_newton`; compiled callers take `fem.contact.evaluation.kernel`. Nothing is kept
-between calls: equal states give equal answers. A closed form of the single pair by Lambert's W would need a logarithm
-per step just as well, and a start from the loads of the call before could save one of three steps at most (by estimate,
-not measured) at the price of answers that depend on the history; neither is used.
+The line loads are solved in `fem.contact.evaluation.solver`; compiled callers take `fem.contact.evaluation.kernel`.
+Nothing is kept between calls: equal states give equal answers.
 """
 
 from __future__ import annotations
