@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 # s to compile what a step runs, by the beginning of its name: any motion, one of coupled slices, a law, casing modes
 _MOTION_CODE = {"mbd.integrators.": 8.0, "fem.contact.evaluation.": 4.0}
-_COUPLED_CODE = {"fem.contact.evaluation.coupled_face.": 10.0}
+_COUPLED_CODE = {"fem.contact.evaluation.solver.": 8.0}
 _SOLID_CODE = {"fem.elements.nested_condensation.": 3.0}
 _NUMERIC = ("numpy", "scipy", "numba")
 
