@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from importlib import resources
 
 import pytest
 
@@ -366,3 +367,54 @@ def test_an_unknown_option_is_refused_by_its_command(capsys):
     err = capsys.readouterr().err
     assert "gearcase inspect: error: unrecognized arguments: --nothing" in err
     assert "Help: gearcase inspect --help" in err
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("bearings.designation=6208", 'It belongs to model = "hertz": set that, or delete the key.'),
+        ("faults.1.length_mm=3", 'It belongs to kind = "spalled-tooth" or kind = "pitted-tooth"'),
+        (
+            "casing.housing.wall_thickness_mm=100",
+            ": 1 problem\n  casing.housing: wall thickness 100 mm fills",
+        ),
+        ("shafts.1.bearing_positions_mm=[0]", 'Set two bearing_positions_mm whose bearing_supports is "casing"'),
+    ],
+)
+def test_a_problem_is_the_cause_with_its_remedy(capsys, change, words):
+    code, _, err = gearcase(capsys, "check", "bench", "--set", change)
+    assert code == 2
+    assert words in err
+
+
+def test_a_misspelt_key_is_one_problem(capsys, tmp_path):
+    text = (
+        (resources.files("pipelines.scene") / "shipped" / "minimal.toml")
+        .read_text(encoding="utf-8")
+        .replace("\nface_width_mm", "\nface_width_m")
+    )
+    (tmp_path / "own.toml").write_text(text, encoding="utf-8")
+    code, _, err = gearcase(capsys, "check", str(tmp_path / "own.toml"))
+    assert code == 2
+    assert ": 1 problem\n" in err
+    assert "Did you mean face_width_mm?" in err
+
+
+def test_a_simulation_shorter_than_its_windows_is_named_as_the_cause(capsys):
+    code, out, _ = gearcase(capsys, "check", "bench", "--set", "simulation.end_s=0.3")
+    assert code == 0
+    assert "no window in diagnosis.windows_s that ends by simulation.end_s = 0.3" in out
+
+
+def test_a_run_that_is_no_scene_is_not_proposed_as_one(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    code, _, err = gearcase(capsys, "export", "nosuch", "--to", "mat")
+    assert code == 2
+    assert "gearcase run nosuch" not in err
+    assert "`gearcase runs` lists" in err
+
+
+def test_a_stage_beyond_the_only_one(capsys):
+    code, _, err = gearcase(capsys, "inspect", "minimal", "--stage", "4")
+    assert code == 2
+    assert "Set 1, the only stage of the scene." in err

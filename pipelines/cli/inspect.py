@@ -83,7 +83,9 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     folder = writable_folder(options.out)
     (loaded, work), stage = scene_and_work(options), options.stage
     if stage > len(loaded.scene.stages):
-        raise InputError(f"--stage {stage}: there is no such stage. Set a number from 1 to {len(loaded.scene.stages)}.")
+        last = len(loaded.scene.stages)
+        numbers = f"a number from 1 to {last}" if last > 1 else "1, the only stage of the scene"
+        raise InputError(f"--stage {stage}: there is no such stage. Set {numbers}.")
     graph, plant = scene_graph(loaded)
     if options.stress or options.mesh is not None:
         from pipelines.runs.inspect_stress import stress_files

@@ -100,7 +100,8 @@ def _gear(stage: StageTable, name: str, hand: str, sense: int) -> Gear:
     if bore / 2 >= solid.root_radius:
         raise GeometryError(
             f"{name}_bore_mm = {1000 * bore:g} reaches the root circle, diameter {2000 * solid.root_radius:.6g} mm. "
-            "Reduce it, or correct module_mm or the number of teeth. If you delete it, the bore is half the root circle"
+            "Reduce it, or correct module_mm or the number of teeth. Without this key the bore diameter "
+            "is half the root diameter"
         )
     return replace(solid, bore_radius=bore / 2)
 

@@ -79,8 +79,17 @@ def find_run(name: str | Path, root: Path = ROOT) -> Path:
         )
     raise InputError(
         f"{shown(name)}: no result here, neither {shown(folder / RESPONSE)} nor {shown(scene / LATEST)}. "
-        f"First: gearcase run {shown(name)}"
+        + _remedy(text)
     )
+
+
+def _remedy(name: str) -> str:
+    """What to do about a name without a result: run that scene, or see what there is."""
+    from pipelines.scene.file import shipped_names
+
+    if name in shipped_names() or (name.endswith(".toml") and is_regular_file(Path(name))):
+        return f"First: gearcase run {shown(name)}"
+    return "Correct the name: `gearcase runs` lists the finished runs. Or run a scene first: gearcase run SCENE"
 
 
 @contextlib.contextmanager

@@ -53,7 +53,18 @@ def problems_of(error: ValidationError, model: type[BaseModel], tree: Mapping[st
     for item in items[:_MOST_WORDED]:
         own = getattr(item.get("ctx", {}).get("error"), "problems", None)
         out.update(dict.fromkeys(own or _own_words(item, model, tree, paths)))
-    return _joined(out), max(0, len(items) - _MOST_WORDED)
+    return _joined(_without_twins(out)), max(0, len(items) - _MOST_WORDED)
+
+
+def _without_twins(found: Iterable[Problem]) -> list[Problem]:
+    """The problems without a missing key that is written under a misspelt name, which is a problem already."""
+    out = list(found)
+    meant = {
+        f"{one.path.rpartition('.')[0]}.{one.remedy.removeprefix('Did you mean ').rstrip('?')}".lstrip(".")
+        for one in out
+        if " is not a key of " in f" {one.message}" and one.remedy.startswith("Did you mean ")
+    }
+    return [one for one in out if not (one.message == "is missing" and one.path in meant)]
 
 
 def _joined(found: Iterable[Problem]) -> list[Problem]:
@@ -269,6 +280,8 @@ def _unknown_key(
     known = _at(path[:-1], model, tree).keys
     whole = model.__name__.removesuffix("Table").lower()
     message = f"is not a key of [{table}]" if table else f"is not a key of the {whole}"
+    if other_models := _models_with(path, model, tree):
+        return message, f"It belongs to {' or '.join(other_models)}: set that, or delete the key."
     near = RENAMED.get(".".join(path)) or nearest(path[-1], known)
     if near and ("", path[-1]) not in _ELSEWHERE:
         return message, f"Did you mean {near}?"
@@ -281,6 +294,14 @@ def _unknown_key(
     if elsewhere:
         return message, f"Did you mean {'.'.join(elsewhere[0])}?"
     return message, f"Known keys: {', '.join(known)}." if known else ""
+
+
+def _models_with(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, Any]) -> list[str]:
+    """The models of the table at a path that have its last key, as in ``model = "hertz"``."""
+    place = _at(path[:-1], model, tree)
+    tag = "kind" if isinstance(place.value, Mapping) and "kind" in place.value else "model"
+    having = [one for one in tables(place.annotation) if path[-1] in one.model_fields] if place.is_table else []
+    return [f'{tag} = "{name}"' for one in having for name in tags(one)]
 
 
 def nearest(word: str, known: Iterable[str]) -> str:

@@ -154,9 +154,12 @@ class Scene(Table):
                 carried = len(shaft.bearing_positions_mm) - shaft.bearing_supports.count("ground")
                 if carried != 2:
                     yield (
-                        f"shafts.{number}: the housing supports {carried} of its bearings, and must support two. Set "
-                        "two "
-                        'bearing_positions_mm, or set bearing_supports of further bearings to "ground"'
+                        f"shafts.{number}: the housing supports {carried} of its bearings, and must support two. "
+                        + (
+                            'Set two bearing_positions_mm whose bearing_supports is "casing"'
+                            if carried < 2
+                            else 'Set bearing_supports of the further bearings to "ground"'
+                        )
                     )
 
     def _spalled_bearings(self):

@@ -135,6 +135,8 @@ def _body(gear: Cylinder) -> tuple[int, float, float, float]:
 
 def _wall_clashes(scene: Scene, train: Drivetrain, housing: Dimensions) -> Iterator[Problem]:
     (left, front, floor), (right, back, cover) = (corner.tolist() for corner in housing.cavity)
+    if left >= right or front >= back or floor >= cover:
+        return  # the walls fill the box, which the housing itself refuses
     for body in gears(scene, train.layout):
         x, z = train.layout.axes[body.shaft]
         rooms = {

@@ -105,8 +105,8 @@ def estimate(train: Drivetrain, simulations: int) -> str:
     disk = (simulations + min(simulations, _WRITTEN) * _PACKED) * one.bytes
     return (
         f"{simulations} simulation{'s' if simulations > 1 else ''} of {one.steps:.3g} time steps and {one.samples:.3g} "
-        f"samples of {one.channels} channels: about {duration(simulations * one.seconds)} on one core, without mesh "
-        f"and casing, {words(_MEMORY)} of memory, {words(disk)} on disk"
+        f"samples of {one.channels} channels: about {duration(simulations * one.seconds)} on one core for the "
+        f"motion (mesh laws and casing not included), {words(_MEMORY)} of memory, {words(disk)} on disk"
     )
 
 

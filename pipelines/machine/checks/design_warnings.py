@@ -157,5 +157,12 @@ def _diagnosis(scene: Scene, plant: Drivetrain) -> Iterator[str]:
         for problem in bad_windows(scene, plant):
             yield f"{problem}"
     if faulty and not (scene.control and scene.diagnosis.windows_s):
-        lacking = "no control" if not scene.control else "no window in diagnosis.windows_s"
-        yield f"the run has signals but no diagnosis, because the scene has {lacking}. Set it"
+        lacking, remedy = (
+            ("has no control", 'Set control = "without-faults"')
+            if not scene.control
+            else (
+                f"has no window in diagnosis.windows_s that ends by simulation.end_s = {scene.simulation.end_s:g}",
+                "Set such a window, or raise simulation.end_s",
+            )
+        )
+        yield f"the run has signals but no diagnosis, because the scene {lacking}. {remedy}"
