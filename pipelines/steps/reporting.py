@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.checkup import CheckUp
-    from fem.casing.reduced.modes import CasingModes
     from mbd.output.trajectory import Trajectory
     from pipelines.diagnosis.control_diagnosis import Diagnosis
     from pipelines.diagnosis.uncertainty.line_bars import LineBars
@@ -229,9 +228,14 @@ class CasingSummary:
     checkup: CheckUp
 
 
-def casing_summary(result: tuple[CasingModes, CheckUp]) -> CasingSummary:
-    """Of the step `casing modes` without its fields, which would fill memory while pictures are drawn."""
-    modes, checkup = result
+def casing_summary(result: tuple[Any, ...]) -> CasingSummary:
+    """Of the step `casing modes` without its fields, which would fill memory while pictures are drawn.
+
+    Parameters
+    ----------
+    result : `CasingModes` and `CheckUp`, and the quadratic modes where the frequencies are extrapolated
+    """
+    modes, checkup, *_ = result
     return CasingSummary(unknowns=modes.unknowns, solver=modes.solver, checkup=checkup)
 
 
