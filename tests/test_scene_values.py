@@ -187,7 +187,7 @@ AFTER_THE_STEPS = {  # words, what is looked for in finished signals, and what o
 }  # fmt: skip
 ALONE_IT_CANNOT = {  # of two stages one would have no shaft; of two seats one would have no bearing; one sensor;
     # a file there is none of
-    "CasingForceTable.point", "ColumnTable.file", "ColumnTable.column", "ImportedTable.file",
+    "CasingForce.point", "ColumnTable.file", "ColumnTable.column", "ImportedTable.file",
     "GearDeviationsTable.flanks", "MeasuredFlanksTable.file",
     "MatricesHousingTable.equations_file", "MatricesHousingTable.file", "MatricesHousingTable.mass_file",
     "MatricesHousingTable.nodes_file", "NodeSeatTable.name",
