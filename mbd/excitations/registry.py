@@ -7,6 +7,8 @@ from mbd.parts.checks import MachineError
 from mbd.parts.load import Excitation
 
 EXCITATIONS = {
+    "induction-motor": ("mbd.forces.induction_motor", "InductionMotor"),
+    "controlled-motor": ("mbd.forces.speed_controller", "SpeedController"),
     "torque-ripple": ("mbd.excitations.ripple", "TorqueRipple"),
     "unbalance": ("mbd.excitations.unbalance", "Unbalance"),
     "bent-shaft": ("mbd.excitations.bent_shaft", "BentShaft"),

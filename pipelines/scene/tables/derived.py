@@ -28,6 +28,7 @@ class DerivedTable(Table):
         def __getattr__(self, key: str) -> Any:
             """The value of an option."""
 
+    use: ClassVar[str] = ""  # behind the name of the class, where that has tables for several uses
     made_of: ClassVar[type]
     alone: ClassVar[bool]  # whether the options are all that an object needs, and none of them is in a file
     series: ClassVar[tuple[str, ...]] = ()  # the keys of places and of values at these places, if there are any
@@ -97,7 +98,7 @@ def table(made_of: type, base: type[DerivedTable] = DerivedTable, **tag: tuple[s
         keys["model"] = (hints["model"], typing.get_args(hints["model"])[0])
     keys |= _keys(made_of)
     doc = (made_of.__doc__ or "").split("\n\n")[0]
-    made = create_model(made_of.__name__, __base__=base, __doc__=doc, **keys)
+    made = create_model(made_of.__name__ + base.use, __base__=base, __doc__=doc, **keys)
     made.made_of, made.series = made_of, _series(made_of)
     made.alone = not made.series and all(
         "option" in f.metadata or f.default is not dataclasses.MISSING for f in dataclasses.fields(made_of)

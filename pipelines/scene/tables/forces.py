@@ -13,7 +13,7 @@ from pydantic import Field, model_validator
 from mbd.excitations.registry import EXCITATIONS, excitation_class
 from pipelines.scene.tables.base import Number, Table, Whole
 from pipelines.scene.tables.derived import DerivedTable, choice, table
-from pipelines.scene.tables.torques import ControlledTable, InductionTable, TorqueCurve
+from pipelines.scene.tables.torques import TorqueCurve
 
 if TYPE_CHECKING:
     from mbd.parts.load import Excitation, OutsideForce
@@ -34,10 +34,6 @@ class PlacedTable(Table):
         """Name, shaft and y (m) of the force with a number in the scene."""
         return {"name": f"force_{number}", "shaft": f"shaft_{self.shaft}", "y": self.si.position}
 
-    def source(self, number: int) -> tuple[str, int, float]:
-        """Name, shaft (from 0) and y (m) of the torque source with a number in the scene."""
-        return f"force_{number}", self.shaft - 1, self.si.position
-
 
 class TorqueTable(PlacedTable, TorqueCurve):
     """A torque on a shaft: constant, over time or over speed; positive in the sense of rotation."""
@@ -46,23 +42,7 @@ class TorqueTable(PlacedTable, TorqueCurve):
 
     def spec(self, number: int) -> OutsideForce:
         """The torque in SI."""
-        return self.curve(self.at(*self.source(number)), 1.0, f"forces.{number}")
-
-
-class FurtherInductionMotor(PlacedTable, InductionTable):
-    """A further induction motor on the mains, by its rating and the formula of Kloss."""
-
-    def spec(self, number: int) -> OutsideForce:
-        """The motor in SI."""
-        return self.motor(self.at(*self.source(number)))
-
-
-class FurtherControlledMotor(PlacedTable, ControlledTable):
-    """A further motor under PI speed control."""
-
-    def spec(self, number: int) -> OutsideForce:
-        """The motor in SI."""
-        return self.motor(self.at(*self.source(number)), f"forces.{number}")
+        return self.curve(self.place(number), 1.0, f"forces.{number}")
 
 
 class ExcitationBase(DerivedTable):
@@ -71,7 +51,7 @@ class ExcitationBase(DerivedTable):
     @model_validator(mode="after")
     def _fits(self) -> Self:
         """What the excitation refuses is a problem of the table; values over time are checked on their own."""
-        if not any(isinstance(value, DerivedTable) for _, value in self):
+        if not self.series and not any(isinstance(value, DerivedTable) for _, value in self):
             self.spec(1)
         return self
 
@@ -105,8 +85,6 @@ else:
     ForceModel = choice(
         (
             TorqueTable,
-            FurtherInductionMotor,
-            FurtherControlledMotor,
             *(table(excitation_class(name), _BASES.get(name, ShaftExcitationBase)) for name in EXCITATIONS),
         ),
         "model",
