@@ -58,6 +58,8 @@ class InductionMotor(TorqueSource):
                 f"rated_rpm = {self.rated_speed / rpm:g} must be below synchronous_rpm = "
                 f"{self.synchronous_speed / rpm:g}, because the torque grows with the slip. Correct them"
             )
+        if self.breakdown_slip >= 1.0:
+            raise MachineError(f"breakdown_slip {self.breakdown_slip!r} must lie between 0 and 1.")
 
     @property
     def rule(self) -> Rule:
