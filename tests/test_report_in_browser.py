@@ -11,7 +11,7 @@ from synthetic import MESH, WHEEL, response
 
 from pipelines.diagnosis.control_diagnosis import DiagnosisSettings, diagnose
 from pipelines.report import pictures
-from pipelines.report.contents import ReportContents, RunCost
+from pipelines.report.contents import RunCost
 from pipelines.report.figures.plots import StiffnessPlot
 from pipelines.report.first_screen import Average, Envelope, FirstScreen, Ranked
 from pipelines.report.report import report_body, write_report
@@ -87,23 +87,25 @@ def report(tmp_path_factory):
         for i in range(6)
     ]
     cycle = np.linspace(0.0, 4.0, 81)
-    contents = ReportContents(
-        title="Quay-crane hoist rig, one tooth of the stage 1 wheel missing, container on its rope",
-        first=first,
-        diagnoses=(diagnosis,),
-        gears=gears,
-        stiffness=pictures.stiffness([StiffnessPlot(title="Stage 1", cycle=cycle, healthy=2e8 + 1e7 * np.cos(cycle))]),
-        runs=runs,
-        windows=windows,
-        sensor="sensor_3",
-        energy=[{"part": f"mesh {i}", **{f"{k} J": 1.234e-5 for k in range(7)}} for i in range(40)],
-    )
+    contents = {
+        "title": "Quay-crane hoist rig, one tooth of the stage 1 wheel missing, container on its rope",
+        "first": first,
+        "diagnoses": (diagnosis,),
+        "gears": gears,
+        "stiffness": pictures.stiffness(
+            [StiffnessPlot(title="Stage 1", cycle=cycle, healthy=2e8 + 1e7 * np.cos(cycle))]
+        ),
+        "runs": runs,
+        "windows": windows,
+        "sensor": "sensor_3",
+        "energy": [{"part": f"mesh {i}", **{f"{k} J": 1.234e-5 for k in range(7)}} for i in range(40)],
+    }
     cost = RunCost(
         steps=[{"seconds": 1.5, **{f"column {k}": 1234.5 for k in range(22)}}],
         provenance={"keys": {f"step {i}": "0123456789abcdef" * 2 for i in range(9)}},
     )
     path = tmp_path_factory.mktemp("report") / "report.html"
-    return write_report(path, contents.title, report_body(contents), cost)
+    return write_report(path, contents["title"], report_body(**contents), cost)
 
 
 def boxes(shown, *selectors):
