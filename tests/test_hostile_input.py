@@ -345,11 +345,11 @@ def test_markup_in_a_title_stays_text(tmp_path):
     from pipelines.report.figures.callouts import plain
     from pipelines.report.figures.film import film_page
     from pipelines.report.figures.plots import dress, new_figure
-    from pipelines.report.first_screen import FirstScreen
+    from pipelines.report.first_page import first_screen
     from pipelines.report.report import report_body, write_report
 
     title = "<script>alert(1)</script> [bold]$\\frac$ & $x"
-    first = FirstScreen(sentences=[title], figures=[(title, title)], label=title)
+    first = first_screen(sentences=[title], figures=[(title, title)], label=title)
     page = write_report(
         tmp_path / "report.html",
         title,

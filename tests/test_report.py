@@ -21,8 +21,8 @@ from pipelines.report import pictures
 from pipelines.report.contents import RunCost, cell, grid
 from pipelines.report.figures.plots import StiffnessPlot, drive_figure, stiffness_figure, waveform_figure
 from pipelines.report.figures.views import LeftOut
-from pipelines.report.first_figures import average_figure
-from pipelines.report.first_screen import Average, Envelope, FirstScreen, Ranked
+from pipelines.report.first_figures import Average, Envelope, average_figure
+from pipelines.report.first_page import first_screen
 from pipelines.report.page import typeset
 from pipelines.report.report import report_body, write_report
 from pipelines.report.zoom_data import extremes, largest
@@ -57,12 +57,12 @@ def diagnosis(runs):
     return diagnose(runs["missing tooth"], runs["healthy"], settings)
 
 
-FIRST = FirstScreen(
-    sentences=["One tooth of the stage 1 wheel missing.", "False alarms: 1 in 300 (0.01 to 1.8 %)."],
-    found=True,
-    label="against 8 healthy recordings",
-    figures=[("Speed", "900 rpm"), ("Tooth meshing f_m", "300 Hz"), ("Turns of shaft 2, f_r", "5.4545 Hz")],
-    average=Average(
+FIRST = {
+    "sentences": ["One tooth of the stage 1 wheel missing.", "False alarms: 1 in 300 (0.01 to 1.8 %)."],
+    "found": True,
+    "label": "against 8 healthy recordings",
+    "figures": [("Speed", "900 rpm"), ("Tooth meshing f_m", "300 Hz"), ("Turns of shaft 2, f_r", "5.4545 Hz")],
+    "average": Average(
         place=np.arange(55.0),
         value=np.sin(np.arange(55.0)),
         reference=np.zeros(55),
@@ -72,7 +72,7 @@ FIRST = FirstScreen(
         marked_name="tooth 21",
         caption="Average over 9 turns.",
     ),
-    envelope=Envelope(
+    "envelope": Envelope(
         line=np.arange(60.0),
         amplitude=np.ones(60),
         across="frequency, Hz",
@@ -81,8 +81,8 @@ FIRST = FirstScreen(
         band="1 to 2 kHz",
         caption="Envelope spectrum.",
     ),
-    ranking=[Ranked(component=f"gear {i}", evidence=14.0 - i, p_value="-") for i in range(7)],
-)
+    "ranking": [(f"gear {i}", 14.0 - i, "-", "") for i in range(7)],
+}
 
 
 class Page(HTMLParser):
@@ -132,7 +132,7 @@ def full(tmp_path_factory, runs, diagnosis):
     contents = {
         "sensor": "sensor_3",
         "title": "Hoist with a missing tooth",
-        "first": FIRST,
+        "first": first_screen(**FIRST),
         "diagnoses": (diagnosis,),
         "seeds": (diagnosis,),
         "summary": {"motor speed": "900 rpm", "coordinates": 212},
@@ -180,10 +180,10 @@ def test_the_first_screen_has_verdict_numbers_figures_and_ranking_in_this_order(
 
 
 def test_an_average_is_shown_with_its_difference_from_the_control():
-    upper, lower = average_figure(FIRST.average).axes
-    np.testing.assert_array_equal(upper.lines[1].get_ydata(), FIRST.average.value)
-    np.testing.assert_array_equal(lower.lines[0].get_ydata(), FIRST.average.value - FIRST.average.reference)
-    assert len(average_figure(replace(FIRST.average, reference=None)).axes) == 1
+    upper, lower = average_figure(FIRST["average"]).axes
+    np.testing.assert_array_equal(upper.lines[1].get_ydata(), FIRST["average"].value)
+    np.testing.assert_array_equal(lower.lines[0].get_ydata(), FIRST["average"].value - FIRST["average"].reference)
+    assert len(average_figure(replace(FIRST["average"], reference=None)).axes) == 1
 
 
 def test_what_follows_the_first_screen_is_folded_but_for_the_signals(full):

@@ -14,8 +14,6 @@ from pipelines.report.contents import RunCost, cell, grid, turned
 from pipelines.report.cost_words import count_words, step_words
 from pipelines.report.figures.plots import drive_figure
 from pipelines.report.figures.views import LeftOut
-from pipelines.report.first_page import first_screen
-from pipelines.report.first_screen import FirstScreen
 
 if TYPE_CHECKING:
     import xarray
@@ -61,11 +59,11 @@ def write_report(path: Path | str, title: str, body: str, cost: RunCost) -> Path
 def report_body(
     title: str,
     *,
-    first: FirstScreen | None = None,
+    first: Sequence[str] = (),
     summary: Mapping[str, Any] | None = None,
     diagnoses: Sequence[Diagnosis] = (),
     seeds: Sequence[Diagnosis] = (),
-    bars: LineBars | str = "",
+    error: LineBars | str = "",
     gears: Rows = (),
     rolling: Rows = (),
     shafts: Rows = (),
@@ -89,10 +87,10 @@ def report_body(
 
     Parameters
     ----------
-    title, first : heading and first screen
+    title, first : heading, and parts of the first screen
     summary : what was run, by name
     diagnoses, seeds : comparisons that are shown in full, and those of further deviations, which enter the summary
-    bars : error bars of the lines of the first diagnosis, or why there are none
+    error : uncertainty of the lines of the first diagnosis, or why there are none
     gears, rolling, shafts : gears, bearings with their pass frequencies, faults of shafts with their orders
     gear_picture, stiffness, casing_picture, casing_rows : of gears and casing
     runs, windows : responses by name, that of the scene first; the windows of the diagnosis
@@ -105,8 +103,8 @@ def report_body(
         ("Signals and spectra", spectra.signals(runs, windows, (sensor, axis), diagnoses, settings)),
         ("How it was decided", _decided(diagnoses, seeds)),
         ("Levels", spectra.levels(runs, windows)),
-        ("Healthy and faulty", spectra.healthy_faulty(diagnoses, bars)),
-        ("Error bars", spectra.error_bars(bars)),
+        ("Healthy and faulty", spectra.healthy_faulty(diagnoses, error)),
+        ("Error bars", spectra.error_bars(error)),
         ("Windows side by side", spectra.two_windows(diagnoses)),
         ("Two loads", spectra.two_loads(diagnoses)),
         ("All lines", spectra.all_lines(diagnoses, seeds)),
@@ -121,7 +119,7 @@ def report_body(
     ]
     body = [page.heading(title, 1)]
     body += [page.paragraph(f"Warning: {text}", "caution") for text in cautions]
-    body += [] if first is None else first_screen(first)
+    body += first
     body += [page.section(name, parts, opened=name == sections[0][0]) for name, parts in sections if parts]
     return "\n".join(body)
 

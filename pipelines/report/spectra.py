@@ -64,7 +64,7 @@ def signals(
 
 
 def _channel(runs: Runs, sensor: str, axis: str) -> tuple[str, str] | None:
-    """Sensor and axis of the verdict, an axis of its own for the resultant; None if the runs do not have it."""
+    """Sensor and axis of the verdict, the axis of the resultant otherwise; None if the runs do not have it."""
     if not runs or any(sensor not in channel_names(run) for run in runs.values()):
         return None
     axes = [str(one) for one in next(iter(runs.values())).axis.values]

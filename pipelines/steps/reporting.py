@@ -88,7 +88,7 @@ def build(
             summary=_summary(plant),
             diagnoses=[d for d, full in zip(found, shown, strict=True) if full],
             seeds=[d for d, full in zip(found, shown, strict=True) if not full],
-            bars=bars if found else "",
+            error=bars if found else "",
             gears=gear_rows(plant),
             rolling=rolling_rows(plant),
             shafts=shaft_rows(plant),
