@@ -1,4 +1,4 @@
-"""Tables of torques over time or speed, and of motors, as they may stand under `[drive]`, `[load]` or `[[forces]]`."""
+"""Tables of torques that are constant or go by time or speed, as they may stand under `[drive]`, `[load]` or `[[forces]]`."""
 
 from __future__ import annotations
 
