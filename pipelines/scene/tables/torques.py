@@ -1,4 +1,4 @@
-"""Tables of torques that are constant or go by time or speed, as they may stand under `[drive]`, `[load]` or `[[forces]]`."""
+"""Tables of torques, constant or over time or speed, as they may stand under `[drive]`, `[load]` or `[[forces]]`."""
 
 from __future__ import annotations
 
