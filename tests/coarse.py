@@ -25,7 +25,7 @@ def coarse(name, end=0.1):
         settings |= {"casing.element_size_mm": 40.0, "casing.band_Hz": 800.0}
     if name.startswith("rig") and scene.casing.element == "hexahedron-32":
         # cubic elements with edge functions are those of bench and reducer; casings in two halves: tests/test_halves.py
-        settings["casing.element"] = "tetrahedron-4"
+        settings |= {"casing.element": "tetrahedron-4", "casing.extrapolated": False}
     return settings
 
 

@@ -14,9 +14,8 @@ from fem.casing.reduced.modes import casing_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
 from fem.elements.solids import rigid_body_modes
-from mbd.excitations.base_acceleration import BaseAcceleration
+from mbd.excitations.base_acceleration import AccelerationSweep, AccelerationTable, BaseAcceleration
 from mbd.excitations.unbalance import Unbalance
-from mbd.excitations.waveform import SweepWave, TableWave
 from mbd.integrators.settings import Settings
 from mbd.output.simulate import simulate
 from mbd.parts.drive import SpeedProfile
@@ -29,7 +28,7 @@ from pipelines.machine.machine import make_plant
 from pipelines.scene.file import load_scene
 
 STANDING = SpeedProfile(times=np.zeros(1), speeds=np.zeros(1))
-SWEEP = SweepWave(name="base", start=0.0, end=0.6, first=20.0, last=1200.0, ramp=0.05, amplitude=1.0)
+SWEEP = AccelerationSweep(start=0.0, end=0.6, first=20.0, last=1200.0, ramp=0.05, amplitude=1.0)
 CHANNELS = (
     "base:ground_acceleration",
     "sensor_2:az",
@@ -85,7 +84,7 @@ def test_a_sweep_of_the_ground_finds_the_frequency_response():
 
 def test_slowly_everything_goes_with_the_ground():
     """All accelerometers read the acceleration of the ground; the mounts carry all mass times it."""
-    wave = TableWave(name="base", times=np.array([0.0, 0.3]), levels=np.array([0.0, 2.0]))
+    wave = AccelerationTable(times=np.array([0.0, 0.3]), levels=np.array([0.0, 2.0]))
     system = shaken(wave=wave, channels=("sensor_1:az", "sensor_3:ax", "bearing_1:journal_az"))
     run = simulate(system, Settings(end=0.5, output_rate=RATE, step=5e-5))
     for name, read in (("sensor_1:az", 2.0), ("sensor_3:ax", 0.0), ("bearing_1:journal_az", 2.0)):
@@ -98,7 +97,7 @@ def test_slowly_everything_goes_with_the_ground():
 
 def test_an_unbalance_on_shaken_ground_feels_its_true_acceleration():
     """Heavy towards +x, ground pushed up by a: its weight turns the shaft with U (g + a)."""
-    wave = TableWave(name="base", times=np.zeros(1), levels=np.full(1, 5.0))
+    wave = AccelerationTable(times=np.zeros(1), levels=np.full(1, 5.0))
     heavy = Unbalance(name="heavy", shaft="shaft_1", y=0.0, size=1e-2)
     torques = []
     for forces in ((), (heavy,), (heavy, BaseAcceleration(name="base", axis="z", acceleration=wave))):

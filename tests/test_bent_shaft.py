@@ -90,7 +90,7 @@ def test_an_overhung_end_is_bent_without_load_on_the_bearings():
 
 def test_what_is_no_bow_is_refused():
     for straight in ((0.0, 0.0), (0.25, 0.5)):
-        with pytest.raises(MachineError, match="at a place that stays straight"):
+        with pytest.raises(MachineError, match="two places other than position_mm"):
             bent(straight=straight)
     with pytest.raises(MachineError, match="does not bend"):
         assemble(

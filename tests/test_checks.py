@@ -66,7 +66,7 @@ REFUSED = [
     (
         "rig-healthy",
         {"forces": [{"model": "casing-force", "point": "sensor_1", "axis": "z", "force": LOST_FILE}]},
-        "force_1 ([[forces]]).times_s.file",
+        "forces.1.force.times_s.file",
         "there is no such file",
     ),
     # bearings

@@ -17,7 +17,8 @@ from numba.core.dispatcher import Dispatcher
 from waiting import HANGING
 
 from fem.numerics import compiled_files
-from fem.numerics.compiled import FLOAT, INTEGER, VECTOR, Inner, Signature, apart, inner, reached, stored, views
+from fem.numerics.compiled import FLOAT, INTEGER, VECTOR, Signature, apart, reached, stored, views
+from fem.numerics.inner import Inner, inner
 from fem.storage.cache_folder import CacheWarning
 from pipelines.engine.code_version import reachable
 from pipelines.engine.storage import class_modules
@@ -54,7 +55,7 @@ if __name__ == "__main__":
     print(whole.entry(np.arange(5.0)), len(whole.entry.stats.cache_hits))
 """
 FACTOR = """
-from fem.numerics.compiled import inner
+from fem.numerics.inner import inner
 FACTOR = {}
 @inner()
 def scaled(value):

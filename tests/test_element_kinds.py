@@ -15,11 +15,10 @@ from mbd.excitations.bent_shaft import BentShaft
 from mbd.excitations.cage_slip import CageSlip
 from mbd.excitations.faulty_bearing import with_faults
 from mbd.excitations.misaligned_coupling import MisalignedCoupling
-from mbd.excitations.outside_force import ShaftForce
+from mbd.excitations.outside_force import ForceSweep, ShaftForce
 from mbd.excitations.ripple import TorqueRipple
 from mbd.excitations.spall import Spall
 from mbd.excitations.unbalance import Unbalance
-from mbd.excitations.waveform import SweepWave
 from mbd.forces.ground import Ground
 from mbd.forces.pendulum import RopePendulum
 from mbd.forces.rolling_bearing import hertz_bearing
@@ -109,7 +108,7 @@ def misaligned(joint):
 
 SNUBBER = Snubber(name="snubber", shaft="shaft_1", y=0.0)
 PUSH = Torque(name="push", shaft="shaft_2", y=0.0, times=np.array([0.0, 0.02, 0.03]), torques=np.array([0.0, 5.0, 3.0]))
-SWEEP = SweepWave(name="sweep", start=0.0, end=0.1, first=50.0, last=500.0, ramp=0.02, amplitude=20.0)
+SWEEP = ForceSweep(start=0.0, end=0.1, first=50.0, last=500.0, ramp=0.02, amplitude=20.0)
 EXCITED = (
     Unbalance(name="unbalance", shaft="shaft_2", y=0.0, size=1e-4, angle=0.4),
     TorqueRipple(name="ripple", shaft="shaft_2", y=0.1, amplitude=3.0, order=6.0, angle=0.3),

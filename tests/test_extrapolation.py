@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 from types import SimpleNamespace
 
+import coarse as quick
 import numpy as np
 import pytest
 from housings import short_housing
@@ -29,8 +31,11 @@ from fem.casing.uncertainty.laws import RATIOS
 from fem.casing.uncertainty.pairing import sample_nodes
 from fem.casing.uncertainty.wanted_size import wanted_factor
 from fem.elements.materials import CAST_IRON
+from pipelines.engine.run_graph import Work
 from pipelines.io.errors import SceneError
 from pipelines.machine.machine import make_plant
+from pipelines.report.figures import render
+from pipelines.runs.run import run_scene
 from pipelines.scene.file import load_scene
 from pipelines.scene.presets import preset_on
 from pipelines.steps.graph import plant_steps
@@ -153,7 +158,7 @@ def test_more_meshes_are_made_only_where_they_are_asked_for():
         return [stage.name for stage in stages if "casing" in stage.name]
 
     two = ["coarser casing mesh", "coarser casing", "coarsest casing mesh", "coarsest casing"]
-    assert names() == ["casing mesh", "casing modes", "casing"]
+    assert names(extrapolated=False) == ["casing mesh", "casing modes", "casing"]
     assert names(extrapolated=True, element="tetrahedron-10") == ["casing mesh", *two, "casing modes", "casing"]
     for cubic in ("hexahedron-32", "tetrahedron-20"):
         assert names(extrapolated=True, element=cubic) == ["casing mesh", "casing modes", "quadratic casing", "casing"]
@@ -165,8 +170,11 @@ def test_elements_whose_error_is_not_told_cannot_be_extrapolated_and_presets_lea
             with pytest.raises(
                 SceneError, match=f'{key}: .*error of {element} is not estimated. Set element = "{other}'
             ):
-                load_scene("rig-healthy", {"casing.element": element, f"casing.{key}": value})
-    linear = preset_on(load_scene("rig-healthy", {"casing.element": "tetrahedron-4"}), "draft")
+                load_scene(
+                    "rig-healthy", {"casing.extrapolated": False, "casing.element": element, f"casing.{key}": value}
+                )
+    settings = {"casing.element": "tetrahedron-4", "casing.extrapolated": False}
+    linear = preset_on(load_scene("rig-healthy", settings), "draft")
     assert linear.scene.casing.element == "tetrahedron-4"
     assert not linear.scene.casing.extrapolated
 
@@ -248,3 +256,11 @@ def test_an_error_asked_for_makes_a_trial_and_says_what_it_takes():
     for text in ("0%", "9%", "fine"):
         with pytest.raises(SceneError, match="error"):
             load_scene("rig-healthy", {"casing.error": text})
+
+
+def test_a_run_with_an_extrapolated_casing_writes_its_factor_into_the_report(tmp_path, monkeypatch):
+    monkeypatch.setattr(render, "command", lambda _: [sys.executable, "-c", "pass"])  # pictures are tested elsewhere
+    settings = quick.coarse("bench", end=0.02) | {"casing.element": "hexahedron-32", "casing.extrapolated": True}
+    scene = load_scene("bench", settings)
+    finished = run_scene(scene, out=tmp_path / "out", with_control=False, work=Work(processes=1))
+    assert "factor on the stiffness, extrapolated" in (finished.folder / "report.html").read_text(encoding="utf-8")

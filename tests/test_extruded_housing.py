@@ -107,7 +107,8 @@ def test_other_housings_are_refused_with_the_way_out(housing, message):
 
 
 def test_a_scene_takes_hexahedra_and_says_what_it_refuses():
-    taken = make_plant(load_scene("rig-healthy", {"casing.element": "hexahedron-27"}).scene)
+    elements = {"casing.element": "hexahedron-27", "casing.extrapolated": False}
+    taken = make_plant(load_scene("rig-healthy", elements).scene)
     assert taken.casing.element == "hexahedron-27"
     for settings, message in (
         ({"casing.housing.inner_fillet_mm": 3.0}, "flange, ribs, fillets or bolt pads"),
@@ -115,7 +116,7 @@ def test_a_scene_takes_hexahedra_and_says_what_it_refuses():
         ({"casing.element_size_mm": 1.5}, "million nodes or more, more than 2.0 million"),
     ):
         with pytest.raises(SceneError, match=message):
-            checked_plant(load_scene("rig-healthy", {"casing.element": "hexahedron-27", **settings}).scene, "scene")
+            checked_plant(load_scene("rig-healthy", {**elements, **settings}).scene, "scene")
     with pytest.raises(SceneError, match="a STEP file is meshed with tetrahedra"):
         load_scene("rig-step", {"casing.element": "hexahedron-27"})
 

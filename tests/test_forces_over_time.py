@@ -14,8 +14,7 @@ from fem.casing.reduced.grounded import ForcedPoint, ground_casing
 from fem.casing.reduced.modes import casing_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
-from mbd.excitations.outside_force import CasingForce, ShaftForce
-from mbd.excitations.waveform import SweepWave, TableWave
+from mbd.excitations.outside_force import CasingForce, ForceSweep, ForceTable, ShaftForce
 from mbd.integrators.settings import Settings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
@@ -28,7 +27,7 @@ from pipelines.scene.file import load_scene
 from pipelines.steps.graph import plant_steps
 
 RATE = 5e3
-SWEEP = SweepWave(name="push", start=0.0, end=0.6, first=20.0, last=1200.0, ramp=0.05, amplitude=2.0)
+SWEEP = ForceSweep(start=0.0, end=0.6, first=20.0, last=1200.0, ramp=0.05, amplitude=2.0)
 ON_CASING = CasingForce(name="push", point="sensor_1", axis="z", force=SWEEP)
 ON_SHAFT = ShaftForce(name="push", shaft="shaft_2", y=0.0, axis="x", force=SWEEP)
 
@@ -70,14 +69,14 @@ def test_a_sweep_is_a_sine_of_rising_frequency_that_starts_and_ends_at_rest():
 
 
 def test_a_table_is_linear_between_its_times_and_constant_outside():
-    wave = TableWave(name="push", times=np.array([0.1, 0.2, 0.5]), levels=np.array([1.0, 3.0, -3.0]))
+    wave = ForceTable(times=np.array([0.1, 0.2, 0.5]), levels=np.array([1.0, 3.0, -3.0]))
     times = np.linspace(0.0, 0.7, 57)
     np.testing.assert_allclose(wave.values(times), np.interp(times, wave.times, wave.levels), atol=1e-12)
 
 
 def test_a_force_that_is_raised_slowly_ends_in_the_static_answer():
     standing = SpeedProfile(times=np.zeros(1), speeds=np.zeros(1))
-    wave = TableWave(name="push", times=np.array([0.0, 0.2]), levels=np.array([0.0, 50.0]))
+    wave = ForceTable(times=np.array([0.0, 0.2]), levels=np.array([0.0, 50.0]))
     push = ShaftForce(name="push", shaft="shaft_2", y=-0.1, axis="y", force=wave)
     machine = dataclasses.replace(train(1, profile=standing, bearing_tau=3e-4), forces=(push,))
     run = simulate(

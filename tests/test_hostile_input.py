@@ -341,19 +341,19 @@ def test_a_scene_with_a_long_list_is_copied_at_once(tmp_path):
 
 
 def test_markup_in_a_title_stays_text(tmp_path):
-    from pipelines.report.contents import ReportContents, RunCost
+    from pipelines.report.contents import RunCost
     from pipelines.report.figures.callouts import plain
     from pipelines.report.figures.film import film_page
     from pipelines.report.figures.plots import dress, new_figure
-    from pipelines.report.first_screen import FirstScreen
+    from pipelines.report.first_page import first_screen
     from pipelines.report.report import report_body, write_report
 
     title = "<script>alert(1)</script> [bold]$\\frac$ & $x"
-    first = FirstScreen(sentences=[title], figures=[(title, title)], label=title)
+    first = first_screen(sentences=[title], figures=[(title, title)], label=title)
     page = write_report(
         tmp_path / "report.html",
         title,
-        report_body(ReportContents(title=title, first=first, summary={title: title})),
+        report_body(title, first=first, summary={title: title}),
         RunCost(),
     )
     for text in (page.read_text(encoding="utf-8"), film_page(title, [], title, [], 40)):

@@ -22,6 +22,7 @@ MBD_TAKES = {
     "fem.contact.law",
     "fem.options",
     "fem.numerics.compiled",
+    "fem.numerics.inner",
     "fem.numerics.root",
     "fem.contact.evaluation.evaluator",
     "fem.contact.evaluation.kernel",

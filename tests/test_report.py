@@ -18,11 +18,11 @@ from pipelines.diagnosis.control_diagnosis import DiagnosisSettings, diagnose
 from pipelines.diagnosis.export import ExportError, export
 from pipelines.io.grid import Grid, GridError
 from pipelines.report import pictures
-from pipelines.report.contents import ReportContents, RunCost, cell, grid
+from pipelines.report.contents import RunCost, cell, grid
 from pipelines.report.figures.plots import StiffnessPlot, drive_figure, stiffness_figure, waveform_figure
 from pipelines.report.figures.views import LeftOut
-from pipelines.report.first_figures import average_figure
-from pipelines.report.first_screen import Average, Envelope, FirstScreen, Ranked
+from pipelines.report.first_figures import Average, Envelope, average_figure
+from pipelines.report.first_page import first_screen
 from pipelines.report.page import typeset
 from pipelines.report.report import report_body, write_report
 from pipelines.report.zoom_data import extremes, largest
@@ -57,12 +57,12 @@ def diagnosis(runs):
     return diagnose(runs["missing tooth"], runs["healthy"], settings)
 
 
-FIRST = FirstScreen(
-    sentences=["One tooth of the stage 1 wheel missing.", "False alarms: 1 in 300 (0.01 to 1.8 %)."],
-    found=True,
-    label="against 8 healthy recordings",
-    figures=[("Speed", "900 rpm"), ("Tooth meshing f_m", "300 Hz"), ("Turns of shaft 2, f_r", "5.4545 Hz")],
-    average=Average(
+FIRST = {
+    "sentences": ["One tooth of the stage 1 wheel missing.", "False alarms: 1 in 300 (0.01 to 1.8 %)."],
+    "found": True,
+    "label": "against 8 healthy recordings",
+    "figures": [("Speed", "900 rpm"), ("Tooth meshing f_m", "300 Hz"), ("Turns of shaft 2, f_r", "5.4545 Hz")],
+    "average": Average(
         place=np.arange(55.0),
         value=np.sin(np.arange(55.0)),
         reference=np.zeros(55),
@@ -72,7 +72,7 @@ FIRST = FirstScreen(
         marked_name="tooth 21",
         caption="Average over 9 turns.",
     ),
-    envelope=Envelope(
+    "envelope": Envelope(
         line=np.arange(60.0),
         amplitude=np.ones(60),
         across="frequency, Hz",
@@ -81,8 +81,8 @@ FIRST = FirstScreen(
         band="1 to 2 kHz",
         caption="Envelope spectrum.",
     ),
-    ranking=[Ranked(component=f"gear {i}", evidence=14.0 - i, p_value="-") for i in range(7)],
-)
+    "ranking": [(f"gear {i}", 14.0 - i, "-", "") for i in range(7)],
+}
 
 
 class Page(HTMLParser):
@@ -122,27 +122,27 @@ NO_COST = RunCost()
 
 
 def written(folder, contents, cost=NO_COST):
-    path = write_report(folder / "report.html", contents.title, report_body(contents), cost)
+    path = write_report(folder / "report.html", contents["title"], report_body(**contents), cost)
     text = path.read_text(encoding="utf-8")
     return text, Page(text)
 
 
 @pytest.fixture(scope="module")
 def full(tmp_path_factory, runs, diagnosis):
-    contents = ReportContents(
-        sensor="sensor_3",
-        title="Hoist with a missing tooth",
-        first=FIRST,
-        diagnoses=(diagnosis,),
-        seeds=(diagnosis,),
-        summary={"motor speed": "900 rpm", "coordinates": 212},
-        gears=({"stage": 1, "gear": "pinion", "z": 20}, {"stage": 1, "gear": "wheel", "z": 55}),
-        stiffness=pictures.stiffness([CURVE]),
-        gear_picture=LeftOut(reason=LEFT_OUT),
-        runs=runs,
-        windows=WINDOWS,
-        energy=({"part": "mesh 1", "residual": 1e-4},),
-    )
+    contents = {
+        "sensor": "sensor_3",
+        "title": "Hoist with a missing tooth",
+        "first": first_screen(**FIRST),
+        "diagnoses": (diagnosis,),
+        "seeds": (diagnosis,),
+        "summary": {"motor speed": "900 rpm", "coordinates": 212},
+        "gears": ({"stage": 1, "gear": "pinion", "z": 20}, {"stage": 1, "gear": "wheel", "z": 55}),
+        "stiffness": pictures.stiffness([CURVE]),
+        "gear_picture": LeftOut(reason=LEFT_OUT),
+        "runs": runs,
+        "windows": WINDOWS,
+        "energy": ({"part": "mesh 1", "residual": 1e-4},),
+    }
     cost = RunCost(
         steps=({"step": "laws", "seconds": 1.25}, {"step": "run", "seconds": 3.0}),
         provenance={"gearcase": "0.1.0", "models": {"mesh": "plane"}},
@@ -180,10 +180,10 @@ def test_the_first_screen_has_verdict_numbers_figures_and_ranking_in_this_order(
 
 
 def test_an_average_is_shown_with_its_difference_from_the_control():
-    upper, lower = average_figure(FIRST.average).axes
-    np.testing.assert_array_equal(upper.lines[1].get_ydata(), FIRST.average.value)
-    np.testing.assert_array_equal(lower.lines[0].get_ydata(), FIRST.average.value - FIRST.average.reference)
-    assert len(average_figure(replace(FIRST.average, reference=None)).axes) == 1
+    upper, lower = average_figure(FIRST["average"]).axes
+    np.testing.assert_array_equal(upper.lines[1].get_ydata(), FIRST["average"].value)
+    np.testing.assert_array_equal(lower.lines[0].get_ydata(), FIRST["average"].value - FIRST["average"].reference)
+    assert len(average_figure(replace(FIRST["average"], reference=None)).axes) == 1
 
 
 def test_what_follows_the_first_screen_is_folded_but_for_the_signals(full):
@@ -260,13 +260,13 @@ def test_a_run_without_control_shows_its_signals_and_spectra_and_names_nothing_t
     settings = DiagnosisSettings(
         revolution_frequency=WHEEL, mesh_frequency=MESH, windows={"steady": (0.5, 1.5)}, sensor="sensor_3", axis="z"
     )
-    contents = ReportContents(
-        sensor="sensor_3",
-        title="Minimal",
-        stiffness=pictures.stiffness([CURVE]),
-        runs={"healthy": runs["healthy"]},
-        settings=settings,
-    )
+    contents = {
+        "sensor": "sensor_3",
+        "title": "Minimal",
+        "stiffness": pictures.stiffness([CURVE]),
+        "runs": {"healthy": runs["healthy"]},
+        "settings": settings,
+    }
     text, page = written(tmp_path, contents)
     assert page.headings == ["Signals and spectra", "Levels", "Stiffness", "Speed"]
     assert 'class="missing"' not in text
@@ -274,7 +274,7 @@ def test_a_run_without_control_shows_its_signals_and_spectra_and_names_nothing_t
 
 
 def test_a_report_of_nothing_has_its_title_alone(tmp_path):
-    _, page = written(tmp_path, ReportContents(title="Nothing"))
+    _, page = written(tmp_path, {"title": "Nothing"})
     assert page.headings == []
     assert "".join(page.words).split() == ["Nothing", "Nothing"]
 
@@ -283,7 +283,7 @@ def test_a_table_is_never_wider_than_paper(tmp_path):
     values = {f"{k} Hz": k for k in range(14)}
     gears = [{"stage": 1 + i // 2, "gear": ("pinion", "wheel")[i % 2], **values} for i in range(6)]
     steps = [{"seconds": 1.0, **{f"column {k}": k for k in range(20)}}]
-    _, page = written(tmp_path, ReportContents(title="Wide", gears=gears), RunCost(steps=steps))
+    _, page = written(tmp_path, {"title": "Wide", "gears": gears}, RunCost(steps=steps))
     assert page.columns == [7, 9, 9, 7]
     words = [word for word in page.words if word.strip()]
     assert words[words.index("stage 1 pinion") + 5] == "stage 3 wheel"
@@ -291,7 +291,7 @@ def test_a_table_is_never_wider_than_paper(tmp_path):
 
 
 def test_words_of_a_scene_cannot_break_the_page(tmp_path):
-    contents = ReportContents(sensor="sensor_3", title='<script>alert("1")</script>', summary={"a<b": "c&d"})
+    contents = {"sensor": "sensor_3", "title": '<script>alert("1")</script>', "summary": {"a<b": "c&d"}}
     text, _ = written(tmp_path, contents)
     assert "<script>alert" not in text
     assert "a&lt;b" in text

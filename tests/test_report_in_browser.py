@@ -11,9 +11,10 @@ from synthetic import MESH, WHEEL, response
 
 from pipelines.diagnosis.control_diagnosis import DiagnosisSettings, diagnose
 from pipelines.report import pictures
-from pipelines.report.contents import ReportContents, RunCost
+from pipelines.report.contents import RunCost
 from pipelines.report.figures.plots import StiffnessPlot
-from pipelines.report.first_screen import Average, Envelope, FirstScreen, Ranked
+from pipelines.report.first_figures import Average, Envelope
+from pipelines.report.first_page import first_screen
 from pipelines.report.report import report_body, write_report
 
 pytestmark = [
@@ -46,7 +47,7 @@ def report(tmp_path_factory):
     diagnosis = diagnose(runs["missing tooth"], runs["healthy"], replace(settings, rope_mode={"lifting": 7.9}))
     place = np.linspace(-27.5, 27.5, 1800)
     own = diagnosis.envelopes["faulty", "lifting"]
-    first = FirstScreen(
+    first = first_screen(
         sentences=[
             "A tooth of gear 2 (55 teeth, shaft 2) is damaged: tooth 21 +- 1.",
             "The rms of the difference signal lies 14.2 dB over the healthy recordings, p = 0.002 after Holm's "
@@ -80,30 +81,32 @@ def report(tmp_path_factory):
             band="1 to 2 kHz",
             caption="Envelope spectrum in the chosen band.",
         ),
-        ranking=[Ranked(component=f"gear {i}", evidence=14.2 - i, p_value="0.002") for i in range(1, 8)],
+        ranking=[(f"gear {i}", 14.2 - i, "0.002", "") for i in range(1, 8)],
     )
     gears = [
         {"stage": 1 + i // 2, "gear": ("pinion", "wheel")[i % 2], **{f"number {k} mm": 123.456 for k in range(14)}}
         for i in range(6)
     ]
     cycle = np.linspace(0.0, 4.0, 81)
-    contents = ReportContents(
-        title="Quay-crane hoist rig, one tooth of the stage 1 wheel missing, container on its rope",
-        first=first,
-        diagnoses=(diagnosis,),
-        gears=gears,
-        stiffness=pictures.stiffness([StiffnessPlot(title="Stage 1", cycle=cycle, healthy=2e8 + 1e7 * np.cos(cycle))]),
-        runs=runs,
-        windows=windows,
-        sensor="sensor_3",
-        energy=[{"part": f"mesh {i}", **{f"{k} J": 1.234e-5 for k in range(7)}} for i in range(40)],
-    )
+    contents = {
+        "title": "Quay-crane hoist rig, one tooth of the stage 1 wheel missing, container on its rope",
+        "first": first,
+        "diagnoses": (diagnosis,),
+        "gears": gears,
+        "stiffness": pictures.stiffness(
+            [StiffnessPlot(title="Stage 1", cycle=cycle, healthy=2e8 + 1e7 * np.cos(cycle))]
+        ),
+        "runs": runs,
+        "windows": windows,
+        "sensor": "sensor_3",
+        "energy": [{"part": f"mesh {i}", **{f"{k} J": 1.234e-5 for k in range(7)}} for i in range(40)],
+    }
     cost = RunCost(
         steps=[{"seconds": 1.5, **{f"column {k}": 1234.5 for k in range(22)}}],
         provenance={"keys": {f"step {i}": "0123456789abcdef" * 2 for i in range(9)}},
     )
     path = tmp_path_factory.mktemp("report") / "report.html"
-    return write_report(path, contents.title, report_body(contents), cost)
+    return write_report(path, contents["title"], report_body(**contents), cost)
 
 
 def boxes(shown, *selectors):

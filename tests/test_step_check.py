@@ -14,8 +14,7 @@ from mbd.parts.drive import SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 from pipelines.cli.main import main
-from pipelines.report.contents import ReportContents
-from pipelines.report.first_screen import FirstScreen
+from pipelines.report.first_page import first_screen
 from pipelines.report.report import report_body
 from pipelines.signals.motion_warnings import gathered, motion_warnings
 
@@ -102,9 +101,9 @@ def test_a_sound_run_says_nothing(tmp_path, capsys, caplog):
 
 
 def test_the_report_says_it_before_all_else(tmp_path):
-    first = FirstScreen(sentences=["A tooth is missing."])
-    contents = ReportContents(title="A machine", cautions=("The time step is too long.",), first=first)
-    text = report_body(contents)
+    first = first_screen(sentences=["A tooth is missing."])
+    contents = {"title": "A machine", "cautions": ("The time step is too long.",), "first": first}
+    text = report_body(**contents)
     assert text.index("Warning: The time step is too long.") < text.index("A tooth is missing.")
 
 

@@ -7,7 +7,7 @@ import pytest
 from mbd_rigs import no_casing, train
 from scipy.integrate import solve_ivp
 
-from mbd.forces.induction_motor import InductionMotor, breakdown_slip
+from mbd.forces.induction_motor import InductionMotor
 from mbd.forces.speed_controller import SpeedController
 from mbd.forces.torque import SpeedTorque, Torque
 from mbd.forces.torque_source import Rotor
@@ -29,7 +29,7 @@ def constant(name, shaft, torque, y=0.2, **options):
 
 
 def motor(name="motor_1", y=-0.2, **options):
-    values = {"synchronous_speed": 157.08, "breakdown_torque": 60.0, "breakdown_slip": 0.15, "rotor": ROTOR}
+    values = {"synchronous_speed": 157.08, "rated_speed": 152.16, "rated_torque": 24.0, "rotor": ROTOR}
     return InductionMotor(name=name, shaft="shaft_1", y=y, drives=True, **(values | options))
 
 
@@ -158,7 +158,7 @@ def test_the_adaptive_reference_agrees_on_force_and_speed():
 
 def test_two_motors_share_the_load_by_their_slip():
     """Steady: T1/T2 = slope1/slope2 where both run near their synchronous speed; together they balance the load."""
-    weak = motor("motor_2", y=0.2, breakdown_torque=30.0)
+    weak = motor("motor_2", y=0.2, rated_torque=12.0)
     load = constant("load", "shaft_2", -12.0 / RATIO, y=0.0)
     found = run(assembled(free(motor(), weak, load, start=155.0)), 0.8)
     late = found.time > 0.7
@@ -168,9 +168,9 @@ def test_two_motors_share_the_load_by_their_slip():
 
 
 def test_a_speed_controller_reaches_its_speed_and_holds_it_against_the_load():
-    profile = SpeedProfile(times=np.array([0.0, 0.1, 0.2]), speeds=np.array([80.0, 80.0, 100.0]))
+    profile = {"times": np.array([0.0, 0.1, 0.2]), "speeds": np.array([80.0, 80.0, 100.0])}
     control = SpeedController(
-        name="motor_1", shaft="shaft_1", y=-0.2, drives=True, rotor=ROTOR, reference=profile, proportional=2.0,
+        name="motor_1", shaft="shaft_1", y=-0.2, drives=True, rotor=ROTOR, **profile, proportional=2.0,
         integral=40.0, limit=60.0, starting_torque=8.0,
     )  # fmt: skip
     found = run(assembled(free(control, constant("load", "shaft_2", -8.0 / RATIO), start=80.0)), 0.8)
@@ -186,9 +186,9 @@ STEP = {"proportional": 6.0, "integral": 40.0, "limit": 20.0, "starting_torque":
 
 def stepped(end=1.5, **options):
     """A controller asks for 110 rad/s from 100 on against 8 N m, with 20 N m at most: speed over time, and inertia."""
-    profile = SpeedProfile(times=np.array([0.0, 1.0]), speeds=np.array([110.0, 110.0]))
+    profile = {"times": np.array([0.0, 1.0]), "speeds": np.array([110.0, 110.0])}
     control = SpeedController(
-        name="motor_1", shaft="shaft_1", y=-0.2, drives=True, rotor=Rotor(inertia=0.3), reference=profile,
+        name="motor_1", shaft="shaft_1", y=-0.2, drives=True, rotor=Rotor(inertia=0.3), **profile,
         **(STEP | options),
     )  # fmt: skip
     machine = free(control, constant("load", "shaft_2", -8.0 / RATIO), start=100.0, stage={"ripple": 0.0})
@@ -231,9 +231,9 @@ def test_a_limited_controller_follows_the_integration_of_its_equations(anti_wind
 
 
 def test_what_keeps_the_integral_from_winding_up_takes_no_energy():
-    profile = SpeedProfile(times=np.array([0.0, 1.0]), speeds=np.array([110.0, 110.0]))
+    profile = {"times": np.array([0.0, 1.0]), "speeds": np.array([110.0, 110.0])}
     control = SpeedController(
-        name="motor_1", shaft="shaft_1", y=-0.2, drives=True, rotor=ROTOR, reference=profile, **STEP
+        name="motor_1", shaft="shaft_1", y=-0.2, drives=True, rotor=ROTOR, **profile, **STEP
     )  # fmt: skip
     found = run(assembled(free(control, constant("load", "shaft_2", -8.0 / RATIO), start=100.0)), 0.1)
     assert found.energy("motor_1 anti-windup", "dissipated") < 1e-6 * -found.energy("motor_1", "dissipated")
@@ -241,13 +241,13 @@ def test_what_keeps_the_integral_from_winding_up_takes_no_energy():
 
 
 def test_a_controller_gives_no_more_than_its_limit():
-    profile = SpeedProfile(times=np.array([0.0, 1.0]), speeds=np.array([150.0, 150.0]))
+    profile = {"times": np.array([0.0, 1.0]), "speeds": np.array([150.0, 150.0])}
     control = SpeedController(
         name="motor_1",
         shaft="shaft_1",
         y=-0.2,
         drives=True,
-        reference=profile,
+        **profile,
         proportional=50.0,
         integral=0.0,
         limit=5.0,
@@ -264,8 +264,7 @@ def test_a_motor_that_winds_up_the_rope_is_stopped_with_the_time():
 
 
 def test_breakdown_slip_gives_the_rated_torque_at_the_rated_slip():
-    slip = breakdown_slip(0.04, 2.5)
-    rated = motor(breakdown_torque=2.5 * 20.0, breakdown_slip=slip)
+    rated = motor(rated_speed=0.96 * 157.08, rated_torque=20.0)
     assert rated.at_start(0.96 * 157.08) == pytest.approx(20.0, rel=1e-12)
 
 

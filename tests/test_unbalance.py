@@ -105,7 +105,7 @@ def test_it_turns_with_the_gears_when_a_run_starts_elsewhere():
 
 @pytest.mark.parametrize("size", [0.0, -1.0, math.nan])
 def test_no_unbalance_is_refused(size):
-    with pytest.raises(MachineError, match="balanced"):
+    with pytest.raises(MachineError, match="size"):
         unbalance(size=size)
 
 

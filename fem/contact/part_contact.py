@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 
-from fem.numerics.compiled import INLINE, inner
+from fem.numerics.inner import INLINE, inner
 
 
 @inner(**INLINE)

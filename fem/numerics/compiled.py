@@ -42,19 +42,17 @@ from numba.extending import intrinsic, typeof_impl
 from numba.np.arrayobj import populate_array
 
 from fem.numerics import compiled_files
+from fem.numerics.inner import NO_ENTRY, PLAIN, Inner
 
 FLOAT, INTEGER = types.float64, types.int64
 VECTOR, MATRIX, CUBE, HYPERCUBE = (types.Array(FLOAT, n, "C") for n in (1, 2, 3, 4))
 INTEGERS, INTEGER_MATRIX = types.Array(INTEGER, 1, "C"), types.Array(INTEGER, 2, "C")
 
-PLAIN: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
-INLINE: dict[str, Any] = {"forceinline": True, "fastmath": {"contract"}}
 SPREAD: dict[str, Any] = {
     **PLAIN,
     "inline": "always",
 }  # of functions that call many others
 SUMS: dict[str, Any] = {"forceinline": True, "fastmath": {"contract", "reassoc", "nsz"}}  # terms in any order
-_NO_ENTRY: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 _OBJECTS = 200_000  # made between two collections while a function is compiled
 _kept: list[Any] = []  # compiled code refers to the cells as long as the process lives
 _ADDRESS = ir.IntType(8).as_pointer()
@@ -66,7 +64,7 @@ class _Cell(ctypes.Structure):
 
 
 _IMPORT = re.compile(r"^(?:import +([\w.]+)|from +([\w.]+) +import +(\([^)]*\)|[^\n]*))", re.MULTILINE)
-_COMPILED = re.compile(r"^from (?:numba|fem\.(?:\w+\.)?compiled) import", re.MULTILINE)
+_COMPILED = re.compile(r"^from (?:numba|fem\.(?:\w+\.)?(?:compiled|inner)) import", re.MULTILINE)
 
 
 @functools.cache
@@ -100,7 +98,7 @@ def stored(file: str, entry: bool = True, **options: Any) -> Callable:
     The checksum of the files that are `reached` is made part of the function's name, under which the code is stored.
     Without ``entry`` Python must not call it.
     """
-    options = {**PLAIN, **({} if entry else _NO_ENTRY), **options}
+    options = {**PLAIN, **({} if entry else NO_ENTRY), **options}
     total = 0
     for path in reached(file):
         total = zlib.crc32(path.read_bytes(), total)
@@ -190,25 +188,9 @@ class _Stored:
         return f"{function}-{hashlib.sha256(key.encode()).hexdigest()[:16]}.code", key
 
 
-class Inner:
-    """A compiled function for compiled callers; called from Python, it runs as Python."""
-
-    def __init__(self, function: Callable, **options: Any) -> None:
-        self.compiled: Any = njit(**{**PLAIN, **_NO_ENTRY, **options})(function)
-        functools.update_wrapper(self, function)
-
-    def __call__(self, *values: Any) -> Any:
-        return self.compiled.py_func(*values)
-
-
 @typeof_impl.register(Inner)
 def _type_of_inner(value: Inner, _: Any) -> types.Type:
     return types.Dispatcher(value.compiled)
-
-
-def inner(**options: Any) -> Callable:
-    """`njit` without the entry from Python, which is half of a small function's code or of one that takes tables."""
-    return functools.partial(Inner, **options)
 
 
 def _lent(typingctx: Any, array: types.Array) -> tuple[Any, Callable]:

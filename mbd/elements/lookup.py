@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fem.numerics.compiled import inner
+from fem.numerics.inner import inner
 
 
 @inner()

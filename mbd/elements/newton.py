@@ -21,7 +21,8 @@ import math
 
 import numpy as np
 
-from fem.numerics.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, inner, stored
+from fem.numerics.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, stored
+from fem.numerics.inner import inner
 from mbd.elements.element import WIDTH
 from mbd.elements.table import CLOCK, INSTANT, TABLE, follow_tangent, parametric_work, row_forces
 

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
-from fem.numerics.compiled import FLOAT, INTEGER_MATRIX, INTEGERS, MATRIX, VECTOR, apart, inner, lent, stored
+from fem.numerics.compiled import FLOAT, INTEGER_MATRIX, INTEGERS, MATRIX, VECTOR, apart, lent, stored
+from fem.numerics.inner import inner
 from mbd.elements.element import (
     BY_ANGLE,
     ENERGY,

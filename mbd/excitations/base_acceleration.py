@@ -14,15 +14,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from fem.options import check_options, option
 from mbd.elements.element import Element, Signal
 from mbd.excitations.outside_force import force_rule
-from mbd.excitations.waveform import Waveform
+from mbd.excitations.waveform import SweepWave, TableWave
 from mbd.parts.bearings import DIRECTIONS
-from mbd.parts.checks import known
+from mbd.parts.checks import MachineError
 from mbd.parts.load import GROUND_ACCELERATION, Excitation
 
 if TYPE_CHECKING:
@@ -37,14 +38,29 @@ def base_channel(name: str) -> str:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class BaseAcceleration(Excitation):
-    """An ``acceleration`` (m/s2) of the ground over time along the ``axis`` x, y or z."""
+class AccelerationTable(TableWave):
+    """Values over time, linear between the times and constant outside."""
 
-    axis: str
-    acceleration: Waveform
+    levels: np.ndarray = option(unit="m/s2", key="accelerations_m_s2", text="acceleration at these times")
+
+
+@dataclass(frozen=True, kw_only=True)
+class AccelerationSweep(SweepWave):
+    """A swept sine: frequency linear in time, amplitude rising and falling as sin^2."""
+
+    amplitude: float = option(unit="m/s2", key="amplitude_m_s2", gt=0, text="amplitude of the acceleration")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BaseAcceleration(Excitation):
+    """An acceleration of the ground over time: of all feet, and of everything else that is on the ground."""
+
+    model: Literal["base-acceleration"] = "base-acceleration"
+    axis: Literal["x", "y", "z"] = option(text="direction in which it acts")
+    acceleration: AccelerationTable | AccelerationSweep = option(text="acceleration over time")
 
     def __post_init__(self) -> None:
-        known(f"{self.name} axis", self.axis, DIRECTIONS)
+        check_options(self, MachineError, self.name)
 
     @property
     def channel_names(self) -> tuple[str, ...]:

@@ -18,14 +18,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from fem.options import check_options, option
 from mbd.elements.component import Place
 from mbd.elements.element import ENERGY, Element, rule
 from mbd.excitations.turning import turned_direction
-from mbd.parts.checks import MachineError, finite, positive
+from mbd.parts.checks import MachineError, finite
 from mbd.parts.load import TurningForce
 
 if TYPE_CHECKING:
@@ -51,19 +52,22 @@ def bow_rule(values, motion, answer):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BentShaft(TurningForce):
-    """A ``bow`` (m) at ``y``, straight at two places (m); at ``angle`` (rad) from +x towards +z at t = 0."""
+    """A bent shaft, bowed as by a force at position_mm between two places that stay straight."""
 
-    bow: float
-    straight: tuple[float, float]
+    model: Literal["bent-shaft"] = "bent-shaft"
+    bow: float = option(unit="um", gt=0, text="distance of the bent axis from the straight one at position_mm")
+    straight: tuple[float, float] = option(
+        unit="mm", key="straight_at_mm", text="y of two places without bow, usually the bearings"
+    )
+    angle: float = option(0.0, unit="deg", text="angle of the bow at t = 0, from +x towards +z")
 
     def __post_init__(self) -> None:
         finite(f"{self.name} y", self.y)
-        positive(f"{self.name} bow (m)", self.bow)
-        finite(f"{self.name} angle", self.angle)
+        check_options(self, MachineError, self.name)
         if abs(self.straight[1] - self.straight[0]) < APART or min(abs(y - self.y) for y in self.straight) < APART:
             raise MachineError(
-                f"{self.name}: the bow at y = {1000 * self.y:g} mm is at a place that stays straight. Set two other "
-                "places, usually the bearings."
+                f"straight_at_mm = {[float(f'{1000 * y:.12g}') for y in self.straight]} must be two places other than "
+                f"position_mm = {1000 * self.y:g}. Set them, usually to the bearings"
             )
 
     @property
@@ -82,7 +86,7 @@ class BentShaft(TurningForce):
             name=self.name,
             part=self.name,
             rule=bow_rule,
-            values=(*self.direction(lay), force, self.bow),
+            values=(*self.direction(lay, self.angle), force, self.bow),
             rows=np.array(
                 [
                     lay.angle_row(self.shaft, self.y),

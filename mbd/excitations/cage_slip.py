@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.numerics.compiled import inner
+from fem.numerics.inner import inner
 from mbd.parts.checks import MachineError
 
 PITCHES = 4096

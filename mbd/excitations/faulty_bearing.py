@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.numerics.compiled import inner
+from fem.numerics.inner import inner
 from mbd.elements.element import ENERGY, FROZEN_ENERGY, WIDTH, Answer, Element, Motion, rule
 from mbd.elements.rule_call import call_rule, rule_number
 from mbd.excitations.cage_slip import CageSlip, lag_at

@@ -8,14 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from fem.options import check_options, option
 from mbd.elements.element import Element, Signal, rule
-from mbd.excitations.waveform import Waveform, wave_value
+from mbd.excitations.waveform import SweepWave, TableWave, Waveform, wave_value
 from mbd.parts.bearings import DIRECTIONS
-from mbd.parts.checks import MachineError, finite, known
+from mbd.parts.checks import MachineError, finite
 from mbd.parts.load import OUTSIDE_FORCE, Excitation, OutsideForce
 
 if TYPE_CHECKING:
@@ -36,15 +37,30 @@ def force_channel(name: str) -> str:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ShaftForce(OutsideForce):
-    """A force (N) over time on a shaft along the ``axis`` x, y or z."""
+class ForceTable(TableWave):
+    """Values over time, linear between the times and constant outside."""
 
-    axis: str
-    force: Waveform
+    levels: np.ndarray = option(unit="N", key="forces_N", text="force at these times")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ForceSweep(SweepWave):
+    """A swept sine: frequency linear in time, amplitude rising and falling as sin^2."""
+
+    amplitude: float = option(unit="N", gt=0, text="amplitude of the force")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ShaftForce(OutsideForce):
+    """A force over time on a shaft."""
+
+    model: Literal["shaft-force"] = "shaft-force"
+    axis: Literal["x", "y", "z"] = option(text="direction in which it acts")
+    force: ForceTable | ForceSweep = option(text="force over time")
 
     def __post_init__(self) -> None:
         finite(f"{self.name} y", self.y)
-        known(f"{self.name} axis", self.axis, DIRECTIONS)
+        check_options(self, MachineError, self.name)
 
     @property
     def channel_names(self) -> tuple[str, ...]:
@@ -58,14 +74,15 @@ class ShaftForce(OutsideForce):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CasingForce(Excitation):
-    """A force (N) over time on a ``point`` of the casing along its ``axis`` x, y or z."""
+    """A force over time on the casing, at a sensor."""
 
-    point: str
-    axis: str
-    force: Waveform
+    model: Literal["casing-force"] = "casing-force"
+    point: str = option(text="name of the sensor where it acts")
+    axis: Literal["x", "y", "z"] = option(text="channel of that sensor in whose direction it acts")
+    force: ForceTable | ForceSweep = option(text="force over time")
 
     def __post_init__(self) -> None:
-        known(f"{self.name} axis", self.axis, DIRECTIONS)
+        check_options(self, MachineError, self.name)
 
     @property
     def casing_rows(self) -> tuple[str, ...]:

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import math
 
-from fem.numerics.compiled import inner
+from fem.numerics.inner import inner
 
 STEEP = 0.9  # of the element's radius: further from the edge every spall of `DEEPEST` is at its bottom
 

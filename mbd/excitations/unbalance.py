@@ -24,15 +24,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from fem.options import check_options, option
 from mbd.elements.element import Element, rule
 from mbd.elements.linear import LinearElement, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
 from mbd.excitations.turning import turned_direction
-from mbd.parts.checks import finite, positive
+from mbd.parts.checks import MachineError, finite
 from mbd.parts.couplings import CouplingSprings
 from mbd.parts.load import TurningForce
 
@@ -85,14 +86,15 @@ class SeismicMasses(LinearElement):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Unbalance(TurningForce):
-    """``size`` U (kg m) at ``y`` of ``shaft``, at the ``angle`` (rad) from +x towards +z at t = 0."""
+    """A rotating unbalance."""
 
-    size: float
+    model: Literal["unbalance"] = "unbalance"
+    size: float = option(unit="g mm", key="unbalance_g_mm", gt=0, text="mass times radius")
+    angle: float = option(0.0, unit="deg", text="angle of the heavy spot at t = 0, from +x towards +z")
 
     def __post_init__(self) -> None:
         finite(f"{self.name} y", self.y)
-        positive(f"{self.name} size (kg m)", self.size, "Leave out what is balanced.")
-        finite(f"{self.name} angle", self.angle)
+        check_options(self, MachineError, self.name)
 
     @property
     def coordinates(self) -> tuple[str, ...]:
@@ -138,7 +140,7 @@ class Unbalance(TurningForce):
             name=self.name,
             part=self.name,
             rule=unbalance_rule,
-            values=(self.size, *self.direction(lay), lay.gravity),
+            values=(self.size, *self.direction(lay, self.angle), lay.gravity),
             rows=np.vstack([forced, forced - self._own(lay)]),
             row_names=(*FORCED, *MEASURED),
             scale=(self.size * ACCELERATION, *5 * (self.size * CENTRIFUGAL,)),

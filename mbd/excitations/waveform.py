@@ -10,12 +10,14 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from fem.numerics.compiled import inner
+from fem.numerics.inner import inner
+from fem.options import check_options, option
 from mbd.elements.lookup import interpolated
-from mbd.parts.checks import MachineError, finite, frozen_array, not_negative, positive, rising_pairs
+from mbd.parts.checks import MachineError, frozen_array, rising_pairs
 
 TABLE, SWEEP = 0.0, 1.0  # the first of the packed numbers
 
@@ -61,17 +63,17 @@ class Waveform(ABC):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TableWave(Waveform):
-    """Values at ``times`` (s); ``name`` is what is told in errors."""
+    """Values over time, linear between the times and constant outside; a subclass gives the unit of its ``levels``."""
 
-    name: str
-    times: np.ndarray
+    model: Literal["table"] = "table"
+    times: np.ndarray = option(unit="s", text="times, strictly rising")
     levels: np.ndarray
 
     def __post_init__(self) -> None:
         times, levels = frozen_array(self.times), frozen_array(self.levels)
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "levels", levels)
-        rising_pairs(self.name, ("times", times), ("values", levels))
+        rising_pairs(type(self).__name__, ("times", times), ("values", levels))
 
     @property
     def packed(self) -> np.ndarray:
@@ -86,28 +88,22 @@ class TableWave(Waveform):
 
 @dataclass(frozen=True, kw_only=True)
 class SweepWave(Waveform):
-    """A sine of ``amplitude`` from ``first`` to ``last`` (Hz) between ``start`` and ``end`` (s), faded over ``ramp``
-    (s)."""
+    """A swept sine; a subclass gives the unit of its ``amplitude``."""
 
-    name: str
-    start: float
-    end: float
-    first: float
-    last: float
-    ramp: float
+    model: Literal["sweep"] = "sweep"
+    start: float = option(unit="s", ge=0, text="start of the sweep")
+    end: float = option(unit="s", gt=0, text="end of the sweep")
+    first: float = option(unit="Hz", key="from_Hz", ge=0, text="frequency at the start")
+    last: float = option(unit="Hz", key="to_Hz", ge=0, text="frequency at the end")
+    ramp: float = option(unit="s", gt=0, text="length of the rise and of the fall")
     amplitude: float
 
     def __post_init__(self) -> None:
-        finite(f"{self.name} start", self.start)
-        positive(f"{self.name} length", self.end - self.start, "Let it end after its start.")
-        not_negative(f"{self.name} first frequency", self.first)
-        not_negative(f"{self.name} last frequency", self.last)
-        positive(f"{self.name} ramp", self.ramp, "A sweep that starts at once rings all modes.")
-        finite(f"{self.name} amplitude", self.amplitude)
+        check_options(self, MachineError)
         if 2 * self.ramp > self.end - self.start:
             raise MachineError(
-                f"{self.name}: two ramps of {self.ramp} s do not fit between {self.start} and {self.end} s; shorten "
-                "the ramp or lengthen the sweep."
+                f"ramp_s = {self.ramp:g} is more than half of start_s = {self.start:g} to end_s = {self.end:g}. "
+                "Reduce it"
             )
 
     @property

@@ -21,7 +21,7 @@ import numpy as np
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.evaluation.kernel import evaluate
 from fem.contact.teeth import least_clearance
-from fem.numerics.compiled import inner
+from fem.numerics.inner import inner
 from mbd.elements.element import ENERGY, FROZEN_ENERGY, Contact, Element, Signal, rule
 from mbd.elements.mode_words import ModeWords
 from mbd.parts.gear_mesh import MeshSpec, mesh_channels, mesh_rows

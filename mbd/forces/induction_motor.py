@@ -14,12 +14,14 @@ Kloss (1909); Fitzgerald, Kingsley & Umans (2003), Electric Machinery, section 6
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
+from fem.options import check_options, in_si, option
 from mbd.elements.element import Rule, rule
 from mbd.forces.torque_source import TorqueSource
-from mbd.parts.checks import MachineError, finite, positive
+from mbd.parts.checks import MachineError
 
 RATIO, SYNCHRONOUS, BREAKDOWN, SLIP = range(4)
 
@@ -37,21 +39,27 @@ def induction_rule(values, motion, answer):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class InductionMotor(TorqueSource):
-    """``synchronous_speed`` (rad/s, signed by its sense), ``breakdown_torque`` (N m) at the slip
-    ``breakdown_slip``."""
+    """An induction motor on the mains, by its rating and the formula of Kloss."""
 
-    synchronous_speed: float
-    breakdown_torque: float
-    breakdown_slip: float
+    model: Literal["induction-motor"] = "induction-motor"
+    synchronous_speed: float = option(
+        unit="rpm", key="synchronous_rpm", gt=0, text="synchronous speed: 60 times mains frequency over pole pairs"
+    )
+    rated_speed: float = option(unit="rpm", key="rated_rpm", gt=0, text="speed at the rated torque")
+    rated_torque: float = option(unit="N m", gt=0, text="torque at the rated speed")
+    breakdown_ratio: float = option(2.5, gt=1, le=10, text="breakdown torque over rated torque")
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        positive(f"{self.name} breakdown_torque", self.breakdown_torque)
-        finite(f"{self.name} synchronous_speed", self.synchronous_speed)
-        if self.synchronous_speed == 0.0:
-            raise MachineError(f"{self.name}: synchronous_speed must not be 0.")
-        if not 0.0 < self.breakdown_slip < 1.0:
-            raise MachineError(f"{self.name}: breakdown_slip {self.breakdown_slip!r} must lie between 0 and 1.")
+        check_options(self, MachineError, self.name)
+        if self.rated_speed >= self.synchronous_speed:
+            rpm = in_si(1.0, "rpm")
+            raise MachineError(
+                f"rated_rpm = {self.rated_speed / rpm:g} must be below synchronous_rpm = "
+                f"{self.synchronous_speed / rpm:g}, because the torque grows with the slip. Correct them"
+            )
+        if self.breakdown_slip >= 1.0:
+            raise MachineError(f"breakdown_slip {self.breakdown_slip!r} must lie between 0 and 1.")
 
     @property
     def rule(self) -> Rule:
@@ -59,12 +67,19 @@ class InductionMotor(TorqueSource):
         return induction_rule
 
     @property
-    def _signed(self) -> float:
-        return float(np.sign(self.synchronous_speed)) * self.breakdown_torque
+    def breakdown_torque(self) -> float:
+        """T_b, N m."""
+        return self.breakdown_ratio * self.rated_torque
+
+    @property
+    def breakdown_slip(self) -> float:
+        """s_b = s_N (k + sqrt(k^2 - 1)) with the breakdown torque k times that at the rated slip s_N."""
+        rated_slip = 1.0 - self.rated_speed / self.synchronous_speed
+        return rated_slip * (self.breakdown_ratio + float(np.sqrt(self.breakdown_ratio**2 - 1.0)))
 
     def values(self, ratio: float) -> np.ndarray:
         """Numbers of the rule."""
-        return np.array([ratio, self.synchronous_speed, self._signed, self.breakdown_slip])
+        return np.array([ratio, self.synchronous_speed, self.breakdown_torque, self.breakdown_slip])
 
     @property
     def highest_speed(self) -> float:
@@ -74,15 +89,9 @@ class InductionMotor(TorqueSource):
     @property
     def largest(self) -> float:
         """The breakdown torque, N m."""
-        return self._signed
+        return self.breakdown_torque
 
     def at_start(self, speed: float) -> float:
         """N m at a speed (rad/s)."""
         x = (1.0 - speed / self.synchronous_speed) / self.breakdown_slip
-        return 2.0 * self._signed * x / (1.0 + x * x)
-
-
-def breakdown_slip(rated_slip: float, overload: float) -> float:
-    """s_b of a motor whose breakdown torque is ``overload`` > 1 times the torque at ``rated_slip``:
-    s_b = s_N (overload + sqrt(overload^2 - 1))."""
-    return rated_slip * (overload + float(np.sqrt(overload**2 - 1.0)))
+        return 2.0 * self.breakdown_torque * x / (1.0 + x * x)

@@ -32,7 +32,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from fem.numerics.compiled import inner
+from fem.numerics.inner import inner
 from fem.numerics.root import brentq
 from mbd.elements.element import BY_ANGLE, ENERGY, Element, Rule, Signal, rule
 from mbd.elements.rule_call import evaluated

@@ -23,16 +23,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from fem.options import check_options, option
 from mbd.elements.element import Element, Rule, Signal, rule
 from mbd.elements.linear import Part, part_on_rows
 from mbd.elements.lookup import cell_below, interpolated
 from mbd.elements.mode_words import ModeWords
 from mbd.forces.torque_source import Inertia, TorqueSource
-from mbd.parts.checks import finite, not_negative, positive
+from mbd.parts.checks import MachineError
 from mbd.parts.drive import MotorSpring, SpeedProfile
 
 if TYPE_CHECKING:
@@ -81,22 +82,29 @@ def controller_rule(values, motion, answer):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SpeedController(TorqueSource):
-    """``reference`` (speed of its shaft or rotor), ``proportional`` (N m s/rad), ``integral`` (N m/rad), ``limit`` and
-    ``starting_torque`` (N m); ``anti_windup``: the integral gives way while the torque is limited."""
+    """A motor under PI speed control."""
 
-    reference: SpeedProfile
-    proportional: float
-    integral: float
-    limit: float
-    starting_torque: float = 0.0
-    anti_windup: bool = True
+    model: Literal["controlled-motor"] = "controlled-motor"
+    times: np.ndarray = option(unit="s", text="times, rising, starting at 0")
+    speeds: np.ndarray = option(unit="rpm", text="target speed at these times")
+    proportional: float = option(unit="N m s/rad", gt=0, text="proportional gain: torque per speed error")
+    integral: float = option(0.0, unit="N m/rad", ge=0, text="integral gain: torque per angle error")
+    limit: float = option(unit="N m", gt=0, text="largest torque in both directions")
+    starting_torque: float = option(0.0, unit="N m", text="torque of the integral part at t = 0")
+    anti_windup: bool = option(
+        True, text="true: back-calculation reduces the integral part while the torque is limited"
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        positive(f"{self.name} proportional", self.proportional)
-        not_negative(f"{self.name} integral", self.integral)
-        positive(f"{self.name} limit", self.limit)
-        finite(f"{self.name} starting_torque", self.starting_torque)
+        check_options(self, MachineError, self.name)
+        for name in ("times", "speeds"):
+            object.__setattr__(self, name, getattr(self.reference, name))
+
+    @property
+    def reference(self) -> SpeedProfile:
+        """Target speed of its shaft or rotor."""
+        return SpeedProfile(times=self.times, speeds=self.speeds)
 
     @property
     def rule(self) -> Rule:

@@ -14,11 +14,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.options import check_options, inline, option
 from mbd.elements.element import Element, Rule, Signal
 from mbd.elements.linear import LinearElement, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
-from mbd.parts.checks import finite, not_negative, positive
+from mbd.parts.checks import MachineError, finite
 from mbd.parts.drive import COUPLING_TORQUE, MotorSpring, motor_channels
 from mbd.parts.load import OutsideForce
 
@@ -41,24 +42,30 @@ class Inertia(LinearElement):
 
 @dataclass(frozen=True, kw_only=True)
 class Rotor:
-    """Moment of inertia (kg m2) of a source; behind a coupling (N m/rad, N m s/rad), or fixed to the shaft without."""
+    """The rotor that a torque acts on."""
 
-    inertia: float
-    stiffness: float | None = None
-    damping: float = 0.0
+    inertia: float = option(0.0, unit="kg m2", ge=0, text="moment of inertia of the rotor; 0: none")
+    stiffness: float | None = option(
+        None,
+        unit="N m/rad",
+        key="coupling_stiffness_N_m_per_rad",
+        gt=0,
+        text="torsional stiffness of the coupling between rotor and shaft; without it: the rotor is "
+        "fixed to the shaft. Without inertia a coupling has no effect",
+    )
+    damping: float = option(
+        0.0, unit="N m s/rad", key="coupling_damping_N_m_s_per_rad", ge=0, text="torsional damping of that coupling"
+    )
 
     def __post_init__(self) -> None:
-        positive("rotor inertia", self.inertia)
-        if self.stiffness is not None:
-            positive("rotor coupling stiffness", self.stiffness)
-        not_negative("rotor coupling damping", self.damping)
+        check_options(self, MachineError)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TorqueSource(OutsideForce):
     """A torque on the rotation at ``y`` (m) of ``shaft`` or on a rotor there."""
 
-    rotor: Rotor | None = None
+    rotor: Rotor = inline(Rotor())
     drives: bool = False  # a motor, in whose sense the machine runs
 
     def __post_init__(self) -> None:
@@ -83,13 +90,14 @@ class TorqueSource(OutsideForce):
         """Its torque (N m) at t = 0 while its shaft turns at a speed (rad/s)."""
 
     @property
-    def _apart(self) -> bool:
-        return self.rotor is not None and self.rotor.stiffness is not None
+    def _coupling(self) -> float | None:
+        """Stiffness of the coupling between rotor and shaft (N m/rad); None where there is none."""
+        return self.rotor.stiffness if self.rotor.inertia > 0.0 else None
 
     @property
     def coordinates(self) -> tuple[str, ...]:
         """The angle of a rotor behind a coupling."""
-        return (f"{self.name}:rotor",) if self._apart else ()
+        return () if self._coupling is None else (f"{self.name}:rotor",)
 
     def rolling(self, ratios: Mapping[str, float]) -> np.ndarray:
         """The rotor turns with its shaft."""
@@ -105,17 +113,17 @@ class TorqueSource(OutsideForce):
 
     def row(self, lay: Coordinates) -> np.ndarray:
         """Row of the rotation that it acts on."""
-        return lay.own_row(self.coordinates[0]) if self._apart else lay.angle_row(self.shaft, self.y)
+        return lay.angle_row(self.shaft, self.y) if self._coupling is None else lay.own_row(self.coordinates[0])
 
     def parts(self, lay: Coordinates) -> Iterator[Part]:
         """Inertia and coupling."""
-        if self.rotor is None:
+        if self.rotor.inertia == 0.0:
             return
         words = ModeWords("rotor", "rotors", group=self.name)
         inertia = Inertia(at=(0,), inertia=self.rotor.inertia)
         yield part_on_rows(self.row(lay)[None], name=f"{self.name} rotor", words=words, elements=(inertia,))
-        if self.rotor.stiffness is not None:
-            spring = MotorSpring(at=(0,), spring=self.rotor.stiffness, damper=self.rotor.damping)
+        if self._coupling is not None:
+            spring = MotorSpring(at=(0,), spring=self._coupling, damper=self.rotor.damping)
             yield part_on_rows(
                 (lay.angle_row(self.shaft, self.y) - self.row(lay))[None],
                 name=f"{self.name} coupling",
@@ -142,7 +150,7 @@ class TorqueSource(OutsideForce):
     @property
     def channel_names(self) -> tuple[str, ...]:
         """Angle, speed and torque; the torque of the coupling in front of a rotor."""
-        return (*motor_channels(self.name), *((self.name + COUPLING_TORQUE,) if self._apart else ()))
+        return (*motor_channels(self.name), *(() if self._coupling is None else (self.name + COUPLING_TORQUE,)))
 
     def readings(self, lay: Coordinates) -> dict[str, Reading]:
         """Channels of its motion."""
@@ -152,9 +160,9 @@ class TorqueSource(OutsideForce):
             angle: Reading("rad", displacement=row, rigid=(ratio, 0.0, 0.0)),
             speed: Reading("rad/s", velocity=row, rigid=(0.0, ratio, 0.0)),
         }
-        if self.rotor is not None and self.rotor.stiffness is not None:
+        if self._coupling is not None:
             twist = row - lay.angle_row(self.shaft, self.y)
             found[self.name + COUPLING_TORQUE] = Reading(
-                "N m", displacement=self.rotor.stiffness * twist, velocity=self.rotor.damping * twist
+                "N m", displacement=self._coupling * twist, velocity=self.rotor.damping * twist
             )
         return found

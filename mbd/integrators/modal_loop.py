@@ -15,7 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
-from fem.numerics.compiled import CUBE, FLOAT, HYPERCUBE, INTEGER, INTEGERS, MATRIX, VECTOR, inner, stored
+from fem.numerics.compiled import CUBE, FLOAT, HYPERCUBE, INTEGER, INTEGERS, MATRIX, VECTOR, stored
+from fem.numerics.inner import inner
 from mbd.elements.element import AUDIT_STEPS, WIDTH
 from mbd.elements.newton import NEAR, iterate
 from mbd.elements.table import INSTANT, TABLE, Instant, contact_changed, parametric_work

@@ -156,17 +156,16 @@ class OutsideForce(Excitation):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TurningForce(OutsideForce):
-    """A force that turns with its shaft; ``angle`` alpha (rad) holds once the shaft has turned by ``rolled`` (rad, in
-    its own sense) less."""
+    """A force that turns with its shaft; its angle holds once the shaft has turned by ``rolled`` (rad, in its own
+    sense) less."""
 
-    angle: float = 0.0
     rolled: float = 0.0
 
     def turned(self, turns: Mapping[str, float]) -> Self:
         """The force after its shaft has turned."""
         return replace(self, rolled=self.rolled + turns[self.shaft])
 
-    def direction(self, lay: Coordinates) -> tuple[float, float, float]:
-        """The first arguments of `mbd.excitations.turning.turned_direction`."""
+    def direction(self, lay: Coordinates, angle: float) -> tuple[float, float, float]:
+        """The first arguments of `mbd.excitations.turning.turned_direction` for an angle alpha (rad)."""
         sense = float(lay.sense(self.shaft))
-        return self.angle - sense * self.rolled, sense, lay.ratios[self.shaft]
+        return angle - sense * self.rolled, sense, lay.ratios[self.shaft]

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.numerics.compiled import inner
+from fem.numerics.inner import inner
 from mbd.elements.element import Element
 from mbd.parts.checks import MachineError
 

@@ -11,6 +11,7 @@ import itertools
 import json
 import os
 import re
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass
@@ -117,7 +118,7 @@ def flat(row: Mapping[str, Any]) -> dict[str, Any]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class RowJob:
+class RowJob(ABC):
     """A row to be computed from the stored signals of a run; `checksums` are those of the signals."""
 
     folder: Path  # of the data set
@@ -125,18 +126,18 @@ class RowJob:
     checksums: Any
 
     @property
+    @abstractmethod
     def rows(self) -> str:
         """The folder of the row in the data set."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def made_of(self) -> dict[str, Any]:
         """What the row depends on, as JSON holds it: with anything else it is computed again."""
-        raise NotImplementedError
 
+    @abstractmethod
     def computed(self) -> dict[str, Any]:
         """The content of the row."""
-        raise NotImplementedError
 
     def is_stored(self) -> bool:
         """True if the row is there and made in this way."""

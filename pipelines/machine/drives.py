@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from mbd.forces.torque_source import TorqueSource
 from mbd.parts.drive import CouplingSpec, SpeedProfile
 from pipelines.io.errors import Problem, SceneError
 from pipelines.machine.places import shaft_ends
-from pipelines.scene.tables.motion import ControlledDrive, DriveModel, InductionDrive, SpeedDrive, TorqueDrive
+from pipelines.scene.tables.motion import DriveModel, SpeedDrive, TorqueDrive
 from pipelines.scene.tables.samples import ColumnTable, pairs
 from pipelines.scene.tables.shafts import ShaftTable
 from pipelines.scene.tables.torques import RPM
@@ -41,13 +39,13 @@ def speed_profile(drive: DriveModel) -> SpeedProfile:
     return SpeedProfile(times=np.zeros(1), speeds=np.array([starting_rpm(drive) * RPM]))
 
 
-def starting_rpm(drive: TorqueDrive | InductionDrive | ControlledDrive) -> float:
+def starting_rpm(drive: DriveModel) -> float:
     """Speed of the driven shaft at t = 0 in rpm."""
-    if isinstance(drive, ControlledDrive):
+    if drive.model == "controlled-motor":
         times, speeds = pairs(drive, "times_s", "speeds_rpm", "drive")
         return float(np.interp(0.0, times, speeds))
-    if isinstance(drive, InductionDrive) and drive.start_rpm is None:
-        return drive.rated_rpm
+    if drive.model == "induction-motor" and drive.start_rpm is None:
+        return float(drive.rated_rpm)
     return float(drive.start_rpm or 0.0)
 
 
@@ -55,8 +53,8 @@ def highest_rpm(drive: DriveModel) -> float:
     """Highest speed (rpm) for which frequencies and strength are stated."""
     if isinstance(drive, TorqueDrive):
         return drive.highest_rpm or abs(drive.start_rpm)
-    if isinstance(drive, InductionDrive):
-        return drive.rated_rpm
+    if drive.model == "induction-motor":
+        return float(drive.rated_rpm)
     return float(abs(pairs(drive, "times_s", "speeds_rpm", "drive")[1]).max())
 
 
@@ -89,11 +87,9 @@ def motor_torques(drive: DriveModel, shaft: int, places: tuple[float, ...]) -> t
     for number, y in enumerate(places, 1):
         if isinstance(drive, SpeedDrive):
             continue
-        where: dict[str, Any] = drive.at(f"motor_{number}", shaft, y) | {"drives": True}
+        where = {"name": f"motor_{number}", "shaft": f"shaft_{shaft + 1}", "y": y, "drives": True}
         if isinstance(drive, TorqueDrive):
             found.append(drive.curve(where, 1.0, "drive"))
-        elif isinstance(drive, InductionDrive):
-            found.append(drive.motor(where))
         else:
-            found.append(drive.motor(where, "drive"))
+            found.append(drive.made("drive", **where))
     return tuple(found)

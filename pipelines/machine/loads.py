@@ -46,4 +46,4 @@ def torque_load(table: LoadModel, shaft: int, places: tuple[float, ...]) -> tupl
 
 
 def _source(table: TorqueLoad, shaft: int, y: float) -> TorqueSource:
-    return table.curve(table.at("load", shaft, y), -1.0, "load")
+    return table.curve({"name": "load", "shaft": f"shaft_{shaft + 1}", "y": y}, -1.0, "load")

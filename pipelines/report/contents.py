@@ -1,4 +1,4 @@
-"""What a report is made of, and how its values are set."""
+"""What a run has cost, and how values of a report are set in tables."""
 
 from __future__ import annotations
 
@@ -6,58 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from pipelines.diagnosis.control_diagnosis import Diagnosis
-from pipelines.diagnosis.uncertainty.line_bars import LineBars
 from pipelines.io.grid import Grid
-from pipelines.report.figures.views import LeftOut
-from pipelines.report.first_screen import FirstScreen
-from pipelines.signals.analysis import DiagnosisSettings, channel_names
 
 if TYPE_CHECKING:
-    import xarray
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class ReportContents:
-    """The parts of a report but for its cost; each may be left out, and is then not named.
-
-    Tables are rows of named cells (dicts with equal keys, the keys are the headers); numbers are set to four digits.
-    `first` is the first screen. `runs` maps a name ("missing tooth", "healthy", ...) to a response, the run of the
-    scene first. `diagnoses` are the comparisons whose lines are shown in full (rope, constant torque), `seeds` those of
-    further deviations, which enter the summary. `settings` say what to look at in a run without control. The pictures
-    and the stiffness are elements of the page, see `pipelines.report.pictures`.
-    """
-
-    title: str
-    first: FirstScreen = field(default_factory=FirstScreen)
-    summary: Mapping[str, Any] = field(default_factory=dict)
-    diagnoses: Sequence[Diagnosis] = ()
-    seeds: Sequence[Diagnosis] = ()
-    bars: LineBars | str = ""  # of the lines of the first diagnosis, or why there are none
-    gears: Sequence[Mapping[str, Any]] = ()
-    rolling: Sequence[Mapping[str, Any]] = ()  # bearings with their pass frequencies
-    shafts: Sequence[Mapping[str, Any]] = ()  # faults of shafts with their orders
-    gear_picture: str | LeftOut | None = None
-    stiffness: str = ""
-    casing_picture: str | LeftOut | None = None
-    casing_rows: Sequence[Mapping[str, Any]] = ()
-    runs: Mapping[str, xarray.Dataset] = field(default_factory=dict)
-    windows: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    sensor: str = ""  # whose signals are shown
-    axis: str = "z"
-    settings: DiagnosisSettings | None = None
-    energy: Sequence[Mapping[str, Any]] = ()
-    cautions: Sequence[str] = ()  # what the motions say about themselves
-    warnings: Sequence[str] = ()
-
-    @property
-    def channel(self) -> tuple[str, str] | None:
-        """Sensor and axis of the verdict, an axis of its own for the resultant; None if the runs do not have it."""
-        runs = list(self.runs.values())
-        if not runs or any(self.sensor not in channel_names(run) for run in runs):
-            return None
-        axes = [str(axis) for axis in runs[0].axis.values]
-        return self.sensor, self.axis if self.axis in axes else axes[-1]
+    pass
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -5,6 +5,8 @@ They are half a screen wide, so that their letters are as large as those of the 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +17,38 @@ from pipelines.report.figures.plots import FAULTY, HEALTHY, MARK, dress, fixed_f
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from pipelines.report.first_screen import Average, Envelope
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Average:
+    """A time-synchronous average over one turn of a shaft, at rising places.
+
+    `reference` is that of the healthy control, None if there is none; `marked` the places of the tooth that is a
+    candidate, None without one, and `marked_name` words for it.
+    """
+
+    place: np.ndarray  # (n,), deg or teeth
+    value: np.ndarray  # (n,), in `unit`
+    reference: np.ndarray | None = None  # (n,), in `unit`
+    across: str  # what `place` is, with its unit: "tooth of the stage 1 wheel in mesh"
+    unit: str
+    marked: tuple[float, float] | None = None
+    marked_name: str = ""
+    caption: str
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Envelope:
+    """An envelope spectrum; `marked` are lines (place, label) that the verdict reads, `band` the words for its band."""
+
+    line: np.ndarray  # (n,), order or Hz
+    amplitude: np.ndarray  # (n,), in `unit`
+    reference: np.ndarray | None = None  # (n,), in `unit`
+    across: str  # what `line` is, with its unit
+    unit: str
+    marked: Sequence[tuple[float, str]] = ()
+    band: str
+    caption: str
+
 
 SIZE = (2.9, 5.0)  # height and width, inches
 LETTERS = 8.5  # points

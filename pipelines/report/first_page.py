@@ -2,51 +2,77 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from pipelines.diagnosis.verdict import decibels
 from pipelines.io.grid import Grid
 from pipelines.report import page
-from pipelines.report.first_figures import average_figure, envelope_figure
-from pipelines.report.first_screen import FirstScreen
+from pipelines.report.first_figures import Average, Envelope, average_figure, envelope_figure
 
 RANKED_AT_ONCE = 5  # components on the first screen; the others open on a click
 
 
-def first_screen(content: FirstScreen) -> list[str]:
-    """The parts of the page: verdict, numbers, figures, ranking."""
-    return [*_verdict(content), *_figures(content), *_evidence(content), *_ranking(content)]
+def first_screen(
+    *,
+    sentences: Sequence[str] = (),
+    found: bool | None = None,
+    label: str = "",
+    figures: Sequence[tuple[str, str]] = (),
+    average: Average | None = None,
+    envelope: Envelope | None = None,
+    ranking: Sequence[tuple[str, float, str, str]] = (),
+    ranking_note: str = "",
+) -> list[str]:
+    """The parts of the page: verdict, numbers, figures, ranking; what a run does not have is left out.
+
+    Parameters
+    ----------
+    sentences, found : the verdict, the answer first; whether a fault is seen, None without a diagnosis
+    label : what was compared with, such as "against 8 healthy recordings"
+    figures : names with their values: f_m, f_r, speed
+    average, envelope : the two figures that the verdict rests on
+    ranking : components with their evidence in dB, their p-value ("-" where there is none), and a remark
+    ranking_note : explains the columns of the ranking
+    """
+    return [
+        *_verdict(sentences, found, label),
+        *_figures(figures),
+        *_evidence(average, envelope),
+        *_ranking(ranking, ranking_note),
+    ]
 
 
-def _verdict(content: FirstScreen) -> list[str]:
-    if not content.sentences:
+def _verdict(sentences: Sequence[str], found: bool | None, label: str) -> list[str]:
+    if not sentences:
         return []
-    style = {True: "fault", False: "none", None: "open"}[content.found]
-    parts = [page.paragraph(sentence) for sentence in content.sentences]
-    parts += [page.paragraph(content.label, "label")] if content.label else []
+    style = {True: "fault", False: "none", None: "open"}[found]
+    parts = [page.paragraph(sentence) for sentence in sentences]
+    parts += [page.paragraph(label, "label")] if label else []
     return [f'<div class="verdict {style}" id="verdict">{"".join(parts)}</div>']
 
 
-def _figures(content: FirstScreen) -> list[str]:
-    if not content.figures:
+def _figures(figures: Sequence[tuple[str, str]]) -> list[str]:
+    if not figures:
         return []
-    pairs = (f"<div><dt>{page.typeset(n)}</dt><dd>{page.typeset(v)}</dd></div>" for n, v in content.figures)
+    pairs = (f"<div><dt>{page.typeset(n)}</dt><dd>{page.typeset(v)}</dd></div>" for n, v in figures)
     return [f'<dl id="numbers">{"".join(pairs)}</dl>']
 
 
-def _evidence(content: FirstScreen) -> list[str]:
+def _evidence(average: Average | None, envelope: Envelope | None) -> list[str]:
     parts = []
-    if content.average is not None:
-        parts.append(page.picture(average_figure(content.average), content.average.caption))
-    if content.envelope is not None:
-        parts.append(page.picture(envelope_figure(content.envelope), content.envelope.caption))
+    if average is not None:
+        parts.append(page.picture(average_figure(average), average.caption))
+    if envelope is not None:
+        parts.append(page.picture(envelope_figure(envelope), envelope.caption))
     return [f'<div id="evidence">{"".join(parts)}</div>'] if parts else []
 
 
-def _ranking(content: FirstScreen) -> list[str]:
-    if not content.ranking:
+def _ranking(ranking: Sequence[tuple[str, float, str, str]], note: str) -> list[str]:
+    if not ranking:
         return []
-    rows = [(one.component, decibels(one.evidence), one.p_value, one.remark) for one in content.ranking]
+    rows = [(component, decibels(evidence), *others) for component, evidence, *others in ranking]
     headers = ("component", "increase dB", "p-value", "remark")
-    first, others = rows[:RANKED_AT_ONCE], rows[RANKED_AT_ONCE:]
+    first, more = rows[:RANKED_AT_ONCE], rows[RANKED_AT_ONCE:]
     parts = [
         page.table(
             Grid(
@@ -56,8 +82,8 @@ def _ranking(content: FirstScreen) -> list[str]:
             )
         )
     ]
-    if others:
-        rest = Grid(title="", headers=headers, rows=tuple(others))
-        parts.append(page.folded(f"{len(others)} more components", page.table(rest)))
-    parts += [page.note(content.ranking_note)] if content.ranking_note else []
+    if more:
+        rest = Grid(title="", headers=headers, rows=tuple(more))
+        parts.append(page.folded(f"{len(more)} more components", page.table(rest)))
+    parts += [page.note(note)] if note else []
     return [f'<div id="ranking">{"".join(parts)}</div>']

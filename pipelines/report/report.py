@@ -3,18 +3,41 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pipelines.diagnosis.control_verdict import criterion, directions, sentences, summary_grid
 from pipelines.io.grid import Grid
 from pipelines.report import page, spectra
-from pipelines.report.contents import ReportContents, RunCost, cell, grid, turned
+from pipelines.report.contents import RunCost, cell, grid, turned
 from pipelines.report.cost_words import count_words, step_words
 from pipelines.report.figures.plots import drive_figure
 from pipelines.report.figures.views import LeftOut
-from pipelines.report.first_page import first_screen
+
+if TYPE_CHECKING:
+    import xarray
+
+    from pipelines.diagnosis.control_diagnosis import Diagnosis
+    from pipelines.diagnosis.uncertainty.line_bars import LineBars
+    from pipelines.signals.analysis import DiagnosisSettings
+
+Rows = Sequence[Mapping[str, Any]]
+ROLLING = (
+    "Pass frequencies at the highest speed, without slip. A spall on a rolling element meets both rings in each "
+    "turn of the element, so its frequency is 2 BSF."
+)
+SHAFTS = "Orders 1x and 2x of the shaft at the highest speed. The diagnosis evaluates these two lines."
+CASING = (
+    "Coordinates: degrees of freedom of the reduced model. The checks compare it with the finite-element model: "
+    "symmetry, rigid-body motions, mass, inertia and reactions. gearcase casing SCENE prints each of them."
+)
+ENERGY = (
+    "Energies over the whole simulation, in joule. Stored: change of the stored energy. Parametric: work of "
+    "springs whose stiffness changes in time. Residual: received plus parametric minus dissipated minus stored; 0 "
+    "except for numerical errors. Scale: the energy with which the residual is compared. The total includes the "
+    "rotation of the shafts."
+)
 
 
 def write_report(path: Path | str, title: str, body: str, cost: RunCost) -> Path:
@@ -33,44 +56,80 @@ def write_report(path: Path | str, title: str, body: str, cost: RunCost) -> Path
     return path
 
 
-def report_body(contents: ReportContents) -> str:
+def report_body(
+    title: str,
+    *,
+    first: Sequence[str] = (),
+    summary: Mapping[str, Any] | None = None,
+    diagnoses: Sequence[Diagnosis] = (),
+    seeds: Sequence[Diagnosis] = (),
+    error: LineBars | str = "",
+    gears: Rows = (),
+    rolling: Rows = (),
+    shafts: Rows = (),
+    gear_picture: str | LeftOut | None = None,
+    stiffness: str = "",
+    casing_picture: str | LeftOut | None = None,
+    casing_rows: Rows = (),
+    runs: Mapping[str, xarray.Dataset] | None = None,
+    windows: Mapping[str, tuple[float, float]] | None = None,
+    sensor: str = "",
+    axis: str = "z",
+    settings: DiagnosisSettings | None = None,
+    energy: Rows = (),
+    cautions: Sequence[str] = (),
+    warnings: Sequence[str] = (),
+) -> str:
     """The page but for its cost: the answer on the first screen, then the signals, then everything else, folded.
 
-    A section that does not apply to the run is not there.
+    A section that does not apply to the run is not there. Tables are rows of named cells (the keys are the headers);
+    numbers are set to four digits. Pictures and stiffness are elements of the page, see `pipelines.report.pictures`.
+
+    Parameters
+    ----------
+    title, first : heading, and parts of the first screen
+    summary : what was run, by name
+    diagnoses, seeds : comparisons that are shown in full, and those of further deviations, which enter the summary
+    error : uncertainty of the lines of the first diagnosis, or why there are none
+    gears, rolling, shafts : gears, bearings with their pass frequencies, faults of shafts with their orders
+    gear_picture, stiffness, casing_picture, casing_rows : of gears and casing
+    runs, windows : responses by name, that of the scene first; the windows of the diagnosis
+    sensor, axis : whose signals are shown
+    settings : what to look at in a run without control
+    energy, cautions, warnings : energy balance, warnings of the motions and of the scene
     """
-    sections: list[tuple[str, Callable[[ReportContents], list[str]]]] = [
-        ("Signals and spectra", spectra.signals),
-        ("How it was decided", _decided),
-        ("Levels", spectra.levels),
-        ("Healthy and faulty", spectra.healthy_faulty),
-        ("Error bars", spectra.error_bars),
-        ("Windows side by side", spectra.two_windows),
-        ("Two loads", spectra.two_loads),
-        ("All lines", spectra.all_lines),
-        ("What was run", _what_was_run),
-        ("Gears", _gears),
-        ("Rolling bearings", _rolling),
-        ("Faults of shafts", _shafts),
-        ("Stiffness", _stiffness),
-        ("Casing", _casing),
-        ("Speed", _drive),
-        ("Energy balance", _energy),
+    runs, windows = runs or {}, windows or {}
+    sections = [
+        ("Signals and spectra", spectra.signals(runs, windows, (sensor, axis), diagnoses, settings)),
+        ("How it was decided", _decided(diagnoses, seeds)),
+        ("Levels", spectra.levels(runs, windows)),
+        ("Healthy and faulty", spectra.healthy_faulty(diagnoses, error)),
+        ("Error bars", spectra.error_bars(error)),
+        ("Windows side by side", spectra.two_windows(diagnoses)),
+        ("Two loads", spectra.two_loads(diagnoses)),
+        ("All lines", spectra.all_lines(diagnoses, seeds)),
+        ("What was run", _what_was_run(summary or {}, warnings)),
+        ("Gears", _gears(gears) + _picture(gear_picture)),
+        ("Rolling bearings", _noted(rolling, ROLLING)),
+        ("Faults of shafts", _noted(shafts, SHAFTS)),
+        ("Stiffness", [stiffness] if stiffness else []),
+        ("Casing", _noted(casing_rows, CASING) + _picture(casing_picture)),
+        ("Speed", _drive(runs, windows)),
+        ("Energy balance", _noted(energy, ENERGY)),
     ]
-    body = [page.heading(contents.title, 1)]
-    body += [page.paragraph(f"Warning: {text}", "caution") for text in contents.cautions]
-    body += first_screen(contents.first)
-    for number, (title, make) in enumerate(sections):
-        if parts := make(contents):
-            body.append(page.section(title, parts, opened=number == 0))
+    body = [page.heading(title, 1)]
+    body += [page.paragraph(f"Warning: {text}", "caution") for text in cautions]
+    body += first
+    body += [page.section(name, parts, opened=name == sections[0][0]) for name, parts in sections if parts]
     return "\n".join(body)
 
 
-def _decided(contents: ReportContents) -> list[str]:
-    if not contents.diagnoses:
+def _decided(diagnoses: Sequence[Diagnosis], seeds: Sequence[Diagnosis]) -> list[str]:
+    if not diagnoses:
         return []
-    every = [*contents.diagnoses, *contents.seeds]
-    texts = [criterion(every[0]), *(s for d in contents.diagnoses for s in sentences(d))]
-    texts += [text for d in contents.diagnoses if (text := directions(d))]
+    every = [*diagnoses, *seeds]
+    texts = [criterion(every[0]), *(s for d in diagnoses for s in sentences(d))]
+    texts += [text for d in diagnoses if (text := directions(d))]
     note = (
         "In each cell: detected lines of all lines of this kind. Envelope harmonics: k f_r in the envelope spectrum. "
         "Sidebands of n f_m: n f_m + k f_r in the spectrum."
@@ -78,50 +137,24 @@ def _decided(contents: ReportContents) -> list[str]:
     return [*map(page.paragraph, texts), page.table(summary_grid(every)), page.note(note)]
 
 
-def _what_was_run(contents: ReportContents) -> list[str]:
-    parts = [page.paragraph(f"Warning: {text}", "missing") for text in contents.warnings]
-    if contents.summary:
-        rows = tuple((name, cell(value)) for name, value in contents.summary.items())
+def _what_was_run(summary: Mapping[str, Any], warnings: Sequence[str]) -> list[str]:
+    parts = [page.paragraph(f"Warning: {text}", "missing") for text in warnings]
+    if summary:
+        rows = tuple((name, cell(value)) for name, value in summary.items())
         parts.append(page.table(Grid(title="", headers=("", ""), rows=rows)))
         parts.append(page.note("Models have the names that the scene uses."))
     return parts
 
 
-def _gears(contents: ReportContents) -> list[str]:
+def _gears(gears: Rows) -> list[str]:
     note = (
         "Symbols of ISO 21771-1 and ISO 6336-1. Frequencies at the highest speed, forces at the load of the scene. The "
         "line load is the tangential force per face width."
     )
     parts = []
-    if contents.gears:
-        parts = [page.table(turned(grid("", contents.gears), ("stage", "gear"))), page.note(note)]
-    return parts + _picture(contents.gear_picture)
-
-
-def _rolling(contents: ReportContents) -> list[str]:
-    return _noted(
-        contents.rolling,
-        "Pass frequencies at the highest speed, without slip. A spall on a rolling element meets both rings in each "
-        "turn of the element, so its frequency is 2 BSF.",
-    )
-
-
-def _shafts(contents: ReportContents) -> list[str]:
-    return _noted(
-        contents.shafts, "Orders 1x and 2x of the shaft at the highest speed. The diagnosis evaluates these two lines."
-    )
-
-
-def _stiffness(contents: ReportContents) -> list[str]:
-    return [contents.stiffness] if contents.stiffness else []
-
-
-def _casing(contents: ReportContents) -> list[str]:
-    return _noted(
-        contents.casing_rows,
-        "Coordinates: degrees of freedom of the reduced model. The checks compare it with the finite-element model: "
-        "symmetry, rigid-body motions, mass, inertia and reactions. gearcase casing SCENE prints each of them.",
-    ) + _picture(contents.casing_picture)
+    if gears:
+        parts = [page.table(turned(grid("", gears), ("stage", "gear"))), page.note(note)]
+    return parts
 
 
 def _noted(rows: Sequence[Mapping[str, Any]], note: str) -> list[str]:
@@ -136,13 +169,13 @@ def _picture(found: str | LeftOut | None) -> list[str]:
     return [page.paragraph(found.reason, "missing") if isinstance(found, LeftOut) else found]
 
 
-def _drive(contents: ReportContents) -> list[str]:
-    run = next(iter(contents.runs.values()), None)
+def _drive(runs: Mapping[str, xarray.Dataset], windows: Mapping[str, tuple[float, float]]) -> list[str]:
+    run = next(iter(runs.values()), None)
     if run is None or not {"motor_speed", "shaft_speed"} & set(run.data_vars):
         return []
     caption = "Speeds of the motors and the first shaft" + (", and force in the rope." if "rope_force" in run else ".")
-    caption += " Shaded: the windows of the diagnosis." if contents.windows else ""
-    return [page.picture(drive_figure(run, contents.windows), caption)]
+    caption += " Shaded: the windows of the diagnosis." if windows else ""
+    return [page.picture(drive_figure(run, windows), caption)]
 
 
 def _cost(cost: RunCost) -> list[str]:
@@ -162,16 +195,6 @@ def _cost(cost: RunCost) -> list[str]:
         rows = tuple((count_words(name), cell(value)) for name, value in cost.ledger.items() if value)
         parts.append(page.table(Grid(title="Size of the computation", headers=("quantity", "count"), rows=rows)))
     return parts
-
-
-def _energy(contents: ReportContents) -> list[str]:
-    return _noted(
-        contents.energy,
-        "Energies over the whole simulation, in joule. Stored: change of the stored energy. Parametric: work of "
-        "springs whose stiffness changes in time. Residual: received plus parametric minus dissipated minus stored; 0 "
-        "except for numerical errors. Scale: the energy with which the residual is compared. The total includes the "
-        "rotation of the shafts.",
-    )
 
 
 def _provenance(cost: RunCost) -> list[str]:

@@ -15,7 +15,8 @@ from pipelines.diagnosis.prediction import FEWEST_FOR_P
 from pipelines.diagnosis.verdict import Finding, Verdict
 from pipelines.machine.kinematics import kinematics_of
 from pipelines.machine.plant import Plant
-from pipelines.report.first_screen import Average, Envelope, FirstScreen, Ranked
+from pipelines.report import first_page
+from pipelines.report.first_figures import Average, Envelope
 from pipelines.report.zoom_data import ENVELOPE_ORDERS, streams
 from pipelines.scene.tables.analysis import LookedFor
 from pipelines.signals.analysis import DiagnosisSettings, analyse, noisy_signal
@@ -42,8 +43,8 @@ def first_screen(
     failure: str,
     verdict: Verdict | None = None,
     baseline: bool = False,
-) -> FirstScreen:
-    """Verdict, main numbers, an average over one revolution and an envelope spectrum.
+) -> list[str]:
+    """Parts of the page: verdict, main numbers, an average over one revolution and an envelope spectrum.
 
     Parameters
     ----------
@@ -61,7 +62,7 @@ def first_screen(
     else:
         verdicts, found = _verdict(plant, diagnoses, failure)
         label = CONTROL if diagnoses else ""
-    return FirstScreen(
+    return first_page.first_screen(
         sentences=verdicts,
         found=found,
         label=label,
@@ -73,15 +74,10 @@ def first_screen(
     )
 
 
-def _ranked(finding: Finding) -> Ranked:
+def _ranked(finding: Finding) -> tuple[str, float, str, str]:
     remarks = [] if finding.tooth is None else [f"highest envelope energy at tooth {finding.tooth}"]
     remarks += [f"has the same orders as {', '.join(finding.alike)}"] if finding.alike else []
-    return Ranked(
-        component=finding.component,
-        evidence=finding.rise,
-        p_value=words.probability(finding),
-        remark="; ".join(remarks),
-    )
+    return finding.component, finding.rise, words.probability(finding), "; ".join(remarks)
 
 
 def _ranking_note(verdict: Verdict) -> str:

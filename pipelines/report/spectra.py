@@ -1,13 +1,15 @@
-"""The sections of a report that show spectra and lines: each takes the contents and gives parts of the page."""
+"""The sections of a report that show spectra and lines: each takes the results that it shows, and gives parts of it."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.control_verdict import case_name, directions, lines_grid, seeds_grid
 from pipelines.diagnosis.uncertainty.line_bars import LineBars
 from pipelines.diagnosis.uncertainty.words import bars_grid
 from pipelines.report import page
-from pipelines.report.contents import ReportContents
 from pipelines.report.figures.plots import waveform_figure
 from pipelines.report.figures.spectrum_plots import (
     Trace,
@@ -20,47 +22,70 @@ from pipelines.report.figures.spectrum_plots import (
 )
 from pipelines.report.zoom import charts
 from pipelines.report.zoom_data import channels, views
-from pipelines.signals.analysis import Analysis, DiagnosisSettings, analyse
+from pipelines.signals.analysis import Analysis, DiagnosisSettings, analyse, channel_names
 from pipelines.signals.levels import contact_sentence, level_grid
 from pipelines.signals.lines import LOADS
 
+if TYPE_CHECKING:
+    import xarray
 
-def signals(contents: ReportContents) -> list[str]:
-    """The charts that zoom, and the same as figures where no script runs."""
-    if contents.channel is None:
+    Runs = Mapping[str, xarray.Dataset]
+    Windows = Mapping[str, tuple[float, float]]
+
+
+def signals(
+    runs: Runs,
+    windows: Windows,
+    point: tuple[str, str],
+    diagnoses: Sequence[Diagnosis],
+    alone: DiagnosisSettings | None,
+) -> list[str]:
+    """The charts that zoom, and the same as figures where no script runs.
+
+    Parameters
+    ----------
+    runs, windows : responses, that of the scene first, and the windows of the diagnosis
+    point : sensor and axis
+    diagnoses, alone : the comparisons, and what to look at in a run without control
+    """
+    channel = _channel(runs, *point)
+    if channel is None:
         return []
-    settings = contents.diagnoses[0].settings if contents.diagnoses else contents.settings
+    settings = diagnoses[0].settings if diagnoses else alone
     own = None
-    if settings is not None and not contents.diagnoses:
-        own = analyse(next(iter(contents.runs.values())), settings)
-    band = contents.diagnoses[0].band if contents.diagnoses else None if own is None else own.band
-    found = channels(contents.runs, contents.channel, settings, band)
-    parts = [charts(list(contents.runs), views(settings, band), found, contents.windows), _waveforms(contents)]
-    return parts + (_compared_spectra(contents) if own is None or settings is None else _own_spectra(own, settings))
+    if settings is not None and not diagnoses:
+        own = analyse(next(iter(runs.values())), settings)
+    band = diagnoses[0].band if diagnoses else None if own is None else own.band
+    found = channels(runs, channel, settings, band)
+    caption = "Acceleration at the sensor without sensor noise: the whole run (left) and 0.1 s of it (right)."
+    waveforms = page.picture(waveform_figure(runs, *channel, windows), caption, "static")
+    parts = [charts(list(runs), views(settings, band), found, windows), waveforms]
+    return parts + (_compared_spectra(diagnoses) if own is None or settings is None else _own_spectra(own, settings))
 
 
-def levels(contents: ReportContents) -> list[str]:
+def _channel(runs: Runs, sensor: str, axis: str) -> tuple[str, str] | None:
+    """Sensor and axis of the verdict, the axis of the resultant otherwise; None if the runs do not have it."""
+    if not runs or any(sensor not in channel_names(run) for run in runs.values()):
+        return None
+    axes = [str(one) for one in next(iter(runs.values())).axis.values]
+    return sensor, axis if axis in axes else axes[-1]
+
+
+def levels(runs: Runs, windows: Windows) -> list[str]:
     """Levels of every sensor, and how often and how long the drive flanks lost contact."""
-    run = next(iter(contents.runs.values()), None)
+    run = next(iter(runs.values()), None)
     if run is None:
         return []
-    found, contact = level_grid(run, contents.windows), contact_sentence(run)
+    found, contact = level_grid(run, windows), contact_sentence(run)
     parts = [] if found is None else [page.table(found)]
     if found is not None:
         parts.append(page.note("Resultant: root sum square of the axes of a sensor."))
     return parts + ([page.paragraph(contact)] if contact else [])
 
 
-def _waveforms(contents: ReportContents) -> str:
-    assert contents.channel is not None
-    figure = waveform_figure(contents.runs, *contents.channel, contents.windows)
-    caption = "Acceleration at the sensor without sensor noise: the whole run (left) and 0.1 s of it (right)."
-    return page.picture(figure, caption, "static")
-
-
-def _compared_spectra(contents: ReportContents) -> list[str]:
+def _compared_spectra(diagnoses: Sequence[Diagnosis]) -> list[str]:
     parts = []
-    for diagnosis in contents.diagnoses[:1]:
+    for diagnosis in diagnoses[:1]:
         for window in diagnosis.settings.windows:
             segment = diagnosis.segments[window]
             caption = (
@@ -86,11 +111,11 @@ def _own_spectra(analysis: Analysis, settings: DiagnosisSettings) -> list[str]:
     return parts
 
 
-def healthy_faulty(contents: ReportContents) -> list[str]:
+def healthy_faulty(diagnoses: Sequence[Diagnosis], error: LineBars | str) -> list[str]:
     parts = []
-    for number, diagnosis in enumerate(contents.diagnoses):
+    for number, diagnosis in enumerate(diagnoses):
         for window in diagnosis.settings.windows:
-            bars = contents.bars.of(window) if isinstance(contents.bars, LineBars) and number == 0 else ()
+            bars = error.of(window) if isinstance(error, LineBars) and number == 0 else ()
             caption = f"{_named(diagnosis, window)}: healthy and faulty run. Triangles: detected lines."
             if any(bar.numerical is not None for bar in bars):
                 caption += " Black bar on a line: its numerical uncertainty."
@@ -101,14 +126,14 @@ def healthy_faulty(contents: ReportContents) -> list[str]:
     return parts
 
 
-def error_bars(contents: ReportContents) -> list[str]:
+def error_bars(error: LineBars | str) -> list[str]:
     """Numerical uncertainty of the lines, and the effect of uncertain inputs on them."""
-    if isinstance(contents.bars, str):
-        return [page.paragraph(contents.bars)] if contents.bars else []
-    windows = dict.fromkeys(bar.window for bar in contents.bars.bars)
+    if isinstance(error, str):
+        return [page.paragraph(error)] if error else []
+    windows = dict.fromkeys(bar.window for bar in error.bars)
     parts = []
     for window in windows:
-        bars = contents.bars.of(window)
+        bars = error.of(window)
         known = "numerical uncertainty, and by " if any(bar.numerical is not None for bar in bars) else ""
         caption = (
             f"Error bars in the window {window}: change of the level of a line by {known}uncertain damping. Lines that "
@@ -116,12 +141,12 @@ def error_bars(contents: ReportContents) -> list[str]:
         )
         parts += [page.picture(error_bars_figure(bars, window), caption), page.table(bars_grid(bars, window))]
         parts += [page.note("Detected lines are shaded.")] if any(bar.detected for bar in bars) else []
-    return [*parts, *map(page.paragraph, contents.bars.notes)]
+    return [*parts, *map(page.paragraph, error.notes)]
 
 
-def two_windows(contents: ReportContents) -> list[str]:
+def two_windows(diagnoses: Sequence[Diagnosis]) -> list[str]:
     parts = []
-    for diagnosis in contents.diagnoses:
+    for diagnosis in diagnoses:
         windows = list(diagnosis.settings.windows)[:2]
         if len(windows) < 2:
             continue
@@ -132,8 +157,8 @@ def two_windows(contents: ReportContents) -> list[str]:
     return parts
 
 
-def two_loads(contents: ReportContents) -> list[str]:
-    by_load = {diagnosis.load: diagnosis for diagnosis in contents.diagnoses}
+def two_loads(diagnoses: Sequence[Diagnosis]) -> list[str]:
+    by_load = {diagnosis.load: diagnosis for diagnosis in diagnoses}
     if not {"rope", "static-torque"} <= set(by_load):
         return []
     rope, torque = by_load["rope"], by_load["static-torque"]
@@ -146,17 +171,17 @@ def two_loads(contents: ReportContents) -> list[str]:
     return parts
 
 
-def all_lines(contents: ReportContents) -> list[str]:
-    if not contents.diagnoses:
+def all_lines(diagnoses: Sequence[Diagnosis], seeds: Sequence[Diagnosis]) -> list[str]:
+    if not diagnoses:
         return []
-    settings = contents.diagnoses[0].settings
+    settings = diagnoses[0].settings
     parts = [
         page.paragraph(
             f"Lines at {settings.sensor} ({settings.axis}): harmonics of f_r in the envelope spectrum, and sidebands "
             "n f_m + k f_r in the spectrum. Difference: faulty over healthy. Over floor: over the median of the bins "
             "between the orders, one f_r to either side. Detected lines are shaded; - means not detected. A mesh line "
             "or a bearing line is given for comparison and is no evidence of the fault. Both runs contain sensor noise "
-            f"of {contents.diagnoses[0].noise:.3g} m/s² rms."
+            f"of {diagnoses[0].noise:.3g} m/s² rms."
             + (
                 ' The last column gives the natural frequency of the container on its rope. "on this line" marks lines '
                 "that it can raise without a fault."
@@ -165,13 +190,13 @@ def all_lines(contents: ReportContents) -> list[str]:
             )
         )
     ]
-    for diagnosis in contents.diagnoses:
+    for diagnosis in diagnoses:
         parts += [page.table(lines_grid(diagnosis, window)) for window in diagnosis.settings.windows]
-    every = [*contents.diagnoses, *contents.seeds]
-    if contents.seeds:
+    every = [*diagnoses, *seeds]
+    if seeds:
         for load in dict.fromkeys(d.load for d in every):
             parts += [page.table(seeds_grid(every, load, window)) for window in settings.windows]
-    for diagnosis in contents.seeds:
+    for diagnosis in seeds:
         inside = "".join(page.table(lines_grid(diagnosis, window)) for window in diagnosis.settings.windows)
         parts.append(page.folded(f"Lines of {case_name(diagnosis)}", inside))
     return parts

@@ -24,7 +24,7 @@ from pipelines.scene.tables.casing import (
 )
 from pipelines.scene.tables.derived import table
 from pipelines.scene.tables.faults import AnyFaultTable, BearingSpallTable, FaultBase, FaultTable
-from pipelines.scene.tables.forces import CasingForceTable, ForceModel, PlacedTable
+from pipelines.scene.tables.forces import ForceModel, PlacedTable
 from pipelines.scene.tables.gears import DeviationTable, StageTable
 from pipelines.scene.tables.housing import HousingBase
 from pipelines.scene.tables.losses import FilmModel, LossModel, NoFilm
@@ -185,7 +185,7 @@ class Scene(Table):
         yield from self._spalled_bearings()
         known = [sensor.name for sensor in self.sensors]
         for number, force in enumerate(self.forces, 1):
-            if isinstance(force, CasingForceTable) and force.point not in known:
+            if force.model == "casing-force" and force.point not in known:
                 yield (
                     f"forces.{number}.point = {shown_value(force.point)}: a force on the casing acts at a sensor. "
                     + (f"Set one of {', '.join(known)}" if known else "Add a table [[sensors]] of this name")

@@ -14,12 +14,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.forces import BentShaftTable, UnbalanceTable
+from pipelines.scene.tables.derived import DerivedTable
 from pipelines.scene.tables.shafts import CouplingTable, DiskTable
 
 MAIN_ORDER = {"unbalance": 1, "bent-shaft": 1, "misaligned-coupling": 2}  # the strongest line, by kind
-_FAULTY_FORCES = (UnbalanceTable, BentShaftTable)
-_FAULTY_MODELS = frozenset(table.model_fields["model"].default for table in _FAULTY_FORCES)
+_FAULTY_MODELS = frozenset(("unbalance", "bent-shaft"))
 _FAULTY_KEYS = {"disks": ("eccentricity_um", "eccentricity_angle_deg"), "couplings": ("offset_um", "tilt_mrad")}
 
 
@@ -46,7 +45,7 @@ class ShaftFault:
 def shaft_faults(scene: Scene) -> tuple[ShaftFault, ...]:
     """All faults of shafts: of the forces, the disks and the couplings of a scene, in this order."""
     return (
-        *(_force_fault(table) for table in scene.forces if isinstance(table, _FAULTY_FORCES)),
+        *(_force_fault(table) for table in scene.forces if table.model in _FAULTY_MODELS),
         *(_eccentric(number, table) for number, table in enumerate(scene.disks, 1) if table.eccentricity_um),
         *(_misaligned(number, table) for number, table in enumerate(scene.couplings, 1) if _lies_apart(table)),
     )
@@ -62,7 +61,7 @@ def without_shaft_faults(tree: Mapping[str, Any], scene: Scene) -> dict[str, Any
     """
     found = dict(tree)
     if "forces" in found:
-        faulty = {str(n) for n, table in enumerate(scene.forces, 1) if isinstance(table, _FAULTY_FORCES)}
+        faulty = {str(n) for n, table in enumerate(scene.forces, 1) if table.model in _FAULTY_MODELS}
         found["forces"] = _kept_forces(found["forces"], faulty)
     for table, keys in _FAULTY_KEYS.items():
         if table in found:
@@ -74,7 +73,7 @@ def _lies_apart(table: CouplingTable) -> bool:
     return any((*table.offset_um, *table.tilt_mrad))
 
 
-def _force_fault(table: UnbalanceTable | BentShaftTable) -> ShaftFault:
+def _force_fault(table: DerivedTable) -> ShaftFault:
     values = table.model_dump(exclude={"model", "shaft"})
     return ShaftFault(
         kind=table.model,

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.checkup import CheckUp
-    from fem.casing.reduced.modes import CasingModes
     from mbd.output.trajectory import Trajectory
     from pipelines.diagnosis.control_diagnosis import Diagnosis
     from pipelines.diagnosis.uncertainty.line_bars import LineBars
@@ -65,7 +64,6 @@ def build(
     body, modes : the reduced casing, and what is said of its modes
     diagnosis, verdict, bars : results of the steps of these names
     """
-    from pipelines.report.contents import ReportContents
     from pipelines.report.figures.views import LeftOut
     from pipelines.report.report import report_body
     from pipelines.report.run_screen import first_screen
@@ -82,31 +80,30 @@ def build(
     settings, failure = _settings(plant, found, responses[0], failure)
     runs = dict(zip(spec.responses, responses, strict=False))
     ranked = verdict["verdict"] if verdict else None
-    contents = ReportContents(
-        title=plant.title,
-        first=first_screen(plant, settings, found, list(runs.values()), failure, ranked, spec.baseline),
-        summary=_summary(plant),
-        diagnoses=[d for d, full in zip(found, shown, strict=True) if full],
-        seeds=[d for d, full in zip(found, shown, strict=True) if not full],
-        bars=bars if found else "",
-        gears=gear_rows(plant),
-        rolling=rolling_rows(plant),
-        shafts=shaft_rows(plant),
-        gear_picture=curves["gears"],
-        stiffness=curves["stiffness"],
-        casing_picture=casing,
-        casing_rows=_casing_rows(body, modes),
-        runs=runs,
-        windows=dict(asked.windows),
-        sensor=asked.sensor or "",
-        axis=asked.axis,
-        settings=settings,
-        energy=energy_rows(responses[0]),
-        cautions=gathered(told(response.attrs) for response in responses),
-        warnings=spec.warnings,
-    )
     with _collector_paused():
-        page = report_body(contents)
+        page = report_body(
+            plant.title,
+            first=first_screen(plant, settings, found, list(runs.values()), failure, ranked, spec.baseline),
+            summary=_summary(plant),
+            diagnoses=[d for d, full in zip(found, shown, strict=True) if full],
+            seeds=[d for d, full in zip(found, shown, strict=True) if not full],
+            error=bars if found else "",
+            gears=gear_rows(plant),
+            rolling=rolling_rows(plant),
+            shafts=shaft_rows(plant),
+            gear_picture=curves["gears"],
+            stiffness=curves["stiffness"],
+            casing_picture=casing,
+            casing_rows=_casing_rows(body, modes),
+            runs=runs,
+            windows=dict(asked.windows),
+            sensor=asked.sensor or "",
+            axis=asked.axis,
+            settings=settings,
+            energy=energy_rows(responses[0]),
+            cautions=gathered(told(response.attrs) for response in responses),
+            warnings=spec.warnings,
+        )
     left_out = [p.reason for p in (curves["gears"], casing) if isinstance(p, LeftOut)]
     made = {"body": page, "left_out": left_out}
     return Unkept(made) if left_out else made
@@ -229,9 +226,14 @@ class CasingSummary:
     checkup: CheckUp
 
 
-def casing_summary(result: tuple[CasingModes, CheckUp]) -> CasingSummary:
-    """Of the step `casing modes` without its fields, which would fill memory while pictures are drawn."""
-    modes, checkup = result
+def casing_summary(result: tuple[Any, ...]) -> CasingSummary:
+    """Of the step `casing modes` without its fields, which would fill memory while pictures are drawn.
+
+    Parameters
+    ----------
+    result : `CasingModes` and `CheckUp`, and the quadratic modes where the frequencies are extrapolated
+    """
+    modes, checkup, *_ = result
     return CasingSummary(unknowns=modes.unknowns, solver=modes.solver, checkup=checkup)
 
 

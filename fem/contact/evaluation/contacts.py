@@ -15,7 +15,8 @@ import numpy as np
 
 from fem.contact.evaluation.law_tables import LANES, LARGEST_NEAR, slices_of
 from fem.contact.slice_means import FINER
-from fem.numerics.compiled import INLINE, inner, views
+from fem.numerics.compiled import views
+from fem.numerics.inner import INLINE, inner
 
 NEVER = -1e300  # approach of a pair that cannot touch
 LEAST = 1e-290  # N/m: the load that closes a slice with an even gap

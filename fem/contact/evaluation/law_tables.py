@@ -15,7 +15,8 @@ from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from fem.contact.law import MeshLaw
 from fem.contact.slice_means import FINER, slice_means
-from fem.numerics.compiled import INLINE, inner, views
+from fem.numerics.compiled import views
+from fem.numerics.inner import INLINE, inner
 
 LANES = 16
 MAX_SPAN = 10  # pitches that the position grid may span

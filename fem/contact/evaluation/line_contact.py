@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 
 from fem.contact.part_contact import part_of, spared, spared_compliance, touch
-from fem.numerics.compiled import INLINE, inner
+from fem.numerics.inner import INLINE, inner
 
 CLOSE = 1e-8  # a Newton step this small (relative) leaves an error of about its square times 0.1
 SERIES = 0.02  # largest change for `log_of_growth`

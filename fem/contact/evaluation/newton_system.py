@@ -56,7 +56,8 @@ from fem.contact.evaluation.contacts import (
 from fem.contact.evaluation.law_tables import LANES, slices_of
 from fem.contact.evaluation.line_contact import compliance_of, hertz_depth
 from fem.contact.part_contact import part_of, spared, spared_compliance
-from fem.numerics.compiled import INLINE, SPREAD, SUMS, inner
+from fem.numerics.compiled import SPREAD, SUMS
+from fem.numerics.inner import INLINE, inner
 
 
 @njit(**SPREAD)

@@ -81,7 +81,8 @@ from fem.contact.evaluation.line_contact import (
 from fem.contact.evaluation.newton_system import bodies_in_series, newton_step
 from fem.contact.part_contact import part_of, spared, spared_work, spared_work_slope, touch
 from fem.contact.slice_means import FINER
-from fem.numerics.compiled import FLOAT, INLINE, MATRIX, SPREAD, SUMS, VECTOR, apart, inner, stored, views
+from fem.numerics.compiled import FLOAT, MATRIX, SPREAD, SUMS, VECTOR, apart, stored, views
+from fem.numerics.inner import INLINE, inner
 
 STEPS = 14
 ASIDE = 0.25  # of the approach: pairs this far apart are gathered, for modes that lift a tooth towards its mate

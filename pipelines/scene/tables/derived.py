@@ -10,10 +10,12 @@ import typing
 from collections.abc import Iterable, Iterator
 from typing import Annotated, Any, ClassVar, Literal, Self
 
+import numpy as np
 from pydantic import Field, create_model, model_validator
 
 from fem.options import Option, inlined, key_suffix, options_of
 from pipelines.scene.tables.base import Flag, Number, Table, Whole
+from pipelines.scene.tables.samples import Samples, check_pairs, pairs
 
 _STRICT = {float: Number, int: Whole, bool: Flag}
 
@@ -26,24 +28,33 @@ class DerivedTable(Table):
         def __getattr__(self, key: str) -> Any:
             """The value of an option."""
 
+    use: ClassVar[str] = ""  # behind the name of the class, where that has tables for several uses
     made_of: ClassVar[type]
-    alone: ClassVar[bool]  # whether the options are all that an object needs
+    alone: ClassVar[bool]  # whether the options are all that an object needs, and none of them is in a file
+    series: ClassVar[tuple[str, ...]] = ()  # the keys of places and of values at these places, if there are any
 
     @model_validator(mode="after")
     def _makes_an_object(self) -> Self:
         """What an object refuses when it is made is a problem of the table."""
+        if self.series:
+            check_pairs(self, *self.series)
         if self.alone:
             self.made()
         return self
 
-    def made(self, **others: Any) -> Any:
-        """An object of the class in SI, with values for further fields."""
-        return self.made_part(self.made_of, **others)
+    def made(self, path: str = "", /, **others: Any) -> Any:
+        """An object of the class in SI, with values for further fields; `path` of the table in messages on files."""
+        return self.made_part(self.made_of, path, **others)
 
-    def made_part(self, part: type, **others: Any) -> Any:
+    def made_part(self, part: type, path: str = "", /, **others: Any) -> Any:
         """An object of a class whose options are among the keys; `others` are further fields, and win over options."""
-        given = {field.name: _si(getattr(self, key_of(field.name, one)), one) for field, one in options_of(part)}
-        parts = {name: self.made_part(of) for name, of in inlined(part) if name not in others}
+        series = _series(part)
+        read = dict(zip(series, pairs(self, series[0], series[1], path), strict=True)) if series else {}
+        given = {}
+        for field, one in options_of(part):
+            key = key_of(field.name, one)
+            given[field.name] = _si(read.get(key, getattr(self, key)), one, f"{path}.{key}")
+        parts = {name: self.made_part(of, path) for name, of in inlined(part) if name not in others}
         return part(**given | parts | others)
 
 
@@ -53,7 +64,7 @@ class EitherTable(DerivedTable):
     kinds: ClassVar[tuple[type, ...]]
     alone = True
 
-    def made(self, **others: Any) -> Any:
+    def made(self, path: str = "", /, **others: Any) -> Any:
         """An object of the class whose required options are given, in SI.
 
         Raises
@@ -64,7 +75,7 @@ class EitherTable(DerivedTable):
         given = {key for keys in ways.values() for key in keys if getattr(self, key) is not None}
         for kind, keys in ways.items():
             if given == set(keys):
-                return self.made_part(kind, **others)
+                return self.made_part(kind, path, **others)
         choices = ", or ".join(" with ".join(keys) for keys in ways.values())
         raise ValueError(f"is located by {', '.join(sorted(given)) or 'nothing'}. Set {choices}")
 
@@ -87,9 +98,9 @@ def table(made_of: type, base: type[DerivedTable] = DerivedTable, **tag: tuple[s
         keys["model"] = (hints["model"], typing.get_args(hints["model"])[0])
     keys |= _keys(made_of)
     doc = (made_of.__doc__ or "").split("\n\n")[0]
-    made = create_model(made_of.__name__, __base__=base, __doc__=doc, **keys)
-    made.made_of = made_of
-    made.alone = all(
+    made = create_model(made_of.__name__ + base.use, __base__=base, __doc__=doc, **keys)
+    made.made_of, made.series = made_of, _series(made_of)
+    made.alone = not made.series and all(
         "option" in f.metadata or f.default is not dataclasses.MISSING for f in dataclasses.fields(made_of)
     )
     return made
@@ -123,6 +134,11 @@ def _options(made_of: type) -> Iterator[tuple[dataclasses.Field, Any, Option]]:
         yield from _options(part)
 
 
+def _series(made_of: type) -> tuple[str, ...]:
+    """The keys of options that are arrays."""
+    return tuple(key_of(field.name, one) for field, hint, one in _options(made_of) if hint is np.ndarray)
+
+
 def choice(tables: Iterable[Any], key: str) -> Any:
     """Several tables, of which a key chooses one."""
     return Annotated[functools.reduce(operator.or_, tables), Field(discriminator=key)]
@@ -141,6 +157,8 @@ def _strict(annotation: Any, one: Option) -> Any:
         return Annotated[_STRICT[annotation], Field(**limits)] if limits else _STRICT[annotation]
     if annotation is bool:
         return Flag
+    if annotation is np.ndarray:
+        return Samples
     if isinstance(annotation, type) and dataclasses.is_dataclass(annotation):
         return table(annotation)
     if typing.get_origin(annotation) is Annotated:  # a number with limits of its own
@@ -150,16 +168,18 @@ def _strict(annotation: Any, one: Option) -> Any:
     if not inner or origin is Literal:
         return annotation
     if origin in (typing.Union, types.UnionType):
+        if all(isinstance(part, type) and issubclass(part, DerivedTable) for part in inner):
+            return choice(inner, "model")
         return functools.reduce(operator.or_, inner)
     return origin[inner]
 
 
-def _si(value: Any, one: Option) -> Any:
-    """A value of a table in SI."""
+def _si(value: Any, one: Option, path: str) -> Any:
+    """A value of a table at a path in SI."""
     if isinstance(value, tuple):
-        return tuple(_si(item, one) for item in value)
+        return tuple(_si(item, one, path) for item in value)
     if isinstance(value, DerivedTable):
-        return value.made()
+        return value.made(path)
     return one.si(value) if one.unit and value is not None else value
 
 

@@ -6,12 +6,14 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from mbd.forces.induction_motor import InductionMotor
 from mbd.forces.load_models import LOADS, StaticTorqueLoad, load_model
+from mbd.forces.speed_controller import SpeedController
 from mbd.integrators.settings import MotionSettings
 from pipelines.scene.tables.base import Number, Table, Whole
 from pipelines.scene.tables.derived import DerivedTable, choice, table
 from pipelines.scene.tables.samples import ColumnTable, Samples, check_pairs
-from pipelines.scene.tables.torques import ControlledTable, InductionTable, SomewhereTable, TorqueCurve
+from pipelines.scene.tables.torques import SomewhereTable, TorqueCurve
 
 Motors = Annotated[Literal[1, 2], Field(description="2: one motor at each end of the shaft; 1: one motor")]
 
@@ -78,8 +80,21 @@ class TorqueDrive(MotorsTable, TorqueCurve):
     ] = None
 
 
-class InductionDrive(MotorsTable, InductionTable):
-    """Induction motors on the mains, by their rating and the formula of Kloss."""
+class _MotorsBase(MotorsTable, DerivedTable):
+    """Motors whose torque follows from their speed."""
+
+    use = "Drive"
+
+    @model_validator(mode="after")
+    def _fits(self) -> _MotorsBase:
+        """What a motor refuses is a problem of the table; speeds over time are checked on their own."""
+        if not self.series:
+            self.made(name="motor", shaft="shaft_1", y=0.0)
+        return self
+
+
+class _InductionBase(_MotorsBase):
+    """Where the motors start."""
 
     start_rpm: Annotated[
         Number | None,
@@ -87,19 +102,8 @@ class InductionDrive(MotorsTable, InductionTable):
     ] = None
 
 
-class ControlledDrive(MotorsTable, ControlledTable):
-    """Motors under PI speed control."""
-
-
 def _speed_by_default(value: Any) -> Any:
     return {"model": "speed", **value} if isinstance(value, dict) and "model" not in value else value
-
-
-DriveModel = Annotated[
-    SpeedDrive | TorqueDrive | InductionDrive | ControlledDrive,
-    Field(discriminator="model"),
-    BeforeValidator(_speed_by_default),
-]
 
 
 class TorqueLoad(SomewhereTable, TorqueCurve):
@@ -121,8 +125,16 @@ class LoadBase(DerivedTable):
 
 StaticTorqueTable = table(StaticTorqueLoad, LoadBase)
 if TYPE_CHECKING:
+    DriveModel = Any
     LoadModel = Any
     SimulationTable = Any
 else:
+    DriveModel = Annotated[
+        choice(
+            (SpeedDrive, TorqueDrive, table(InductionMotor, _InductionBase), table(SpeedController, _MotorsBase)),
+            "model",
+        ),
+        BeforeValidator(_speed_by_default),
+    ]
     LoadModel = choice((TorqueLoad, *(table(load_model(name), LoadBase) for name in LOADS)), "model")
     SimulationTable = table(MotionSettings)

@@ -1,0 +1,37 @@
+"""Functions for compiled callers, without the compiler: a file may define both options of a scene and such functions.
+
+`fem.numerics.compiled` registers their type with the compiler.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import Any
+
+PLAIN: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
+INLINE: dict[str, Any] = {"forceinline": True, "fastmath": {"contract"}}
+NO_ENTRY: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
+
+class Inner:
+    """A compiled function for compiled callers; called from Python, it runs as Python."""
+
+    def __init__(self, function: Callable, **options: Any) -> None:
+        self._function, self._options = function, options
+        functools.update_wrapper(self, function)
+
+    def __call__(self, *values: Any) -> Any:
+        return self._function(*values)
+
+    @functools.cached_property
+    def compiled(self) -> Any:
+        """The function as the compiler takes it."""
+        from numba import njit
+
+        return njit(**{**PLAIN, **NO_ENTRY, **self._options})(self._function)
+
+
+def inner(**options: Any) -> Callable:
+    """`njit` without the entry from Python, which is half of a small function's code or of one that takes tables."""
+    return functools.partial(Inner, **options)
