@@ -87,6 +87,8 @@ def test_what_a_lower_rate_cannot_hold_is_compared_in_neither():
     assert drawn.orders[-1] == pytest.approx(0.45 * 10_000.0 / SPEED, abs=0.1)
     np.testing.assert_allclose(drawn.spectrum[1], drawn.spectrum[0], atol=2e-3)
     np.testing.assert_allclose(drawn.average[1], drawn.average[0], atol=2e-3)
+    later = together(slow, fast.assign_coords(time=fast.time + 100.0))[1]
+    assert later.time[[0, -1]] == pytest.approx([100.0, 102.0], abs=1e-3)
 
 
 def test_lengths_and_windows_may_differ():

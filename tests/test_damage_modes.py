@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 from mesh_laws import made_up_law, potential_errors
+from numba import njit
 
 from fem.contact.evaluation.evaluator import LawEvaluator
+from fem.contact.evaluation.law_tables import pack, unpacked
 from fem.contact.teeth import tooth_terms, with_variants
 
 XI = np.linspace(-1.5, 1.5, 201)
@@ -121,3 +123,16 @@ def test_a_mode_that_tips_the_tooth_finds_the_contacts_that_it_closes():
     assert ((found > 0) & (free < 0)).any()
     exact = potential_errors(tipping, tuple(np.array([v]) for v in state), teeth(law))
     assert exact[:2].max() < 1e-5
+
+
+def test_the_compiled_code_finds_the_tables_of_both_gears():
+    @njit
+    def last_tables(packed):
+        law = unpacked(packed)
+        return law.wheel_gap.copy(), law.pinion_mode.copy(), law.wheel_mode.copy()
+
+    law = cracked(cracked(PLAIN, 1.0), 2.0, "wheel")
+    gap, *modes = last_tables(pack(law))
+    np.testing.assert_array_equal(gap, law.wheel_variant_gap)
+    for found, table in zip(modes, (law.pinion_variant_modes, law.wheel_variant_modes), strict=True):
+        np.testing.assert_array_equal(found, np.moveaxis(table, 1, -1))

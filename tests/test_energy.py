@@ -197,3 +197,13 @@ def test_integrals_of_the_flow_are_those_of_its_states_within_the_steps():
     assert abs((second - states_states) / np.outer(size, size)).max() < 1e-9
     scale = np.maximum(abs(signal_states).max(axis=1, keepdims=True), 1e-30) * np.ones_like(size)
     np.testing.assert_allclose(pushed / scale, signal_states / scale, atol=1e-10)
+
+
+def test_an_element_observes_its_own_displacements():
+    system = assemble(train(2, profile=RAMP), no_casing())
+    displacement = np.random.default_rng(1).standard_normal(system.rows.shape[1])
+    observing = [element for element in system.elements if len(element.seen)]
+    assert len(observing) > 1
+    for element in observing:
+        observed = system.observed_by(element.name, system.all_rows @ displacement)
+        np.testing.assert_allclose(observed, element.seen @ displacement, rtol=1e-12)
