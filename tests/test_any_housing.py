@@ -1,5 +1,7 @@
 """`gearcase housing`: bores, seats, tilt and unit are found in a file; the block it writes makes the scene fit."""
 
+import base64
+import json
 import math
 import re
 import tomllib
@@ -27,7 +29,7 @@ from pipelines.machine.housing_file import main as write_housing
 from pipelines.runs.checked import check_scene
 from pipelines.scene.file import load_scene
 from pipelines.studies.housings.block import housing_block
-from pipelines.studies.housings.page import thinned
+from pipelines.studies.housings.page import housing_page, thinned
 from pipelines.studies.housings.picture import _seen
 
 IRON = Material(name="iron", elastic_modulus=1.1e11, poisson_ratio=0.26, density=7200.0)
@@ -295,3 +297,13 @@ def test_a_picture_numbers_a_bore_only_where_no_wall_hides_it():
     eye = np.array([1.0, 0.2, 0.4])
     places = {-0.5: False, 0.0: True, 0.5: True}
     assert {x: _seen(wall, np.array([x, 0.3, -0.4]), eye) for x in places} == places
+
+
+def test_the_page_of_a_housing_holds_its_corners_in_millimetres():
+    points = np.array([[0.4, -0.2, 1.0], [0.6, -0.2, 1.0], [0.4, 0.3, 1.1]])
+    box = np.array([points.min(axis=0), points.max(axis=0)])
+    contents = SimpleNamespace(name="plate", points=points, triangles=np.array([[0, 1, 2]]), box=box, bores=())
+    page = housing_page(contents, {}, "")
+    data = json.loads(re.search(r'id="data" type="application/json">(.*?)</script>', page)[1])
+    corners = np.frombuffer(base64.b64decode(data["corners"]), dtype="<u2").reshape(-1, 3)
+    np.testing.assert_allclose(data["box"][0] + data["step"] * corners, 1000 * points, atol=data["step"])

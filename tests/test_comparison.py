@@ -14,6 +14,7 @@ from pipelines.diagnosis.comparison.curves import curves
 from pipelines.diagnosis.comparison.features import features_of, most_different_shaft
 from pipelines.diagnosis.comparison.part import brought_together, part_of
 from pipelines.scene.file import load_scene
+from pipelines.signals.features.average import FEWEST_TURNS
 from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 
 SPEED = 25.0  # turns per second of the first shaft
@@ -279,3 +280,11 @@ def test_in_python_the_same_features_come_as_labelled_arrays(files):
             gearcase.compare({"one": one}, machine)
         with pytest.raises(gearcase.InputError, match="no healthy recording"):
             gearcase.judge(other, [], machine)
+
+
+def test_the_time_that_a_slow_shaft_needs_follows_from_the_longest_window():
+    slow = replace(KINEMATICS, shafts=(*KINEMATICS.shafts, Shaft(name="slow", ratio=0.02)))
+    windows = {"long": (0.1, 1.7), "late": (1.8, 1.95)}
+    part = part_of("r", recording({20: 1.0}), slow, windows)
+    (line,) = features_of([part, part]).tables[0].left_out
+    assert line == f"slow: 0.8 turns in a window, {(FEWEST_TURNS + 1) * 2:g} s would be needed"
