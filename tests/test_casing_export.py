@@ -172,7 +172,7 @@ def test_an_error_that_is_not_reached_and_what_the_bands_leave_out_are_stated(el
     fields = {"mesh": elastic[0], "modes": modes, "checkup": None, "error": None, "records": (), "band": 1e3}
     casing = Casing(body=body, natural=natural, limits=limits, requested_error=0.01, **fields)
     assert missed_error(casing) == (
-        "casing.error = 1 % is not reached: half of the natural frequencies have error bands above 2 %. "
+        "casing.error = 1 % is not reached: half of the natural frequencies have uncertainty bands above 2 %. "
         'Set casing.element = "tetrahedron-20", or a smaller casing.error.'
     )
     assert missed_error(replace(casing, requested_error=0.021)) == ""

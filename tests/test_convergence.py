@@ -226,7 +226,7 @@ def test_a_figure_of_many_modes_names_the_worst_and_keeps_its_legend_inside():
     assert [text.split(" (")[0] for text in texts[:LABELLED]] == [f"casing mode {n}" for n in range(29 - LABELLED, 29)]
     assert texts[LABELLED:] == [
         f"{28 - LABELLED} others, with narrower bands",
-        "setting in use; dashes: its error bands",
+        "setting in use; dashes: its uncertainty bands",
     ]
     curves = [line for line in figure.axes[0].lines if len(line.get_xdata()) == 3]
     assert len({line.get_color() for line in curves}) == LABELLED + 1

@@ -18,7 +18,7 @@ def test_a_run_is_found_by_folder_and_by_scene(tmp_path):
     assert run_folder.find_run("rig", root=tmp_path) == folder
     assert run_folder.find_run(folder) == folder
     assert run_folder.find_run(folder.parent) == folder
-    with pytest.raises(InputError, match="gearcase run other"):
+    with pytest.raises(InputError, match="gearcase runs"):
         run_folder.find_run("other", root=tmp_path)
 
 

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
 HELP = """\
 Mesh the casing of a scene and reduce it to its bearing points and modes. Print these points, natural frequencies with
-error bands, and weight. --response writes frequency responses, --export the matrices or mode shapes. Takes seconds to
-minutes."""
+uncertainty bands, and weight. --response writes frequency responses, --export the matrices or mode shapes. Takes
+seconds to minutes."""
 EXAMPLE = """\
 gearcase casing minimal
 casing rigid: 6 coordinates, 23 output channels
@@ -69,7 +69,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Build the casing; print check-up, modes with error bands and coordinates; write the requested files."""
+    """Build the casing; print check-up, modes with uncertainty bands and coordinates; write the requested files."""
     from pipelines.io.errors import InputError, SceneWarning
     from pipelines.io.json_text import json_text
     from pipelines.io.user_files import writable_folder
@@ -124,7 +124,7 @@ def _texts(casing: Casing, count: int) -> Iterator[str]:
         yield casing.checkup.report(0)
         yield mode_table(casing.natural, count, casing.bands)
         if casing.limits is None and casing.mesh is not None:
-            yield "no error bands: set casing.extrapolated = true, or use --preset standard"
+            yield "no uncertainty bands: set casing.extrapolated = true, or use --preset standard"
         if casing.limits is not None:
             yield band_words(casing.limits, body.stiffness_factor, casing.bands / casing.frequencies)
             if bool((casing.frequencies[casing.bands > 0.0] > casing.band).any()):
@@ -224,21 +224,21 @@ def weight_lines(body: ReducedBody) -> str:
 
 
 def band_words(limits: FrequencyLimits, factor: float, relative: np.ndarray) -> str:
-    """Where the error bands of the frequencies come from, and where the other frequencies are."""
+    """Where the uncertainty bands of the frequencies come from, and where the other frequencies are."""
     import numpy as np
 
     by_sizes = bool(np.isfinite(limits.orders).any())  # meshes of one size give no order
     how = f"three element sizes, common order {limits.order:.2f}" if by_sizes else "cubic and quadratic elements"
     return (
         f"Hz: stiffness times {factor:.4f}, extrapolated to zero element size from {how}.\n"
-        f"+-: error band, {100 * np.nanmedian(relative):.2f} % in the median, "
+        f"+-: uncertainty band, {100 * np.nanmedian(relative):.2f} % in the median, "
         f"{100 * np.nanmax(relative):.2f} % at most.\n"
         "On the mesh without extrapolation, and extrapolated mode by mode: --json."
     )
 
 
 def reduction_words(to_band: bool, band: float) -> str:
-    """What the error bands leave out: with modes up to a band (Hz) those beyond it, else all dynamics of the inside."""
+    """What uncertainty bands leave out: with modes up to a band (Hz) those beyond it, else all inner dynamics."""
     if to_band:
         return (
             f"Modes above casing.band_Hz = {band:g} Hz also have an error of modal truncation, which +- leaves out. "
@@ -262,7 +262,7 @@ def missed_error(casing: Casing) -> str:
     other = 'casing.element = "tetrahedron-20", or ' if casing.mesh and casing.mesh.elements.shape[1] == 10 else ""
     return (
         f"casing.error = {100 * casing.requested_error:.3g} % is not reached: half of the natural frequencies have "
-        f"error bands above {100 * median:.3g} %. Set {other}a smaller casing.error."
+        f"uncertainty bands above {100 * median:.3g} %. Set {other}a smaller casing.error."
     )
 
 
@@ -301,7 +301,7 @@ def describe(modes: CasingModes) -> str:
 
 
 def mode_table(natural: NaturalModes, count: int, bands: np.ndarray | None = None) -> str:
-    """Natural frequencies, their error bands where they are known, effective masses in percent of mass and inertia."""
+    """Natural frequencies, their uncertainty bands where known, effective masses in percent of mass and inertia."""
     import numpy as np
 
     from pipelines.io.grid import Grid

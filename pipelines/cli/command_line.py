@@ -197,7 +197,10 @@ def work_arguments(sub: argparse.ArgumentParser) -> None:
     """A scene, and how its steps are built."""
     scene_arguments(sub)
     sub.add_argument(
-        "--processes", type=count, metavar="N", help="number of steps that are computed at the same time (default 2)"
+        "--processes",
+        type=count,
+        metavar="N",
+        help="number of parts of the computation (meshes, motions, pictures) that run at the same time (default 2)",
     )
 
 

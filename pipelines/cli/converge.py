@@ -11,11 +11,11 @@ from pipelines.studies.trade.axes import AXES
 
 HELP = """\
 Compute a scene with several values of one setting. Print the observed order of convergence, the
-extrapolated value and the error band of each result, and write a plot. Takes seconds to minutes for each value."""
+extrapolated value and the uncertainty band of each result, and write a plot. Takes seconds to minutes a value."""
 EXAMPLE = """\
 gearcase converge minimal --over step
 ...
-The setting in use is fine enough for 1 %: the widest error band is 0.1 % (sensor_3 rms, lifting).
+The setting in use is fine enough for 1 %: the widest uncertainty band is 0.1 % (sensor_3 rms, lifting).
 ...
 plot: convergence-minimal-step.png"""
 
@@ -50,7 +50,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Refine along one axis; print order, limit, error band and a verdict; write the plot."""
+    """Refine along one axis; print order, limit, uncertainty band and a verdict; write the plot."""
     from pipelines.io.user_files import writable_file
     from pipelines.report.figures.film import save_figure
     from pipelines.studies.trade.known_lines import known_lines

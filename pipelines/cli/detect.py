@@ -18,7 +18,7 @@ scenes      88
 labels      60 chipped-tooth, 28 healthy
 ...
 time        about 4 minutes on 2 cores: ...
-disk        about 335 MB in 88 files for each signal"""
+disk        about 335 MB in 88 files, one for each simulation"""
 
 
 def arguments(sub: argparse.ArgumentParser) -> None:

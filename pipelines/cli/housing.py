@@ -21,9 +21,9 @@ bearings (bearing seats), and write them to housing.toml. Takes seconds."""
 EXAMPLE = """\
 gearcase housing rig-housing.step --scene rig-healthy
 ...
-bore  solid  diameter mm  length mm         middle mm     axis  of 360 deg
-----  -----  -----------  ---------  ----------------  -------  ----------
-   1      1      95.0000     30.000  315.686, -135, 0  0, 1, 0         360
+bore  solid  diameter mm  length mm         middle mm     axis  arc deg
+----  -----  -----------  ---------  ----------------  -------  -------
+   1      1      95.0000     30.000  315.686, -135, 0  0, 1, 0      360
 ...
 rig-housing-housing/housing.toml
 ..."""

@@ -45,7 +45,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--shaft",
         metavar="N",
         type=count,
-        help="number of the shaft whose speed is order 1 (default: the driven shaft)",
+        help="number of the shaft whose speed is order 1 (default: the shaft that the motor drives)",
     )
     sub.add_argument(
         "--sensor", metavar="NAME", help="sensor to analyse (default: that of the diagnosis, or the first)"

@@ -36,7 +36,10 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--out", metavar="FOLDER", type=path, help="folder for claims.md and claims.json (default: print only)"
     )
     sub.add_argument(
-        "--processes", type=count, metavar="N", help="number of steps that are computed at the same time (default 2)"
+        "--processes",
+        type=count,
+        metavar="N",
+        help="number of parts of the computation (meshes, motions, pictures) that run at the same time (default 2)",
     )
     quiet_argument(sub)
 

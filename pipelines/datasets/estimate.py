@@ -58,7 +58,7 @@ class Estimate:
             f"distinct    {_counted(self.kinds)}{part}",
             f"time        about {duration(total)} on {cores} cores: {duration(self.motion_seconds)} of processor time "
             f"for motions, {duration(self.missing_seconds)} for mesh laws and casings that are not in the cache",
-            f"disk        about {size_words(self.bytes)} in {self.runs} files for each signal",
+            f"disk        about {size_words(self.bytes)} in {self.runs} files, one for each simulation",
         ]
         if self.refused:
             lines.append(f"refused     {self.refused}{part}; the first: {self.first_refusal}")

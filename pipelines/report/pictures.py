@@ -12,17 +12,13 @@ from pipelines.report.figures.views import Picture
 
 def gears(picture: Picture, curve: StiffnessPlot, names: Mapping[str, str]) -> str:
     """The rendered pair and its stiffness; `names` are words for the places "pinion", "wheel" and "marked"."""
-    caption = (
-        "The gear pair and its secant stiffness from bore to bore. One mesh cycle is the passage of one tooth pair."
-    )
+    caption = "The gear pair and its secant stiffness from bore to bore. One mesh cycle is the motion by one pitch."
     return page.picture(gear_figure(picture, curve, names), caption)
 
 
 def stiffness(curves: Sequence[StiffnessPlot]) -> str:
     """The stiffness of stages that no picture shows."""
-    caption = (
-        "Secant mesh stiffness of the other stages from bore to bore. One mesh cycle is the passage of one tooth pair."
-    )
+    caption = "Secant mesh stiffness of the other stages from bore to bore. One mesh cycle is the motion by one pitch."
     return page.picture(stiffness_figure(curves), caption)
 
 

@@ -65,7 +65,7 @@ class Casing:
 
     @property
     def bands(self) -> np.ndarray:
-        """Half widths (mode,) of the error bands of `frequencies`, Hz; nan where none is known.
+        """Half widths (mode,) of the uncertainty bands of `frequencies`, Hz; nan where none is known.
 
         The band of a mode holds its own extrapolated frequency with the band of that.
         """
@@ -102,7 +102,7 @@ class Casing:
         return f"Casing: {len(self.body.mass)} coordinates, {len(self.frequencies)} natural modes on its feet"
 
     def _repr_html_(self) -> str:
-        """The lowest natural frequencies with their error bands, for a notebook."""
+        """The lowest natural frequencies with their uncertainty bands, for a notebook."""
         found = self.frequencies
         bands = (float(one) if one == one else None for one in self.bands)
         rows = zip(range(1, _MODES_SHOWN + 1), map(float, found), bands, strict=False)

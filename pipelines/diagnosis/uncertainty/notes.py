@@ -32,7 +32,7 @@ def notes(bars: Sequence[LineBar], missed: Sequence[str], remedy: str, damping_s
     else:
         found.append(
             "Numerical uncertainty: 5 to 95 % of 200 samples. Each sample changes the natural frequencies of the "
-            "casing within their error bands, and adds an error of the time step."
+            "casing within their uncertainty bands, and adds an error of the time step."
         )
     found.append(
         "Uncertain damping: 5 to 95 % of 200 samples. Each sample multiplies all damping ratios of the casing by one "

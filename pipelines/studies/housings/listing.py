@@ -75,7 +75,7 @@ def _bores(contents: Contents) -> str:
             "length mm": f"{1000 * one.length:.3f}",
             "middle mm": _mm(one.centre),
             "axis": _direction(one.axis),
-            "of 360 deg": f"{np.degrees(one.angle):.0f}",
+            "arc deg": f"{np.degrees(one.angle):.0f}",
         }
         for one in contents.bores[:MOST_ROWS]
     ]

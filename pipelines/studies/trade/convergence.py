@@ -5,9 +5,9 @@ v = v_0 + c h^p solves
 
     p = |ln|e_32/e_21| + ln((r_21^p - s)/(r_32^p - s))| / ln r_21,    e_ij = v_i - v_j, s = sign(e_32/e_21),
 
-the Richardson value is v_0 = v_1 + (v_1 - v_2)/(r_21^p - 1), and the half width of the error band of a value at the
-size h is the grid convergence index: 1.25 |v_0 - v_1| (h/h_1)^p with the order limited to the formal one, in the units
-of v. Where the values do not fall monotonically on their limit there is no order: the band is then three times the
+the Richardson value is v_0 = v_1 + (v_1 - v_2)/(r_21^p - 1), and the half width of the uncertainty band of a value at
+the size h is the grid convergence index: 1.25 |v_0 - v_1| (h/h_1)^p with the order limited to the formal one, in
+the units of v. Where the values do not fall monotonically on their limit there is no order: the band is then three times the
 largest change between neighbouring levels.
 
 References
@@ -42,7 +42,7 @@ class Convergence:
     kind: str  # "monotone" | "oscillating" | "diverging" | "unchanged"
     order: float | None
     limit: float  # Richardson value where there is an order, else the finest value
-    bands: tuple[float, ...]  # half width of the error band of each value
+    bands: tuple[float, ...]  # half width of the uncertainty band of each value
 
     @property
     def errors(self) -> tuple[float, ...]:

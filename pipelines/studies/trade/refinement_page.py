@@ -28,7 +28,7 @@ CASINGS = {
     "static": "its inertia is that of the static shapes alone",
     "craig-bampton": "0.7 % in frequency on the shipped mesh of the rig, 3 % with tetrahedra of that size",
 }
-LABELLED = 7  # quantities with the widest error bands, which get a colour
+LABELLED = 7  # quantities with the widest uncertainty bands, which get a colour
 REACH = {  # probes whose settings move what a study looks at
     "gears": ("gears",),
     "modes": ("modes",),
@@ -62,17 +62,17 @@ def verdict(found: RefinementStudy, wanted: float) -> str:
     bands = {quantity: c.relative_bands[found.in_use] for quantity, c in found.quantities.items()}
     worst = max(bands, key=lambda quantity: bands[quantity])
     outside = [quantity for quantity, band in bands.items() if band > wanted]
-    widest = f"the widest error band is {100 * bands[worst]:.2g} % ({worst})"
+    widest = f"the widest uncertainty band is {100 * bands[worst]:.2g} % ({worst})"
     if not outside:
         return f"The setting in use is fine enough for {100 * wanted:g} %: {widest}."
     return (
         f"The setting in use is not shown to be fine enough for {100 * wanted:g} %: {len(outside)} of {len(bands)} "
-        f"quantities have a wider error band, {widest}. Refine the {AXES[found.axis].words}, or accept the band."
+        f"quantities have a wider uncertainty band, {widest}. Refine the {AXES[found.axis].words}, or accept the band."
     )
 
 
 def not_refined(mesh_models: Sequence[str], casing: str, axis: str) -> str:
-    """What a study over `axis` leaves as it is, so that no error band holds it, with the sizes that are known.
+    """What a study over `axis` leaves as it is, so that no uncertainty band holds it, with the sizes that are known.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def not_refined(mesh_models: Sequence[str], casing: str, axis: str) -> str:
     others = [AXES[other].words for other in AXES if other != axis and AXES[other].probe in REACH[probe]]
     if others:
         known.append(f"the other settings ({', '.join(others)}), each by its --over")
-    return f"Not refined, and in no error band: {'; '.join(known)}." if known else ""
+    return f"Not refined, and in no uncertainty band: {'; '.join(known)}." if known else ""
 
 
 def pairing_words(found: RefinementStudy) -> str:
@@ -136,7 +136,7 @@ def convergence_figure(name: str, found: RefinementStudy) -> Figure:
     rest = len(found.quantities) - len(worst)
     if rest:
         axes.plot([], [], color="0.75", marker="o", ms=4, lw=0.8, label=f"{rest} others, with narrower bands")
-    axes.axvline(1.0, color="black", lw=0.8, ls=":", label="setting in use; dashes: its error bands")
+    axes.axvline(1.0, color="black", lw=0.8, ls=":", label="setting in use; dashes: its uncertainty bands")
     title = f"{plain(name)}: convergence over the {AXES[found.axis].words}"
     dress(axes, title, "size relative to the setting in use", "error relative to the limit, % (0 at the lower edge)")
     axes.set_xticks(sizes, labels=[f"{size:.3g}" for size in sizes])
