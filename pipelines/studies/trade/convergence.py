@@ -7,8 +7,8 @@ v = v_0 + c h^p solves
 
 the Richardson value is v_0 = v_1 + (v_1 - v_2)/(r_21^p - 1), and the half width of the uncertainty band of a value at
 the size h is the grid convergence index: 1.25 |v_0 - v_1| (h/h_1)^p with the order limited to the formal one, in
-the units of v. Where the values do not fall monotonically on their limit there is no order: the band is then three times the
-largest change between neighbouring levels.
+the units of v. Where the values do not fall monotonically on their limit there is no order: the band is then three
+times the largest change between neighbouring levels.
 
 References
 ----------
