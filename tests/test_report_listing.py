@@ -42,8 +42,7 @@ BENCH = [
     "# Levels",
     "# What was run",
     "# Gears",
-    "figure: The gear pair and its secant stiffness from bore to bore. One mesh cycle is the passage of one "
-    "tooth pair.",
+    "figure: The gear pair and its secant stiffness from bore to bore. One mesh cycle is the motion by one pitch.",
     "# Casing",
     "# Speed",
     "figure: Speeds of the motors and the first shaft. Shaded: the windows of the diagnosis.",
@@ -74,8 +73,7 @@ DAMAGED = [
     "# All lines",
     "# What was run",
     "# Gears",
-    "figure: The gear pair and its secant stiffness from bore to bore. One mesh cycle is the passage of one "
-    "tooth pair.",
+    "figure: The gear pair and its secant stiffness from bore to bore. One mesh cycle is the motion by one pitch.",
     "# Casing",
     "figure: The casing with its feet (yellow), bearings (red) and sensors (green).",
     "# Speed",
