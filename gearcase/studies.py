@@ -33,7 +33,7 @@ def converge(
 
     Returns
     -------
-    values of every quantity at every level (`units` by quantity), observed order, limit and error band
+    values of every quantity at every level (`units` by quantity), observed order, limit and uncertainty band
 
     Raises
     ------

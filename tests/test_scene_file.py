@@ -260,7 +260,7 @@ mesh = { model = "iso" }  # quick
 """,
     )
     text = new_scene(tmp_path / "copy.toml", str(tmp_path / "my.toml")).read_text(encoding="utf-8")
-    assert text.startswith("# lighter\n# The 1:4 test rig")
+    assert text.startswith("# lighter\n#\n# From the scene that it extends, rig-healthy:\n# The 1:4 test rig")
     assert "# half a load" in text
     assert 'mesh = { model = "iso", ' in text
     assert "# quick" in text

@@ -108,7 +108,7 @@ def _flattened(source: Source) -> tuple[TOMLDocument, list[str]]:
     _lay_over(below, document)
     lines = source.text.splitlines(keepends=True)
     head = itertools.takewhile(lambda line: line.startswith("#") or not line.strip(), lines)
-    return below, ["".join(head).rstrip("\n") + "\n", *heads]
+    return below, ["".join(head).rstrip("\n") + f"\n#\n# From the scene that it extends, {base}:\n", *heads]
 
 
 def _lay_over(below: Any, above: Any) -> None:

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from fem.casing.reduced.grounded import ForcedPoint
     from fem.elements.materials import Material
 
-if TYPE_CHECKING:
     ElementName = str
 else:
     ElementName = Literal[CHOICES]
