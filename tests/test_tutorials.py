@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
 PAGES = [page for page in PAGES if "reference" not in page.parts and "gallery" not in page.parts]
 TUTORIALS = [ROOT / "docs" / "first-steps.md", *sorted((ROOT / "docs" / "tutorials").glob("*.md"))]
-BLOCK = re.compile(r"(?:File `(?P<file>[\w.-]+)`[^`]*)?^```(?P<kind>\w+)\n(?P<text>.*?)^```", re.M | re.S)
+BLOCK = re.compile(r"(?:File\s`(?P<file>[\w.-]+)`[^`]*)?^```(?P<kind>\w+)\n(?P<text>.*?)^```", re.M | re.S)
 
 
 def blocks(page):

@@ -14,7 +14,7 @@ HELP = """\
 Simulate the machine and its healthy control, diagnose the fault from the signals and write a report.
 The result folder holds report.html, response.nc (the signals), the diagnosis and the settings.
 Takes seconds for the scenes `minimal` and `bench`, and less than a minute for `rig-missing-tooth`. The first run after
-installation also compiles code, for about half a minute. Results of earlier runs are reused from the cache."""
+installation also compiles code, which takes 20 seconds more. Results of earlier runs are reused from the cache."""
 EXAMPLE = """\
 gearcase run bench
 One tooth of the stage 1 wheel chipped: seen at motor_side (axis z) in the one analysed window.

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 PER_CYCLE = 40  # positions
 ERROR_POSITIONS = 256  # over the one mesh cycle whose orders are taken
+EQUAL = 1e-9  # relative: stiffnesses that differ by rounding only
 FORMATS = (".csv", ".nc")
 UNMODIFIED = "healthy, unmodified"
 _CURVES = {
@@ -207,7 +208,8 @@ def gear_rows(pairs: Sequence[PairLaws], curves: xarray.Dataset) -> list[dict[st
         first, last = engagement(found.pair)
         at = np.searchsorted(one.position.values, first - 1e-9)
         one = one.isel(position=slice(at, at + round((last - first) * PER_CYCLE)))
-        softest = int(np.argmin(one.secant.values))
+        soft = np.flatnonzero(one.secant.values <= float(one.secant.min()) * (1.0 + EQUAL))
+        softest = min(soft, key=lambda i: abs(float(one.position[i])))  # a healthy pair is as soft in every cycle
         rows.append(
             {
                 "stage": found.stage,
