@@ -250,7 +250,7 @@ def _on_springs(
 
 
 def _reduced_items(casing: GroundedCasing, reduction: Reduction, held: np.ndarray) -> dict[str, float]:
-    """Definiteness, block forms by products of the full matrices with random vectors, static response of the interface."""
+    """Definiteness, block forms by products of full matrices with random vectors, static response of the interface."""
     b, interface, E = reduction.constraint.shape[1], casing.interface, casing.expansion
     signs = np.random.default_rng(0).choice([-1.0, 1.0], (b + reduction.modes.shape[1], _VECTORS))
     omega = np.maximum(2 * math.pi * reduction.frequencies, 1.0)[:, None]
