@@ -8,7 +8,7 @@ from pipelines.diagnosis.uncertainty.line_bars import LineBar
 
 LEFT_OUT = (
     "Not in the error bars: the error of the mesh law, which gearcase converge --over gear-mesh and --over slices "
-    "estimate; the effect of the tooth deviations, which gearcase run --seeds shows; modes above the band of the "
+    "estimate; the effect of the deviations, which gearcase run --seeds shows; modes above the band of the "
     "reduced casing; and the stiffness of bearing seats, feet and mounts."
 )
 

@@ -92,7 +92,7 @@ def flank_warnings(scene: Scene, train: Drivetrain) -> Iterator[str]:
                 yield (
                     f"{place}: the {name} (z {gear.teeth}, x {gear.profile_shift:g}) is undercut and has lost a part "
                     "of "
-                    f"its involute; eps_alpha is {pair.transverse_contact_ratio:.3f}. Raise {name}_profile_shift"
+                    f"its involute; the contact ratio eps_alpha is {pair.transverse_contact_ratio:.3f}. Raise {name}_profile_shift"
                 )
             if gear.tip_thickness < THIN_TIP * gear.normal_module:
                 yield (
