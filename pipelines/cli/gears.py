@@ -138,9 +138,9 @@ def notes(cases: Sequence[tuple[PairLaws, MeshState]]) -> list[str]:
             for _, s in own
         )
         lines.append(
-            f"stage {stage}: model {pair.drive.model}, contact ratio {gears.transverse_contact_ratio:.4g}, overlap "
-            f"ratio {gears.overlap_ratio:.4g}, bores {2000 * gears.pinion.bore_radius:g}/{2000 * gears.wheel.bore_radius:g} "
-            f"mm, {', '.join(tilts)} over the face"
+            f"stage {stage}: model {pair.drive.model}, contact ratio {gears.transverse_contact_ratio:.4g}, "
+            f"overlap ratio {gears.overlap_ratio:.4g}, bores {2000 * gears.pinion.bore_radius:g}/"
+            f"{2000 * gears.wheel.bore_radius:g} mm, {', '.join(tilts)} over the face"
         )
         lines += [f"stage {stage}: {line}" for line in _relief(own)]
     lines.append(
@@ -159,7 +159,7 @@ def _relief(cases: Sequence[tuple[PairLaws, MeshState]]) -> Iterator[str]:
     gears = cases[0][0].pair
     lengths = relief_lengths(gears)
     if lengths is None:
-        yield f"no usual tip relief: the rule is for a contact ratio from 1 to 2, not {gears.transverse_contact_ratio:.4g}"
+        yield f"no usual tip relief: its rule needs a contact ratio of 1 to 2, not {gears.transverse_contact_ratio:.4g}"
         return
     short, long = (f"{1000 * length:.3g}" for length in lengths)
     yield f"usual tip relief of both gears: length_mm = {short} (short) or {long} (long)"
