@@ -48,9 +48,10 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     )
     sub.add_argument(
         "--unit",
+        metavar="UNIT",
         choices=(*_LENGTHS, *_SYSTEMS),
-        help="of a CAD file or mesh the unit of length (default: the declared one, or mm); of matrices the units of "
-        "mass (lbf: force), length and time (default kg-m-s)",
+        help=f"of a CAD file or mesh the unit of length: {', '.join(_LENGTHS)} (default: the declared one, or mm); of "
+        f"matrices the units of mass (lbf: force), length and time: {', '.join(_SYSTEMS)} (default {_SYSTEMS[0]})",
     )
     sub.add_argument(
         "--solids",
