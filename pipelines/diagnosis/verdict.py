@@ -40,7 +40,7 @@ class Evidence:
 @dataclass(frozen=True, kw_only=True)
 class Finding:
     """A component: the mean of its rises (dB), the least of its p-values, what it cannot be told from, and the tooth
-    that stands out most of a gear, None if its place is not known."""
+    that stands out most of a gear, None if its place is not known or the gear has no increase."""
 
     component: str
     rise: float
@@ -197,13 +197,14 @@ def _finding(
     evidence = tuple(
         Evidence(feature=recording.feature[i], rise=float(rises[i]), p=None if p is None else float(p[i])) for i in own
     )
+    rise = float(np.mean(rises[own]))
     return Finding(
         component=name,
-        rise=float(np.mean(rises[own])),
+        rise=rise,
         p=None if p is None else float(p[own].min()),
         evidence=evidence,
         alike=alike(name, kinematics),
-        tooth=recording.tooth_of(name),
+        tooth=recording.tooth_of(name) if round(rise, 1) > 0.0 else None,
     )
 
 
