@@ -119,6 +119,6 @@ def _simulated(specimen: Specimen) -> xarray.Dataset:
 
 PARTS = {
     "calibration": (1000, {"bench": 36, "reducer": 26, "rig": 18}, {"bench": 18, "reducer": 12, "rig": 10}),
-    "judged": (5000, {"bench": 54, "reducer": 40, "rig": 26}, {"bench": 24, "reducer": 20, "rig": 16}),
+    "judged": (5000, {"bench": 42, "reducer": 30, "rig": 20}, {"bench": 16, "reducer": 14, "rig": 10}),
     "baseline": (9000, dict.fromkeys(BEDS, 8), {}),
 }
