@@ -117,6 +117,7 @@ def test_mounts_that_do_not_fit_are_refused(sprung, fixed):
         reduced_body(sprung[2], mounts=MOUNTS * 2)
     with pytest.raises(ValueError, match="needs a positive one"):
         reduced_body(sprung[2], mounts=((1e7, 0.0, 1e7),))
+    assert sprung[2].springs(((0.05, 0.05, 0.05),)).max() == 0.05  # as soft as one likes
 
 
 def test_rigid_patches_leave_a_floor_that_modes_do_not_remove(mesh, fixed):

@@ -1,6 +1,7 @@
 """Oil between the flanks: the force of Reynolds' equation, what it takes from an impact, and what it leaves alone."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -29,6 +30,28 @@ def test_the_force_is_the_integral_of_the_pressure_of_a_cylinder_that_approaches
         pressure = quad(lambda s, h=gap: 6 * FILM.viscosity * FILM.radius / (h * (1 + s * s)) ** 2, -np.inf, np.inf)[0]
         by_hand = FILM.length * pressure * np.sqrt(2 * FILM.radius * gap)  # x = s sqrt(2 R h_0)
         assert FILM.strength / gap**1.5 == pytest.approx(by_hand, rel=1e-8)
+
+
+@pytest.mark.parametrize("gap", [5e-6, -1e-6])
+def test_the_force_fades_with_what_the_flanks_carry_and_its_slopes_are_those_of_the_force(gap):
+    """C v h^-1.5 / (1 + F / F_0), F = k w with the displacements w of the flank."""
+    fading, stiffness, speed = 30.0, np.array([[4e7, -3e5]]), 0.02
+
+    def answered(u, v, w):
+        motion = SimpleNamespace(u=[u], v=[v], read_force=stiffness @ w, read_stiffness=stiffness)
+        answer = SimpleNamespace(lost=np.zeros(1), lost_by_u=np.zeros((1, 3)), lost_by_v=np.zeros((1, 1)))
+        film_rule.function((FILM.strength, FILM.roughness, 0.0, fading), motion, answer)
+        return answer
+
+    state, step = np.array([-gap, speed, 2e-6, 1e-5]), np.diag([1e-10, 1e-6, 1e-10, 1e-8])
+    found = answered(state[0], state[1], state[2:])
+    carried = float(stiffness[0] @ state[2:])
+    by_hand = FILM.strength * speed / (FILM.roughness + max(gap, 0.0)) ** 1.5 / (1 + carried / fading)
+    assert found.lost[0] == pytest.approx(by_hand)
+    ends = [[answered(x[0], x[1], x[2:]).lost[0] for x in (state + one, state - one)] for one in step]
+    slopes = -np.diff(ends, axis=1).ravel() / (2 * np.diag(step))
+    given = [found.lost_by_u[0, 0], found.lost_by_v[0, 0], *found.lost_by_u[0, 1:]]
+    assert given == pytest.approx(slopes, rel=1e-5, abs=1e-9 * abs(slopes).max())
 
 
 def test_the_film_of_a_scene_has_the_relative_curvature_and_the_lines_of_contact_of_its_pair():

@@ -41,6 +41,15 @@ def test_every_unknown_is_eliminated_once_and_rows_lie_behind(plate):
             assert np.isin(plan.rows[child], own).all()
 
 
+@pytest.mark.parametrize("block", [1, 3])
+def test_columns_with_the_same_rows_behind_are_one_front(plate, block):
+    """No front leaves exactly the rows of the next one: both together would store no zero more."""
+    plan = plan_elimination(plate[0], block)
+    for number, children in enumerate(plan.children):
+        tall = plan.starts[number + 1] - plan.starts[number] + len(plan.rows[number])
+        assert all(len(plan.rows[child]) < tall for child in children if child == number - 1)
+
+
 @pytest.mark.parametrize(("block", "columns"), [(3, 1), (3, 7), (1, 7)])
 def test_solution_agrees_with_dense_algebra(plate, block, columns):
     K = plate[0]

@@ -8,6 +8,7 @@ from benchmarks.gear_pairs import gear_pair
 from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.models.plane import Plane
+from fem.contact.part_contact import part_of, spared, touch
 
 SLICES = 15
 COUPLED = {
@@ -49,6 +50,15 @@ def test_a_slice_that_enters_an_even_slope_carries_what_many_narrow_ones_do():
     coarse, fine = (LawEvaluator(made_up_law(slices=n, **even)).evaluate(cycle, delta) for n in (6, 36))
     assert coarse.force == pytest.approx(fine.force, rel=1e-4)
     assert coarse.stiffness == pytest.approx(fine.stiffness, rel=1e-9)
+
+
+@pytest.mark.parametrize("even", [0.0, 0.3, 0.8])
+@pytest.mark.parametrize("share", [1e-3, 0.2, 0.9, 1.5])
+def test_without_a_hertz_term_the_first_guess_is_the_solution(even, share):
+    """C f of the approach x = C f - a r to that a load f = u f_a gives; C f_a = a (1 + p) / (1 - p)."""
+    rise, carried = 2e-6, share * 2e-6 * (1 + even) / (1 - even)
+    approach = carried - rise * spared(even, part_of(share, 1.0, even))
+    assert touch(approach, rise, even) == pytest.approx(carried, rel=1e-9)
 
 
 @pytest.mark.parametrize("slices", [3, SLICES])
