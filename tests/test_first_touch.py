@@ -93,7 +93,7 @@ def test_a_line_of_the_standard_ends_with_the_path_of_contact():
     cycles = np.linspace(HELICAL.xi_start, HELICAL.xi_end, 13)
     ends = np.sort([(end - cycles) / lead for end in (HELICAL.xi_start, HELICAL.xi_end)], axis=0)
     on_path = 100e-6 * ends[0].clip(-6e-3, 6e-3) / 12e-3
-    edge_at_the_end_of_the_face = -50e-6 + Iso().edge_onset
+    edge_at_the_end_of_the_face = -50e-6 + 2e-3 * Iso().edge_onset
     found = touch(law, 0.0, cycles, alone(20))
     early = on_path < edge_at_the_end_of_the_face
     assert early.sum() > 5

@@ -112,7 +112,7 @@ def test_tilt_stiffness_of_a_full_line():
 
 def test_missing_tooth_lowers_the_stiffness_by_its_line():
     pair = gear_pair((20, 55), 2, 12, 12)
-    law = Iso(edge_onset=50e-6).law(pair)
+    law = Iso(edge_onset=0.025).law(pair)
     cycle = np.linspace(-1.5, 1.5, 301)
     broken = LawEvaluator(law).evaluate(cycle, 5e-6, 0.0, None, missing_tooth(np.zeros(55), 0)).stiffness
     mean = pair.transverse_contact_ratio * pair.face_width / math.cos(pair.base_helix_angle)
@@ -129,6 +129,39 @@ def test_spur_gears_drop_onto_the_tip_edges_where_a_tooth_is_missing():
     assert (curve.no_load_error[alone] >= 20e-6).all()
     assert curve.no_load_error.max() < 60e-6
     assert (curve.no_load_error[np.abs(cycle) > 0.4] == 0.0).all()
+
+
+@pytest.mark.parametrize("beta", [0, 15])
+def test_gears_of_one_shape_have_one_law_whatever_their_size(beta):
+    """Lengths scale with the module, the stiffness of a contact line per metre does not depend on it."""
+    small, usual, large = (Iso().law(gear_pair((20, 55), m, beta, 10 * m)) for m in (0.5, 2, 10))
+    for law, module in ((small, 0.5), (large, 10)):
+        assert law.gap == pytest.approx(usual.gap * module / 2, rel=1e-9)
+        assert law.compliance == pytest.approx(usual.compliance, rel=1e-12)
+        assert law.fraction == pytest.approx(usual.fraction, abs=1e-9)
+
+
+@pytest.mark.parametrize(("teeth", "module"), [((125, 125), 0.5), ((200, 300), 1), ((400, 400), 1), ((2000, 2000), 1)])
+def test_many_fine_teeth_carry_like_any_others(teeth, module):
+    """Tip edges of gears with many teeth part slowly; the mean stiffness is still that of the standard."""
+    pair = gear_pair(teeth, module, 0, 10)
+    law = Iso(slices=1).law(pair)
+    cycle = (np.arange(600) + 0.5) / 600
+    mean = LawEvaluator(law).evaluate(cycle, 5e-3 * 1e-3 * module).stiffness.mean()
+    assert mean == pytest.approx(Iso().stiffness(pair).mean * pair.face_width, rel=2e-3)
+    edges = law.gap[np.isfinite(law.gap)][[0, -1]]
+    assert edges == pytest.approx(np.full(2, 0.05e-3 * module), rel=0.01)
+
+
+def test_the_neighbours_of_a_missing_tooth_take_over_at_any_size():
+    """A short path of contact needs edges with larger gaps, in proportion to the module."""
+    drops = []
+    for module in (0.5, 5):
+        law = Iso().law(gear_pair((17, 30), module, 0, 10 * module, tip_mm=-0.2 * module))
+        start = LawEvaluator(law).no_load(np.linspace(-1, 1, 81), pinion=missing_tooth(np.zeros(17), 0))
+        drops.append(start.max() / module)
+    assert drops[0] == pytest.approx(drops[1], rel=1e-9)
+    assert 0.05e-3 < drops[0] < 0.4e-3
 
 
 @pytest.mark.parametrize(

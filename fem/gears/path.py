@@ -25,6 +25,9 @@ from fem.gears.geometry import GearPair
 from fem.numerics.root import brentq
 
 LARGEST_GAP = 100e-6  # m, tip-edge contact is followed up to this gap unless told otherwise
+BRIDGE = 2.05  # pitches: with a tooth missing, the pairs before and after it then take over from each other
+LARGEST_RAISED = 0.4  # m_n, of `bridging_window`
+FARTHEST = 4.0  # pitches beyond the path of contact; 2000 teeth with a gap of 0.05 m_n need 3.5
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -74,7 +77,7 @@ def contact_window(pair: GearPair, largest_gap: float = LARGEST_GAP) -> tuple[fl
 
     Raises
     ------
-    GeometryError : neither happens within 1.5 pitches
+    GeometryError : neither happens within FARTHEST pitches
     """
     require(largest_gap > 0.0, f"{pair.label}: largest_gap is {largest_gap!r} m; give a value > 0")
 
@@ -89,13 +92,26 @@ def contact_window(pair: GearPair, largest_gap: float = LARGEST_GAP) -> tuple[fl
         inside, outside = end, end + 0.02 * sign
         while excess(outside) < 0.0:
             inside, outside = outside, outside + 0.02 * sign
-            if abs(outside - end) > 1.5:
+            if abs(outside - end) > FARTHEST:
                 raise GeometryError(
-                    f"{pair.label}: the tip-edge gap does not reach {largest_gap:.3g} m within 1.5 pitches beyond the "
-                    "path of contact: give a smaller largest_gap"
+                    f"{pair.label}: the tip-edge gap does not reach {largest_gap:.3g} m within {FARTHEST:g} pitches "
+                    "beyond the path of contact. Reduce the number of teeth"
                 )
         ends.append(brentq(excess, inside, outside, xtol=1e-14))
     return ends[0], ends[1]
+
+
+def bridging_window(pair: GearPair, largest_gap: float) -> tuple[float, float, float]:
+    """`largest_gap` (m) and the `contact_window` that belongs to it.
+
+    Where this spans less than BRIDGE the gap is raised, to LARGEST_RAISED or just above, so that the neighbours of a
+    missing tooth still meet tip edge to flank.
+    """
+    first, last = contact_window(pair, largest_gap)
+    while last - first < BRIDGE and largest_gap < LARGEST_RAISED * pair.pinion.normal_module:
+        largest_gap *= 1.25
+        first, last = contact_window(pair, largest_gap)
+    return largest_gap, first, last
 
 
 def _beyond(pair: GearPair, xi: np.ndarray, own: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

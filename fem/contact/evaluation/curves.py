@@ -12,6 +12,7 @@ The tilt psi is either given, or balanced: psi such that M = 0, the force centro
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +20,10 @@ import numpy as np
 from fem.contact.evaluation.evaluator import LawError, LawEvaluator
 from fem.contact.evaluation.first_touch import first_touch
 from fem.contact.law import MeshLaw
+from fem.contact.teeth import least_clearance
 from fem.storage.records import Record, array, scalar, text
+
+logger = logging.getLogger(__name__)
 
 _ROUNDS = 200
 
@@ -66,6 +70,8 @@ def stiffness_curve(
     Raises
     ------
     LawError : load not positive, or the force is not reached within the gaps that the law knows
+
+    A warning names the force above which the table of the law ends too early.
     """
     if not (np.isfinite(load) and load > 0.0):
         raise LawError(f"stiffness curve of law {law.model!r}: load is {load!r} N; give a finite force > 0")
@@ -79,6 +85,7 @@ def stiffness_curve(
         delta = evaluator.approach_at(load, c, psi, *h)
     no_load = first_touch(law, c, psi, *h)
     response = evaluator.evaluate(c, delta, tilt, *h)
+    _warn_beyond_window(evaluator, c, delta, tilt, load, *h)
     pair, share = _sharing(evaluator, c, delta, tilt, *h)
     return StiffnessCurve(
         model=law.model,
@@ -95,6 +102,30 @@ def stiffness_curve(
         pair=pair,
         share=share / response.force[:, None],
     )
+
+
+def _warn_beyond_window(
+    evaluator: LawEvaluator,
+    c: np.ndarray,
+    delta: np.ndarray,
+    tilt: np.ndarray,
+    load: float,
+    h1: np.ndarray,
+    h2: np.ndarray,
+) -> None:
+    """Warn where the flanks approach by more than the tip-edge gaps at the ends of the law's table."""
+    law = evaluator.law
+    known = law.gap[np.isfinite(law.gap)]
+    half = float(np.abs(law.face_coordinate).max())
+    largest = min(known[0], known[-1]) - known.min() + least_clearance(law, h1, h2) - half * np.abs(tilt)
+    if (delta > largest).any():
+        reached = evaluator.evaluate(c, largest, tilt, h1, h2).force.min()
+        logger.warning(
+            "mesh law %r (%s): F = %.5g N moves the flanks past the largest tip-edge gap of the law, %.4g mm, which "
+            "%.5g N reach. Above that force tooth pairs come into contact under load, and the stiffness jumps by some "
+            "per cent. Reduce the load",
+            law.model, law.flank, load, 1e3 * min(known[0], known[-1]), reached,
+        )  # fmt: skip
 
 
 def _balanced(

@@ -30,7 +30,7 @@ from fem.contact.models.mesh_model import MeshModel
 from fem.elements.materials import STEEL
 from fem.gears.geometry import Gear, GearPair
 from fem.gears.modifications import PairModifications
-from fem.gears.path import contact_window, path_points, slice_fraction
+from fem.gears.path import bridging_window, path_points, slice_fraction
 
 COEFFICIENTS = (0.04723, 0.15551, 0.25791, -0.00635, -0.11654, -0.00193, -0.24188, 0.00529, 0.00182)
 LOW_LINE_LOAD = 100e3  # N/m; below it the stiffness falls with the load
@@ -76,8 +76,8 @@ class Iso(MeshModel):
 
     slices over the face; mean_factor C_M (0.8: theoretical stiffness against measurements); blank_factor C_R, None:
     the mean of what rims and webs of both gears give (a web offset does not count); line_load F_t K_A / b (N/m) or None
-    for a load in the linear range; edge_onset (m): least approach at which tip edges carry, followed to the gap
-    largest_gap (m).
+    for a load in the linear range; edge_onset (m_n): least approach at which tip edges carry, followed to the gap
+    largest_gap (m_n).
 
     Valid for steel-like pairs of elastic teeth with eps_alpha >= 1.2, beta <= 30 deg, -0.5 <= x1 + x2 <= 2.
     """
@@ -86,15 +86,15 @@ class Iso(MeshModel):
     mean_factor: float = 0.8
     blank_factor: float | None = None
     line_load: float | None = None
-    edge_onset: float = 20e-6
-    largest_gap: float = 100e-6
+    edge_onset: float = 0.01
+    largest_gap: float = 0.05
 
     def __post_init__(self) -> None:
         super().__post_init__()
         for name, low, high in (
             ("mean_factor", 0.1, 2.0),
             ("edge_onset", 0.0, self.largest_gap),
-            ("largest_gap", 1e-9, 1.0),
+            ("largest_gap", 0.001, 0.08),
         ):
             value = getattr(self, name)
             if not low <= value <= high:
@@ -144,11 +144,11 @@ class Iso(MeshModel):
         frame = flank_frame(pair, flank, self.slices)
         ramp = pair.overlap_ratio / self.slices
         step, ramp = _grid_step(pair.transverse_contact_ratio, ramp)
-        first, last = contact_window(pair, self.largest_gap)
+        largest, first, last = bridging_window(pair, self.largest_gap * pair.pinion.normal_module)
         below = math.ceil((pair.xi_start - first) / step) + 2
         above = math.ceil((last - pair.xi_start) / step) + 2
         xi = pair.xi_start + step * np.arange(-below, above + 1)
-        gap, fraction = self._contact(pair, xi, step, ramp)
+        gap, fraction = self._contact(pair, xi, step, ramp, largest)
         return MeshLaw(
             model=self.model,
             **frame,
@@ -180,10 +180,12 @@ class Iso(MeshModel):
                 '"solid"'
             )
 
-    def _contact(self, pair: GearPair, xi: np.ndarray, step: float, ramp: float) -> tuple[np.ndarray, np.ndarray]:
+    def _contact(
+        self, pair: GearPair, xi: np.ndarray, step: float, ramp: float, largest: float
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Gap and fraction: the path of contact with its ramps, beyond it tip edges from the onset on."""
         start, end = pair.xi_start, pair.xi_end
-        edge_gap = np.maximum(path_points(pair, xi, self.largest_gap).gap, self.edge_onset)
+        edge_gap = np.maximum(path_points(pair, xi, largest).gap, self.edge_onset * pair.pinion.normal_module)
         reach = ramp / 2 + 0.5 * step
         on_path = (xi > start - reach) & (xi < end + reach)
         fraction = slice_fraction(xi, start, end, ramp) if ramp > 0.0 else np.ones(xi.size)

@@ -34,7 +34,7 @@ import numpy as np
 
 from fem.contact.frame import ModelError
 from fem.gears.geometry import GearPair
-from fem.gears.path import PathPoints, contact_window, path_points
+from fem.gears.path import PathPoints, bridging_window, path_points
 from fem.options import check_options, option
 from fem.storage.ledger import count
 
@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from fem.contact.wheels.ring import FlankCompliance
 
 POSITIONS: Any = {"ge": 16, "le": 1024, "text": "mesh positions per base pitch at which stiffness is tabulated"}
-BRIDGE = 2.05  # pitches: with a tooth missing, the pairs before and after it then take over from each other
 
 
 class PlaneError(ModelError):
@@ -92,16 +91,8 @@ class PlaneSection:
             )
 
     def path(self, pair: GearPair) -> PathPoints:
-        """The path of contact on the uniform grid that holds every position whose gap is below `largest_gap`.
-
-        Where this spans less than two pitches the limit is raised, to 0.4 m_n at most, so that the neighbours of a
-        missing tooth still meet tip edge to flank.
-        """
-        largest = self.largest_gap * pair.pinion.normal_module
-        first, last = contact_window(pair, largest)
-        while last - first < BRIDGE and largest < 0.4 * pair.pinion.normal_module:
-            largest *= 1.25
-            first, last = contact_window(pair, largest)
+        """The path of contact on the uniform grid that holds every position of its `bridging_window`."""
+        largest, first, last = bridging_window(pair, self.largest_gap * pair.pinion.normal_module)
         grid = np.arange(math.floor(first * self.positions), math.ceil(last * self.positions) + 1) / self.positions
         return path_points(pair, grid, largest)
 
