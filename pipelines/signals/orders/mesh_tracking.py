@@ -29,12 +29,14 @@ from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.signals.orders.revolutions import HIGHEST
 from pipelines.signals.orders.rotation import Rotation, RotationError
 from pipelines.signals.orders.smoothing import smooth
+from pipelines.signals.orders.speed_evidence import HARMONICS, OrderLevels, best_speed, unconfirmed
 from pipelines.signals.orders.speed_search import RANGE, speed_path
 
 TURNS = 2  # of the slower shaft in a window of the phase
-HARMONICS = 5  # of a mesh
 SIDEBANDS = 2  # of each shaft on either side that the rough search looks at
 CHANNELS = 6  # of the steadiest mesh lines
+WIDER = 0.35  # about the nominal speed: a better speed beyond RANGE is seen
+MARGIN = 0.7  # of the score: right teeth gave a second best of up to 0.57, a wrong speed of a confirmed shaft 0.75 or more
 SWING = 3e-4  # rad, of a geared shaft within a tooth mesh, which no window resolves
 ROUNDS = 4  # of bringing to rest and mending
 FEWEST_WINDOWS = 6
@@ -97,26 +99,70 @@ def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) ->
     angle = 2.0 * np.pi * np.concatenate([[0.0], np.cumsum(0.5 * (turned[1:] + turned[:-1]))]) / rate
     size = round(seconds * rate)
     signals = _clearest(signals, angle, orders, size)
-    error, used = np.inf, 0
-    for _ in range(ROUNDS):
-        lines = [_at_rest(signals, angle, order, size) for order in orders]
-        steady = [line for line in lines if line.scatter < STEADY and line.largest < LARGEST]
-        if not steady:
-            raise RotationError(
-                f"the speed cannot be found from the mesh vibration. Either no line at a mesh order of stage {stage} "
-                f"has a steady phase: its scatter is {min(line.scatter for line in lines):.2g} rad or more, and the "
-                f"limit is {STEADY:g} rad. Or shaft 1 does not turn at {nominal:.4g} Hz within {100 * RANGE:g} %, or "
-                f"its speed changes by more than {change:.3g} Hz per second. Correct speed_rpm, record a tachometer, "
-                "or cut the recording to a part at steady speed."
-            )
-        angle, error = _mend(steady, angle, size)
-        used = len(steady)
+    unsteady = (
+        f"the speed cannot be found from the mesh vibration. Either no line at a mesh order of stage {stage} has a "
+        f"steady phase. Or shaft 1 does not turn at {60.0 * nominal:.5g} rpm within {100 * RANGE:g} %, or its speed "
+        f"changes by more than {change:.3g} Hz per second. Correct speed_rpm, record a tachometer, or cut the "
+        "recording to a part at steady speed."
+    )
+    angle, _, _ = _tracked(signals, angle, orders, size, unsteady, most=1)
+    angle = _at_best_speed(signals, angle, rate, kinematics)
+    size = round(TURNS * len(angle) / (slow * float(angle[-1] - angle[0]) / (2.0 * np.pi)))
+    before = float(angle[-1] - angle[0])
+    angle, error, used = _tracked(signals, angle, orders, size, unsteady)
+    if abs(float(angle[-1] - angle[0]) / before - 1.0) > 2.0 * np.pi / (mesh * before):
+        raise RotationError(unsteady)
     return Rotation(
         angle=np.maximum.accumulate(angle - angle[0]),
         source=f"phase of {used} mesh line{'s' if used > 1 else ''} of stage {stage} in the vibration",
         error=float(np.hypot(error, SWING)) / float(angle[-1] - angle[0]),
         absolute=False,
+        conditional=unconfirmed(OrderLevels(signals, angle), kinematics),
     )
+
+
+def _tracked(
+    signals: Sequence[np.ndarray], angle: np.ndarray, orders: np.ndarray, size: int, unsteady: str, most: int = HARMONICS
+) -> tuple[np.ndarray, float, int]:
+    """The angle by so many of the steadiest lines at most, the uncertainty of its climb, and the number of lines."""
+    error, used = np.inf, 0
+    for _ in range(ROUNDS):
+        lines = sorted((_at_rest(signals, angle, order, size) for order in orders), key=lambda one: one.scatter / one.order)
+        steady = [line for line in lines if line.scatter < STEADY and line.largest < LARGEST][:most]
+        if not steady:
+            raise RotationError(unsteady)
+        angle, error = _mend(steady, angle, size)
+        used = len(steady)
+    return angle, error, used
+
+
+def _at_best_speed(
+    signals: Sequence[np.ndarray], angle: np.ndarray, rate: float, kinematics: Kinematics
+) -> np.ndarray:
+    """The angle by the factor that all lines of the train support.
+
+    Raises
+    ------
+    RotationError : the factor is at the edge of the search, or another one fits nearly as well
+    """
+    nominal = kinematics.frequency or 0.0
+    speed = float(angle[-1] - angle[0]) / (2.0 * np.pi) * rate / (len(angle) - 1)
+    factor, second = best_speed(
+        OrderLevels(signals, angle), kinematics, *((1.0 + side * WIDER) * nominal / speed for side in (-1, 1))
+    )
+    found = f"the lines of the gears fit best at {60.0 * factor * speed:.5g} rpm"
+    if abs(factor * speed / nominal - 1.0) > RANGE:
+        raise RotationError(
+            f"{found}, which is more than {100 * RANGE:g} % from speed_rpm = {60.0 * nominal:.5g}. Correct speed_rpm "
+            "or teeth, or record a tachometer."
+        )
+    if second > MARGIN:
+        raise RotationError(
+            f"{found}, but another speed within {100 * WIDER:g} % of speed_rpm = {60.0 * nominal:.5g} fits "
+            f"{100 * second:.0f} % as well; at most {100 * MARGIN:g} % is accepted. Correct teeth or speed_rpm, use a "
+            "longer recording, or record a tachometer."
+        )
+    return factor * angle
 
 
 def _search_orders(kinematics: Kinematics, rate: float) -> dict[float, float]:

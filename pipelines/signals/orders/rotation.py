@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -21,7 +22,8 @@ class Rotation:
     neither knows the sense. `source` says in words where it comes from; `error` is the standard uncertainty of the
     mean speed, as a share of it; `absolute` is True where angle 0 is a mark on the shaft, so that the place of a tooth
     means something. With one pulse per turn the mark is that of the shaft with the tachometer, `mark`: other shafts
-    pass theirs at angles nobody knows. Where `mark` is empty all shafts have theirs at 0.
+    pass theirs at angles nobody knows. Where `mark` is empty all shafts have theirs at 0. `conditional` are the shafts
+    whose speed is only as right as the tooth numbers, or not well enough known, each with the reason.
     """
 
     angle: np.ndarray
@@ -29,6 +31,7 @@ class Rotation:
     error: float
     absolute: bool
     mark: str = ""
+    conditional: Mapping[str, str] = field(default_factory=dict)
 
     def places_teeth(self, shaft: str) -> bool:
         """Whether the place of a tooth on a shaft means something."""

@@ -17,7 +17,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-RANGE = 0.04  # about the nominal speed, as a share of it
+RANGE = 0.3  # about the nominal speed, as a share of it
 _PER_LINE = 3  # speeds to try in the width of the highest line
 
 

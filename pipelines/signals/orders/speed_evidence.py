@@ -1,0 +1,168 @@
+"""Which speed the lines of a vibration support, and which shafts show lines of their own at that speed.
+
+The angle of a machine follows from a single line of its train up to a factor: the line may be a mesh order, or a
+sideband that was taken for one. Over this angle all lines of the train are sharp, so that every factor can be tried
+on one spectrum. The score of a speed is a sum over stages and shafts: the mean level of the mesh orders of a stage, and
+that of the sidebands of a shaft, each in standard deviations over its median for all speeds of the search. Scores at
+wrong speeds are due to lines of other stages and to rational multiples such as 4/3.
+
+Mesh orders cannot show wrong tooth numbers of their own: f_m1 / f_m2 = z_2 / z_3 does not depend on z_1. So a shaft is
+confirmed only if its spacing is measured. The lines that other shafts can explain are left out, and the spacing of the
+sidebands is changed within SPACINGS: at the spacing by the tooth numbers the mean level must stand out, and clearly
+more than at the spacings of gears with one tooth more or less. This must hold without the sidebands at multiples of 2, 3
+and 5 of the shaft's order, which are lines, too, where the true speed is a rational multiple.
+
+References
+----------
+Leclere, Andre & Antoni (2016), Mech. Syst. Signal Process. 81, 375-386 (many orders as evidence of one speed);
+Randall (2011), Vibration-based Condition Monitoring, Wiley, section 5.4 (sidebands of gears and their spacing).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from fem.numerics.interpolation import interpolated
+from pipelines.signals.orders.kinematics import Kinematics, Shaft
+
+HARMONICS = 5  # of a mesh
+SIDEBANDS = 20  # on either side, at most up to half of the teeth
+CONFIRMED = 6.0  # standard deviations, of the sidebands at the spacing of a shaft
+CLEARLY = 2.0  # times the level at the spacings of gears with one tooth more or less
+FACTORS = (2, 3, 5)  # at half the speed every second multiple of a shaft's order is a line: without these none is
+SPACINGS = 0.3  # about the spacing by the tooth numbers, as a share of it
+_SEGMENT, _SEGMENTS = 1 << 17, 8  # samples of a spectrum, and how many at most are averaged
+_PADDED = 2  # lines per line of the spectrum
+_LOBE = 2  # lines from the middle of a main lobe to its end (Hann)
+_RESOLVED = 10  # lines between the sidebands of a shaft whose lines are left out
+
+
+class OrderLevels:
+    """Mean level of the channels over orders, dB over the floor around each line, `per_order` lines in an order."""
+
+    def __init__(self, signals: Sequence[np.ndarray], angle: np.ndarray) -> None:
+        turns = (angle[-1] - angle[0]) / (2.0 * np.pi)
+        count = len(angle)
+        size = min(count, _SEGMENT)
+        self.per_order = _PADDED * turns * size / count
+        place = np.interp(np.linspace(angle[0], angle[-1], count), angle, np.arange(count))
+        starts = np.unique(np.linspace(0, count - size, min(_SEGMENTS, -(-count // size))).astype(int))
+        window = np.hanning(size + 1)[:-1]
+        levels = []
+        for signal in signals:
+            pieces = (interpolated(signal, place[start : start + size]) for start in starts)
+            power = np.mean([np.abs(np.fft.rfft(window * one, _PADDED * size)) ** 2 for one in pieces], axis=0)
+            level = 10.0 * np.log10(power + np.finfo(float).tiny)
+            levels.append(np.maximum(level - _floor(level, 2.0 * self.per_order), 0.0))
+        self.values = np.mean(levels, axis=0)
+        self.used = np.ones(len(self.values))  # 0 where a line is left out
+
+    def mean(self, orders: Iterator[np.ndarray]) -> np.ndarray:
+        """Mean over lines of the level at orders (speed,), of those within the spectrum; 0 where there are none."""
+        total, number = np.zeros(1), np.zeros(1)
+        for order in orders:
+            line = np.rint(order * self.per_order).astype(int)
+            within = (line > _LOBE * _PADDED) & (line < len(self.values))
+            line = np.where(within, line, 0)
+            used = self.used[line] * within
+            total, number = total + self.values[line] * used, number + used
+        return total / np.maximum(number, 1.0)
+
+    def leave_out(self, orders: Iterator[float]) -> None:
+        """Leave out the main lobes of lines."""
+        reach = _LOBE * _PADDED - 1
+        for order in orders:
+            line = round(order * self.per_order)
+            self.used[max(line - reach, 0) : line + reach + 1] = 0.0
+
+
+def _floor(level: np.ndarray, width: float) -> np.ndarray:
+    """The median of blocks of so many lines, joined by straight lines."""
+    ends = np.linspace(0, len(level), max(2, round(len(level) / max(width, 32.0))) + 1).astype(int)
+    medians = [np.median(level[first:last]) for first, last in zip(ends[:-1], ends[1:], strict=True)]
+    return np.interp(np.arange(len(level)), 0.5 * (ends[:-1] + ends[1:]), medians)
+
+
+def best_speed(levels: OrderLevels, kinematics: Kinematics, lowest: float, highest: float) -> tuple[float, float]:
+    """The factor on the speed of the angle with the highest score, and the next best score as a share of it.
+
+    Parameters
+    ----------
+    levels : over any angle that is proportional to that of the machine
+    kinematics : with gears
+    lowest, highest : factors that are tried
+    """
+    meshes = kinematics.mesh_orders()
+    fastest = max(meshes.values())
+    step = 0.5 / (HARMONICS * fastest * levels.per_order)
+    factors = np.exp(np.arange(np.log(lowest), np.log(highest), step / highest))
+    score = sum(
+        _deviations(levels.mean(harmonic * mesh * factors for harmonic in range(1, HARMONICS + 1)))
+        for mesh in meshes.values()
+    ) + sum(
+        _deviations(levels.mean((mesh + side) * shaft.ratio * factors for mesh, side in _sidebands(kinematics, shaft)))
+        for shaft in kinematics.shafts
+    )
+    best = int(np.argmax(score))
+    others = np.abs(factors / factors[best] - 1.0) > _LOBE * _PADDED / (fastest * levels.per_order)
+    return float(factors[best]), float(score[others].max() / score[best])
+
+
+def unconfirmed(levels: OrderLevels, kinematics: Kinematics) -> dict[str, str]:
+    """The shafts that do not show their spacing, each with the reason.
+
+    Parameters
+    ----------
+    levels : over the angle of the first shaft
+    kinematics : with gears
+    """
+    return {
+        shaft.name: reason for shaft in kinematics.shafts if (reason := _unconfirmed(levels, kinematics, shaft.name))
+    }
+
+
+def _unconfirmed(levels: OrderLevels, kinematics: Kinematics, name: str) -> str:
+    """Why the spacing of a shaft is not confirmed; empty if it is."""
+    shaft, gears = kinematics.shaft(name), kinematics.gears_on(name)
+    resolution = 0.5 / (levels.per_order * shaft.ratio * SIDEBANDS)
+    spacings = np.arange(-SPACINGS, SPACINGS, resolution)
+    neighbours = np.array([gear.teeth / (gear.teeth + more) - 1.0 for gear in gears for more in (-1, 1)])
+    tried = 1.0 + np.concatenate([[0.0], neighbours, spacings])
+    levels.used[:] = 1.0
+    levels.leave_out(
+        harmonic * mesh for mesh in kinematics.mesh_orders().values() for harmonic in range(1, HARMONICS + 1)
+    )
+    for other in kinematics.shafts:
+        if other.name != name and other.ratio * levels.per_order > _PADDED * _RESOLVED:
+            levels.leave_out((mesh + side) * other.ratio for mesh, side in _sidebands(kinematics, other))
+    shown, beside = np.inf, np.inf
+    for factor in FACTORS:
+        lines = [(mesh, side) for mesh, side in _sidebands(kinematics, shaft) if (mesh + side) % factor]
+        found = levels.mean((mesh + side * tried) * shaft.ratio for mesh, side in lines)
+        middle = np.median(found[1 + len(neighbours) :])
+        spread = 1.4826 * np.median(np.abs(found[1 + len(neighbours) :] - middle)) + np.finfo(float).tiny
+        shown = min(shown, (found[0] - middle) / spread)
+        beside = min(beside, (found[1 : 1 + len(neighbours)].max(initial=middle) - middle) / spread)
+    levels.used[:] = 1.0
+    if shown >= CONFIRMED and shown >= CLEARLY * beside:
+        return ""
+    if beside >= CONFIRMED and beside > shown:
+        return "its sidebands have the spacing of a gear with another number of teeth"
+    return "it shows no sidebands at its own spacing"
+
+
+def _sidebands(kinematics: Kinematics, shaft: Shaft) -> Iterator[tuple[int, int]]:
+    """Mesh orders of a shaft, in orders of this shaft, and distances of their sidebands."""
+    for gear in kinematics.gears_on(shaft.name):
+        for harmonic in range(1, HARMONICS + 1):
+            for number in range(1, min(SIDEBANDS, gear.teeth // 2) + 1):
+                for side in (-number, number):
+                    yield harmonic * gear.teeth, side
+
+
+def _deviations(level: np.ndarray) -> np.ndarray:
+    """Levels as robust standard deviations over their median."""
+    middle = np.median(level)
+    return (level - middle) / (1.4826 * np.median(np.abs(level - middle)) + np.finfo(float).tiny)
