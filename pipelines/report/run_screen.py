@@ -11,7 +11,6 @@ import numpy as np
 from pipelines.diagnosis import words
 from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.control_verdict import all_seen, case_name, headline
-from pipelines.diagnosis.prediction import FEWEST_FOR_P
 from pipelines.diagnosis.verdict import Finding, Verdict
 from pipelines.machine.kinematics import kinematics_of
 from pipelines.machine.plant import Plant
@@ -57,7 +56,7 @@ def first_screen(
     baseline : whether it compares with healthy machines of other deviations, not with the exact control
     """
     if verdict is not None and baseline:
-        verdicts, found = list(words.sentences(verdict)), verdict.alarm
+        verdicts, found = list(words.sentences(verdict)), verdict.damaged
         label = f"Compared with {verdict.healthy} healthy recordings of machines with other deviations."
     else:
         verdicts, found = _verdict(plant, diagnoses, failure)
@@ -77,15 +76,11 @@ def first_screen(
 def _ranked(finding: Finding) -> tuple[str, float, str, str]:
     remarks = [] if finding.tooth is None else [f"highest envelope energy at tooth {finding.tooth}"]
     remarks += [f"has the same orders as {', '.join(finding.alike)}"] if finding.alike else []
-    return finding.component, finding.rise, words.probability(finding), "; ".join(remarks)
+    return finding.component, finding.evidence.increase, words.strength(finding.evidence), "; ".join(remarks)
 
 
 def _ranking_note(verdict: Verdict) -> str:
-    texts = [words.INCREASE]
-    if verdict.alarm is None:
-        texts.append(f"p-values need {FEWEST_FOR_P} or more healthy machines: gearcase run --baseline 8.")
-    else:
-        texts.append(words.P_VALUE)
+    texts = [words.note(verdict)]
     if any(finding.alike for finding in verdict.findings):
         texts.append("Components with the same orders, or integer multiples of them, cannot be distinguished.")
     return " ".join(texts)
@@ -151,9 +146,9 @@ def _channel(asked: LookedFor) -> str:
 
 
 def shown_gear(plant: Plant, verdict: Verdict | None, kinematics: Kinematics) -> Gear:
-    """The gear that ranks first in an alarm, else the one that the scene monitors."""
+    """The gear that ranks first if it is damaged, else the one that the scene monitors."""
     gears = {gear.name: gear for gear in kinematics.gears}
-    if verdict is not None and verdict.alarm:
+    if verdict is not None and verdict.damaged:
         ranked = [gears[finding.component] for finding in verdict.findings[:1] if finding.component in gears]
         if ranked:
             return ranked[0]
@@ -165,13 +160,13 @@ def _average(
 ) -> Average | None:
     """Over the teeth of the gear, the marked one in the middle; None if its shaft hardly turns in the first window.
 
-    The marked tooth is the damaged one of the scene; that of the verdict where this is an alarm, or none is known.
+    The marked tooth is that of the verdict where it calls the gear damaged, else the damaged one of the scene.
     """
     kinematics = kinematics_of(plant.layout, ())
     gear = shown_gear(plant, verdict, kinematics)
     named = [one.tooth for one in verdict.findings if one.component == gear.name] if verdict is not None else []
     damaged = [fault.tooth for fault in plant.faults_of(gear.stage) if gear.name == f"stage {gear.stage} {fault.gear}"]
-    first = named if verdict is not None and verdict.alarm else damaged
+    first = named if verdict is not None and verdict.damaged else damaged
     marked = next((tooth for tooth in (*first, *named, *damaged) if tooth is not None), None)
     middle = gear.teeth / 2 if marked is None else float(marked)
     window = next(iter(settings.windows))

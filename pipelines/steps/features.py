@@ -13,11 +13,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class FeaturesSpec:
-    """Machine and windows, the labels of the motion, and the number of its sensor noise."""
+    """Machine and windows, and the labels of the motion."""
 
     settings: FeatureSettings
     labels: Mapping[str, Any]
-    stream: int
 
 
 def build(spec: FeaturesSpec, *, motion: Trajectory) -> dict[str, Any]:
@@ -28,7 +27,7 @@ def build(spec: FeaturesSpec, *, motion: Trajectory) -> dict[str, Any]:
     from pipelines.signals.response import make_response
 
     try:
-        table = run_features(make_response(motion, spec.labels), spec.settings, spec.stream)
+        table = run_features(make_response(motion, spec.labels), spec.settings)
     except (FeatureError, RotationError) as error:
         return {"table": None, "failure": str(error)}
     return {"table": table, "failure": ""}

@@ -48,12 +48,12 @@ def verdict_steps(study: Study) -> list[Step]:
             name=f"features {motion}",
             kind="features",
             build=features.build,
-            spec=features.FeaturesSpec(settings=settings, labels=one.labels, stream=stream),
+            spec=features.FeaturesSpec(settings=settings, labels=one.labels),
             takes={"motion": motion},
             libraries=_NUMERIC,
             seconds=1.0,
         )
-        for one, motion, stream in [(plant, first.faulty, 1), *((one, motion, 0) for one, motion in healthy)]
+        for one, motion in [(plant, first.faulty), *healthy]
     ]
     spec = verdict.VerdictSpec(kinematics=kinematics, faulty=verdict.known_faults(plant), exact=not study.baseline)
     takes = {"own": own.name, "healthy": tuple(step.name for step in others)}

@@ -30,24 +30,18 @@ def build(spec: VerdictSpec, *, own: dict[str, Any], healthy: Sequence[dict[str,
     spec : the machine
     own, healthy : results of steps `features`
     """
-    from pipelines.diagnosis.verdict import BaselineError, judge
-    from pipelines.diagnosis.words import confirmed, text
+    from pipelines.diagnosis.baseline import BaselineError
+    from pipelines.diagnosis.verdict import judge
+    from pipelines.diagnosis.words import found_words, text
 
     failure = next((one["failure"] for one in (own, *healthy) if one["failure"]), "")
     if failure:
         return {"verdict": None, "words": "", "failure": failure}
     try:
-        verdict = judge(own["table"], [one["table"] for one in healthy], spec.kinematics)
+        verdict = judge(own["table"], [one["table"] for one in healthy], spec.kinematics, exact=spec.exact)
     except BaselineError as error:
         return {"verdict": None, "words": "", "failure": str(error)}
-    parts = [text(verdict).rstrip()]
-    if spec.exact:
-        parts.append(
-            "The healthy recording is the control: the same machine without the fault, which only a simulation has. "
-            "The increases are the effect of the fault. Set --baseline 8 to compare with healthy machines of other "
-            "deviations."
-        )
-    parts.append(confirmed(verdict, spec.faulty))
+    parts = [text(verdict).rstrip(), found_words(verdict, spec.faulty)]
     return {"verdict": verdict, "words": "\n\n".join(filter(None, parts)) + "\n", "failure": ""}
 
 
