@@ -8,9 +8,10 @@ from turning import MACHINE, recording
 
 from pipelines.diagnosis.alike import alike
 from pipelines.diagnosis.baseline import BaselineError
+from pipelines.diagnosis.cases import Case, Damage, found
 from pipelines.diagnosis.simulated import FeatureSettings, run_features
 from pipelines.diagnosis.verdict import judge
-from pipelines.diagnosis.words import found_words, headline, ranking_grid, sentences
+from pipelines.diagnosis.words import headline, ranking_grid, sentences
 from pipelines.signals.features.recorded import FeatureError
 from pipelines.signals.orders.kinematics import Gear, Shaft
 
@@ -31,9 +32,13 @@ def test_a_damaged_tooth_is_found_on_its_shaft_and_in_its_place(healthy, compone
     verdict = judge(table(100, fault=component, tooth=5), healthy, MACHINE)
     assert verdict.damaged
     assert component in (verdict.first.component, *verdict.first.alike)
-    found = next(one for one in verdict.findings if one.component == component)
-    assert abs(found.tooth - 5) <= 1
-    assert component in found_words(verdict, [(component, 5)])
+    own = next(one for one in verdict.findings if one.component == component)
+    assert abs(own.tooth - 5) <= 1
+    damage, other = Damage(component=component, tooth=5, words="tooth"), Damage(component="x", tooth=None, words="x")
+    case = Case(load="torque", deviations="off", window="whole", verdict=verdict)
+    ranked = found(case, damage, [damage])
+    assert (ranked is None) == (verdict.first.component != component)
+    assert found(case, other, [other]) is None
 
 
 @pytest.mark.parametrize(("fault", "component"), [("bearing_1", "bearing_1 BPFO"), ("shaft_2", "shaft_2")])
@@ -95,9 +100,7 @@ def test_a_small_baseline_gives_an_order_and_no_p_value(healthy):
 
 def test_recordings_of_other_channels_cannot_be_compared(healthy):
     one = recording(103).sel(axis=["x"])
-    with pytest.raises(
-        BaselineError, match="1 has the channels near x, near z, the recording to diagnose has near x"
-    ):
+    with pytest.raises(BaselineError, match="1 has the channels near x, near z, the recording to diagnose has near x"):
         judge(run_features(one, SETTINGS), healthy, MACHINE)
 
 

@@ -82,13 +82,14 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.diagnosis.export import diagnosis_facts
     from pipelines.diagnosis.uncertainty.words import bars_words
     from pipelines.engine.run_graph import Work
-    from pipelines.runs.diagnosed import diagnose_folder, folder_bars
+    from pipelines.runs.diagnosed import diagnose_folder, folder_bars, judge_folder
     from pipelines.steps.diagnosing import words
 
-    found = diagnose_folder(path.parent, options.settings)
+    found, judged = diagnose_folder(path.parent, options.settings), judge_folder(path.parent)
     bars = folder_bars(path.parent, found, options.settings, Work())
     if options.json:
         facts = bars if isinstance(bars, str) else bars.to_dict()
-        yield json_text(diagnosis_facts([found]) | {"error_bars": facts})
+        yield json_text({"verdict": judged["cases"]} | diagnosis_facts([found]) | {"error_bars": facts})
     else:
-        yield f"{words([found], [found])}\n{bars_words(bars)}"
+        answer = judged["words"] or f"No verdict: {judged['failure']}\n"
+        yield f"{answer}\n{words([found])}\n{bars_words(bars)}"

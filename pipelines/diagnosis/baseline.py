@@ -22,13 +22,16 @@ class BaselineError(ValueError):
     """Recordings cannot be compared: other channels, other features, one of them twice, or none."""
 
 
-def check_baseline(recording: FeatureTable, baseline: Sequence[FeatureTable], names: Sequence[str]) -> None:
+def check_baseline(
+    recording: FeatureTable, baseline: Sequence[FeatureTable], names: Sequence[str], exact: bool = False
+) -> None:
     """Raise BaselineError if recordings cannot be compared, or if two of them are the same.
 
     Parameters
     ----------
     recording, baseline : features of the judged recording and of the healthy ones
     names : of the healthy ones, as messages show them
+    exact : the healthy one is the control, which a fault without effect leaves equal to the judged one
     """
     if not baseline:
         raise BaselineError("no healthy recording to compare with. Give at least one.")
@@ -44,7 +47,7 @@ def check_baseline(recording: FeatureTable, baseline: Sequence[FeatureTable], na
                 f"{name} does not have the same features ({', '.join(unlike[:3])}, ...). Give "
                 "recordings of about the same speed, length and sampling rate."
             )
-        if _same(other, recording):
+        if not exact and _same(other, recording):
             raise BaselineError(f"{name} is the recording to diagnose itself. Delete it from the healthy recordings.")
         twice = [first for first, one in zip(names[:number], baseline, strict=False) if _same(one, other)]
         if twice:

@@ -4,8 +4,8 @@ With m the mean of n healthy levels (dB) and s their standard deviation, a new l
 
     t = (x - m) / (s~ sqrt(1 + 1/n)),   s~^2 = (d0 s0^2 + d s^2) / (d0 + d),   d = n - 1.
 
-s0 is the scale that all levels of one kind have in common, and d0 counts how much it is worth (Smyth 2004): the less the
-scales of a kind differ, the more. Channels of one machine are not independent, so d0 is at most d.
+s0 is the scale that all levels of one kind have in common, and d0 its weight (Smyth 2004): the less the scales of a
+kind differ, the larger. Channels of one machine are not independent, so d0 is at most d.
 
 Probabilities come from simulated healthy machines. Levels of real machines have heavier tails than a normal
 distribution, so the simulated levels have Student's distribution with TAILS degrees of freedom. A mean over several

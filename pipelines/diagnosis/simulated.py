@@ -47,6 +47,15 @@ def run_features(run: xarray.Dataset, settings: FeatureSettings, rotation: Rotat
     return feature_table(with_stated_noise(run), settings.kinematics, rotation, settings.windows)
 
 
+def window_features(run: xarray.Dataset, settings: FeatureSettings) -> dict[str, FeatureTable]:
+    """The features of a run in each of the windows by itself; arguments and errors as in `run_features`."""
+    rotation, noisy = rotation_of(run, settings.kinematics), with_stated_noise(run)
+    return {
+        name: feature_table(noisy, settings.kinematics, rotation, {name: window})
+        for name, window in settings.windows.items()
+    }
+
+
 def with_stated_noise(run: xarray.Dataset) -> xarray.Dataset:
     """A run with `sensor_noise_m_s2`, if that is among its attributes, in its accelerations.
 

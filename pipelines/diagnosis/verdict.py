@@ -166,7 +166,7 @@ def judge(
     BaselineError : recordings cannot be compared, one is given twice or is the judged one, or most differ
     """
     names = names or [f"healthy recording {number}" for number in range(1, len(baseline) + 1)]
-    check_baseline(recording, baseline, names)
+    check_baseline(recording, baseline, names, exact)
     levels, healthy = _compared(recording, baseline)
     lines = _Lines(recording)
     odd = outlying(healthy, lambda one, others: min(lines.chances(one, others)))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from pipelines.diagnosis.prediction import FEWEST_FOR_P
 from pipelines.diagnosis.verdict import ALARM, DIFFERENT, Evidence, Finding, Verdict, decibels
 from pipelines.io.grid import Grid
@@ -125,23 +123,6 @@ def ranking_grid(verdict: Verdict) -> Grid:
     return Grid(title="Components by their evidence", headers=headers, rows=rows)
 
 
-def found_words(verdict: Verdict, faulty: Sequence[tuple[str, int | None]]) -> str:
-    """How the diagnosis agrees with what is known to be damaged, (component, tooth or None) each; "" if nothing is."""
-    order = [one.component for one in verdict.findings]
-    parts = []
-    for component, tooth in faulty:
-        if component not in order:
-            parts.append(f"{component} is damaged and has no features")
-            continue
-        place = order.index(component)
-        words = f"{component} is damaged and ranks {_ordinal(place + 1)} of {len(order)}"
-        marked = verdict.findings[place].tooth
-        if tooth is not None and marked is not None:
-            words += f"; tooth {tooth} is damaged, tooth {marked} is found"
-        parts.append(words)
-    return f"True damage, not used for the diagnosis: {'. '.join(parts)}." if parts else ""
-
-
 def text(verdict: Verdict) -> str:
     """All of it for the terminal."""
     return "\n\n".join([" ".join(sentences(verdict)), ranking_grid(verdict).to_text().rstrip(), note(verdict)]) + "\n"
@@ -152,14 +133,15 @@ def note(verdict: Verdict) -> str:
     return NO_LIMIT if verdict.damaged is None else EVIDENCE
 
 
+def ratio(evidence: Evidence) -> float:
+    """The evidence over its limit, or over 1 without one."""
+    return evidence.deviation / (evidence.limit or 1.0)
+
+
 def strength(evidence: Evidence) -> str:
     """The evidence over its limit, "-" without one."""
-    return "-" if evidence.limit is None else f"{evidence.deviation / evidence.limit:.2f}"
+    return "-" if evidence.limit is None else f"{ratio(evidence):.2f}"
 
 
 def _tooth(finding: Finding) -> str:
     return "" if finding.tooth is None else f", tooth {finding.tooth} (+- 1)"
-
-
-def _ordinal(number: int) -> str:
-    return {1: "first", 2: "second", 3: "third"}.get(number, f"{number}th")

@@ -20,14 +20,14 @@ class FeaturesSpec:
 
 
 def build(spec: FeaturesSpec, *, motion: Trajectory) -> dict[str, Any]:
-    """The table of features under "table"; where there are none, None and the reason under "failure"."""
-    from pipelines.diagnosis.simulated import run_features
+    """The tables of features by window under "tables"; where there are none, the reason under "failure"."""
+    from pipelines.diagnosis.simulated import window_features
     from pipelines.signals.features.recorded import FeatureError
     from pipelines.signals.orders.rotation import RotationError
     from pipelines.signals.response import make_response
 
     try:
-        table = run_features(make_response(motion, spec.labels), spec.settings)
+        tables = window_features(make_response(motion, spec.labels), spec.settings)
     except (FeatureError, RotationError) as error:
-        return {"table": None, "failure": str(error)}
-    return {"table": table, "failure": ""}
+        return {"tables": {}, "failure": str(error)}
+    return {"tables": tables, "failure": ""}
