@@ -10,10 +10,10 @@ from pipelines.io.argument_types import number, path
 
 HELP = """\
 Print which component is damaged. A measured recording is compared with recordings of healthy machines (--baseline).
-A finished run is compared with its healthy control. Nothing is simulated and no file is written. Takes seconds."""
+A finished run is compared with its healthy control, and its spectral lines are listed. Nothing is simulated and no file is written. Takes seconds."""
 EXAMPLE = """\
 gearcase diagnose bench
-One tooth of the stage 1 wheel chipped: seen at motor_side (axis z) in the one analysed window.
+Chipped tooth 10 of the stage 1 wheel: found in 1 of 1. ...
 ...
 line                  Hz  faulty m/s²  healthy m/s²  difference dB  over floor dB  healthy over floor dB  verdict
 ...
@@ -41,7 +41,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         type=path,
         nargs="+",
         default=[],
-        help="recordings of healthy machines to compare with; p-values need 5 or more",
+        help="recordings of healthy machines to compare with; limits need 5 or more",
     )
     sub.add_argument(
         "--window",
