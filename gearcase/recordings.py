@@ -50,13 +50,13 @@ def open_recording(path: str | Path, machine: str | Path) -> xarray.Dataset:
 
 
 def judge(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset], machine: str | Path) -> Verdict:
-    """The blind verdict on a recording: how far every gear, bearing and shaft stands above healthy recordings.
+    """The verdict on a recording: whether it differs from healthy ones, and which gear, bearing or shaft is damaged.
 
     Parameters
     ----------
     recording : what `open_recording`, `simulate`, `run` or `open_run` returned, or a part of it:
         ``recording.sel(time=slice(0.5, 2.5))``
-    healthy : the same of healthy machines, at about the same speed and load; p-values take 5 or more
+    healthy : the same of healthy machines, at about the same speed and load; limits take 5 or more
     machine : as for `open_recording`
 
     Raises
@@ -76,7 +76,7 @@ def judge(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset], machine:
     ...          "shaft_angle": (("time", "shaft"), angle[:, None])},
     ...         {"time": time, "sensor": ["gearbox"], "axis": ["z"], "shaft": ["shaft_1"]})
     >>> found = gearcase.judge(record(1, depth=0.4), [record(seed) for seed in range(2, 8)], "bench.toml")
-    >>> found.alarm, found.first.component
+    >>> found.damaged, found.first.component
     (True, 'stage 1 pinion')
     """
     one, others = checked_recording("recording", recording), checked_recordings("healthy", healthy)

@@ -7,9 +7,11 @@ import pytest
 from turning import MACHINE, recording
 
 from pipelines.diagnosis.alike import alike
+from pipelines.diagnosis.baseline import BaselineError
+from pipelines.diagnosis.cases import Case, Damage, found
 from pipelines.diagnosis.simulated import FeatureSettings, run_features
-from pipelines.diagnosis.verdict import BaselineError, judge
-from pipelines.diagnosis.words import confirmed, headline, ranking_grid, sentences
+from pipelines.diagnosis.verdict import judge
+from pipelines.diagnosis.words import headline, ranking_grid, sentences
 from pipelines.signals.features.recorded import FeatureError
 from pipelines.signals.orders.kinematics import Gear, Shaft
 
@@ -17,7 +19,7 @@ SETTINGS = FeatureSettings(kinematics=MACHINE, windows={})
 
 
 def table(seed, settings=SETTINGS, **fault):
-    return run_features(recording(seed, **fault), settings, stream=0)
+    return run_features(recording(seed, **fault), settings)
 
 
 @pytest.fixture(scope="module")
@@ -28,40 +30,78 @@ def healthy():
 @pytest.mark.parametrize("component", ["stage 1 pinion", "stage 1 wheel", "stage 2 pinion", "stage 2 wheel"])
 def test_a_damaged_tooth_is_found_on_its_shaft_and_in_its_place(healthy, component):
     verdict = judge(table(100, fault=component, tooth=5), healthy, MACHINE)
-    assert verdict.alarm
+    assert verdict.damaged
     assert component in (verdict.first.component, *verdict.first.alike)
-    found = next(one for one in verdict.findings if one.component == component)
-    assert abs(found.tooth - 5) <= 1
-    assert component in confirmed(verdict, [(component, 5)])
+    own = next(one for one in verdict.findings if one.component == component)
+    assert abs(own.tooth - 5) <= 1
+    damage, other = Damage(component=component, tooth=5, words="tooth"), Damage(component="x", tooth=None, words="x")
+    case = Case(load="torque", deviations="off", window="whole", verdict=verdict)
+    ranked = found(case, damage, [damage])
+    assert (ranked is None) == (verdict.first.component != component)
+    assert found(case, other, [other]) is None
 
 
 @pytest.mark.parametrize(("fault", "component"), [("bearing_1", "bearing_1 BPFO"), ("shaft_2", "shaft_2")])
 def test_a_spall_and_an_unbalanced_shaft_rank_first(healthy, fault, component):
     verdict = judge(table(101, fault=fault), healthy, MACHINE)
-    assert verdict.alarm
+    assert verdict.damaged
     assert verdict.first.component == component
 
 
 def test_other_healthy_machines_raise_no_alarm(healthy):
-    assert [judge(table(seed), healthy, MACHINE).alarm for seed in range(200, 206)] == [False] * 6
+    assert [judge(table(seed), healthy, MACHINE).damaged for seed in range(200, 206)] == [False] * 6
     verdict = judge(table(200), healthy, MACHINE)
-    assert headline(verdict).startswith("No alarm")
+    assert headline(verdict).startswith("No damage")
     assert (verdict.tested, verdict.false_alarms) == (8, 0)
-    assert verdict.false_alarm_interval == pytest.approx((0.0, 0.369), abs=1e-3)
+    assert verdict.interval(0) == pytest.approx((0.0, 0.369), abs=1e-3)
+
+
+def test_a_level_that_falls_at_one_channel_is_a_difference_and_no_damage(healthy):
+    one = table(300)
+    lowered = one.value.copy()
+    lowered[0, one.lines.index(("stage 1 wheel", "difference_rms"))] /= 10.0
+    verdict = judge(one.replaced(value=lowered), healthy, MACHINE)
+    assert (verdict.different, verdict.damaged) == (True, False)
+    assert (verdict.changes[0].component, verdict.changes[0].sensor, verdict.changes[0].axis) == (
+        "stage 1 wheel", "near", "x",
+    )  # fmt: skip
+    assert verdict.changes[0].increase == pytest.approx(-20.0, abs=3.0)
+    assert headline(verdict).startswith("Different from the healthy recordings, but")
+
+
+def test_faulty_recordings_in_a_baseline_of_ten_are_named_and_the_verdict_is_kept(healthy):
+    others = [*healthy, table(301), table(302)]
+    assert judge(table(303), others, MACHINE).outlying == ()
+    for count in (1, 2, 3):
+        faulty = [table(310 + number, fault="stage 1 wheel", tooth=number) for number in range(count)]
+        baseline = [*faulty, *others[count:]]
+        verdict = judge(table(320, fault="stage 1 wheel"), baseline, MACHINE)
+        assert verdict.outlying == tuple(f"healthy recording {number + 1}" for number in range(count))
+        assert verdict.damaged
+        assert verdict.healthy == 10 - count
+        assert "Left out because they differ" in " ".join(sentences(verdict))
+
+
+def test_a_recording_twice_or_in_its_own_baseline_is_refused_by_name(healthy):
+    names = [f"{number}.csv" for number in range(9)]
+    with pytest.raises(BaselineError, match=r"8\.csv is the same recording as 2\.csv"):
+        judge(table(304), [*healthy, healthy[2]], MACHINE, names)
+    with pytest.raises(BaselineError, match=r"8\.csv is the recording to diagnose itself"):
+        judge(table(305), [*healthy, table(305)], MACHINE, names)
 
 
 def test_a_small_baseline_gives_an_order_and_no_p_value(healthy):
     verdict = judge(table(102, fault="stage 1 wheel"), healthy[:4], MACHINE)
-    assert verdict.alarm is None
-    assert all(finding.p is None for finding in verdict.findings)
+    assert verdict.damaged is None
+    assert all(finding.evidence.p is None for finding in verdict.findings)
     assert verdict.first.component == "stage 1 wheel"
-    assert "Give 5 or more for p-values and alarms" in " ".join(sentences(verdict))
+    assert "Give 5 or more for limits" in " ".join(sentences(verdict))
 
 
 def test_recordings_of_other_channels_cannot_be_compared(healthy):
     one = recording(103).sel(axis=["x"])
-    with pytest.raises(BaselineError, match="near x, near z, the recording to diagnose has near x"):
-        judge(run_features(one, SETTINGS, 0), healthy, MACHINE)
+    with pytest.raises(BaselineError, match="1 has the channels near x, near z, the recording to diagnose has near x"):
+        judge(run_features(one, SETTINGS), healthy, MACHINE)
 
 
 def test_without_tooth_counts_shafts_are_ranked_by_their_envelope():
@@ -70,20 +110,20 @@ def test_without_tooth_counts_shafts_are_ranked_by_their_envelope():
     healthy = [table(seed, settings) for seed in range(8)]
     for gear, shaft in (("stage 1 pinion", "shaft_1"), ("stage 2 wheel", "shaft_3")):
         verdict = judge(table(104, settings, fault=gear), healthy, plain)
-        assert verdict.alarm
+        assert verdict.damaged
         assert verdict.first.component == shaft
 
 
 def test_what_turns_too_seldom_is_named_with_the_time_it_takes(healthy):
     short = FeatureSettings(kinematics=MACHINE, windows={"short": (1.0, 1.8)})
-    found = run_features(recording(105), short, 0)
+    found = run_features(recording(105), short)
     assert "shaft_3" not in found.component
     (words,) = found.left_out
     assert words.startswith("shaft_3 (stage 2 wheel): 2.9 turns")
     with pytest.raises(FeatureError, match="no shaft makes 3 revolutions"):
-        run_features(recording(105), FeatureSettings(kinematics=MACHINE, windows={"none": (1.0, 1.1)}), 0)
+        run_features(recording(105), FeatureSettings(kinematics=MACHINE, windows={"none": (1.0, 1.1)}))
     with pytest.raises(FeatureError, match="none: 900 to 910 s is outside the recording, which lasts from 0 to "):
-        run_features(recording(105), FeatureSettings(kinematics=MACHINE, windows={"none": (900.0, 910.0)}), 0)
+        run_features(recording(105), FeatureSettings(kinematics=MACHINE, windows={"none": (900.0, 910.0)}))
 
 
 def test_shafts_that_turn_alike_or_nest_cannot_be_told_apart():
@@ -100,7 +140,7 @@ def test_shafts_that_turn_alike_or_nest_cannot_be_told_apart():
 
 def test_the_table_of_the_verdict_lists_every_component(healthy):
     grid = ranking_grid(judge(table(106, fault="stage 1 wheel"), healthy, MACHINE))
-    assert {row[0] for row in grid.rows} >= {*(one.name for one in (*MACHINE.shafts, *MACHINE.gears)), "whole machine"}
+    assert {row[0] for row in grid.rows} >= {one.name for one in (*MACHINE.shafts, *MACHINE.gears)}
 
 
 def test_features_as_one_labelled_table(healthy):
@@ -115,5 +155,5 @@ def test_features_as_one_labelled_table(healthy):
 def test_the_tooth_is_the_same_backwards(healthy):
     forwards = recording(107, fault="stage 2 wheel", tooth=20)
     backwards = forwards.assign(shaft_angle=-forwards.shaft_angle)  # the same knocks, counted down: tooth 45 - 20
-    found = [run_features(one, SETTINGS, 0).tooth_of("stage 2 wheel") for one in (forwards, backwards)]
+    found = [run_features(one, SETTINGS).tooth_of("stage 2 wheel") for one in (forwards, backwards)]
     assert found == [20, 25]

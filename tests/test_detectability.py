@@ -6,12 +6,13 @@ import json
 import numpy as np
 import pytest
 from datasets import make_dataset
-from scipy.stats import norm, t
+from scipy.stats import norm
 from test_dataset_features import InOrder
 
 from pipelines.cli.main import main
 from pipelines.datasets.rows import read_row
 from pipelines.datasets.scenes import make_draws, scene_of
+from pipelines.diagnosis.prediction import LEAST_SPREAD, limit, moderated
 from pipelines.diagnosis.simulated import FeatureSettings
 from pipelines.diagnosis.verdict import ALARM
 from pipelines.io.errors import InputError
@@ -72,14 +73,16 @@ def machines(rises, damage=("stage 1 wheel", 7), tooth=7, damaged=150, healthy=1
 
 
 def alarm_probability(given, rises):
-    """That one level of three exceeds the prediction limit of its 8 healthy ones; levels are normal, spread 1 dB."""
-    healthy = np.array([one.levels for one in given.baseline])
-    factor = t.isf(ALARM / len(COMPONENTS), len(healthy) - 1) * np.sqrt(1 + 1 / len(healthy))
-    limits = healthy.mean(axis=0) + factor * healthy.std(axis=0, ddof=1)
-    return 1.0 - np.prod(norm.cdf(limits - rises))
+    """That one evidence of two exceeds its limit over the 8 healthy ones; levels are normal, spread 1 dB."""
+    healthy = np.array([one.channel_levels for one in given.baseline])
+    spread, _ = moderated(healthy, given.baseline[0].feature, LEAST_SPREAD)
+    centred = ((healthy - healthy.mean(axis=0)) / spread)[:, :, 1:]
+    together, prior = moderated(centred, ["difference_rms"] * 2, 1.0)
+    bound = limit(ALARM / 2, 8, prior) * np.sqrt(1 + 1 / 8) * (together * spread[:, 1:])[0]
+    return 1.0 - np.prod(norm.cdf(healthy.mean(axis=0)[0, 1:] + bound - rises[1:]))
 
 
-@pytest.mark.parametrize("rise", [2.0, 3.0, 4.0])
+@pytest.mark.parametrize("rise", [4.0, 6.0, 8.0])
 def test_the_probability_of_detection_is_the_normal_integral_beyond_the_limit_of_the_baseline(rise):
     rises = np.array([0.0, 0.0, rise])
     given = machines(rises)
@@ -92,9 +95,9 @@ def test_the_probability_of_detection_is_the_normal_integral_beyond_the_limit_of
 
 def test_a_baseline_that_lies_close_together_gives_false_alarms_and_others_do_not():
     given = machines([0.0, 0.0, 0.0], damaged=1)
-    middle = [table(0.1 * one.channel_levels) for one in given.baseline]
+    middle = [table(0.02 * one.channel_levels) for one in given.baseline]
     found = detection(dataclasses.replace(given, baseline=middle))
-    assert found.false_alarms.value > 0.05
+    assert found.false_alarms.value > 0.02
     assert found.other_baselines.value < 0.02
 
 
@@ -121,10 +124,10 @@ def test_damage_without_a_tooth_has_no_share_of_teeth():
 
 
 def test_channels_rank_by_the_rise_of_the_damaged_component_in_healthy_standard_deviations():
-    rises = np.array([[0, 0, 2], [0, 0, 6], [30, 30, 0]])  # the third shows much, but not of the wheel
+    rises = np.array([[0, 0, 2], [0, 0, 8], [30, 30, 0]])  # the third shows much, but not of the wheel
     best, middle, last = channels([machines(rises, damaged=150, healthy=150)])
     assert [one.sensor for one in (best, middle, last)] == ["sensor_2", "sensor_1", "sensor_3"]
-    assert best.index == pytest.approx(6.0, abs=0.5)
+    assert best.index == pytest.approx(8.0, abs=0.5)
     assert middle.index == pytest.approx(2.0, abs=0.3)
     assert last.index == pytest.approx(0.0, abs=0.3)
     assert best.component == "stage 1 wheel"

@@ -9,18 +9,8 @@ import xarray
 from synthetic import MESH, RATE, WHEEL, response
 
 from pipelines.diagnosis.control_diagnosis import DiagnosisError, DiagnosisSettings, diagnose
-from pipelines.diagnosis.control_verdict import (
-    directions,
-    grade,
-    headline,
-    lines_grid,
-    markdown,
-    modulation,
-    seeds_grid,
-    sentences,
-    summary_grid,
-)
 from pipelines.diagnosis.export import save_diagnoses
+from pipelines.diagnosis.line_words import directions, lines_grid, markdown, modulation, seeds_grid
 from pipelines.signals.analysis import analyse, envelope_band
 from pipelines.signals.lines import LineTable
 
@@ -34,7 +24,6 @@ def settings(**changes):
         "windows": WINDOWS,
         "sensor": "sensor_3",
         "rope_mode": {"lifting": 7.9, "lowering": 7.6},
-        "fault": "one tooth of the stage 1 wheel missing",
         "shaft": "shaft_2",
     }
     return DiagnosisSettings(**(values | changes))
@@ -58,36 +47,25 @@ def test_known_modulation_comes_back(clear):
     np.testing.assert_allclose(envelope.frequency, WHEEL * np.arange(1, 6))
 
 
-def test_counts_and_verdict_of_a_clear_fault(clear):
+def test_lines_of_a_clear_fault_are_detected(clear):
     lifting = clear.lines.where(window="lifting")
     assert len(clear.lines) == 2 * (5 + 2 * 9)
     assert lifting.where(kind="sideband").detected.sum() == 16
-    assert grade(lifting) == "seen"
-    assert "seen at sensor_3 (resultant of its axes) in all 2 cases" in headline([clear])
-    first = sentences(clear)[0]
-    assert "8 of 8 sidebands around 300 Hz" in first
-    assert "In the healthy control" in first  # the run-out of the healthy run is shown, not denied
-    assert "7.90 Hz (1.45 f_r)" in first
+    assert lifting.where(kind="envelope").detected.sum() == 4  # run-out masks the first
 
 
-def test_equal_runs_show_nothing_and_say_why():
+def test_equal_runs_show_nothing():
     healthy = response("healthy")
-    found = diagnose(healthy, healthy, settings(reason="The face is too wide."))
+    found = diagnose(healthy, healthy, settings())
     assert found.lines.without_mesh().detected.sum() == 0
     # the noise of the two runs is drawn independently, so equal runs differ in the noise alone
     strong = found.lines.over_floor > 30
     assert np.abs(found.lines.difference[strong]).max() < 1.0
-    assert "not seen" in headline([found])
-    text = sentences(found)[0]
-    assert "none of the 21 lines is detected" in text
-    assert "pitch deviations repeat with every revolution" in text
-    assert "The face is too wide." in text
 
 
 def test_noise_buries_the_fault():
     found = diagnose(response(noise=30.0), response("healthy", noise=30.0), settings())
     assert found.lines.without_mesh().detected.sum() <= 1
-    assert "do not exceed the local floor" in sentences(found)[0]
 
 
 def test_run_out_hides_the_fault_in_its_own_order():
@@ -95,7 +73,7 @@ def test_run_out_hides_the_fault_in_its_own_order():
     first = masked.lines.where(window="lifting", kind="sideband", order=1)
     third = masked.lines.where(window="lifting", kind="sideband", order=3)
     assert first.detected.sum() == 0
-    assert first.healthy_shows.all()
+    assert (first.healthy_over_floor >= 10.0).all()
     assert third.detected.all()
 
 
@@ -111,7 +89,6 @@ def test_rope_mode_on_a_line_is_named():
     near = found.lines.where(near_rope=1)
     assert set(np.abs(near.order)) == {2}
     assert set(near.window) == {"lifting"}
-    assert "on the lines of order 2" in sentences(found)[0]
     assert found.lines.where(window="lowering").rope_mode.max() == 0
 
 
@@ -174,7 +151,7 @@ def test_tables_name_every_line(clear):
     assert grid.to_html().count("<tr") == 24
 
 
-def test_seed_summary_has_a_row_per_case():
+def test_lines_of_several_seeds_are_side_by_side():
     free = diagnose(
         response(deviations="off", runout=0.0), response("healthy", deviations="off", runout=0.0), settings()
     )
@@ -183,17 +160,6 @@ def test_seed_summary_has_a_row_per_case():
         for s in (1, 2)
     ]
     torque = diagnose(response(load="static-torque"), response("healthy", load="static-torque"), settings(rope_mode={}))
-    grid = summary_grid([free, *seeds, torque])
-    kinds = ("envelope harmonics", "sidebands of f_m", "sidebands of 2 f_m")
-    assert grid.headers == ("load", "deviations", "window", *kinds, "fault")
-    cases = [
-        ("rope load", "error-free"),
-        ("rope load", "seed 1"),
-        ("rope load", "seed 2"),
-        ("constant torque", "seed 1"),
-    ]
-    assert [row[:3] for row in grid.rows] == [(*case, window) for case in cases for window in WINDOWS]
-    assert grid.rows[0][3:] == ("4 of 5", "8 of 8", "8 of 8", "seen")
     differences = seeds_grid([*seeds, free, torque], "rope", "lifting")
     assert differences.headers == ("line", "Hz", "error-free", "seed 1", "seed 2", "detected in")
     row = next(row for row in differences.rows if row[0] == "f_m + 2 f_r")
@@ -209,9 +175,9 @@ def test_one_run_alone_is_analysed_like_the_control_of_a_pair(clear):
     )
 
 
-def test_markdown_answers_first(clear):
+def test_markdown_explains_the_marks_first(clear):
     text = markdown([clear])
-    assert text.startswith("**One tooth of the stage 1 wheel missing: seen")
+    assert text.startswith("A line is marked as detected if it is at least 6 dB over")
     assert "equal within 1 dB" in text
     assert text.count("| line | Hz |") == 2
 
@@ -251,7 +217,7 @@ def test_lines_of_rolling_bearings_are_read_beside_the_others_and_count_for_noth
     assert np.abs(lines.frequency - 4.31 * WHEEL).max() <= resolution / 2
     at = round(4.31 * WHEEL / resolution)
     assert lines.faulty[0] == found.envelopes["faulty", "lifting"].amplitude[at]
-    assert headline([found]) == headline([clear])
+    assert found.lines.without_mesh().detected.sum() == clear.lines.without_mesh().detected.sum()
     assert [row[0] for row in lines_grid(found, "lifting").rows].count("envelope bearing_3 BPFO") == 1
 
 
@@ -260,4 +226,3 @@ def test_a_rope_mode_on_the_line_of_a_bearing_is_seen_there_alone():
     changes = {"bearings": given, "rope_mode": {"lifting": 0.4 * WHEEL}, "windows": {"lifting": (0.5, 2.5)}}
     found = diagnose(response(), response("healthy"), settings(**changes))
     assert found.lines.where(near_rope=1).label == ("bearing_3 FTF",)
-    assert "coincides with none" in sentences(found)[0]

@@ -5,7 +5,7 @@ import pytest
 import xarray
 from synthetic import MESH, WHEEL
 
-from pipelines.diagnosis.verdict import Finding, Verdict
+from pipelines.diagnosis.verdict import Evidence, Finding, Verdict
 from pipelines.machine.checks.validity import checked_plant
 from pipelines.machine.kinematics import kinematics_of
 from pipelines.report.run_screen import over_teeth, shown_gear
@@ -54,14 +54,26 @@ def test_the_tooth_that_knocks_stands_in_the_middle_of_an_average_from_it(tooth,
 
 
 def finding(component):
-    return Finding(component=component, rise=9.0, p=1e-6, evidence=(), alike=(), tooth=3)
+    evidence = Evidence(features=("fm4",), sensor="a", axis="z", increase=9.0, deviation=9.0, limit=6.0, p=1e-6)
+    return Finding(component=component, evidence=evidence, damaged=True, alike=(), tooth=3)
 
 
-@pytest.mark.parametrize(("alarm", "shown"), [(True, "stage 1 pinion"), (False, "stage 1 wheel")])
-def test_the_average_is_that_of_the_gear_that_an_alarm_names(alarm, shown):
+@pytest.mark.parametrize(("damaged", "shown"), [(True, "stage 1 pinion"), (False, "stage 1 wheel")])
+def test_the_average_is_that_of_the_gear_that_is_damaged(damaged, shown):
     plant = checked_plant(load_scene("bench").scene, "bench")
     findings = (finding("stage 1 pinion"), finding("stage 1 wheel"))
     verdict = Verdict(
-        findings=findings, whole=finding("whole machine"), alarm=alarm, healthy=8, tested=8, false_alarms=0, left_out=()
+        findings=findings,
+        different=damaged,
+        damaged=damaged,
+        p_different=0.5,
+        changes=(),
+        exact=False,
+        healthy=8,
+        outlying=(),
+        tested=8,
+        false_differences=0,
+        false_alarms=0,
+        left_out=(),
     )
     assert shown_gear(plant, verdict, kinematics_of(plant.layout, ())).name == shown

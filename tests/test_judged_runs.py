@@ -27,19 +27,19 @@ def judged(folder, settings, **options):
 
 def test_a_missing_tooth_is_found_blind_against_other_healthy_machines(tmp_path):
     finished, verdict = judged(tmp_path / "faulty", MISSING, baseline=6)
-    assert finished.words.startswith("Alarm: stage 1 pinion exceeds")
-    assert verdict["alarm"]
+    assert finished.words.startswith("Missing tooth 3 of the stage 1 pinion: found in 1 of 1. ")
+    verdict = verdict["cases"][0]["verdict"]
+    assert verdict["damaged"]
     first = verdict["findings"][0]
     assert first["component"] == "stage 1 pinion"
     assert abs(first["tooth"] - 3) <= 1
     assert verdict["healthy"] == 6
-    assert "stage 1 pinion is damaged and ranks first" in (tmp_path / "faulty" / "verdict.txt").read_text()
 
 
 @pytest.mark.slow
 def test_a_healthy_machine_raises_no_alarm(tmp_path):
     _, verdict = judged(tmp_path / "healthy", {**SHORT, "control": None, "deviations.seed": 20}, baseline=6)
-    assert not verdict["alarm"]
+    assert not verdict["cases"][0]["verdict"]["damaged"]
 
 
 def test_a_result_folder_may_have_a_dot_in_its_name(tmp_path):
@@ -65,17 +65,19 @@ def test_healthy_recordings_of_another_speed_are_warned_of():
 def test_a_scene_without_faults_is_its_own_control(tmp_path):
     scene = load_scene("minimal", {**SHORT, "deviations.seed": 20})
     finished = run_scene(scene, out=tmp_path / "run", work=Work(quiet=True, processes=1))
-    assert finished.words.startswith("No fault: not seen")
+    assert finished.words.startswith("A line is marked")
     assert not (tmp_path / "run" / "verdict.json").exists()
 
 
-@pytest.mark.slow
-def test_against_the_exact_control_there_is_an_order_and_no_p_value(tmp_path):
+def test_against_the_exact_control_the_verdict_is_the_same_without_p_values(tmp_path):
     finished, verdict = judged(tmp_path / "control", MISSING)
-    assert verdict["alarm"] is None
+    verdict = verdict["cases"][0]["verdict"]
+    assert (verdict["exact"], verdict["damaged"]) == (True, True)
     assert verdict["findings"][0]["component"] == "stage 1 pinion"
-    assert verdict["findings"][0]["p"] is None
-    assert "are the effect of the fault" in finished.words
+    assert verdict["findings"][0]["evidence"]["p"] is None
+    assert verdict["findings"][0]["evidence"]["limit"] == 6.0
+    assert finished.words.startswith("Missing tooth 3 of the stage 1 pinion: found in 1 of 1. ")
+    assert "is the effect of the fault" in finished.words
 
 
 def test_healthy_machines_differ_by_their_deviations(tmp_path):

@@ -7,7 +7,6 @@ import pytest
 
 import gearcase
 from pipelines.diagnosis.control_diagnosis import diagnose
-from pipelines.diagnosis.control_verdict import grade
 from pipelines.io.errors import SceneError
 from pipelines.machine.machine import make_plant
 from pipelines.scene.file import control_of, load_scene
@@ -50,7 +49,7 @@ def test_lines_are_looked_for_where_the_shafts_turned(driven):
     kloss = 2 * 2.5 * 20.0 / (slip / critical() + critical() / slip)
     assert kloss == pytest.approx(30.0 * 20 / 55, rel=5e-3)
     assert found.settings.mesh_frequency == pytest.approx(20 * turned)
-    assert grade(found.lines) == "seen"
+    assert found.lines.where(kind="sideband").detected.sum() >= 3
 
 
 def critical():

@@ -1,43 +1,57 @@
-"""p-values of one recording against few healthy ones: uniform if the model holds, corrected, and honest about few."""
+"""Probabilities of one recording against few healthy ones: right for heavy tails, and honest about few."""
 
 import numpy as np
 import pytest
 from scipy import stats
 
-from pipelines.diagnosis.prediction import clopper_pearson, holm, p_values
+from pipelines.diagnosis.prediction import clopper_pearson, deviations, limit, moderated, probability
+
+KINDS = ["rms", "fm4", "kurtosis"] * 5
 
 
-def test_p_values_of_healthy_recordings_are_uniform_with_a_baseline_of_eight():
-    draws = np.random.default_rng(1).normal(-20.0, 1.7, size=(2000, 9))
-    p = np.array([p_values(row[:1], row[1:, None])[0] for row in draws])
-    assert stats.kstest(p, "uniform").pvalue > 0.01
-    for limit in (0.01, 0.05, 0.2):  # a deviation taken as known would alarm three times as often at 1 %
-        low, high = clopper_pearson(int((p < limit).sum()), 2000, 0.999)
-        assert low < limit < high
+def machines(random, count, channels=3):
+    """Healthy levels (machine, channel, line) with heavy tails, and scales that differ by kind and by line."""
+    scale = np.exp(0.3 * random.standard_normal((1, channels, len(KINDS)))) * ([1.0, 0.4, 2.0] * 5)
+    return scale * random.standard_t(5, (count, channels, len(KINDS)))
 
 
-def test_the_prediction_interval_is_that_of_hahn_and_meeker():
-    healthy = np.array([[1.0], [2.0], [3.0], [4.0], [5.0]])
-    bound = 3.0 + stats.t.ppf(0.95, 4) * np.sqrt(2.5) * np.sqrt(1 + 1 / 5)
-    assert p_values(np.array([bound]), healthy)[0] == pytest.approx(0.05)
+def test_healthy_machines_with_heavy_tails_exceed_the_limit_as_often_as_stated():
+    random, found, normal = np.random.default_rng(1), 0, 0
+    for _ in range(600):
+        new, healthy = np.split(machines(random, 9), [1])
+        spread, prior = moderated(healthy, KINDS, 1e-3)
+        deviation = deviations(new[0], healthy, spread)
+        found += np.abs(deviation).max() >= limit(0.01 / 2 / deviation.size, 8, prior)
+        plain = deviations(new[0], healthy, healthy.std(axis=0, ddof=1))
+        normal += np.abs(plain).max() >= stats.t.isf(0.01 / 2 / deviation.size, 7)
+    low, high = clopper_pearson(int(found), 600, 0.999)
+    assert low < 0.01 < high
+    assert normal > 3 * 0.01 * 600  # limits of normal levels alarm several times as often
 
 
-def test_fewer_than_five_recordings_give_no_p_value():
-    with pytest.raises(ValueError, match="4 healthy recordings"):
-        p_values(np.zeros(1), np.zeros((4, 1)))
+def test_equal_scales_of_a_kind_are_pooled_and_unlike_ones_are_not():
+    random = np.random.default_rng(2)
+    levels = random.standard_normal((8, 6, 40))
+    spread, prior = moderated(levels, ["rms"] * 40, 1e-3)
+    own = levels.std(axis=0, ddof=1)
+    assert prior == 7
+    assert np.std(np.log(spread)) < 0.6 * np.std(np.log(own))
+    spread, prior = moderated(levels * np.exp(2.0 * random.standard_normal((1, 6, 40))), ["rms"] * 40, 1e-3)
+    assert prior == 1
 
 
-def test_holm_raises_the_least_most():
-    assert holm(np.array([0.01, 0.04, 0.03])) == pytest.approx([0.03, 0.06, 0.06])
-    assert holm(np.array([0.5, 0.9])) == pytest.approx([1.0, 1.0])
+def test_a_level_that_never_changes_has_the_least_spread():
+    spread, _ = moderated(np.zeros((8, 2, 3)), ["rms"] * 3, 0.25)
+    assert spread == pytest.approx(np.full((2, 3), 0.25), rel=0.3)
 
 
-def test_holm_keeps_the_chance_of_any_alarm():
-    p = np.random.default_rng(2).uniform(size=(4000, 30))
-    alarms = int(sum(holm(row).min() <= 0.05 for row in p))
-    low, high = clopper_pearson(alarms, 4000, 0.999)
-    assert low < 0.05 < high
-    assert (p.min(axis=1) <= 0.05).mean() > 0.7  # without correction most healthy recordings would be alarms
+def test_the_mean_of_several_features_has_lighter_tails():
+    assert limit(1e-5, 8, 7, 6) < 0.7 * limit(1e-5, 8, 7)
+
+
+def test_a_limit_has_its_probability():
+    for chance in (0.1, 1e-3, 1e-6):
+        assert probability(np.array([limit(chance, 8, 4)]), 8, 4)[0] == pytest.approx(chance, rel=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -52,7 +52,6 @@ def diagnosis(runs):
         windows=WINDOWS,
         sensor="sensor_3",
         rope_mode={"lifting": 7.9},
-        fault="one tooth of the stage 1 wheel missing",
     )
     return diagnose(runs["missing tooth"], runs["healthy"], settings)
 

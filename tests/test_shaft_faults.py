@@ -9,7 +9,7 @@ import pytest
 import gearcase
 from pipelines.cli.main import main
 from pipelines.diagnosis.control_diagnosis import diagnose
-from pipelines.diagnosis.control_verdict import all_seen, criterion, headline, lines_grid, sentences, summary_grid
+from pipelines.diagnosis.line_words import lines_grid
 from pipelines.machine.machine import make_plant
 from pipelines.scene.file import control_differences, control_of, load_scene
 from pipelines.steps.reporting import shaft_rows
@@ -98,11 +98,10 @@ def test_a_misaligned_coupling_raises_the_second_order_over_its_control():
     made = make_plant(faulty.scene)
     made = replace(made, looked_for=replace(made.looked_for, sensor="bearing_1", possible=True))
     found = diagnose(*runs, made.diagnosis)
-    (line,) = found.settings.turning
-    own = line.own(found.lines)
+    own = found.lines.where(kind="shaft")
     assert own.label[1] == "2x shaft_3"
     assert own.difference[1] > 20.0
-    assert line.grade(found.lines) == "seen"
+    assert own.detected[1]
 
 
 def test_forces_from_outside_and_the_ripple_of_a_motor_are_no_faults():
@@ -137,7 +136,6 @@ def test_orders_of_every_faulty_shaft_are_looked_for_and_listed():
     assert [line.shaft for line in found.diagnosis.turning] == ["shaft_1", "shaft_2"]
     for line, turn in zip(found.diagnosis.turning, TURN, strict=True):
         assert [frequency for _, _, frequency in line.wanted()] == pytest.approx([turn, 2 * turn])
-    assert found.diagnosis.fault == ""  # nothing is wrong with the gears
     rows = shaft_rows(found)
     assert [row["fault"] for row in rows] == list(found.fault_words)
     assert [(row["1x Hz"], row["2x Hz"]) for row in rows] == [pytest.approx((turn, 2 * turn)) for turn in TURN]
@@ -154,13 +152,11 @@ def unbalanced():
 def test_an_unbalance_alone_raises_the_first_order_over_its_control(unbalanced):
     (faulty, healthy), found = unbalanced
     assert (faulty.attrs["state"], healthy.attrs["state"]) == ("unbalance", "healthy")
-    (line,) = found.settings.turning
-    own = line.own(found.lines)
+    own = found.lines.where(kind="shaft")
     assert own.label == ("1x shaft_1", "2x shaft_1")
     assert own.frequency == pytest.approx([50.0, 100.0])
     assert own.difference[0] > 20.0
-    assert line.grade(found.lines) == "seen"
-    assert all_seen(found, "steady")
+    assert own.detected[0]
 
 
 def test_the_level_of_an_order_is_the_amplitude_of_its_sine(unbalanced):
@@ -169,27 +165,20 @@ def test_the_level_of_an_order_is_the_amplitude_of_its_sine(unbalanced):
     signal = faulty.acceleration.sel(sensor=found.settings.sensor, axis="z").sel(time=slice(0.2, 0.39999))
     sine = np.exp(-2j * np.pi * 50.0 * signal.time.values)
     amplitude = 2 * abs(np.mean(signal.values * sine))
-    assert found.settings.turning[0].own(found.lines).faulty[0] == pytest.approx(amplitude, rel=0.01)
+    assert found.lines.where(kind="shaft").faulty[0] == pytest.approx(amplitude, rel=0.01)
 
 
-def test_the_verdict_names_the_shaft_and_its_levels_and_no_gear(unbalanced):
+def test_the_table_has_the_order_of_the_shaft(unbalanced):
     _, found = unbalanced
-    where = "seen at sensor_3 (axis z) in the one analysed window."
-    assert headline([found]) == f"Unbalance of shaft 1 at y = 20 mm: {where}"
-    assert "mesh order" not in criterion(found)
-    (text,) = sentences(found)
-    assert "1x shaft_1 = 50 Hz has" in text
-    assert "2x shaft_1 = 100 Hz has" in text
-    assert summary_grid([found]).headers[-2:] == ("orders of the shafts", "fault")
     row = next(row for row in lines_grid(found, "steady").rows if row[0] == "1x shaft_1")
     assert row[-1] == "detected"
 
 
-def test_an_order_that_the_window_does_not_hold_is_named(unbalanced):
+def test_an_order_that_the_window_does_not_hold_is_left_out(unbalanced):
     (faulty, healthy), _ = unbalanced
     slow = plant(forces=[UNBALANCE | {"shaft": 2}], **{"diagnosis.windows_s": {"short": [0.27, 0.4]}}).diagnosis
     found = diagnose(faulty, healthy, slow)
-    assert "1x shaft_2 cannot be read: the window holds fewer than 3 periods" in sentences(found)[0]
+    assert found.lines.where(kind="shaft").label == ("2x shaft_2",)
 
 
 def test_check_lists_faults_of_shafts_with_their_orders(tmp_path, capsys):

@@ -12,7 +12,7 @@ from fem.storage import shown_html
 from fem.storage.records import Record, array, integer, names, scalar, text
 from fem.storage.stored_array import StoredArray
 from pipelines.diagnosis.uncertainty.line_bars import Band, LineBar, LineBars
-from pipelines.diagnosis.verdict import Finding, Verdict
+from pipelines.diagnosis.verdict import Evidence, Finding, Verdict
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -88,11 +88,26 @@ def test_what_is_stored_in_a_file_is_not_read(tmp_path):
 
 
 def test_a_verdict_shows_its_findings():
-    one = Finding(component="<wheel>", rise=12.0, p=0.0005, evidence=(), alike=("pinion",), tooth=None)
-    found = Verdict(findings=(one,), whole=one, alarm=True, healthy=20, tested=0, false_alarms=0, left_out=())
-    assert cells(found._repr_html_())[1] == ["<wheel>", "+12.0", "0.0005", "-", "pinion"]
-    assert repr(found) == "<Verdict: alarm, against 20 healthy recordings; first <wheel>, +12.0 dB>"
-    assert cells(replace(found, whole=replace(one, rise=-7e-15))._repr_html_())[2][1] == "+0.0"
+    evidence = Evidence(features=("fm4",), sensor="top", axis="z", increase=12.0, deviation=9.0, limit=6.0, p=0.0005)
+    one = Finding(component="<wheel>", evidence=evidence, damaged=True, alike=("pinion",), tooth=None)
+    found = Verdict(
+        findings=(one,),
+        different=True,
+        damaged=True,
+        p_different=0.001,
+        changes=(),
+        exact=False,
+        healthy=20,
+        outlying=(),
+        tested=0,
+        false_differences=0,
+        false_alarms=0,
+        left_out=(),
+    )
+    assert cells(found._repr_html_())[1] == ["<wheel>", "+12.0", "top z", "0.0005", "-", "pinion"]
+    assert repr(found) == "<Verdict: damaged, against 20 healthy recordings; first <wheel>, +12.0 dB>"
+    level = replace(one, evidence=replace(evidence, increase=-7e-15))
+    assert cells(replace(found, findings=(level,))._repr_html_())[1][1] == "+0.0"
 
 
 def test_a_reduced_body_and_a_study_show_themselves():

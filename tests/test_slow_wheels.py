@@ -2,9 +2,8 @@
 
 import pytest
 
-from pipelines.diagnosis.control_verdict import all_seen
 from pipelines.machine.machine import make_drivetrain
-from pipelines.runs.diagnosed import diagnose_folder
+from pipelines.runs.diagnosed import diagnose_folder, judge_folder
 from pipelines.runs.run import run_scene
 from pipelines.scene.file import load_scene
 
@@ -29,9 +28,9 @@ def test_the_container_stays_off_the_drums():
 @pytest.mark.slow
 def test_a_missing_tooth_of_the_stage_2_wheel_is_seen_up_and_down(tmp_path):
     finished = run_scene(load_scene(SCENES[0]), out=tmp_path / "run", with_report=False)
-    found = diagnose_folder(finished.folder)
-    assert all_seen(found, "lifting")
-    assert all_seen(found, "lowering")
+    judged = judge_folder(finished.folder)
+    assert [case.verdict.first.component for case in judged["cases"]] == ["stage 2 wheel"] * 2
+    assert all(case.verdict.damaged for case in judged["cases"])
 
 
 @pytest.mark.slow

@@ -108,12 +108,12 @@ def _read(sources: Sequence[str], machine: str | Path | None) -> list[Part]:
     scenes = [file.parent / run_folder.RESOLVED for file, _ in split]
     other = next((scene for scene in scenes if is_regular_file(scene)), None)
     parts = []
-    for number, (source, (file, window), scene) in enumerate(zip(sources, split, scenes, strict=True), 1):
+    for source, (file, window), scene in zip(sources, split, scenes, strict=True):
         known, windows = machine_of(file, machine or (None if is_regular_file(scene) else other))
         name = shown(source) if len(source) <= MOST_NAME else f"...{shown(source[3 - MOST_NAME :])}"
         with read_recording(file, known) as recording:
             try:
-                parts.append(part_of(name, recording, known.kinematics, _windows(source, window, windows), number))
+                parts.append(part_of(name, recording, known.kinematics, _windows(source, window, windows)))
             except (FeatureError, RotationError) as error:
                 raise InputError(f"{shown(source)}: {error}") from error
     return parts

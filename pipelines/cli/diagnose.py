@@ -10,11 +10,11 @@ from pipelines.io.argument_types import number, path
 
 HELP = """\
 Find the damaged component from vibration. A measured recording is compared with recordings of healthy machines
-(--baseline); its components are ranked by their increase. A finished run is compared with its healthy control: the
-lines of its faults are listed. Nothing is simulated and no file is written. Takes seconds."""
+(--baseline). A finished run is compared with its healthy control, and its spectral lines are listed. Nothing is
+simulated and no file is written. Takes seconds."""
 EXAMPLE = """\
 gearcase diagnose bench
-One tooth of the stage 1 wheel chipped: seen at motor_side (axis z) in the one analysed window.
+Chipped tooth 10 of the stage 1 wheel: found in 1 of 1. ...
 ...
 line                  Hz  faulty m/s²  healthy m/s²  difference dB  over floor dB  healthy over floor dB  verdict
 ...
@@ -42,7 +42,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         type=path,
         nargs="+",
         default=[],
-        help="recordings of healthy machines to compare with; p-values need 5 or more",
+        help="recordings of healthy machines to compare with; limits need 5 or more",
     )
     sub.add_argument(
         "--window",
@@ -83,13 +83,14 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.diagnosis.export import diagnosis_facts
     from pipelines.diagnosis.uncertainty.words import bars_words
     from pipelines.engine.run_graph import Work
-    from pipelines.runs.diagnosed import diagnose_folder, folder_bars
+    from pipelines.runs.diagnosed import diagnose_folder, folder_bars, judge_folder
     from pipelines.steps.diagnosing import words
 
-    found = diagnose_folder(path.parent, options.settings)
+    found, judged = diagnose_folder(path.parent, options.settings), judge_folder(path.parent)
     bars = folder_bars(path.parent, found, options.settings, Work())
     if options.json:
         facts = bars if isinstance(bars, str) else bars.to_dict()
-        yield json_text(diagnosis_facts([found]) | {"error_bars": facts})
+        yield json_text({"verdict": judged["cases"]} | diagnosis_facts([found]) | {"error_bars": facts})
     else:
-        yield f"{words([found], [found])}\n{bars_words(bars)}"
+        answer = judged["words"] or f"No verdict: {judged['failure']}\n"
+        yield f"{answer}\n{words([found])}\n{bars_words(bars)}"

@@ -17,7 +17,7 @@ Takes seconds for the scenes `minimal` and `bench`, and less than a minute for `
 installation also compiles code, which takes 20 seconds more. Results of earlier runs are reused from the cache."""
 EXAMPLE = """\
 gearcase run bench
-One tooth of the stage 1 wheel chipped: seen at motor_side (axis z) in the one analysed window.
+Chipped tooth 10 of the stage 1 wheel: found in 1 of 1. ...
 ...
 report: runs/bench/2026-11-25_01-02-13/report.html
 ..."""

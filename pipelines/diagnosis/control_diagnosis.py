@@ -96,7 +96,7 @@ def diagnose(faulty: xarray.Dataset, healthy: xarray.Dataset, settings: Diagnosi
     analyses = {"faulty": damaged, "healthy": control}
     spectra = {(state, name): a.spectra[name] for state, a in analyses.items() for name in settings.windows}
     envelopes = {(state, name): a.envelopes[name] for state, a in analyses.items() for name in settings.windows}
-    load, deviations = str(faulty.attrs["load"]), deviation_name(faulty)
+    load, deviations = str(faulty.attrs["load"]), deviation_name(faulty.attrs)
     lines = joined(_window_lines(settings, name, load, deviations, spectra, envelopes) for name in settings.windows)
     return Diagnosis(
         settings=settings,
@@ -111,9 +111,9 @@ def diagnose(faulty: xarray.Dataset, healthy: xarray.Dataset, settings: Diagnosi
     )
 
 
-def deviation_name(run: xarray.Dataset) -> str:
-    """ "off" for error-free gears (attribute seed "none"), else "seed <n>"."""
-    seed = str(run.attrs.get("seed", "none"))
+def deviation_name(labels: Mapping[str, Any]) -> str:
+    """ "off" for error-free gears (label seed "none"), else "seed <n>"."""
+    seed = str(labels.get("seed", "none"))
     return "off" if seed == "none" else f"seed {seed}"
 
 
@@ -168,7 +168,6 @@ def _window_lines(
         over_floor=over_floor,
         healthy_over_floor=healthy_over_floor,
         detected=(difference >= settings.difference_limit) & (over_floor >= settings.floor_limit),
-        healthy_shows=healthy_over_floor >= settings.floor_limit,
         rope_mode=np.full(count, rope),
         near_rope=(rope > 0) & (np.abs(offset - rope) <= width),
         **columns,

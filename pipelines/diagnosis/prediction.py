@@ -1,58 +1,119 @@
-"""Is a new recording another of the healthy ones? p-values, their correction for many tests, and rates of alarms.
+"""Is a new recording another of the healthy ones? Standardised deviations, their probabilities, rates of alarms.
 
-The model is stated: levels in dB of healthy recordings are draws of one normal distribution. Then a new healthy level x
-lies about the mean m of n others with
+With m the mean of n healthy levels (dB) and s their standard deviation, a new level x deviates by
 
-    t = (x - m) / (s sqrt(1 + 1/n)),   Student's t with n - 1 degrees of freedom,
+    t = (x - m) / (s~ sqrt(1 + 1/n)),   s~^2 = (d0 s0^2 + d s^2) / (d0 + d),   d = n - 1.
 
-s their standard deviation, or LEAST_SPREAD if that is more. Ranks, which take no model, cannot give p-values below
-1 / (n + 1).
+s0 is the scale that all levels of one kind have in common, and d0 its weight (Smyth 2004): the less the scales of a
+kind differ, the larger. Channels of one machine are not independent, so d0 is at most d.
+
+Probabilities come from simulated healthy machines. Levels of real machines have heavier tails than a normal
+distribution, so the simulated levels have Student's distribution with TAILS degrees of freedom. A mean over several
+features has lighter tails; the estimator of Asmussen & Kroese (2006) gives them.
 
 References
 ----------
-Hahn & Meeker (1991), Statistical Intervals, 4.7 (prediction interval of one new observation); Holm (1979), Scand. J.
-Statist. 6(2), 65-70; Clopper & Pearson (1934), Biometrika 26(4), 404-413.
+Smyth (2004), Stat. Appl. Genet. Mol. Biol. 3(1), 3 (moderated scales); Asmussen & Kroese (2006), Adv. Appl. Probab.
+38(2), 545-558 (tails of sums); Clopper & Pearson (1934), Biometrika 26(4), 404-413.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 
 FEWEST_FOR_P = 5  # recordings; with fewer the standard deviation is hardly known
 LEAST_SPREAD = 0.25  # dB, 3 %: levels of a model may repeat better, those of a sensor that is mounted anew hardly do
+TAILS = 5.0  # degrees of freedom of healthy levels
+_UNIT = math.sqrt(TAILS / (TAILS - 2.0))  # standard deviation of Student's distribution with TAILS
+_DRAWS = 4000  # simulated baselines
+_GRID = np.concatenate([np.linspace(-10.0, 20.0, 121), np.geomspace(20.5, 1000.0, 60)])  # standard deviations
 
 
-def p_values(levels: np.ndarray, healthy: np.ndarray) -> np.ndarray:
-    """Probability (line,) that a healthy recording has levels as high as these, each line for itself.
+def moderated(healthy: np.ndarray, kinds: Sequence[str], least: float) -> tuple[np.ndarray, int]:
+    """Standard deviations s~ (channel, line) of healthy levels (recording, channel, line), and d0 as a whole number.
 
     Parameters
     ----------
-    levels : (line,), dB
-    healthy : (recording, line), dB, of FEWEST_FOR_P recordings or more
-
-    Raises
-    ------
-    ValueError : fewer recordings
+    healthy : levels of FEWEST_FOR_P recordings or more
+    kinds : (line,), lines of one kind have one s0
+    least : standard deviation, no level repeats better
     """
-    from scipy.stats import t
+    from scipy.special import digamma, polygamma
 
-    count = len(healthy)
-    if count < FEWEST_FOR_P:
-        raise ValueError(f"{count} healthy recordings: p-values need {FEWEST_FOR_P} or more")
-    spread = np.maximum(healthy.std(axis=0, ddof=1), LEAST_SPREAD)
-    standing = (levels - healthy.mean(axis=0)) / (spread * math.sqrt(1.0 + 1.0 / count))
-    return np.asarray(t.sf(standing, count - 1))
+    freedom = len(healthy) - 1
+    variance = np.maximum(healthy.var(axis=0, ddof=1), least**2)
+    logarithm = np.log(variance)
+    common = np.empty_like(logarithm)
+    names = np.asarray(kinds)
+    for kind in set(kinds):
+        common[:, names == kind] = np.median(logarithm[:, names == kind])
+    _, spread = _simulated(len(healthy), 1)
+    drawn = 2.0 * np.log(spread)
+    excess = float(np.mean((logarithm - common) ** 2)) - float(np.var(drawn))
+    worth = polygamma(1, np.arange(1, freedom + 1) / 2)  # the excess with d0 = 1, 2, ...
+    prior = max(int(np.sum(worth >= excess)), 1)
+    pooled = np.exp(common + digamma(prior / 2) - math.log(prior / 2) - np.mean(drawn))
+    return np.sqrt((prior * pooled + freedom * variance) / (prior + freedom)), prior
 
 
-def holm(p: np.ndarray) -> np.ndarray:
-    """p-values (line,) corrected for their number: the chance that any of healthy lines falls below a is at most a."""
-    order = np.argsort(p, kind="stable")
-    raised = np.maximum.accumulate(p[order] * np.arange(len(p), 0, -1))
-    out = np.empty_like(p)
-    out[order] = np.minimum(raised, 1.0)
-    return out
+def deviations(levels: np.ndarray, healthy: np.ndarray, spread: np.ndarray) -> np.ndarray:
+    """Standardised deviations t (channel, line) of levels from healthy ones (recording, channel, line).
+
+    Parameters
+    ----------
+    levels, healthy : dB, or in another unit
+    spread : standard deviations (channel, line) of healthy levels in this unit
+    """
+    return np.asarray((levels - healthy.mean(axis=0)) / (spread * math.sqrt(1.0 + 1.0 / len(healthy))))
+
+
+def probability(deviation: np.ndarray, count: int, prior: int, parts: int = 1) -> np.ndarray:
+    """Probability that a healthy machine has a standardised deviation of at least this, each for itself.
+
+    Parameters
+    ----------
+    deviation : standardised
+    count : healthy recordings
+    prior : d0
+    parts : number of features whose mean it is
+    """
+    return np.exp(np.interp(deviation, _GRID, _tail(count, prior, parts)))
+
+
+def limit(chance: float, count: int, prior: int, parts: int = 1) -> float:
+    """The standardised deviation that a healthy machine exceeds with this chance; the rest as in `probability`."""
+    return float(np.interp(-math.log(chance), -_tail(count, prior, parts), _GRID))
+
+
+@cache
+def _simulated(count: int, parts: int) -> tuple[np.ndarray, np.ndarray]:
+    """Means and standard deviations (baseline,) of simulated levels: means over `parts` of unit variance together."""
+    levels = np.random.default_rng([count, parts]).standard_t(TAILS, (_DRAWS, count, parts)).sum(axis=2)
+    levels /= _UNIT * math.sqrt(parts)
+    return levels.mean(axis=1), levels.std(axis=1, ddof=1)
+
+
+@cache
+def _tail(count: int, prior: int, parts: int) -> np.ndarray:
+    """Logarithm of the probability at every deviation of the grid, the mean over simulated baselines."""
+    from scipy.special import stdtr
+
+    mean, spread = _simulated(count, parts)
+    random, freedom = np.random.default_rng([count, parts, 1]), count - 1
+    scale = np.sqrt(prior / random.chisquare(prior, _DRAWS))  # of these levels, with s0 = 1
+    used = np.sqrt((prior + freedom * (scale * spread) ** 2) / (prior + freedom)) / scale
+    others = random.standard_t(TAILS, (_DRAWS, parts - 1))
+    largest, total = others.max(axis=1, initial=-np.inf), others.sum(axis=1)
+    factor = math.sqrt(1.0 + 1.0 / count)
+    found = []
+    for deviation in _GRID:
+        place = _UNIT * math.sqrt(parts) * (mean + deviation * factor * used)
+        found.append(parts * np.mean(stdtr(TAILS, -np.maximum(largest, place - total))))
+    return np.minimum.accumulate(np.log(np.clip(found, 1e-300, 1.0)))
 
 
 def clopper_pearson(count: int, trials: int, confidence: float = 0.95) -> tuple[float, float]:

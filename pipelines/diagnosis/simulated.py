@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -27,16 +28,13 @@ class FeatureSettings:
     windows: Mapping[str, tuple[float, float]]
 
 
-def run_features(
-    run: xarray.Dataset, settings: FeatureSettings, stream: int, rotation: Rotation | None = None
-) -> FeatureTable:
+def run_features(run: xarray.Dataset, settings: FeatureSettings, rotation: Rotation | None = None) -> FeatureTable:
     """The features of a run or of any other recording.
 
     Parameters
     ----------
     run : as a simulation gives it; `sensor_noise_m_s2` among its attributes is added
     settings : machine and windows
-    stream : number of the noise; two recordings of one machine have two
     rotation : of its first shaft; the best that the recording has if None
 
     Raises
@@ -46,15 +44,25 @@ def run_features(
     """
     if rotation is None:
         rotation = rotation_of(run, settings.kinematics)
-    return feature_table(with_stated_noise(run, stream), settings.kinematics, rotation, settings.windows)
+    return feature_table(with_stated_noise(run), settings.kinematics, rotation, settings.windows)
 
 
-def with_stated_noise(run: xarray.Dataset, stream: int) -> xarray.Dataset:
+def window_features(run: xarray.Dataset, settings: FeatureSettings) -> dict[str, FeatureTable]:
+    """The features of a run in each of the windows by itself; arguments and errors as in `run_features`."""
+    rotation, noisy = rotation_of(run, settings.kinematics), with_stated_noise(run)
+    return {
+        name: feature_table(noisy, settings.kinematics, rotation, {name: window})
+        for name, window in settings.windows.items()
+    }
+
+
+def with_stated_noise(run: xarray.Dataset) -> xarray.Dataset:
     """A run with `sensor_noise_m_s2`, if that is among its attributes, in its accelerations.
 
-    `stream` is the number of the noise.
+    The signals fix the noise: it is the same whenever a run is read, and another one in any other run.
     """
     name = "acceleration" if "acceleration" in run else "journal_acceleration"
+    stream = zlib.crc32(np.ascontiguousarray(run[name].values).tobytes())
     axes = [str(axis) for axis in run.axis.values]
     signal = np.stack([noisy_channel(run, sensor, axes, stream) for sensor in channel_names(run)], axis=1)
     return run.drop_vars(name).assign({name: (("time", *run[name].transpose("time", ...).dims[1:]), signal)})

@@ -1,13 +1,21 @@
-"""The blind verdict: how far every component of a machine stands above healthy recordings, highest first.
+"""The diagnosis of a recording against a reference: is it different, and which component is damaged?
 
-Nothing here knows of a fault. The rise of a component is the mean of the rises of its features, in dB over the mean of
-the healthy recordings. With FEWEST_FOR_P of them or more each feature has a p-value, corrected for the number of all
-features (Holm), and the recording is an alarm if one of them falls below ALARM. With fewer there is no p-value and no
-alarm, only the order of the rises.
+The reference is a baseline of healthy recordings, or the exact control of a simulation: the same machine without the
+fault. Nothing here knows of a fault. There are two answers, each for every channel by itself:
+
+- Different (two-sided): any feature deviates from the healthy ones to either side, with a probability of at most
+  DIFFERENT that one of all features of a healthy machine does.
+- Damaged (one-sided): the evidence of a component, the mean of the deviations of its own features, is higher, with a
+  probability of at most ALARM that one of all components of a healthy machine is so high.
+
+Features of the whole signal are no evidence of a component. Against a control a component is damaged if the mean
+increase of its own features is CONTROL_LIMIT or more at a channel: there is no scatter of healthy machines. With fewer
+than FEWEST_FOR_P healthy recordings there is only the order of the components.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -15,54 +23,87 @@ import numpy as np
 
 from fem.storage import shown_html
 from pipelines.diagnosis.alike import alike
-from pipelines.diagnosis.prediction import FEWEST_FOR_P, clopper_pearson, holm, p_values
+from pipelines.diagnosis.baseline import check_baseline, outlying
+from pipelines.diagnosis.prediction import (
+    FEWEST_FOR_P,
+    LEAST_SPREAD,
+    clopper_pearson,
+    deviations,
+    limit,
+    moderated,
+    probability,
+)
 from pipelines.signals.features.recorded import OF_SHAFT
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 
 LEAST_ORDER = -40.0  # dB over the rms of healthy recordings: weaker orders of a shaft come and go
-ALARM = 0.001  # chance of an alarm from a healthy recording in the mean over baselines, if the model holds
-
-
-class BaselineError(ValueError):
-    """Recordings cannot be compared: other channels, other features, or none."""
+DIFFERENT, ALARM = 0.01, 0.001  # of healthy machines are called different, or damaged
+CONTROL_LIMIT = 6.0  # dB: twice the amplitude of the control, the difference that experience calls clear
 
 
 @dataclass(frozen=True, kw_only=True)
 class Evidence:
-    """A feature of a component: `rise` (dB) over the healthy mean, corrected p-value, None with a small baseline."""
+    """What a component shows at the channel where it shows most: the mean over its own `features`.
 
-    feature: str
-    rise: float
+    `increase` (dB) over the healthy mean; `deviation` in standard deviations of healthy machines with the `limit` that
+    makes it damaged, against a control both in dB, without p-values `limit` is None; `p` corrected for all components
+    and channels.
+    """
+
+    features: tuple[str, ...]
+    sensor: str
+    axis: str
+    increase: float
+    deviation: float
+    limit: float | None
     p: float | None
 
 
 @dataclass(frozen=True, kw_only=True)
 class Finding:
-    """A component: the mean of its rises (dB), the least of its p-values, what it cannot be told from, and the tooth
-    that stands out most of a gear, None if its place is not known or the gear has no increase."""
+    """A component with its evidence, what has the same orders, and the tooth of a gear that stands out most, None if
+    its place is not known or the gear has no increase. `damaged` is None where the evidence has no limit."""
 
     component: str
-    rise: float
-    p: float | None
-    evidence: tuple[Evidence, ...]
+    evidence: Evidence
+    damaged: bool | None
     alike: tuple[str, ...]
     tooth: int | None
 
 
 @dataclass(frozen=True, kw_only=True)
-class Verdict:
-    """`findings` highest rise first; `alarm` None with a small baseline; `whole` what the signal as such shows.
+class Change:
+    """A feature of a component at a channel: increase (dB) and standardised deviation, the more unlike the larger."""
 
-    `false_alarms` of `tested` healthy recordings are alarms against the others, none tested if the others would be too
-    few; `left_out` are components that turn too seldom, in words.
+    component: str
+    feature: str
+    sensor: str
+    axis: str
+    increase: float
+    deviation: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verdict:
+    """`findings` with the strongest evidence first; `different` and `damaged` None without a limit.
+
+    `p_different` is corrected for all features and channels; `changes` are those that differ, the clearest first. Of
+    `tested` healthy recordings `false_differences` and `false_alarms` are different or damaged against the others, none
+    tested if the others would be too few. `outlying` healthy recordings are left out; `left_out` are components that
+    turn too seldom, in words.
     """
 
     findings: tuple[Finding, ...]
-    whole: Finding
-    alarm: bool | None
+    different: bool | None
+    damaged: bool | None
+    p_different: float | None
+    changes: tuple[Change, ...]
+    exact: bool
     healthy: int
+    outlying: tuple[str, ...]
     tested: int
+    false_differences: int
     false_alarms: int
     left_out: tuple[str, ...]
 
@@ -72,70 +113,87 @@ class Verdict:
         return self.findings[0]
 
     def __repr__(self) -> str:
-        return f"<Verdict: {self._words()}; first {self.first.component}, {decibels(self.first.rise)} dB>"
+        return f"<Verdict: {self._words()}; first {self.first.component}, {decibels(self.first.evidence.increase)} dB>"
 
     def _words(self) -> str:
-        alarm = {True: "alarm", False: "no alarm", None: "baseline too small for an alarm"}[self.alarm]
-        return f"{alarm}, against {self.healthy} healthy recording{'' if self.healthy == 1 else 's'}"
+        found = {True: "damaged", False: "no damage", None: "baseline too small to decide"}[self.damaged]
+        return f"{found}, against {self.healthy} healthy recording{'' if self.healthy == 1 else 's'}"
 
     def _repr_html_(self) -> str:
         """The findings as a table, for a notebook."""
         rows = [
             (
-                found.component,
-                decibels(found.rise),
-                None if found.p is None else f"{found.p:.1g}",
-                found.tooth,
-                ", ".join(found.alike),
+                one.component,
+                decibels(one.evidence.increase),
+                f"{one.evidence.sensor} {one.evidence.axis}",
+                None if one.evidence.p is None else f"{one.evidence.p:.1g}",
+                one.tooth,
+                ", ".join(one.alike),
             )
-            for found in (*self.findings, self.whole)
+            for one in self.findings
         ]
-        head = ("component", "increase, dB", "p-value", "tooth", "same orders as")
+        head = ("component", "increase, dB", "channel", "p-value", "tooth", "same orders as")
         return shown_html.table(self._words(), head, rows)
 
-    @property
-    def false_alarm_interval(self) -> tuple[float, float]:
-        """95 % interval of the rate of false alarms, from the healthy recordings themselves."""
-        return clopper_pearson(self.false_alarms, self.tested)
+    def interval(self, count: int) -> tuple[float, float]:
+        """95 % interval of the rate of a false answer that `count` of the tested healthy recordings gave."""
+        return clopper_pearson(count, self.tested)
 
 
-def decibels(rise: float) -> str:
-    """A rise (dB) as it is shown, without minus zero."""
-    return f"{round(rise, 1) + 0.0:+.1f}"
+def decibels(increase: float) -> str:
+    """An increase (dB) as it is shown, without minus zero."""
+    return f"{round(increase, 1) + 0.0:+.1f}"
 
 
-def judge(recording: FeatureTable, baseline: Sequence[FeatureTable], kinematics: Kinematics) -> Verdict:
+def judge(
+    recording: FeatureTable,
+    baseline: Sequence[FeatureTable],
+    kinematics: Kinematics,
+    names: Sequence[str] = (),
+    exact: bool = False,
+) -> Verdict:
     """The verdict on a recording against healthy ones.
 
     Parameters
     ----------
     recording, baseline : features of the same machine at the same channels
     kinematics : its machine
+    names : of the healthy recordings; "healthy recording 1", ... if there are none
+    exact : the one healthy recording is the control of a simulation
 
     Raises
     ------
-    BaselineError : no healthy recording, or one with other channels or features
+    BaselineError : recordings cannot be compared, one is given twice or is the judged one, or most differ
     """
+    names = names or [f"healthy recording {number}" for number in range(1, len(baseline) + 1)]
+    check_baseline(recording, baseline, names, exact)
     levels, healthy = _compared(recording, baseline)
-    rises = levels - healthy.mean(axis=0)
-    enough = len(baseline) >= FEWEST_FOR_P
-    p = holm(p_values(levels, healthy)) if enough else None
-    findings = {name: _finding(name, recording, rises, p, kinematics) for name in dict.fromkeys(recording.component)}
-    whole = findings.pop(WHOLE)
-    tested = len(baseline) if len(baseline) > FEWEST_FOR_P else 0
+    lines = _Lines(recording)
+    odd = outlying(healthy, lambda one, others: min(lines.chances(one, others)))
+    kept = np.delete(healthy, odd, axis=0)
+    tested = len(kept) if len(kept) > FEWEST_FOR_P else 0
+    others = [lines.chances(kept[i], np.delete(kept, i, axis=0)) for i in range(tested)]
+    enough = len(kept) >= FEWEST_FOR_P
+    different = lines.chances(levels, kept)[0] if enough else None
+    findings = _findings(lines, levels, kept, kinematics, exact)
     return Verdict(
-        findings=tuple(sorted(findings.values(), key=lambda finding: -finding.rise)),
-        whole=whole,
-        alarm=None if p is None else bool(p.min() <= ALARM),
-        healthy=len(baseline),
+        findings=findings,
+        different=None if different is None else different <= DIFFERENT,
+        damaged=any(one.damaged for one in findings) if enough or exact else None,
+        p_different=different,
+        changes=_changes(lines, levels, kept) if enough else (),
+        exact=exact,
+        healthy=len(kept),
+        outlying=tuple(names[i] for i in odd),
         tested=tested,
-        false_alarms=sum(_least_p(healthy[i], np.delete(healthy, i, axis=0)) <= ALARM for i in range(tested)),
+        false_differences=sum(one <= DIFFERENT for one, _ in others),
+        false_alarms=sum(one <= ALARM for _, one in others),
         left_out=recording.left_out,
     )
 
 
-def least_p(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> float:
-    """Least p-value of all features, corrected for their number: the recording is an alarm if it is at most ALARM.
+def damage_p(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> float:
+    """Probability that any component of a healthy machine has evidence as high as the highest of the recording.
 
     Parameters
     ----------
@@ -145,68 +203,136 @@ def least_p(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> float:
     ------
     BaselineError : as `judge`
     """
-    return _least_p(*_compared(recording, baseline))
+    check_baseline(recording, baseline, [f"healthy recording {number}" for number in range(1, len(baseline) + 1)])
+    return _Lines(recording).chances(*_compared(recording, baseline))[1]
 
 
-def _least_p(levels: np.ndarray, healthy: np.ndarray) -> float:
-    return float(holm(p_values(levels, healthy)).min())
+class _Lines:
+    """The features of a table, and the groups that are the evidence of a component each.
+
+    A shaft has two of them, since unbalance raises the first order only; any other component has one.
+    """
+
+    def __init__(self, table: FeatureTable) -> None:
+        self.table = table
+        groups: dict[tuple[str, str], list[int]] = {}
+        for number, (component, feature) in enumerate(table.lines):
+            if component != WHOLE:
+                groups.setdefault((component, feature if feature in OF_SHAFT else ""), []).append(number)
+        self.groups = [(component, tuple(own)) for (component, _), own in groups.items()]
+
+    def features(self, own: Sequence[int]) -> tuple[str, ...]:
+        """Names of the features of a group."""
+        return tuple(self.table.feature[i] for i in own)
+
+    def means(self, values: np.ndarray) -> np.ndarray:
+        """Sums of values (..., line) over the root of their number (..., group)."""
+        return np.stack([values[..., own].sum(axis=-1) / math.sqrt(len(own)) for _, own in self.groups], axis=-1)
+
+    def standardised(self, levels: np.ndarray, healthy: np.ndarray) -> tuple[np.ndarray, int, np.ndarray, int]:
+        """Deviations (channel, line) and (channel, group), each followed by its d0."""
+        spread, prior = moderated(healthy, self.table.feature, LEAST_SPREAD)
+        centred = (healthy - healthy.mean(axis=0)) / spread
+        own = (levels - healthy.mean(axis=0)) / spread
+        kinds = [" ".join(self.features(group)) for _, group in self.groups]
+        together, prior_of_groups = moderated(self.means(centred), kinds, 1.0)
+        of_groups = deviations(self.means(own), self.means(centred), together)
+        return deviations(levels, healthy, spread), prior, of_groups, prior_of_groups
+
+    def group_chances(self, deviation: np.ndarray, count: int, prior: int) -> np.ndarray:
+        """p-values (channel, group) corrected for their number."""
+        columns = [
+            probability(column, count, prior, len(own))
+            for column, (_, own) in zip(deviation.T, self.groups, strict=True)
+        ]
+        return np.minimum(np.stack(columns, axis=1) * deviation.size, 1.0)
+
+    def chances(self, levels: np.ndarray, healthy: np.ndarray) -> tuple[float, float]:
+        """Probabilities that a healthy machine is so different, or that a component of it has so much evidence."""
+        count = len(healthy)
+        of_lines, prior, of_groups, prior_of_groups = self.standardised(levels, healthy)
+        damaged = float(self.group_chances(of_groups, count, prior_of_groups).min())
+        apart = 2.0 * of_lines.size * float(probability(np.abs(of_lines).max(), count, prior))
+        return min(2.0 * min(apart, damaged), 1.0), damaged
+
+
+def _findings(
+    lines: _Lines, levels: np.ndarray, healthy: np.ndarray, kinematics: Kinematics, exact: bool
+) -> tuple[Finding, ...]:
+    """All components, the strongest evidence first."""
+    table, count = lines.table, len(healthy)
+    rises = levels - healthy.mean(axis=0)
+    increase = np.stack([rises[:, own].mean(axis=1) for _, own in lines.groups], axis=1)
+    deviation, p = increase, None
+    bounds: list[float | None] = [CONTROL_LIMIT if exact else None] * len(lines.groups)
+    if count >= FEWEST_FOR_P:
+        _, _, deviation, prior = lines.standardised(levels, healthy)
+        p = lines.group_chances(deviation, count, prior)
+        bounds = [limit(ALARM / deviation.size, count, prior, len(own)) for _, own in lines.groups]
+    scaled = deviation / np.array([bound or 1.0 for bound in bounds])
+    best: dict[str, tuple[float, Finding]] = {}
+    for number, (component, own) in enumerate(lines.groups):
+        channel = int(np.argmax(scaled[:, number]))
+        bound = bounds[number]
+        evidence = Evidence(
+            features=lines.features(own),
+            sensor=table.sensor[channel],
+            axis=table.axis[channel],
+            increase=float(increase[channel, number]),
+            deviation=float(deviation[channel, number]),
+            limit=bound,
+            p=None if p is None else float(p[channel, number]),
+        )
+        found = Finding(
+            component=component,
+            evidence=evidence,
+            damaged=None if bound is None else evidence.deviation >= bound,
+            alike=alike(component, kinematics),
+            tooth=table.tooth_of(component) if evidence.increase > 0.0 else None,
+        )
+        strength = float(scaled[channel, number])
+        if component not in best or strength > best[component][0]:
+            best[component] = (strength, found)
+    return tuple(found for _, found in sorted(best.values(), key=lambda one: -one[0]))
+
+
+def _changes(lines: _Lines, levels: np.ndarray, healthy: np.ndarray) -> tuple[Change, ...]:
+    """The features that differ at a channel, the clearest first."""
+    table, count = lines.table, len(healthy)
+    deviation, prior, _, _ = lines.standardised(levels, healthy)
+    rises = levels - healthy.mean(axis=0)
+    bound = limit(DIFFERENT / (4.0 * deviation.size), count, prior)
+    places = [(i, j) for i, j in zip(*np.nonzero(np.abs(deviation) >= bound), strict=True)]
+    return tuple(
+        Change(
+            component=table.component[j],
+            feature=table.feature[j],
+            sensor=table.sensor[i],
+            axis=table.axis[i],
+            increase=float(rises[i, j]),
+            deviation=float(deviation[i, j]),
+        )
+        for i, j in sorted(places, key=lambda place: -abs(deviation[place]))
+    )
 
 
 def _compared(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> tuple[np.ndarray, np.ndarray]:
-    """Levels of the recording (line,) and the healthy ones (recording, line), dB; weak orders raised to the least."""
-    healthy = _levels(recording, baseline)
-    rms = healthy[:, recording.lines.index((WHOLE, "rms"))].mean()
-    least = least_levels(recording.feature, float(rms))
-    return np.maximum(recording.levels, least), np.maximum(healthy, least)
+    """Levels (channel, line) of the recording and (recording, channel, line) of the healthy ones, dB.
+
+    Weak orders of a shaft are raised to the least level that counts at their channel.
+    """
+    healthy = np.array([other.channel_levels for other in baseline])
+    rms = healthy[:, :, recording.lines.index((WHOLE, "rms"))].mean(axis=0)
+    least = least_levels(recording.feature, rms)
+    return np.maximum(recording.channel_levels, least), np.maximum(healthy, least)
 
 
-def _levels(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> np.ndarray:
-    """Levels (recording, line) of the healthy ones, if they can be compared."""
-    if not baseline:
-        raise BaselineError("no healthy recording to compare with. Give at least one.")
-    for number, other in enumerate(baseline, 1):
-        if (other.sensor, other.axis) != (recording.sensor, recording.axis):
-            raise BaselineError(
-                f"healthy recording {number} has the channels {_channels(other)}, the recording to diagnose has "
-                f"{_channels(recording)}. Give recordings of the same channels."
-            )
-        if other.lines != recording.lines:
-            unlike = sorted({" ".join(line) for line in set(other.lines) ^ set(recording.lines)})
-            raise BaselineError(
-                f"healthy recording {number} does not have the same features ({', '.join(unlike[:3])}, ...). Give "
-                "recordings of about the same speed, length and sampling rate."
-            )
-    return np.array([other.levels for other in baseline])
-
-
-def least_levels(features: Sequence[str], rms: float) -> np.ndarray:
-    """Levels (feature,), dB, below which nothing is evidence: orders of a shaft that hardly add to the vibration.
+def least_levels(features: Sequence[str], rms: np.ndarray) -> np.ndarray:
+    """Levels (..., feature), dB, below which nothing is evidence: orders of a shaft that hardly add to the vibration.
 
     Parameters
     ----------
     features : names
-    rms : level of the healthy vibration, dB
+    rms : level (...) of the healthy vibration, dB
     """
-    return np.where(np.isin(features, list(OF_SHAFT)), rms + LEAST_ORDER, -np.inf)
-
-
-def _finding(
-    name: str, recording: FeatureTable, rises: np.ndarray, p: np.ndarray | None, kinematics: Kinematics
-) -> Finding:
-    own = [i for i, component in enumerate(recording.component) if component == name]
-    evidence = tuple(
-        Evidence(feature=recording.feature[i], rise=float(rises[i]), p=None if p is None else float(p[i])) for i in own
-    )
-    rise = float(np.mean(rises[own]))
-    return Finding(
-        component=name,
-        rise=rise,
-        p=None if p is None else float(p[own].min()),
-        evidence=evidence,
-        alike=alike(name, kinematics),
-        tooth=recording.tooth_of(name) if round(rise, 1) > 0.0 else None,
-    )
-
-
-def _channels(table: FeatureTable) -> str:
-    return ", ".join(f"{sensor} {axis}" for sensor, axis in zip(table.sensor, table.axis, strict=True))
+    return np.where(np.isin(features, list(OF_SHAFT)), np.asarray(rms)[..., None] + LEAST_ORDER, -np.inf)

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from pipelines.diagnosis.prediction import FEWEST_FOR_P
-from pipelines.diagnosis.verdict import ALARM, Finding, Verdict, decibels
+from pipelines.diagnosis.verdict import ALARM, DIFFERENT, Evidence, Finding, Verdict, decibels
 from pipelines.io.grid import Grid
 
 NAMES = {
@@ -25,128 +23,125 @@ NAMES = {
     "kurtosis": "kurtosis",
 }
 
-INCREASE = "Increase: mean over all features of a component and all channels."
-P_VALUE = (
-    "p-value: the least of the features of a component, each the probability of such a level in a healthy machine, "
-    "corrected for the number of features. It may be of another feature than the largest one."
+EVIDENCE = (
+    "Evidence: the mean of all features of a component at the channel where it is highest, divided by its limit. "
+    "A component is damaged if its evidence is 1 or more."
 )
+NO_LIMIT = "Increase: the mean of all features of a component at the channel where it is highest."
+_NAMED = 3  # features that differ
 
 
 def headline(verdict: Verdict) -> str:
     """The answer in one sentence."""
     first = verdict.first
-    if verdict.alarm is None:
-        return f"Largest increase: {first.component}, {_standing(first)}."
-    if not verdict.alarm:
-        return "No alarm: no feature exceeds the healthy recordings."
-    if first.p is not None and first.p > ALARM:
-        return f"Alarm, but of no single component: the signal as a whole has changed ({_strongest(verdict.whole)})."
-    return f"Alarm: {first.component} exceeds the healthy recordings, {_standing(first)}."
+    if verdict.damaged is None:
+        return f"Strongest evidence: {first.component}{_tooth(first)}."
+    if verdict.damaged:
+        return f"Damaged: {first.component}{_tooth(first)}."
+    if verdict.different:
+        return "Different from the healthy recordings, but no single component is damaged."
+    return "No damage: no component exceeds its limit."
 
 
 def sentences(verdict: Verdict) -> tuple[str, ...]:
-    """The answer, what it was compared with, how often it would be wrong, and what could not be looked at."""
+    """The answer, its evidence, what it was compared with, how often it would be wrong, and what was left out."""
     found = [headline(verdict)]
-    if verdict.first.alike and verdict.alarm is not False:
-        found.append(f"Its orders cannot be distinguished from those of {', '.join(verdict.first.alike)}.")
-    found.append(compared(verdict))
+    if verdict.damaged is not False:
+        found.append(f"Evidence: {standing(verdict.first.evidence, verdict.exact)}.")
+        found += [_same_orders(one, verdict) for one in verdict.findings if one.component in verdict.first.alike]
+    if verdict.changes:
+        named = [
+            f"{NAMES.get(one.feature, one.feature)} of {one.component} at {one.sensor} {one.axis} "
+            f"({decibels(one.increase)} dB)"
+            for one in verdict.changes[:_NAMED]
+        ]
+        more = len(verdict.changes) - len(named)
+        found.append(f"Features that differ: {', '.join(named)}{f' and {more} more' if more else ''}.")
+    found += compared(verdict)
     if verdict.left_out:
         found.append(f"Left out because of too few revolutions: {'; '.join(verdict.left_out)}.")
     return tuple(found)
 
 
-def compared(verdict: Verdict) -> str:
-    """What the recording was compared with, and the rate of false alarms."""
-    many = f"{verdict.healthy} healthy recording{'s' if verdict.healthy > 1 else ''}"
-    if verdict.alarm is None:
-        return f"Compared with {many}. Give {FEWEST_FOR_P} or more for p-values and alarms."
-    text = f"Compared with {many}. The model of normal levels gives an alarm for {100 * ALARM:g} % of healthy ones"
-    if not verdict.tested:
-        return f"{text}."
-    low, high = verdict.false_alarm_interval
-    return (
-        f"{text}; tested against one another, {verdict.false_alarms} of these {verdict.tested} give one "
-        f"({100 * low:.2g} to {100 * high:.2g} % with 95 % confidence)."
+def standing(evidence: Evidence, exact: bool) -> str:
+    """The evidence of a component with its limit."""
+    count = len(evidence.features)
+    what = NAMES.get(evidence.features[0], evidence.features[0]) if count == 1 else f"mean of {count} features"
+    text = f"{what} at {evidence.sensor} {evidence.axis} {decibels(evidence.increase)} dB"
+    if evidence.limit is None:
+        return text
+    if exact:
+        return f"{text} over the control (limit {evidence.limit:g} dB)"
+    return f"{text}, {evidence.deviation:.1f} standard deviations (limit {evidence.limit:.1f})"
+
+
+def _same_orders(finding: Finding, verdict: Verdict) -> str:
+    return f"{finding.component} has the same orders: {standing(finding.evidence, verdict.exact)}."
+
+
+def compared(verdict: Verdict) -> list[str]:
+    """What the recording was compared with, and the rates of false answers."""
+    if verdict.exact:
+        return [
+            "Compared with the control: the same machine without the fault, which only a simulation has. Every "
+            "increase is the effect of the fault. Set --baseline 8 for healthy machines of other deviations."
+        ]
+    many = f"Compared with {verdict.healthy} healthy recording{'s' if verdict.healthy > 1 else ''}."
+    found = [many]
+    if verdict.outlying:
+        names = ", ".join(verdict.outlying)
+        found.append(f"Left out because they differ from the other healthy recordings: {names}. Check them.")
+    if verdict.damaged is None:
+        return [*found, f"Give {FEWEST_FOR_P} or more for limits."]
+    found.append(
+        f"Of healthy machines, at most {100 * ALARM:g} % are called damaged and {100 * DIFFERENT:g} % different."
     )
+    if verdict.tested:
+        counts = [
+            f"{count} of {verdict.tested} {word} ({100 * low:.2g} to {100 * high:.2g} %)"
+            for count, word in ((verdict.false_alarms, "damaged"), (verdict.false_differences, "different"))
+            for low, high in [verdict.interval(count)]
+        ]
+        found.append(f"Each of these recordings against the others: {', '.join(counts)} with 95 % confidence.")
+    return found
 
 
 def ranking_grid(verdict: Verdict) -> Grid:
-    """All components, the highest rise first."""
+    """All components, the strongest evidence first."""
     rows = tuple(
         (
-            finding.component,
-            decibels(finding.rise),
-            probability(finding),
-            _strongest(finding),
-            "" if finding.tooth is None else str(finding.tooth),
-            ", ".join(finding.alike),
+            one.component,
+            decibels(one.evidence.increase),
+            strength(one.evidence),
+            f"{one.evidence.sensor} {one.evidence.axis}",
+            "" if one.tooth is None else str(one.tooth),
+            ", ".join(one.alike),
         )
-        for finding in (*verdict.findings, verdict.whole)
+        for one in verdict.findings
     )
-    headers = ("component", "increase dB", "p-value", "largest feature", "tooth", "same orders as")
-    return Grid(title="Components by their mean increase over the healthy recordings", headers=headers, rows=rows)
-
-
-def evidence_grid(verdict: Verdict) -> Grid:
-    """Every feature of every component."""
-    rows = tuple(
-        (finding.component, NAMES.get(one.feature, one.feature), decibels(one.rise), _p(one.p))
-        for finding in (*verdict.findings, verdict.whole)
-        for one in finding.evidence
-    )
-    return Grid(
-        title="Features, mean over all channels", headers=("component", "feature", "increase dB", "p-value"), rows=rows
-    )
-
-
-def confirmed(verdict: Verdict, faulty: Sequence[tuple[str, int | None]]) -> str:
-    """How the blind ranking fits what is known to be damaged, (component, tooth or None) each; "" if nothing is."""
-    parts = []
-    order = [finding.component for finding in verdict.findings]
-    for component, tooth in faulty:
-        if component not in order:
-            parts.append(f"{component} is damaged and has no features")
-            continue
-        place = order.index(component)
-        finding = verdict.findings[place]
-        words = f"{component} is damaged and ranks {_ordinal(place + 1)} of {len(order)}"
-        if place and order[0] in finding.alike:
-            words += f", behind {order[0]}, which has the same orders"
-        if tooth is not None and finding.tooth is not None:
-            words += f"; tooth {tooth} is damaged, tooth {finding.tooth} is found"
-        parts.append(words)
-    return f"True damage, not used for the ranking: {'. '.join(parts)}." if parts else ""
+    headers = ("component", "increase dB", "evidence", "channel", "tooth", "same orders as")
+    return Grid(title="Components by their evidence", headers=headers, rows=rows)
 
 
 def text(verdict: Verdict) -> str:
     """All of it for the terminal."""
-    note = INCREASE if verdict.alarm is None else f"{INCREASE} {P_VALUE}"
-    return "\n\n".join([" ".join(sentences(verdict)), ranking_grid(verdict).to_text().rstrip(), note]) + "\n"
+    return "\n\n".join([" ".join(sentences(verdict)), ranking_grid(verdict).to_text().rstrip(), note(verdict)]) + "\n"
 
 
-def probability(finding: Finding) -> str:
-    """The least corrected p-value of a component, "-" with a small baseline."""
-    return _p(finding.p)
+def note(verdict: Verdict) -> str:
+    """What explains the columns of the ranking."""
+    return NO_LIMIT if verdict.damaged is None else EVIDENCE
 
 
-def _p(value: float | None) -> str:
-    return "-" if value is None else f"{value:.1g}"
+def ratio(evidence: Evidence) -> float:
+    """The evidence over its limit, or over 1 without one."""
+    return evidence.deviation / (evidence.limit or 1.0)
 
 
-def _standing(finding: Finding) -> str:
-    where = "" if finding.tooth is None else f", highest envelope energy at tooth {finding.tooth} (+- 1)"
-    chance = "" if finding.p is None else f" (least p-value of a feature: {finding.p:.1g})"
-    return f"{decibels(finding.rise)} dB in the mean of its features{chance}{where}"
+def strength(evidence: Evidence) -> str:
+    """The evidence over its limit, "-" without one."""
+    return "-" if evidence.limit is None else f"{ratio(evidence):.2f}"
 
 
-def _strongest(finding: Finding) -> str:
-    one = max(finding.evidence, key=lambda evidence: evidence.rise)
-    return f"{NAMES.get(one.feature, one.feature)} {decibels(one.rise)} dB"
-
-
-def _ordinal(number: int) -> str:
-    return {1: "first", 2: "second", 3: "third"}.get(number, f"{number}th")
-
-
-def _capital(words: str) -> str:
-    return words[:1].upper() + words[1:]
+def _tooth(finding: Finding) -> str:
+    return "" if finding.tooth is None else f", tooth {finding.tooth} (+- 1)"

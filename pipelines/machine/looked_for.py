@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 
 from mbd.forces.load_models import HangingLoad
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.rolling_elements import pass_frequencies
 from pipelines.machine.bearings import BearingFault, RollingBearing
-from pipelines.machine.flanks import Fault
 from pipelines.machine.layout import Layout
-from pipelines.scene.shaft_faults import MAIN_ORDER, ShaftFault
+from pipelines.scene.shaft_faults import ShaftFault
 from pipelines.scene.tables.analysis import LookedFor
 from pipelines.signals.analysis import DiagnosisSettings
 from pipelines.signals.pass_lines import PassLines
@@ -24,7 +22,6 @@ def diagnosis_settings(
     hoist: HangingLoad | None,
     profile: SpeedProfile,
     rolling: Sequence[RollingBearing],
-    faults: Sequence[Fault],
     spalls: Sequence[BearingFault] = (),
     shafts: Sequence[ShaftFault] = (),
 ) -> DiagnosisSettings | None:
@@ -35,7 +32,6 @@ def diagnosis_settings(
     asked : where the diagnosis looks
     layout, hoist, profile : the train, its rope, and the speed of its motors
     rolling : bearings whose pass frequencies are named
-    faults : for the words on what is wrong with teeth
     spalls, shafts : faults of bearings and of shafts, whose lines are looked for
     """
     if not asked.possible:
@@ -43,9 +39,6 @@ def diagnosis_settings(
     stage = layout.stages[asked.stage - 1]
     on_wheel = asked.gear == "wheel"
     shaft = layout.pair_shafts[asked.stage - 1][on_wheel]
-    words = _tooth_words([f for f in faults if layout.pair_shafts[f.stage - 1][f.gear == "wheel"] == shaft])
-    if faults and not words:  # another shaft is looked at than the one with the damage
-        words = f"lines of the stage {asked.stage} {asked.gear} (damaged is {_tooth_words(faults)})"
     ratio = layout.shaft_ratios[layout.loaded]
     modes = {
         name: hoist.rope_frequency_at(sum(window) / 2, profile, ratio)
@@ -65,16 +58,6 @@ def diagnosis_settings(
         band=asked.band,
         shaft=f"shaft_{shaft + 1}",
         speed_is_known=asked.speed_is_known,
-        fault=words or ("" if spalls or shafts else "no fault"),
-    )
-
-
-def _tooth_words(faults: Sequence[Fault]) -> str:
-    """What is wrong with teeth: "one tooth of the stage 1 wheel missing"."""
-    faulty = Counter((f.stage, f.gear, f.kind) for f in faults)
-    return ", ".join(
-        f"{'one tooth' if count == 1 else f'{count} teeth'} of the stage {number} {gear} {kind.removesuffix('-tooth')}"
-        for (number, gear, kind), count in faulty.items()
     )
 
 
@@ -94,12 +77,7 @@ def pass_rates(layout: Layout, bearing: RollingBearing) -> dict[str, float]:
 
 def shaft_lines(layout: Layout, fault: ShaftFault) -> ShaftLines:
     """Orders of a faulty shaft at the highest motor speed."""
-    return ShaftLines(
-        fault=fault.name,
-        shaft=f"shaft_{fault.shaft + 1}",
-        frequency=abs(_turns(layout, fault.shaft)),
-        main=MAIN_ORDER[fault.kind],
-    )
+    return ShaftLines(shaft=f"shaft_{fault.shaft + 1}", frequency=abs(_turns(layout, fault.shaft)))
 
 
 def _turns(layout: Layout, shaft: int) -> float:

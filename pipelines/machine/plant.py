@@ -100,7 +100,6 @@ class Drivetrain:
             self.hoist,
             self.machine.profile,
             self.rolling,
-            self.faults,
             self.spalls,
             self.shaft_faults,
         )

@@ -31,7 +31,7 @@ def first_screen(
     label : what was compared with, such as "against 8 healthy recordings"
     figures : names with their values: f_m, f_r, speed
     average, envelope : the two figures that the verdict rests on
-    ranking : components with their evidence in dB, their p-value ("-" where there is none), and a remark
+    ranking : components with their increase in dB, their evidence ("-" where it has no limit), and a remark
     ranking_note : explains the columns of the ranking
     """
     return [
@@ -71,12 +71,12 @@ def _ranking(ranking: Sequence[tuple[str, float, str, str]], note: str) -> list[
     if not ranking:
         return []
     rows = [(component, decibels(evidence), *others) for component, evidence, *others in ranking]
-    headers = ("component", "increase dB", "p-value", "remark")
+    headers = ("component", "increase dB", "evidence", "remark")
     first, more = rows[:RANKED_AT_ONCE], rows[RANKED_AT_ONCE:]
     parts = [
         page.table(
             Grid(
-                title="Components in the order of their mean increase over the healthy machine",
+                title="Components by their evidence, the mean increase of their features over the healthy machine",
                 headers=headers,
                 rows=tuple(first),
             )

@@ -7,7 +7,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipelines.diagnosis.control_verdict import criterion, directions, sentences, summary_grid
+from pipelines.diagnosis.cases import Case, Damage, cases_grid
+from pipelines.diagnosis.line_words import criterion, directions
+from pipelines.diagnosis.words import note
 from pipelines.io.grid import Grid
 from pipelines.report import page, spectra
 from pipelines.report.contents import RunCost, cell, grid, turned
@@ -62,6 +64,8 @@ def report_body(
     title: str,
     *,
     first: Sequence[str] = (),
+    cases: Sequence[Case] = (),
+    damages: Sequence[Damage] = (),
     summary: Mapping[str, Any] | None = None,
     diagnoses: Sequence[Diagnosis] = (),
     seeds: Sequence[Diagnosis] = (),
@@ -90,6 +94,7 @@ def report_body(
     Parameters
     ----------
     title, first : heading, and parts of the first screen
+    cases, damages : verdicts, and what is known to be damaged
     summary : what was run, by name
     diagnoses, seeds : comparisons that are shown in full, and those of further deviations, which enter the summary
     error : uncertainty of the lines of the first diagnosis, or why there are none
@@ -103,7 +108,7 @@ def report_body(
     runs, windows = runs or {}, windows or {}
     sections = [
         ("Signals and spectra", spectra.signals(runs, windows, (sensor, axis), diagnoses, settings)),
-        ("How it was decided", _decided(diagnoses, seeds)),
+        ("How it was decided", _decided(cases, damages, diagnoses)),
         ("Levels", spectra.levels(runs, windows)),
         ("Healthy and faulty", spectra.healthy_faulty(diagnoses, error)),
         ("Error bars", spectra.error_bars(error)),
@@ -126,17 +131,11 @@ def report_body(
     return "\n".join(body)
 
 
-def _decided(diagnoses: Sequence[Diagnosis], seeds: Sequence[Diagnosis]) -> list[str]:
-    if not diagnoses:
-        return []
-    every = [*diagnoses, *seeds]
-    texts = [criterion(every[0]), *(s for d in diagnoses for s in sentences(d))]
-    texts += [text for d in diagnoses if (text := directions(d))]
-    note = (
-        "In each cell: detected lines of all lines of this kind. Envelope harmonics: k f_r in the envelope spectrum. "
-        "Sidebands of n f_m: n f_m + k f_r in the spectrum."
-    )
-    return [*map(page.paragraph, texts), page.table(summary_grid(every)), page.note(note)]
+def _decided(cases: Sequence[Case], damages: Sequence[Damage], diagnoses: Sequence[Diagnosis]) -> list[str]:
+    parts = [page.table(cases_grid(cases, damages))] if cases and damages else []
+    texts = [note(cases[0].verdict)] if cases else []
+    texts += [criterion(diagnoses[0].settings)] if diagnoses else []
+    return [*parts, *map(page.paragraph, texts + [text for one in diagnoses if (text := directions(one))])]
 
 
 def _what_was_run(summary: Mapping[str, Any], warnings: Sequence[str]) -> list[str]:

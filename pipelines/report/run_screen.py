@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipelines.diagnosis import words
+from pipelines.diagnosis.cases import Case, any_found, sentences
 from pipelines.diagnosis.control_diagnosis import Diagnosis
-from pipelines.diagnosis.control_verdict import all_seen, case_name, headline
-from pipelines.diagnosis.prediction import FEWEST_FOR_P
 from pipelines.diagnosis.verdict import Finding, Verdict
 from pipelines.machine.kinematics import kinematics_of
 from pipelines.machine.plant import Plant
@@ -24,15 +23,12 @@ from pipelines.signals.features.average import FEWEST_TURNS, average
 from pipelines.signals.features.turns import cut_turns
 from pipelines.signals.orders.kinematics import Gear, Kinematics
 from pipelines.signals.orders.rotation import Rotation
+from pipelines.steps.verdict import known_damages
 
 if TYPE_CHECKING:
     import xarray
 
 IN_MESH = 1.0  # pitches to either side of the pitch point, about what a tooth is in mesh
-CONTROL = (
-    "Compared with the control: the same machine with the same deviations, but without the fault. Except for "
-    "sensor noise, every difference comes from the fault. A single control gives no rate of false alarms."
-)
 
 
 def first_screen(
@@ -41,8 +37,7 @@ def first_screen(
     diagnoses: Sequence[Diagnosis],
     runs: Sequence[xarray.Dataset],
     failure: str,
-    verdict: Verdict | None = None,
-    baseline: bool = False,
+    cases: Sequence[Case] = (),
 ) -> list[str]:
     """Parts of the page: verdict, main numbers, an average over one revolution and an envelope spectrum.
 
@@ -50,22 +45,16 @@ def first_screen(
     ----------
     plant : what was run
     settings : windows and lines looked for, None where no diagnosis is possible
-    diagnoses : of all cases, the scene's own first; none without a control
+    diagnoses : lines of all cases, the scene's own first; none without a control
     runs : the response of the scene and that of its control, if there is one
     failure : why the diagnosis was not possible, "" if it was
-    verdict : the blind ranking of components, None if there is none
-    baseline : whether it compares with healthy machines of other deviations, not with the exact control
+    cases : verdicts, the scene's own first window first; none without a reference
     """
-    if verdict is not None and baseline:
-        verdicts, found = list(words.sentences(verdict)), verdict.alarm
-        label = f"Compared with {verdict.healthy} healthy recordings of machines with other deviations."
-    else:
-        verdicts, found = _verdict(plant, diagnoses, failure)
-        label = CONTROL if diagnoses else ""
+    damages = known_damages(plant)
+    verdict = cases[0].verdict if cases else None
     return first_page.first_screen(
-        sentences=verdicts,
-        found=found,
-        label=label,
+        sentences=sentences(cases, damages) if cases else [_no_verdict(plant, failure)],
+        found=any_found(cases, damages) if cases else None,
         figures=_numbers(plant, settings),
         average=None if settings is None else _average(plant, settings, runs, verdict),
         envelope=None if settings is None else _envelope(settings, diagnoses[0].band if diagnoses else None, runs),
@@ -77,53 +66,26 @@ def first_screen(
 def _ranked(finding: Finding) -> tuple[str, float, str, str]:
     remarks = [] if finding.tooth is None else [f"highest envelope energy at tooth {finding.tooth}"]
     remarks += [f"has the same orders as {', '.join(finding.alike)}"] if finding.alike else []
-    return finding.component, finding.rise, words.probability(finding), "; ".join(remarks)
+    return finding.component, finding.evidence.increase, words.strength(finding.evidence), "; ".join(remarks)
 
 
 def _ranking_note(verdict: Verdict) -> str:
-    texts = [words.INCREASE]
-    if verdict.alarm is None:
-        texts.append(f"p-values need {FEWEST_FOR_P} or more healthy machines: gearcase run --baseline 8.")
-    else:
-        texts.append(words.P_VALUE)
+    texts = [words.note(verdict)]
     if any(finding.alike for finding in verdict.findings):
         texts.append("Components with the same orders, or integer multiples of them, cannot be distinguished.")
     return " ".join(texts)
 
 
-def _verdict(plant: Plant, diagnoses: Sequence[Diagnosis], failure: str) -> tuple[list[str], bool | None]:
+def _no_verdict(plant: Plant, failure: str) -> str:
     if failure:
-        return [f"No diagnosis: {failure}"], None
-    if diagnoses:
-        seen = any(all_seen(d, window) for d in diagnoses for window in d.settings.windows)
-        return [headline(diagnoses), _evidence(diagnoses)], seen
-    if not plant.fault_words:
-        return ["No verdict: the scene has no fault. To simulate one, add faults."], None
-    if not plant.looked_for.possible:
-        return [
-            "No verdict: the scene has no sensor, or no window of constant speed. Add sensors or diagnosis.windows_s."
-        ], None
-    return ['No verdict: there is no healthy control to compare with. Set control = "without-faults".'], None
-
-
-def _evidence(diagnoses: Sequence[Diagnosis]) -> str:
-    """The largest increase of a detected line over all cases; the number of detected lines in the first one."""
-    first, window = diagnoses[0], next(iter(diagnoses[0].settings.windows))
-    counted = first.lines.where(window=window).without_mesh()
-    text = (
-        f"The diagnosis evaluates {len(counted)} lines: harmonics of f_r in the envelope, and sidebands of the mesh "
-        f"orders in the spectrum. In the window {window} ({case_name(first)}), {int(counted.detected.sum())} of them "
-        f"{'is' if counted.detected.sum() == 1 else 'are'} detected."
-    )
-    every = [d.lines.without_mesh().where(detected=1) for d in diagnoses]
-    risen = [lines for lines in every if len(lines)]
-    if not risen:
-        return text
-    best = max(risen, key=lambda lines: float(lines.difference.max()))
-    at = int(best.difference.argmax())
-    start = "Over all cases, the" if len(diagnoses) > 1 or len(first.settings.windows) > 1 else "The"
-    largest = f"{best.difference[at]:+.1f} dB, at {best.label[at]}"
-    return f"{text} {start} largest increase of a detected line over the control is {largest}."
+        reason = failure
+    elif not plant.fault_words:
+        reason = "the scene has no fault. To simulate one, add faults."
+    elif not plant.looked_for.possible:
+        reason = "the scene has no sensor, or no window of constant speed. Add sensors or diagnosis.windows_s."
+    else:
+        reason = 'there is no healthy control to compare with. Set control = "without-faults".'
+    return f"No verdict: {reason}"
 
 
 def _numbers(plant: Plant, settings: DiagnosisSettings | None) -> list[tuple[str, str]]:
@@ -151,9 +113,9 @@ def _channel(asked: LookedFor) -> str:
 
 
 def shown_gear(plant: Plant, verdict: Verdict | None, kinematics: Kinematics) -> Gear:
-    """The gear that ranks first in an alarm, else the one that the scene monitors."""
+    """The gear that ranks first if it is damaged, else the one that the scene monitors."""
     gears = {gear.name: gear for gear in kinematics.gears}
-    if verdict is not None and verdict.alarm:
+    if verdict is not None and verdict.damaged:
         ranked = [gears[finding.component] for finding in verdict.findings[:1] if finding.component in gears]
         if ranked:
             return ranked[0]
@@ -165,13 +127,13 @@ def _average(
 ) -> Average | None:
     """Over the teeth of the gear, the marked one in the middle; None if its shaft hardly turns in the first window.
 
-    The marked tooth is the damaged one of the scene; that of the verdict where this is an alarm, or none is known.
+    The marked tooth is that of the verdict where it calls the gear damaged, else the damaged one of the scene.
     """
     kinematics = kinematics_of(plant.layout, ())
     gear = shown_gear(plant, verdict, kinematics)
     named = [one.tooth for one in verdict.findings if one.component == gear.name] if verdict is not None else []
     damaged = [fault.tooth for fault in plant.faults_of(gear.stage) if gear.name == f"stage {gear.stage} {fault.gear}"]
-    first = named if verdict is not None and verdict.alarm else damaged
+    first = named if verdict is not None and verdict.damaged else damaged
     marked = next((tooth for tooth in (*first, *named, *damaged) if tooth is not None), None)
     middle = gear.teeth / 2 if marked is None else float(marked)
     window = next(iter(settings.windows))

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from pipelines.diagnosis.control_diagnosis import Diagnosis
-from pipelines.diagnosis.control_verdict import case_name, directions, lines_grid, seeds_grid
+from pipelines.diagnosis.line_words import case_name, directions, lines_grid, seeds_grid
 from pipelines.diagnosis.uncertainty.line_bars import LineBars
 from pipelines.diagnosis.uncertainty.words import bars_grid
 from pipelines.report import page

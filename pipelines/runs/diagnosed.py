@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from pipelines.engine.step import Step
 from pipelines.io.errors import InputError
@@ -14,6 +14,8 @@ from pipelines.io.shown import shown
 from pipelines.runs import run_folder
 
 if TYPE_CHECKING:
+    import xarray
+
     from pipelines.diagnosis.control_diagnosis import Diagnosis
     from pipelines.diagnosis.uncertainty.line_bars import LineBars
     from pipelines.engine.run_graph import Work
@@ -52,14 +54,52 @@ def diagnose_folder(folder: Path, settings: Settings = ()) -> Diagnosis:
             f"{folder}: there is no healthy control to compare the lines with. "
             'Set control = "without-faults" in the scene and repeat gearcase run.'
         )
+    with _pair(folder, train.looked_for.noise) as runs:
+        return diagnoses([CaseSpec(settings=wanted, full=True)], runs)[0]
+
+
+@contextlib.contextmanager
+def _pair(folder: Path, noise: float) -> Iterator[list[xarray.Dataset]]:
+    """The response and the control of a folder, with the stated sensor noise (m/s2)."""
     with contextlib.ExitStack() as opened:
-        runs = [
-            opened.enter_context(run_folder.opened_run(folder / name)).assign_attrs(
-                sensor_noise_m_s2=train.looked_for.noise
-            )
+        yield [
+            opened.enter_context(run_folder.opened_run(folder / name)).assign_attrs(sensor_noise_m_s2=noise)
             for name in (run_folder.RESPONSE, run_folder.CONTROL)
         ]
-        return diagnoses([CaseSpec(settings=wanted, full=True)], runs)[0]
+
+
+def judge_folder(folder: Path) -> dict[str, Any]:
+    """The verdict on a run against its control, as the step `verdict` returns it.
+
+    Parameters
+    ----------
+    folder : of the results, that `diagnose_folder` can read
+    """
+    from pipelines.diagnosis.control_diagnosis import deviation_name
+    from pipelines.diagnosis.simulated import FeatureSettings, window_features
+    from pipelines.machine.kinematics import kinematics_of
+    from pipelines.machine.machine import make_drivetrain
+    from pipelines.scene.file import load_scene
+    from pipelines.signals.features.recorded import FeatureError
+    from pipelines.signals.orders.rotation import RotationError
+    from pipelines.steps import verdict
+
+    loaded = load_scene(folder / run_folder.RESOLVED)
+    train = make_drivetrain(loaded.scene, loaded.source.shown)
+    kinematics = kinematics_of(train.layout, train.rolling)
+    spec = verdict.VerdictSpec(
+        kinematics=kinematics,
+        damages=verdict.known_damages(train),
+        cases=((str(train.labels["load"]), deviation_name(train.labels)),),
+        exact=True,
+    )
+    settings = FeatureSettings(kinematics=kinematics, windows=train.looked_for.windows)
+    with _pair(folder, train.looked_for.noise) as runs:
+        try:
+            own, control = ({"tables": window_features(run, settings), "failure": ""} for run in runs)
+        except (FeatureError, RotationError) as error:
+            return {"cases": (), "words": "", "failure": str(error)}
+    return verdict.build(spec, own=[own], healthy=[control])
 
 
 def folder_bars(folder: Path, diagnosis: Diagnosis, settings: Settings, work: Work) -> LineBars | str:

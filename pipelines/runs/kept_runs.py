@@ -21,7 +21,7 @@ from pipelines.runs.run_folder import RESOLVED, RESPONSE, finished_runs
 from pipelines.scene.limits import MOST_BYTES
 from pipelines.scene.merge import leaves
 
-_VERDICTS = ("diagnosis.txt", "verdict.txt")  # their first lines answer
+_VERDICTS = ("verdict.txt", "diagnosis.txt")  # their first lines answer
 _MOST_SHOWN = 3  # settings in a row of the table
 _LONGEST = 40  # characters of a setting there
 _SPANS = ((86400.0, "d"), (3600.0, "h"), (60.0, "min"))

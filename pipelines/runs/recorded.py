@@ -69,17 +69,17 @@ def judge_file(
     ------
     InputError : a file or the machine cannot be used, or the recordings cannot be compared
     """
-    from pipelines.diagnosis.verdict import BaselineError, judge
+    from pipelines.diagnosis.baseline import BaselineError
+    from pipelines.diagnosis.verdict import judge
 
     path = recording_path(source)
     known, windows = machine_of(path, machine)
     chosen = {"the window": window} if window else windows
-    own = read_features(path, known, chosen, stream=1)
-    others = [
-        read_features(recording_path(one), known, chosen, stream=2 + number) for number, one in enumerate(healthy)
-    ]
+    own = read_features(path, known, chosen)
+    others = [read_features(recording_path(one), known, chosen) for one in healthy]
     try:
-        verdict = judge(own.table, [one.table for one in others], known.kinematics) if others else None
+        names = [shown(one) for one in healthy]
+        verdict = judge(own.table, [one.table for one in others], known.kinematics, names) if others else None
     except BaselineError as error:
         raise InputError(f"{shown(path)}: {error}") from error
     named = {shown(one): recorded for one, recorded in zip(healthy, others, strict=True)}
@@ -108,17 +108,18 @@ def judge_recordings(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset
     ------
     InputError : a recording has no rotation or no features, or they cannot be compared
     """
+    from pipelines.diagnosis.baseline import BaselineError
     from pipelines.diagnosis.simulated import FeatureSettings, run_features
-    from pipelines.diagnosis.verdict import BaselineError, judge
+    from pipelines.diagnosis.verdict import judge
     from pipelines.signals.features.recorded import FeatureError
     from pipelines.signals.orders.rotation import RotationError
 
     settings = FeatureSettings(kinematics=kinematics, windows={})
     tables = []
-    for stream, one in enumerate([recording, *healthy], 1):
-        name = "the recording" if stream == 1 else f"healthy recording {stream - 1}"
+    for number, one in enumerate([recording, *healthy]):
+        name = f"healthy recording {number}" if number else "the recording"
         try:
-            tables.append(run_features(one, settings, stream))
+            tables.append(run_features(one, settings))
         except (FeatureError, RotationError) as error:
             raise InputError(f"{name}: {error}") from error
     try:
@@ -162,7 +163,7 @@ def _windows(scene: Path) -> Windows | None:
     return dict(load_scene(scene).scene.diagnosis.windows_s) or None
 
 
-def read_features(path: Path, machine: Machine, windows: Windows | None, stream: int) -> Recorded:
+def read_features(path: Path, machine: Machine, windows: Windows | None) -> Recorded:
     """The features of a file.
 
     Parameters
@@ -170,7 +171,6 @@ def read_features(path: Path, machine: Machine, windows: Windows | None, stream:
     path : of the recording
     machine : that it was made on
     windows : that are looked at; the whole recording if None
-    stream : number of the sensor noise that is added to a simulated response
 
     Raises
     ------
@@ -195,7 +195,7 @@ def read_features(path: Path, machine: Machine, windows: Windows | None, stream:
                 )
         try:
             rotation = rotation_of(recording, machine.kinematics)
-            table = run_features(recording, settings, stream, rotation)
+            table = run_features(recording, settings, rotation)
         except (FeatureError, RotationError) as error:
             raise InputError(f"{shown(path)}: {error}") from error
     turning, frequency = _turning(rotation, time, machine.kinematics, windows)

@@ -143,9 +143,8 @@ class _Files:
 
     @property
     def words(self) -> str:
-        """The texts of diagnosis and verdict; the verdict first where it compares with other machines."""
-        order = (VERDICT, DIAGNOSIS) if self._study.baseline else (DIAGNOSIS, VERDICT)
-        return "\n".join(self._words[name] for name in order if name in self._words)
+        """The texts of verdict and diagnosis."""
+        return "\n".join(self._words[name] for name in (VERDICT, DIAGNOSIS) if name in self._words)
 
     def add(self, step: Step, result: Result) -> None:
         """Write what can be written with one more result."""
@@ -186,20 +185,20 @@ class _Files:
 
     def _write_verdict(self, found: Mapping[str, Any]) -> None:
         if found["failure"]:
-            self.left_out.append(f"The ranking of components is left out: {found['failure']}")
+            self.left_out.append(f"The verdict is left out: {found['failure']}")
             return
         self._words[VERDICT] = found["words"]
-        run_folder.write_json(self._folder / f"{VERDICT}.json", asdict(found["verdict"]))
+        run_folder.write_json(self._folder / f"{VERDICT}.json", {"cases": [asdict(case) for case in found["cases"]]})
         (self._folder / f"{VERDICT}.txt").write_text(found["words"], encoding="utf-8")
 
     def _write_diagnosis(self, found: Mapping[str, Any]) -> None:
         for name, content in found["files"].items():
             (self._folder / name).write_bytes(content)
         if found["failure"]:
-            self.left_out.append(f"The diagnosis is left out: {found['failure']}")
+            self.left_out.append(f"The table of lines is left out: {found['failure']}")
 
     def _write_words(self) -> None:
-        """The diagnosis with its error bars as text."""
+        """The lines with their error bars as text."""
         if found := self._results[DIAGNOSIS].load()["words"]:
             self._words[DIAGNOSIS] = f"{found}\n{bars_words(self._results[BARS].load())}"
             (self._folder / "diagnosis.txt").write_text(self._words[DIAGNOSIS], encoding="utf-8")

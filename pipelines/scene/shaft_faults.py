@@ -17,7 +17,6 @@ from pipelines.scene.scene import Scene
 from pipelines.scene.tables.derived import DerivedTable
 from pipelines.scene.tables.shafts import CouplingTable, DiskTable
 
-MAIN_ORDER = {"unbalance": 1, "bent-shaft": 1, "misaligned-coupling": 2}  # the strongest line, by kind
 _FAULTY_MODELS = frozenset(("unbalance", "bent-shaft"))
 _FAULTY_KEYS = {"disks": ("eccentricity_um", "eccentricity_angle_deg"), "couplings": ("offset_um", "tilt_mrad")}
 

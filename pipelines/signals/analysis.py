@@ -47,9 +47,7 @@ class DiagnosisSettings:
     torque); `bearings` "bearing_3 BPFO" -> Hz, lines to read besides; `passes` those of spalled bearings and `turning`
     those of faulty shafts, which are looked for; `axis` "resultant" or an axis of the sensor;
     `shaft` the shaft of the suspected gear, whose speed is checked if given; without `speed_is_known` the frequencies
-    are a guess, see `pipelines.signals.measured_speed`; `fault` and `reason` are words for the
-    verdict: what is damaged of the gears ("" if bearings or shafts alone are), and the physical reason where nothing is
-    detected.
+    are a guess, see `pipelines.signals.measured_speed`.
     """
 
     revolution_frequency: float
@@ -70,8 +68,6 @@ class DiagnosisSettings:
     floor_limit: float = 10.0
     shaft: str | None = None
     speed_is_known: bool = True
-    fault: str = "fault"
-    reason: str = ""
 
     def __post_init__(self) -> None:
         if not 0 < self.revolution_frequency < self.mesh_frequency:
@@ -95,11 +91,6 @@ class DiagnosisSettings:
     def highest_order(self) -> float:
         """Periods of it in a turn of the shaft with f_r."""
         return self.highest_line / self.revolution_frequency
-
-    @property
-    def beside_gears(self) -> tuple[PassLines | ShaftLines, ...]:
-        """What is looked for besides a fault of gears."""
-        return (*self.passes, *self.turning)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

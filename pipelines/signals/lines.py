@@ -49,7 +49,6 @@ class LineTable(Record):
     over_floor: np.ndarray = array("line", units="dB")  # faulty over its local floor
     healthy_over_floor: np.ndarray = array("line", units="dB")
     detected: np.ndarray = array("line", units="1", dtype=int)
-    healthy_shows: np.ndarray = array("line", units="1", dtype=int)  # the healthy line clears its own floor
     rope_mode: np.ndarray = array("line", units="Hz")  # 0: no rope
     near_rope: np.ndarray = array("line", units="1", dtype=int)  # the rope mode lies within the width of this line
 

@@ -18,7 +18,6 @@ from pipelines.signals.spectrum import Spectrum
 
 HARMONICS = 3
 SIDEBANDS = 2  # to each side
-HARMONICS_WANTED = 2  # in the envelope: the spall is seen
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,44 +52,6 @@ class PassLines:
         """Its rows among the lines of a case and window."""
         names = {name for name, _, _ in self.wanted()}
         return lines.at([i for i, label in enumerate(lines.label) if lines.kind[i] == "pass" and label in names])
-
-    def harmonics(self, lines: LineTable) -> LineTable:
-        """Those of its rows that are harmonics of the pass frequency itself."""
-        names = [self.label, *(f"{k} x {self.label}" for k in range(2, HARMONICS + 1))]
-        own = self.own(lines)
-        return own.at([i for i, label in enumerate(own.label) if label in names])
-
-    def grade(self, lines: LineTable) -> str:
-        """ "seen", "partly" (some line is detected) or "not seen" in the lines of one case and window."""
-        if int(self.harmonics(lines).detected.sum()) >= HARMONICS_WANTED:
-            return "seen"
-        return "partly" if self.own(lines).detected.any() else "not seen"
-
-    def sentence(self, lines: LineTable) -> str:
-        """What the lines of one case and window show of it, with the control's own."""
-        own, harmonics = self.own(lines), self.harmonics(lines)
-        if not len(own):
-            return f"{self.label} = {self.frequency:.4g} Hz lies beyond the envelope."
-        text = (
-            f"{int(harmonics.detected.sum())} of {len(harmonics)} harmonics of {self.label} = {self.frequency:.4f} Hz"
-        )
-        if self.spacing:
-            sides = len(own) - len(harmonics)
-            count = int(own.detected.sum() - harmonics.detected.sum())
-            text += f" and {count} of {sides} sidebands at {self.spacing_label} = {self.spacing:.4f} Hz"
-        text += " are detected in the envelope"
-        if own.detected.any():
-            best = int(np.argmax(np.where(own.detected == 1, own.difference, -np.inf)))
-            text += f"; the largest increase over the control is {own.difference[best]:+.1f} dB, at {own.label[best]}"
-        shown = int(harmonics.healthy_shows.sum())
-        return f"{text}. The healthy control shows {shown or 'none'} of the harmonics over its floor."
-
-
-def criterion() -> str:
-    """What it takes for a spall to be seen."""
-    return (
-        f"a spall is seen if at least {HARMONICS_WANTED} harmonics of its pass frequency in the envelope are detected"
-    )
 
 
 def peaks(spectrum: Spectrum, frequencies: Sequence[float], reach: Sequence[float]) -> np.ndarray:

@@ -33,12 +33,12 @@ class DiagnosingSpec:
 
 
 def build(spec: DiagnosingSpec, *, motions: Sequence[Trajectory]) -> dict[str, Any]:
-    """diagnosis.nc, .csv, .json, .md as bytes under "files", the verdict with its tables as text under "words".
+    """diagnosis.nc, .csv, .json, .md as bytes under "files", the tables of lines as text under "words".
 
     A window in which no diagnosis is possible must not cost the signals: its reason is returned under "failure".
     """
-    from pipelines.diagnosis.control_verdict import markdown
     from pipelines.diagnosis.export import save_diagnoses
+    from pipelines.diagnosis.line_words import markdown
     from pipelines.signals.analysis import DiagnosisError
     from pipelines.signals.response import make_response
     from pipelines.signals.spectrum import SpectrumError
@@ -51,7 +51,7 @@ def build(spec: DiagnosingSpec, *, motions: Sequence[Trajectory]) -> dict[str, A
         files = {path.name: path.read_bytes() for path in save_diagnoses(Path(folder), found)}
     files["diagnosis.md"] = markdown(found).encode()
     full = [d for d, case in zip(found, spec.cases, strict=True) if case.full]
-    return {"files": files, "words": words(found, full), "failure": ""}
+    return {"files": files, "words": words(full), "failure": ""}
 
 
 def diagnoses(cases: Sequence[CaseSpec], responses: Sequence[xarray.Dataset]) -> list[Diagnosis]:
@@ -66,13 +66,11 @@ def diagnoses(cases: Sequence[CaseSpec], responses: Sequence[xarray.Dataset]) ->
     return out
 
 
-def words(every: list[Diagnosis], full: list[Diagnosis]) -> str:
-    """The answer first, then the envelope tables of the cases shown in full, then the summary."""
-    from pipelines.diagnosis.control_verdict import criterion, headline, lines_grid, sentences, summary_grid
+def words(full: list[Diagnosis]) -> str:
+    """The tables of lines of the cases shown in full."""
+    from pipelines.diagnosis.line_words import criterion, lines_grid
 
-    parts = [headline(every), criterion(every[0])]
+    parts = [criterion(full[0].settings)]
     for diagnosis in full:
-        parts += sentences(diagnosis)
         parts += [lines_grid(diagnosis, window).to_text() for window in diagnosis.settings.windows]
-    parts.append(summary_grid(every).to_text())
     return "\n\n".join(parts) + "\n"

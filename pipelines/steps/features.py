@@ -13,22 +13,21 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class FeaturesSpec:
-    """Machine and windows, the labels of the motion, and the number of its sensor noise."""
+    """Machine and windows, and the labels of the motion."""
 
     settings: FeatureSettings
     labels: Mapping[str, Any]
-    stream: int
 
 
 def build(spec: FeaturesSpec, *, motion: Trajectory) -> dict[str, Any]:
-    """The table of features under "table"; where there are none, None and the reason under "failure"."""
-    from pipelines.diagnosis.simulated import run_features
+    """The tables of features by window under "tables"; where there are none, the reason under "failure"."""
+    from pipelines.diagnosis.simulated import window_features
     from pipelines.signals.features.recorded import FeatureError
     from pipelines.signals.orders.rotation import RotationError
     from pipelines.signals.response import make_response
 
     try:
-        table = run_features(make_response(motion, spec.labels), spec.settings, spec.stream)
+        tables = window_features(make_response(motion, spec.labels), spec.settings)
     except (FeatureError, RotationError) as error:
-        return {"table": None, "failure": str(error)}
-    return {"table": table, "failure": ""}
+        return {"tables": {}, "failure": str(error)}
+    return {"tables": tables, "failure": ""}

@@ -19,6 +19,7 @@ from pipelines.machine.plant import Plant
 from pipelines.signals.motion_warnings import gathered, told
 from pipelines.steps.casing import misread_sensors
 from pipelines.steps.diagnosing import DiagnosingSpec, diagnoses
+from pipelines.steps.verdict import known_damages
 
 if TYPE_CHECKING:
     import xarray
@@ -40,7 +41,6 @@ class ReportSpec:
     diagnosing: DiagnosingSpec | None
     responses: tuple[str, ...]  # names of the runs shown, the scene's own first
     warnings: tuple[str, ...]
-    baseline: bool = False  # whether the verdict compares with machines of other deviations
 
 
 def build(
@@ -80,11 +80,13 @@ def build(
     asked = plant.looked_for
     settings, failure = _settings(plant, found, responses[0], failure)
     runs = dict(zip(spec.responses, responses, strict=False))
-    ranked = verdict["verdict"] if verdict else None
+    cases = verdict["cases"] if verdict else ()
     with _collector_paused():
         page = report_body(
             plant.title,
-            first=first_screen(plant, settings, found, list(runs.values()), failure, ranked, spec.baseline),
+            first=first_screen(plant, settings, found, list(runs.values()), failure or _failure(verdict), cases),
+            cases=cases,
+            damages=known_damages(plant),
             summary=_summary(plant),
             diagnoses=[d for d, full in zip(found, shown, strict=True) if full],
             seeds=[d for d, full in zip(found, shown, strict=True) if not full],
@@ -138,6 +140,11 @@ def _settings(
         return at_measured_speed(settings, [run]), failure
     except DiagnosisError as error:
         return None, str(error)
+
+
+def _failure(verdict: Mapping[str, Any] | None) -> str:
+    """Why there is no verdict, "" where there is one or none is possible."""
+    return str(verdict["failure"]) if verdict else ""
 
 
 def _summary(plant: Plant) -> dict[str, Any]:

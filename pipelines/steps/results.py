@@ -26,39 +26,48 @@ def result_steps(loaded: LoadedScene, study: Study) -> list[Step]:
 
 
 def verdict_steps(study: Study) -> list[Step]:
-    """Features of the scene's motion and of the healthy ones (the baseline, else the control), then the verdict.
+    """Features of the motions and of the healthy ones, then the verdict; none without a healthy motion.
 
-    None without a healthy motion. The exact control stands for healthy only without a baseline: it has
-    the same deviations.
+    With a baseline the scene's own motion is compared with it, else every case with its control.
     """
+    from pipelines.diagnosis.control_diagnosis import deviation_name
     from pipelines.diagnosis.simulated import FeatureSettings
     from pipelines.machine.kinematics import kinematics_of
 
-    first, plant = study.cases[0], study.plant
+    plant, exact = study.plant, not study.baseline
+    cases = study.cases if exact else study.cases[:1]
     healthy = [(one.plant, one.motion) for one in study.baseline]
-    own_control = first.healthy == first.faulty  # a scene without faults
-    if not healthy and first.control is not None and first.healthy is not None and not own_control:
-        healthy = [(first.control, first.healthy)]
+    if exact:  # a scene without faults is its own control
+        pairs = [(one.control, one.healthy) for one in cases if one.healthy != one.faulty]
+        healthy = [(control, motion) for control, motion in pairs if control is not None and motion is not None]
     if not healthy or not plant.looked_for.possible:
         return []
     kinematics = kinematics_of(plant.layout, plant.rolling)
     settings = FeatureSettings(kinematics=kinematics, windows=plant.looked_for.windows)
-    own, *others = [
-        Step(
+    made = {
+        motion: Step(
             name=f"features {motion}",
             kind="features",
             build=features.build,
-            spec=features.FeaturesSpec(settings=settings, labels=one.labels, stream=stream),
+            spec=features.FeaturesSpec(settings=settings, labels=one.labels),
             takes={"motion": motion},
             libraries=_NUMERIC,
             seconds=1.0,
         )
-        for one, motion, stream in [(plant, first.faulty, 1), *((one, motion, 0) for one, motion in healthy)]
-    ]
-    spec = verdict.VerdictSpec(kinematics=kinematics, faulty=verdict.known_faults(plant), exact=not study.baseline)
-    takes = {"own": own.name, "healthy": tuple(step.name for step in others)}
+        for one, motion in [*((case.plant, case.faulty) for case in cases), *healthy]
+    }
+    spec = verdict.VerdictSpec(
+        kinematics=kinematics,
+        damages=verdict.known_damages(plant),
+        cases=tuple((str(case.plant.labels["load"]), deviation_name(case.plant.labels)) for case in cases),
+        exact=exact,
+    )
+    takes = {
+        "own": tuple(made[case.faulty].name for case in cases),
+        "healthy": tuple(made[motion].name for _, motion in healthy),
+    }
     judging = Step(name=VERDICT, kind="verdict", build=verdict.build, spec=spec, takes=takes, libraries=_NUMERIC)
-    return [own, *others, judging]
+    return [*made.values(), judging]
 
 
 def diagnosis_step(study: Study) -> Step | None:
@@ -122,7 +131,6 @@ def _report_step(loaded: LoadedScene, study: Study, known: dict[str, Step]) -> S
             plant=plant,
             diagnosing=compared.spec if compared else None,
             responses=(kinds[0].replace("-", " "), "healthy") if compared else (kinds[0].replace("-", " "),),
-            baseline=bool(study.baseline),
             warnings=(
                 *design_warnings(loaded.scene, plant),
                 *(f"the control differs in more than the fault: {line}" for line in unlike),

@@ -1,4 +1,4 @@
-"""Step `verdict`: the ranking of components from the features of a run and of healthy ones."""
+"""Step `verdict`: what is damaged, from the features of the runs of a study and of healthy ones."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from pipelines.diagnosis.cases import Damage
     from pipelines.machine.plant import Drivetrain
     from pipelines.signals.orders.kinematics import Kinematics
 
@@ -15,44 +16,51 @@ STRIKES = {"outer-ring": "BPFO", "inner-ring": "BPFI", "element": "2 BSF"}
 
 @dataclass(frozen=True, kw_only=True)
 class VerdictSpec:
-    """The machine, its `known_faults`, and whether the healthy run is the exact control, which its text states."""
+    """The machine, what is known to be damaged, the `cases` (load, deviations), and whether the healthy runs are their
+    exact controls."""
 
     kinematics: Kinematics
-    faulty: tuple[tuple[str, int | None], ...]
+    damages: tuple[Damage, ...]
+    cases: tuple[tuple[str, str], ...]
     exact: bool
 
 
-def build(spec: VerdictSpec, *, own: dict[str, Any], healthy: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """The verdict under "verdict" and as text under "words"; where there is none, None and the reason under "failure".
+def build(spec: VerdictSpec, *, own: Sequence[dict[str, Any]], healthy: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """The verdicts under "cases" and as text under "words"; where there are none, the reason under "failure".
 
     Parameters
     ----------
     spec : the machine
-    own, healthy : results of steps `features`
+    own, healthy : results of steps `features`: of every case, and of its control, or of all healthy machines
     """
-    from pipelines.diagnosis.verdict import BaselineError, judge
-    from pipelines.diagnosis.words import confirmed, text
+    from pipelines.diagnosis.baseline import BaselineError
+    from pipelines.diagnosis.cases import Case, text
+    from pipelines.diagnosis.verdict import judge
 
-    failure = next((one["failure"] for one in (own, *healthy) if one["failure"]), "")
-    if failure:
-        return {"verdict": None, "words": "", "failure": failure}
+    failure = next((one["failure"] for one in (*own, *healthy) if one["failure"]), "")
+    cases = []
     try:
-        verdict = judge(own["table"], [one["table"] for one in healthy], spec.kinematics)
+        for number, ((load, deviations), one) in enumerate(zip(spec.cases, own, strict=True)):
+            others = [healthy[number]] if spec.exact else healthy
+            for window, table in one["tables"].items() if not failure else ():
+                reference = [other["tables"][window] for other in others]
+                verdict = judge(table, reference, spec.kinematics, exact=spec.exact)
+                cases.append(Case(load=load, deviations=deviations, window=window, verdict=verdict))
     except BaselineError as error:
-        return {"verdict": None, "words": "", "failure": str(error)}
-    parts = [text(verdict).rstrip()]
-    if spec.exact:
-        parts.append(
-            "The healthy recording is the control: the same machine without the fault, which only a simulation has. "
-            "The increases are the effect of the fault. Set --baseline 8 to compare with healthy machines of other "
-            "deviations."
-        )
-    parts.append(confirmed(verdict, spec.faulty))
-    return {"verdict": verdict, "words": "\n\n".join(filter(None, parts)) + "\n", "failure": ""}
+        failure = str(error)
+    if failure:
+        return {"cases": (), "words": "", "failure": failure}
+    return {"cases": tuple(cases), "words": text(cases, spec.damages), "failure": ""}
 
 
-def known_faults(plant: Drivetrain) -> tuple[tuple[str, int | None], ...]:
-    """What the scene damages: component and tooth, None where it has none."""
+def known_damages(plant: Drivetrain) -> tuple[Damage, ...]:
+    """What the scene damages: component, tooth (None where it has none) and words."""
+    from pipelines.diagnosis.cases import Damage
+
     teeth = [(f"stage {fault.stage} {fault.gear}", fault.tooth) for fault in plant.faults]
     spalls = [(f"{fault.bearing} {STRIKES[fault.spall.on]}", None) for fault in plant.spalls]
-    return (*teeth, *spalls, *((f"shaft_{fault.shaft + 1}", None) for fault in plant.shaft_faults))
+    shafts = [(f"shaft_{fault.shaft + 1}", None) for fault in plant.shaft_faults]
+    return tuple(
+        Damage(component=component, tooth=tooth, words=words.replace("-tooth", " tooth"))
+        for (component, tooth), words in zip([*teeth, *spalls, *shafts], plant.fault_words, strict=True)
+    )

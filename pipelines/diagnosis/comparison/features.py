@@ -39,7 +39,7 @@ class Features:
         Weak orders of a shaft are raised to the least level that counts in a verdict: below is noise.
         """
         rms = self.level[0, self.lines.index((WHOLE, "rms"))]
-        counted = np.maximum(self.level, least_levels([feature for _, feature in self.lines], float(rms)))
+        counted = np.maximum(self.level, least_levels([feature for _, feature in self.lines], rms))
         return counted - counted[0]
 
     @property

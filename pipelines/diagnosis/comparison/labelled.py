@@ -37,9 +37,9 @@ def labelled_comparison(recordings: Mapping[str, xarray.Dataset], kinematics: Ki
             f"{len(recordings)} recording{'' if len(recordings) == 1 else 's'} given. Give two or more to compare."
         )
     parts = []
-    for number, (name, recording) in enumerate(recordings.items(), 1):
+    for name, recording in recordings.items():
         try:
-            parts.append(part_of(name, recording, kinematics, stream=number))
+            parts.append(part_of(name, recording, kinematics))
         except (FeatureError, RotationError) as error:
             raise InputError(f"{shown(name)}: {error}") from error
     try:

@@ -83,7 +83,6 @@ def part_of(
     recording: xarray.Dataset,
     kinematics: Kinematics,
     windows: Mapping[str, tuple[float, float]] | None = None,
-    stream: int = 1,
 ) -> Part:
     """The channels of a recording that hold a signal, with its rotation.
 
@@ -93,7 +92,6 @@ def part_of(
     recording : simulated or measured
     kinematics : of its machine
     windows : name -> start and end (s) of what is looked at; the whole recording if None
-    stream : number of the sensor noise that is added to a simulated response
 
     Raises
     ------
@@ -103,7 +101,7 @@ def part_of(
     if "acceleration" not in recording and "journal_acceleration" not in recording:
         raise FeatureError("the recording holds no accelerations. Add sensors to the scene, or give another recording")
     rotation = rotation_of(recording, kinematics)
-    sensors, axes, values = recorded_channels(with_stated_noise(recording, stream))
+    sensors, axes, values = recorded_channels(with_stated_noise(recording))
     time = np.asarray(recording.time.values, dtype=float)
     whole = {"whole": (float(time[0]), float(time[-1]))}
     return Part(

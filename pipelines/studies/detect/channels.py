@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipelines.diagnosis.prediction import LEAST_SPREAD
-from pipelines.diagnosis.verdict import ALARM, least_p
+from pipelines.diagnosis.verdict import ALARM, damage_p
 from pipelines.signals.features.table import FeatureTable
 from pipelines.studies.detect.probability import Machines, Share, share
 
@@ -79,7 +79,7 @@ def _detected(sizes: Sequence[Machines], channel: int) -> Share:
     found = []
     for machines in sizes:
         baseline = [_alone(table, channel) for table in machines.baseline]
-        found += [least_p(_alone(table, channel), baseline) <= ALARM for table, _ in machines.damaged]
+        found += [damage_p(_alone(table, channel), baseline) <= ALARM for table, _ in machines.damaged]
     return share(found)
 
 

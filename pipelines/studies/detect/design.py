@@ -20,7 +20,7 @@ from pipelines.machine.plant import Plant
 from pipelines.scene.file import LoadedScene
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import without_shaft_faults
-from pipelines.steps.verdict import known_faults
+from pipelines.steps.verdict import known_damages
 from pipelines.studies.detect.over import Over
 
 STATE, SPECIMEN = "state", "specimen"
@@ -91,7 +91,7 @@ def healthy_case(loaded: LoadedScene) -> dict[str, Any]:
 
 
 def _check(loaded: LoadedScene, plant: Plant, design: Design) -> None:
-    if not known_faults(plant):
+    if not known_damages(plant):
         raise InputError(f"{shown(loaded.name)}: the scene has no fault to detect. Add one in [[faults]].")
     if not loaded.scene.deviations.enabled:
         raise InputError(

@@ -56,8 +56,8 @@ def conditions(found: Detectability) -> str:
         f"Damage: {found.damage}, at the next tooth in each further machine. {design.damaged} damaged machines per "
         "value "
         f"are compared with a baseline of {design.baseline} healthy ones; {design.healthy} other healthy ones test "
-        f"for false alarms. No two machines have the same deviations. An alarm is a corrected p-value of at most "
-        f"{ALARM:g}. Intervals are 95 % confidence intervals."
+        f"for false alarms. No two machines have the same deviations. A machine is called damaged with a corrected "
+        f"p-value of at most {ALARM:g}. Intervals are 95 % confidence intervals."
     )
 
 

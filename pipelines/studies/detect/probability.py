@@ -1,6 +1,6 @@
 """Probability of detection: how many damaged machines are found, and how many of them in the right place.
 
-A recording is an alarm if its least corrected p-value is at most ALARM (`pipelines.diagnosis.verdict`), and that
+A recording is an alarm if its p-value of damage is at most ALARM (`pipelines.diagnosis.verdict`), and that
 p-value holds if levels are normal. So the rate of false alarms is measured, too, with healthy machines that are not in
 the baseline, and a second time with others as the baseline. Independently of the model, a damaged recording is above
 all of n healthy ones if its p-value is less than theirs: another healthy one is that with a chance of 1 / (n + 1).
@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pipelines.diagnosis.prediction import clopper_pearson
-from pipelines.diagnosis.verdict import ALARM, judge, least_p
+from pipelines.diagnosis.verdict import ALARM, damage_p, judge
 from pipelines.signals.features.table import FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 
@@ -80,12 +80,12 @@ def detection(machines: Machines) -> Detection:
     ------
     BaselineError : they do not have the same channels or features
     """
-    healthy = [least_p(table, machines.baseline) for table in machines.healthy]
+    healthy = [damage_p(table, machines.baseline) for table in machines.healthy]
     lowest = min(healthy, default=1.0)
     alarms, above, first, teeth = [], [], [], []
     for table, damage in machines.damaged:
         verdict = judge(table, machines.baseline, machines.kinematics)
-        p = least_p(table, machines.baseline)
+        p = damage_p(table, machines.baseline)
         alarms.append(p <= ALARM)
         above.append(p < lowest)
         shafts = {machines.kinematics.shaft_of(component) for component, _ in damage}
@@ -109,7 +109,7 @@ def _against_others(machines: Machines) -> Share:
     """
     count = len(machines.baseline)
     ring = [*machines.healthy, *machines.baseline, *machines.healthy]
-    return share([least_p(own, ring[i + 1 : i + 1 + count]) <= ALARM for i, own in enumerate(machines.healthy)])
+    return share([damage_p(own, ring[i + 1 : i + 1 + count]) <= ALARM for i, own in enumerate(machines.healthy)])
 
 
 def share(found: Sequence[bool]) -> Share:

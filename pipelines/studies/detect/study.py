@@ -18,7 +18,7 @@ from pipelines.machine.kinematics import kinematics_of
 from pipelines.machine.machine import make_drivetrain
 from pipelines.signals.features.table import FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
-from pipelines.steps.verdict import known_faults
+from pipelines.steps.verdict import known_damages
 from pipelines.studies.detect.channels import Channel, channels
 from pipelines.studies.detect.design import HEALTHY, SPECIMEN, STATE, Design
 from pipelines.studies.detect.over import Over
@@ -102,7 +102,7 @@ def study(
     for run in runs:
         if not run.healthy:
             train = make_drivetrain(scene_of(plan, run.drawn).scene, plan.name)
-            damages[run.run] = list(known_faults(train))
+            damages[run.run] = [(one.component, one.tooth) for one in known_damages(train)]
             known.setdefault(run.shared, kinematics_of(train.layout, train.rolling))
     jobs = [
         TableJob(

@@ -54,7 +54,7 @@ class TableJob(RowJob):
         layout = stored_layout(read_facts(self.folder)["layout"])
         recording = recording_of(self.folder, self.run, layout).assign_attrs(sensor_noise_m_s2=self.noise)
         try:
-            return {"failure": "", "table": _plain(run_features(recording, self.settings, stream=self.run))}
+            return {"failure": "", "table": _plain(run_features(recording, self.settings))}
         except (FeatureError, RotationError) as error:
             return {"failure": str(error), "table": None}
 

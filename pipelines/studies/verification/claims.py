@@ -14,7 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from pipelines.diagnosis.control_verdict import EQUAL
+from pipelines.diagnosis.line_words import EQUAL
 
 if TYPE_CHECKING:
     import xarray

@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipelines.diagnosis.control_diagnosis import STATES, diagnose
-from pipelines.diagnosis.control_verdict import modulation
+from pipelines.diagnosis.line_words import modulation
 from pipelines.signals.analysis import DiagnosisSettings, channel, noisy_signal
 from pipelines.signals.features.statistics import root_mean_square
 from pipelines.signals.lines import LineTable

@@ -1,0 +1,86 @@
+"""Healthy recordings to compare with: none twice, none the judged one, and those that are not like the others named.
+
+Outlying recordings are found by a forward search (Hadi 1992, J. R. Stat. Soc. B 54(3), 761-771): the most central
+recordings are taken as healthy, then the others one by one, the most similar first. Where the next one differs from
+those taken with a probability of at most OUTLYING, it and the rest are outlying.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from pipelines.diagnosis.prediction import FEWEST_FOR_P
+from pipelines.signals.features.table import FeatureTable
+
+OUTLYING = 0.01  # probability that a healthy recording differs so much from those that were taken before
+_SAME = 1e-6  # relative: features of one recording, in whatever format it was stored
+
+
+class BaselineError(ValueError):
+    """Recordings cannot be compared: other channels, other features, one of them twice, or none."""
+
+
+def check_baseline(
+    recording: FeatureTable, baseline: Sequence[FeatureTable], names: Sequence[str], exact: bool = False
+) -> None:
+    """Raise BaselineError if recordings cannot be compared, or if two of them are the same.
+
+    Parameters
+    ----------
+    recording, baseline : features of the judged recording and of the healthy ones
+    names : of the healthy ones, as messages show them
+    exact : the healthy one is the control, which a fault without effect leaves equal to the judged one
+    """
+    if not baseline:
+        raise BaselineError("no healthy recording to compare with. Give at least one.")
+    for number, (name, other) in enumerate(zip(names, baseline, strict=True)):
+        if (other.sensor, other.axis) != (recording.sensor, recording.axis):
+            raise BaselineError(
+                f"{name} has the channels {_channels(other)}, the recording to diagnose has "
+                f"{_channels(recording)}. Give recordings of the same channels."
+            )
+        if other.lines != recording.lines:
+            unlike = sorted({" ".join(line) for line in set(other.lines) ^ set(recording.lines)})
+            raise BaselineError(
+                f"{name} does not have the same features ({', '.join(unlike[:3])}, ...). Give "
+                "recordings of about the same speed, length and sampling rate."
+            )
+        if not exact and _same(other, recording):
+            raise BaselineError(f"{name} is the recording to diagnose itself. Delete it from the healthy recordings.")
+        twice = [first for first, one in zip(names[:number], baseline, strict=False) if _same(one, other)]
+        if twice:
+            raise BaselineError(f"{name} is the same recording as {twice[0]}. Give each healthy recording once.")
+
+
+def outlying(healthy: np.ndarray, difference: Callable[[np.ndarray, np.ndarray], float]) -> list[int]:
+    """Numbers of the recordings that are not like the others; none if there are too few to find out.
+
+    Parameters
+    ----------
+    healthy : levels (recording, channel, line), dB
+    difference : probability that a recording (channel, line) is another one of (recording, channel, line)
+    """
+    core = max(FEWEST_FOR_P, len(healthy) // 2 + 1)
+    if len(healthy) <= core:
+        return []
+    away = np.abs(healthy - np.median(healthy, axis=0))
+    size = np.median(away, axis=0)
+    distance = np.divide(away, size, out=np.zeros_like(away), where=size > 0.0).mean(axis=(1, 2))
+    taken, rest = np.split(np.argsort(distance), [core])
+    while len(rest):
+        chances = [difference(healthy[one], healthy[taken]) for one in rest]
+        best = int(np.argmax(chances))
+        if chances[best] <= OUTLYING:
+            return sorted(rest.tolist())
+        taken, rest = np.append(taken, rest[best]), np.delete(rest, best)
+    return []
+
+
+def _same(one: FeatureTable, other: FeatureTable) -> bool:
+    return one.value.shape == other.value.shape and np.allclose(one.value, other.value, rtol=_SAME, atol=0.0)
+
+
+def _channels(table: FeatureTable) -> str:
+    return ", ".join(f"{sensor} {axis}" for sensor, axis in zip(table.sensor, table.axis, strict=True))

@@ -1,0 +1,113 @@
+"""Known damage in several cases: in how many of them the diagnosis finds it, and its evidence.
+
+A case is a window of a run with a load and a set of deviations. The diagnosis does not know the damage. It finds it if
+the damaged component exceeds its limit, and no component without damage has stronger evidence.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from pipelines.diagnosis import words
+from pipelines.diagnosis.verdict import Finding, Verdict, decibels
+from pipelines.io.grid import Grid
+from pipelines.signals.lines import LOADS
+
+
+@dataclass(frozen=True, kw_only=True)
+class Damage:
+    """What is known to be damaged, and its `tooth`, None where it has none."""
+
+    component: str
+    tooth: int | None
+    words: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """The verdict on a window; `deviations` are "off" or "seed <n>"."""
+
+    load: str
+    deviations: str
+    window: str
+    verdict: Verdict
+
+    @property
+    def name(self) -> str:
+        """Words for window, load and deviations."""
+        return f"{self.window}, {LOADS.get(self.load, self.load)}, {deviation_words(self.deviations)}"
+
+
+def deviation_words(deviations: str) -> str:
+    """ "error-free gears", or of which seed the deviations are."""
+    return "error-free gears" if deviations == "off" else f"deviations of {deviations}"
+
+
+def found(case: Case, damage: Damage, damages: Sequence[Damage]) -> Finding | None:
+    """The finding of a damaged component if the diagnosis finds it, None otherwise.
+
+    `damages` are all that are known: none of them counts as stronger evidence without damage.
+    """
+    others = {other.component for other in damages} - {damage.component}
+    ranked = [one for one in case.verdict.findings if one.component not in others]
+    return ranked[0] if ranked[0].component == damage.component and ranked[0].damaged else None
+
+
+def any_found(cases: Sequence[Case], damages: Sequence[Damage]) -> bool | None:
+    """Whether a known damage is found in any case, or with none known, any damage; None if nothing is decided."""
+    if all(case.verdict.damaged is None for case in cases):
+        return None
+    if not damages:
+        return any(case.verdict.damaged for case in cases)
+    return any(found(case, damage, damages) is not None for case in cases for damage in damages)
+
+
+def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
+    """In how many cases every damage is found, with its weakest evidence; what the verdict says without damage."""
+    if not damages:
+        count = sum(bool(case.verdict.damaged) for case in cases)
+        answer = f"Damage is found in {count or 'none'} of {len(cases)} case{'s' if len(cases) > 1 else ''}."
+        return [*([answer] if len(cases) > 1 else []), *words.sentences(cases[0].verdict)]
+    answers, evidence = [], []
+    for damage in damages:
+        findings = [(case, one) for case in cases if (one := found(case, damage, damages)) is not None]
+        answers.append(f"{damage.words[0].upper()}{damage.words[1:]}: found in {len(findings)} of {len(cases)}.")
+        if findings:
+            case, one = min(findings, key=lambda pair: words.ratio(pair[1].evidence))
+            weakest = "Weakest evidence" if len(findings) > 1 else "Evidence"
+            evidence.append(f"{weakest}: {words.standing(one.evidence, case.verdict.exact)}, in {case.name}.")
+        if damage.tooth is not None and findings:
+            near = sum(one.tooth is not None and abs(one.tooth - damage.tooth) <= 1 for _, one in findings)
+            evidence.append(f"Tooth {damage.tooth} or its neighbour has the highest envelope energy in {near}.")
+    return [" ".join(answers), *evidence, *words.compared(cases[0].verdict)]
+
+
+def cases_grid(cases: Sequence[Case], damages: Sequence[Damage]) -> Grid:
+    """A row per case and damage: the evidence of the damaged component, its place among all, the tooth."""
+    rows = []
+    for case in cases:
+        order = [one.component for one in case.verdict.findings]
+        for damage in damages:
+            start = (LOADS.get(case.load, case.load), case.deviations, case.window, damage.component)
+            if damage.component not in order:
+                rows.append((*start, "no features", *[""] * 5))
+                continue
+            place = order.index(damage.component)
+            one = case.verdict.findings[place]
+            answer = "found" if found(case, damage, damages) is not None else "not found"
+            channel = f"{one.evidence.sensor} {one.evidence.axis}"
+            tooth = "" if one.tooth is None else str(one.tooth)
+            strength = words.strength(one.evidence)
+            rows.append((*start, answer, decibels(one.evidence.increase), strength, channel, str(place + 1), tooth))
+    head = ("load", "deviations", "window", "damaged", "answer", "increase dB", "evidence", "channel", "rank", "tooth")
+    return Grid(title="Known damage, not used for the diagnosis", headers=head, rows=tuple(rows))
+
+
+def text(cases: Sequence[Case], damages: Sequence[Damage]) -> str:
+    """All of it for the terminal."""
+    first = cases[0]
+    parts = [" ".join(sentences(cases, damages))]
+    parts += [cases_grid(cases, damages).to_text().rstrip()] if damages else []
+    parts += [f"{first.name}:", words.ranking_grid(first.verdict).to_text().rstrip(), words.note(first.verdict)]
+    return "\n\n".join(parts) + "\n"
