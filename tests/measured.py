@@ -4,6 +4,7 @@ import csv
 
 import h5py
 import numpy as np
+import openpyxl
 import pyuff
 from nptdms import ChannelObject, TdmsWriter
 from scipy.io import savemat, wavfile
@@ -26,7 +27,7 @@ def signals(samples=SAMPLES, seed=7):
 def machine(**changes):
     """A machine with one shaft at 1500 rpm; without sensors every channel is one. `changes` are keys of its file."""
     kinematics = Kinematics(shafts=(Shaft(name="shaft_1", ratio=1.0),), frequency=25.0)
-    return Machine(name="bench", kinematics=kinematics, table=MachineTable.model_construct(**changes))
+    return Machine(name="bench", kinematics=kinematics, table=MachineTable(speed_rpm=1500.0, **changes))
 
 
 def write_text(path, values, separator=",", decimal=".", header=True, time=True):
@@ -98,6 +99,15 @@ def _write_tdms(path, values):
             file.write_segment([ChannelObject("measured", name, column, properties=facts)])
 
 
+def _write_xlsx(path, values):
+    book = openpyxl.Workbook(write_only=True)
+    sheet = book.create_sheet()
+    sheet.append(["time [s]", "drive end [m/s2]", "free end [m/s2]"])
+    for number, row in enumerate(values.tolist()):
+        sheet.append([number / RATE, *row])
+    book.save(path)
+
+
 WRITERS = {
     "r.csv": _write_csv,
     "r.mat": _write_mat,
@@ -108,4 +118,5 @@ WRITERS = {
     "r.npz": _write_npz,
     "r.wav": _write_wav,
     "r.tdms": _write_tdms,
+    "r.xlsx": _write_xlsx,
 }

@@ -29,7 +29,8 @@ from fem.elements.materials import CAST_IRON
 from pipelines.cli.casing import casing_facts, modal_ratios
 from pipelines.cli.main import main
 from pipelines.io.errors import InputError
-from pipelines.runs.single_results import Casing, misread_sensors
+from pipelines.runs.single_results import Casing
+from pipelines.steps.casing import misread_sensors
 from pipelines.studies.housings.casing_export import FORMATS, free_body, write_casing
 from pipelines.studies.housings.responses import (
     accelerance,

@@ -261,7 +261,7 @@ def test_a_full_cache_stops_only_signals_that_memory_cannot_hold(monkeypatch, tm
 
 def test_check_says_what_a_run_costs(capsys):
     assert main(["check", "minimal"]) == 0
-    assert "1 simulation of 5e+04 time steps and 1e+04 samples of 29 channels" in capsys.readouterr().out
+    assert "1 simulation of 5e+04 time steps and 1e+04 samples of 29 signals" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("scene", ["minimal", "rig-healthy"])

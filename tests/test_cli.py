@@ -126,6 +126,10 @@ def test_an_example_prints_what_its_help_shows(capsys, here, own_cache, command)
         (["cache", "verify", "--older-than", "3"], "--older-than is an option of cache clear only"),
         (["detect", "bench", "--over", "faults.1.depth_um=1", "--dry-run"], "scenes cannot be run; the first: "),
         (["new", "my.txt"], "must end in .toml"),
+        (
+            ["housing", "rig-housing.step", "--unit", "t-mm-s"],
+            "a CAD file or mesh has a unit of length. Give one of m, ",
+        ),
         (["run", "minimal", "--processes", "0"], "whole number from 1"),
         (
             ["run", "minimal", "--sett", "stages.1.module_mm=2"],

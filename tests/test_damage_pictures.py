@@ -49,6 +49,7 @@ def test_a_chip_takes_away_what_stands_above_its_edge():
     assert volume(drawn()) - volume(chip) == pytest.approx(4e-3 * 2e-3 * thickness, rel=0.03)
     assert chip.broken.any()
     assert chip.end == 1
+    assert "piece broken off: 2 mm deep, 4 mm long" in chip.words
 
 
 def test_a_broken_corner_falls_evenly_to_nothing():
@@ -66,11 +67,13 @@ def test_a_crack_runs_from_the_fillet_into_the_tooth_where_its_mouth_is():
     assert np.allclose(along, fault.depth)
     assert sheet[..., 2].min() == pytest.approx(-6e-3)
     assert sheet[..., 2].max() == pytest.approx(0.0, abs=1e-9)
+    assert "crack 2 mm deep from the fillet, 6 mm long" in tooth.words
     assert (sheet[:, 0, 1] - sheet[:, -1, 1] > 0.5 * fault.depth).all()  # from the drive flank inwards
     assert len(tooth.lines) == 2  # along the fillet, and on the end face that it reaches
     coast = drawn(CrackedTooth(depth=2e-3, flank="coast"))
     assert (coast.sheets[0][:, 0, 1] < coast.sheets[0][:, -1, 1]).all()
     assert len(coast.lines) == 3
+    assert "12 mm long" in coast.words  # over the whole face
 
 
 def test_wear_has_its_depth_and_is_drawn_deeper_by_a_stated_factor():

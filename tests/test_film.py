@@ -7,6 +7,7 @@ import pytest
 from mbd_rigs import no_casing, train
 from scipy.integrate import quad, solve_ivp
 
+from benchmarks.gear_pairs import gear_pair
 from mbd.forces.film import film_rule
 from mbd.forces.torque import Torque
 from mbd.integrators.settings import Settings
@@ -16,6 +17,8 @@ from mbd.parts.drive import SpeedProfile
 from mbd.parts.film import Film
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
+from pipelines.machine.machine import film_spec
+from pipelines.scene.file import load_scene
 
 FILM = Film(viscosity=0.05, roughness=1e-6, radius=8e-3, length=0.02)
 
@@ -26,6 +29,15 @@ def test_the_force_is_the_integral_of_the_pressure_of_a_cylinder_that_approaches
         pressure = quad(lambda s, h=gap: 6 * FILM.viscosity * FILM.radius / (h * (1 + s * s)) ** 2, -np.inf, np.inf)[0]
         by_hand = FILM.length * pressure * np.sqrt(2 * FILM.radius * gap)  # x = s sqrt(2 R h_0)
         assert FILM.strength / gap**1.5 == pytest.approx(by_hand, rel=1e-8)
+
+
+def test_the_film_of_a_scene_has_the_relative_curvature_and_the_lines_of_contact_of_its_pair():
+    """At the pitch point of a helical pair: radii r_w sin(alpha_wt) over cos(beta_b), and eps_alpha b / cos(beta_b)."""
+    pair = gear_pair((20, 55), 2, 12, 12)
+    film = film_spec(load_scene("minimal", {"film.model": "squeeze"}).scene.film, pair)
+    first, second = (radius * np.sin(pair.working_pressure_angle) for radius in pair.working_radii)
+    assert 1 / film.radius == pytest.approx((1 / first + 1 / second) * np.cos(pair.base_helix_angle))
+    assert film.length == pytest.approx(pair.transverse_contact_ratio * 12e-3 / np.cos(pair.base_helix_angle))
 
 
 def free_gears(film):

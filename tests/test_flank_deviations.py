@@ -60,6 +60,15 @@ def test_measured_on_the_flank_a_sample_is_within_its_grade(gear, seed):
         assert 0.6 * getattr(tolerance, name) < most <= getattr(tolerance, name) * (1 + 1e-9)
 
 
+@pytest.mark.parametrize("seed", [30, 54, 104])
+def test_slope_and_form_of_a_tooth_stay_within_the_total_tolerance_of_the_helix(seed):
+    """With these seeds one tooth has nearly the largest slope and the largest form; both together exceed the total."""
+    tolerance = flank_tolerance(PAIR.pinion, 5)
+    assert np.hypot(tolerance.helix_slope, tolerance.helix_form) > 1.015 * tolerance.helix
+    for terms in sample_flank_deviations(PAIR, "pinion", 5, seed, use=1.0).values():
+        assert np.hypot(terms.lead_slope, terms.lead_curvature / 4).max() <= tolerance.helix * (1 + 1e-9)
+
+
 def test_seeds_grades_and_what_is_left_out():
     first, again = (sample_flank_deviations(PAIR, "wheel", 5, 11)["drive"] for _ in range(2))
     assert np.array_equal(first.lead_slope, again.lead_slope)

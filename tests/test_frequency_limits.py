@@ -142,6 +142,7 @@ def test_modes_that_quadratic_elements_do_not_have_take_the_median_of_the_others
     cubic, quadratic = EXACT, EXACT * 1.04
     found = cubic_limits(cubic, np.where(np.arange(60) == 5, np.nan, quadratic), corners=4)
     assert found.limits == pytest.approx(EXACT * (1.0 - 0.5 * sum(SHARES[4]) * 0.04))
+    assert np.isfinite(cubic_limits(cubic, np.where(np.arange(60) < 57, np.nan, quadratic), corners=4).limits).all()
     with pytest.raises(LimitError, match="2 modes have counterparts"):
         cubic_limits(cubic, np.where(np.arange(60) < 58, np.nan, quadratic), corners=4)
 

@@ -118,3 +118,11 @@ def test_the_plot_of_transmission_error_shows_the_passage_of_a_damaged_tooth():
     moved = error.passages["chipped tooth 7 of the wheel"] - error.passages["healthy"]
     assert abs(error.place[np.argmax(moved)]) < 1.0
     assert [len(axes.lines) for axes in transmission_error_figure("T", [error]).axes] == [1, 0, 2]
+
+
+def test_bars_of_two_curves_stand_side_by_side_around_their_order():
+    (pair,) = gearcase.laws(scene())
+    error = transmission_errors(pair, MeshState(force=pair.force, tilt=0.0))
+    bars = transmission_error_figure("T", [error, error]).axes[1].containers
+    middles = [[bar.get_x() + bar.get_width() / 2 for bar in row] for row in bars]
+    assert np.allclose(middles, np.arange(1, len(middles[0]) + 1) + np.array([[-0.2], [0.2]]))

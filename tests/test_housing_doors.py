@@ -17,7 +17,7 @@ from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesh_file import read_mesh_file
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.mesh.source import mesh_geometry
-from fem.casing.mesh.step_file import read_triangles
+from fem.casing.mesh.step_file import fill_surface, read_triangles
 from fem.elements.solids import assemble
 from pipelines.machine.casing import foreign_housing
 from pipelines.scene.tables.housing import MatricesHousingTable
@@ -165,6 +165,27 @@ def test_an_open_surface_is_refused_with_the_place_of_the_hole(folder, tmp_path)
     meshio.write(path, meshio.Mesh(points, [("triangle", kept)]), binary=True)
     with pytest.raises(MeshError, match=r"open: 3 edges belong to one triangle only, around \(0, "):
         mesh_geometry(imported(path), SIZES)
+
+
+@pytest.mark.parametrize(("sides", "kept"), [(8, True), (12, False)])
+def test_edges_of_a_closed_surface_are_kept_above_40_degrees(tmp_path, sides, kept):
+    """A prism with edges of 45 degrees keeps its volume when it is meshed; with 30 degrees elements span its edges."""
+    angle, here = 2 * np.pi * np.arange(sides) / sides, np.arange(sides)
+    ring = np.column_stack([10 * np.cos(angle), 10 * np.sin(angle), 0 * angle])
+    points = np.vstack([ring, ring + [0, 0, 20], [[0, 0, 0], [0, 0, 20]]])
+    after, low, high = (here + 1) % sides, np.full(sides, 2 * sides), np.full(sides, 2 * sides + 1)
+    rows = [(here, after, after + sides), (here, after + sides, here + sides), (after, here, low)]
+    triangles = np.hstack([*rows, (here + sides, after + sides, high)]).T
+    meshio.write(tmp_path / "prism.stl", meshio.Mesh(points, [("triangle", triangles)]), binary=True)
+    with session() as gmsh:
+        fill_surface(gmsh, tmp_path / "prism.stl", 1.0)
+        gmsh.option.setNumber("Mesh.MeshSizeMax", 6)
+        gmsh.model.mesh.generate(3)
+        gmsh.write(str(tmp_path / "prism.msh"))
+    corners = meshio.read(tmp_path / "prism.msh")
+    places = corners.points[corners.cells_dict["tetra"]]
+    lost = 1 - np.abs(np.linalg.det(places[:, 1:] - places[:, :1])).sum() / 6 / (1000 * sides * np.sin(angle[1]))
+    assert abs(lost) < 1e-6 if kept else lost > 0.01
 
 
 def test_solids_are_chosen_and_bonded_and_loose_ones_are_found_before_meshing(tmp_path):

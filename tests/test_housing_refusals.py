@@ -11,6 +11,7 @@ from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.mesh.source import mesh_geometry
+from fem.casing.mesh.step_file import import_solids
 from fem.casing.recognition.read import survey
 from pipelines.scene.problems import nearest
 
@@ -85,6 +86,20 @@ def test_a_doubtful_body_is_refused_with_its_place_and_the_remedy(tmp_path, make
     path = written(tmp_path / "part.step", make)
     with pytest.raises(MeshError, match=words):
         meshed(path, glue=glue)
+
+
+@pytest.mark.parametrize(("said", "shown"), [("Could not read file '{}'", ""), ("no root", " (no root)")])
+def test_the_words_of_gmsh_are_shown_unless_they_repeat_the_path(tmp_path, monkeypatch, said, shown):
+    path = written(tmp_path / "part.step", bored)
+    with session() as gmsh:
+
+        def refuse(*_, **__):
+            raise Exception(said.format(path))  # gmsh raises this class itself
+
+        monkeypatch.setattr(gmsh.model.occ, "importShapes", refuse)
+        with pytest.raises(MeshError) as refused:
+            import_solids(gmsh, path, "mm")
+    assert str(refused.value).startswith(f"part.step cannot be read as STEP{shown}; it is damaged, or its format")
 
 
 def test_a_file_in_inches_says_so(tmp_path):

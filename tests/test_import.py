@@ -361,6 +361,14 @@ def test_a_bad_element_is_named_with_its_place_in_millimetres():
             checked_quality(nodes, np.array([[0, 1, 2, 3], [4, 5, 6, 7]]), "Repair it")
 
 
+def test_a_needle_of_good_shape_is_refused_for_its_edges():
+    """A regular tetrahedron stretched 54 and 7.3 times square to an edge: the largest ratio that SICN 0.05 admits."""
+    half = 0.125**0.5
+    regular = np.array([[0.5, 0, -half], [-0.5, 0, -half], [0, -0.5, half], [0, 0.5, half]])
+    with pytest.raises(MeshError, match=r"1 of 1 tetrahedra have an inverse edge ratio below 0\.02 \(worst 0\.0185 "):
+        checked_quality(regular * [1.0, 54.0, 7.3], np.arange(4)[None], "Repair it")
+
+
 def test_quality_of_single_elements():
     """1 for the equilateral one at any size, the sign follows the orientation; flat is 0."""
     assert one_element(1e-3 * REGULAR).sicn[0] == pytest.approx(1.0)

@@ -137,6 +137,7 @@ def test_spur_gears_drop_onto_the_tip_edges_where_a_tooth_is_missing():
         (gear_pair((20, 55), 2, 35, 30), "beta is 35.000 deg"),
         (gear_pair((20, 55), 2, 0, 12, tip_mm=-0.7), "eps_alpha is 1.1"),
         (gear_pair((60, 90), 2, 0, 12, (-0.3, -0.3), tip_mm=-0.1), "x1 [+] x2 is -0.6"),
+        (gear_pair((60, 90), 2, 0, 12, (1.05, 1.05), tip_mm=-0.4), "x1 [+] x2 is 2.1000"),
     ],
 )
 def test_outside_the_standard_is_refused(pair, message):

@@ -240,5 +240,7 @@ def test_bad_options_are_refused():
         Plane(slices=0)
     with pytest.raises(PlaneError, match="not resolved"):
         Plane(patch=0.02)
+    with pytest.raises(PlaneError, match=r"patch 0\.07 .* flank elements of 0\.1 m_n; give refinement >= 0\.57"):
+        Plane(patch=0.07, refinement=0.5)
     with pytest.raises(PlaneError, match="'drive' or 'coast'"):
         Plane().law(thick_rimmed_pair(face_mm=30), "left")

@@ -84,11 +84,17 @@ def test_gaps_beyond_the_first_block_are_found(tmp_path):
     )
 
 
-@pytest.mark.parametrize("value", [0.0, 4.5])
-def test_a_silent_channel_is_refused(value, tmp_path):
+@pytest.mark.parametrize("value", [0.0, 4.5, np.nan])
+def test_a_silent_channel_is_refused_where_it_is_named_and_else_left_out(value, tmp_path):
     values = signals()
     values[:, 0] = value
-    assert f'"channel 1" is {value:g} throughout' in refusal(saved(tmp_path, values), rate_Hz=RATE)
+    silence = "holds no number" if np.isnan(value) else f"is {value:g} throughout"
+    named = {"one": {"z": 1}, "two": {"z": 2}}
+    assert f'"channel 1" {silence}' in refusal(saved(tmp_path, values), rate_Hz=RATE, sensors=named)
+    assert f'"channel" {silence}' in refusal(saved(tmp_path, values[:, :1]), rate_Hz=RATE)
+    with read_recording(saved(tmp_path, values), machine(rate_Hz=RATE)) as found:
+        assert list(found.sensor.values) == ["channel 2"]
+        assert f"channel 1 z {silence} and is not used" in found.attrs["warnings"]
 
 
 def test_a_recording_of_a_few_samples_is_refused(tmp_path):

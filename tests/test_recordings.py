@@ -22,7 +22,7 @@ from pipelines.recordings.formats import BY_ENDING, memory_needed
 from pipelines.recordings.machine_table import TachometerTable
 from pipelines.recordings.recording import read_recording
 
-PRECISION = {"r.csv": 1e-11, "r.uff": 1e-11}  # of the digits that are written; all others keep every bit
+PRECISION = {"r.csv": 1e-11, "r.uff": 1e-11, "r.xlsx": 1e-15}  # of the digits that are written; all others keep every bit
 WITHOUT_RATE = ("r.npy",)
 
 
@@ -165,7 +165,7 @@ def test_volts_become_accelerations_by_the_sensitivity(tmp_path):
 def test_whole_numbers_of_a_wav_file_are_shares_of_its_full_scale(kind, full, tmp_path):
     shares = np.random.default_rng(3).uniform(-0.9, 0.9, 1000)
     wavfile.write(tmp_path / "r.wav", 8000, (shares * full + (128 if kind is np.uint8 else 0)).astype(kind))
-    with read_recording(tmp_path / "r.wav", machine(full_scale=50.0)) as found:
+    with read_recording(tmp_path / "r.wav", machine(scale=50.0)) as found:
         np.testing.assert_allclose(found.acceleration.values[:, 0, 0], 50.0 * shares, atol=50.0 * 1.5 / full)
 
 
@@ -187,6 +187,83 @@ def test_fields_of_a_structure_are_channels(tmp_path):
     with read_recording(tmp_path / "r.mat", machine()) as found:
         assert list(found.sensor.values) == ["record.acc 1", "record.acc 2"]
         np.testing.assert_array_equal(found.acceleration.values[:, :, 0], values)
+
+
+@pytest.mark.parametrize("name", ["Fs", "sr", "sample_rate", "SamplingFrequency"])
+def test_a_structure_may_hold_the_sampling_rate_beside_the_rate_of_the_shaft(name, tmp_path):
+    savemat(tmp_path / "r.mat", {"bearing": {"gs": signals()[:, 0], name: RATE, "rate": 25.0, "load": 270.0}})
+    with read_recording(tmp_path / "r.mat", machine()) as found:
+        assert found.time.values[1] == pytest.approx(1.0 / RATE)
+
+
+def test_a_rate_alone_may_be_that_of_the_shaft(tmp_path):
+    savemat(tmp_path / "r.mat", {"gs": signals()[:, 0], "rate": 25.0})
+    with pytest.raises(InputError, match="neither the time nor the sampling rate"):
+        read_recording(tmp_path / "r.mat", machine())
+
+
+@pytest.mark.parametrize("form", ["2026-11-27T23:59:59.{:04d}Z", "2026-11-27 23:59:59.{:04d}", "23:59:58.{:04d}"])
+def test_time_stamps_are_the_time(form, tmp_path):
+    values, path = signals(600)[:, 0], tmp_path / "r.csv"
+    rows = [f"{form.format(10 * number)},ok,{value:.9g}\n" for number, value in enumerate(values)]
+    path.write_text("when,state,drive end [g]\n" + "".join(rows), encoding="utf-8")
+    with read_recording(path, machine()) as found:
+        assert list(found.sensor.values) == ["drive end"]
+        np.testing.assert_allclose(np.diff(found.time.values), 1e-3, rtol=1e-6)
+        np.testing.assert_allclose(found.acceleration.values[:, 0, 0], 9.80665 * values, rtol=1e-7)
+
+
+def test_time_stamps_go_on_after_midnight(tmp_path):
+    days = (
+        [("2026-11-30", 23, 59, number) for number in range(60)],
+        [("2026-12-01", 0, m, s) for m in range(5) for s in range(60)],
+    )
+    stamps = [f"{day}T{hour:02d}:{minute:02d}:{second:02d}" for part in days for day, hour, minute, second in part]
+    rows = [f"{stamp};{value}\n" for stamp, value in zip(stamps, signals(360)[:, 0], strict=True)]
+    (tmp_path / "r.csv").write_text("".join(rows), encoding="utf-8")
+    with read_recording(tmp_path / "r.csv", machine()) as found:
+        np.testing.assert_allclose(np.diff(found.time.values), 1.0)
+
+
+def test_remarks_between_and_below_the_numbers_are_no_data(tmp_path):
+    write_text(tmp_path / "r.csv", signals(600))
+    lines = (tmp_path / "r.csv").read_text(encoding="utf-8").splitlines()
+    lines[300:300] = ["# amplifier range 2"]
+    (tmp_path / "r.csv").write_text("\n".join([*lines, "", "End of file", "% checked"]), encoding="utf-8")
+    with read_recording(tmp_path / "r.csv", machine()) as found:
+        assert found.sizes["time"] == 600
+
+
+@pytest.mark.parametrize("x_column", [True, False])
+def test_a_measurement_file_of_labview_has_its_units_and_its_rate(x_column, tmp_path):
+    values = signals(600)
+    settings = ["LabVIEW Measurement", "Separator\tTab", f"X_Columns\t{'One' if x_column else 'No'}"]
+    segment = ["Channels\t2", "Samples\t600\t600", "Y_Unit_Label\tg\tg", "X0\t0.0\t0.0", "Delta_X\t0.0001\t0.0001"]
+    rows = [
+        f"{number / RATE:.6f}\t{one:.9g}\t{two:.9g}" if x_column else f"\t{one:.9g}\t{two:.9g}"
+        for number, (one, two) in enumerate(values)
+    ]
+    end = "***End_of_Header***"
+    text = [*settings, end, "", *segment, end, "X_Value\tdrive end\tfree end\tComment", *rows]
+    (tmp_path / "r.lvm").write_text("\n".join(text), encoding="utf-8")
+    with read_recording(tmp_path / "r.lvm", machine()) as found:
+        assert list(found.sensor.values) == ["drive end", "free end"]
+        assert found.time.values[1] == pytest.approx(1.0 / RATE)
+        np.testing.assert_allclose(found.acceleration.values[:, :, 0], 9.80665 * values, rtol=1e-7)
+
+
+def test_counts_become_accelerations_by_the_scale_of_each_sensor(tmp_path):
+    counts = np.round(1000 * signals()).astype(np.int32)
+    np.save(tmp_path / "r.npy", counts)
+    places = {"one": {"z": 1}, "two": {"x": 2}}
+    with read_recording(tmp_path / "r.npy", machine(rate_Hz=RATE, sensors=places)) as found:
+        said = json.loads(found.attrs["warnings"])
+        assert "holds whole numbers without units, which are read as m/s2" in said["counts one z"]
+    scaled = machine(rate_Hz=RATE, sensors=places, units="g", scale={"one": 1e-3, "two": 2e-3})
+    with read_recording(tmp_path / "r.npy", scaled) as found:
+        assert json.loads(found.attrs["warnings"]) == {}
+        np.testing.assert_allclose(found.acceleration.sel(sensor="one", axis="z"), 9.80665e-3 * counts[:, 0])
+        np.testing.assert_allclose(found.acceleration.sel(sensor="two", axis="x"), 2 * 9.80665e-3 * counts[:, 1])
 
 
 def test_a_response_of_a_run_is_read_as_it_is(tmp_path):

@@ -3,6 +3,8 @@
 import re
 import sys
 
+import pytest
+
 from pipelines.engine.run_graph import Work
 from pipelines.engine.storage import digest
 from pipelines.machine.machine import make_plant
@@ -31,14 +33,14 @@ FAULTY = {
 }
 BENCH = [
     "# One stage, rigid casing, constant torque",
-    "figure: Time-synchronous average of the acceleration at sensor_3, z over 6 revolutions of shaft 1 in the window "
-    "steady. The mesh orders are removed (residual signal).",
+    "figure: Time-synchronous average of the acceleration at sensor_3, z over 6 revolutions of shaft 1 from its zero "
+    "angle in the window steady. The mesh orders are removed (residual signal).",
     "figure: Envelope spectrum of sensor_3 (z) in the window steady. Marked: harmonics of the shaft "
     "frequency fr = 15.0000 Hz, which a damaged tooth raises.",
     "# Signals and spectra",
     "figure: Acceleration at the sensor without sensor noise: the whole run (left) and 0.1 s of it (right).",
-    "figure: Steady: one-sided peak amplitudes over 6 revolutions of the shaft with fr (0.4 s), Hann "
-    "window, with sensor noise.",
+    "figure: Steady: one-sided peak amplitudes over 6 revolutions of the shaft with fr (0.4 s, a whole "
+    "number of samples), Hann window, with sensor noise.",
     "# Levels",
     "# What was run",
     "# Gears",
@@ -52,16 +54,16 @@ BENCH = [
 ]
 DAMAGED = [
     "# One stage, rigid casing, constant torque",
-    "figure: Time-synchronous average of the acceleration at sensor_3, z over 6 revolutions of shaft 1 in the window "
-    "steady. The mesh orders are removed (residual signal). Below: this run minus the healthy run, the effect of the "
-    "fault alone. Shaded: the engagement of tooth 3, which is damaged in the scene and whose envelope has the highest "
-    "energy. Teeth are numbered from 0.",
+    "figure: Time-synchronous average of the acceleration at sensor_3, z over 6 revolutions of shaft 1 from its zero "
+    "angle in the window steady. The mesh orders are removed (residual signal). Below: this run minus the healthy "
+    "run, the effect of the fault alone. Shaded: the engagement of tooth 3, which is damaged in the scene and whose "
+    "envelope has the highest energy. Teeth are numbered from 0.",
     "figure: Envelope spectrum of sensor_3 (z) in the window steady. Marked: harmonics of the shaft "
     "frequency fr = 15.0000 Hz, which a damaged tooth raises.",
     "# Signals and spectra",
     "figure: Acceleration at the sensor without sensor noise: the whole run (left) and 0.1 s of it (right).",
     "figure: Steady, constant torque, deviations of seed 1: one-sided peak amplitudes over 6 revolutions "
-    "of the shaft of the damaged gear (0.4 s), Hann window, sensor noise 0.01 m/s² rms.",
+    "of the shaft of the damaged gear (0.4 s, a whole number of samples), Hann window, sensor noise 0.01 m/s² rms.",
     "# How it was decided",
     "# Levels",
     "# Healthy and faulty",
@@ -99,6 +101,20 @@ def test_a_bench_shows_its_signals_and_its_machine(tmp_path, monkeypatch):
 
 def test_a_faulty_machine_is_shown_beside_its_control(tmp_path, monkeypatch):
     assert listed(tmp_path / "run", FAULTY, monkeypatch) == DAMAGED
+
+
+def test_a_sensor_that_is_not_on_the_casing_is_named_once_in_the_log_and_in_the_report(tmp_path, monkeypatch, caplog):
+    """15 mm before the wall: it measures at the nearest point of the mesh."""
+    settings = {"simulation.end_s": 0.1, "diagnosis.windows_s": {}, "casing.element_size_mm": 20.0}
+    listed(
+        tmp_path / "run",
+        {**settings, "casing.model": "static", "sensors.1.position_mm": [76.7, -95.0, 35.5]},
+        monkeypatch,
+    )
+    page = (tmp_path / "run" / run_folder.REPORT).read_text(encoding="utf-8")
+    for text in (page, caplog.text):
+        (distance,) = re.findall(r"sensor_3 measures at the nearest point of the casing, ([\d.]+) mm from", text)
+        assert float(distance) == pytest.approx(15, abs=0.5)
 
 
 def changed(**settings):

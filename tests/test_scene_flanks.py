@@ -147,10 +147,10 @@ def test_only_what_is_there_adds_a_stage(detailed, tmp_path):
     assert [s.name for s in plant_steps(make_plant(minimal())) if "law" in s.name] == ["law_1"]
     plant = make_plant(detailed)
     graph = Graph(plant_steps(plant))
-    assert list(graph.steps)[:2] == ["healthy_law_1", "law_1"]
+    assert list(graph.steps)[:2] == ["unmodified_law_1", "law_1"]
     sound, law = (
-        run_graph(graph, Cache(tmp_path / "cache"), ["healthy_law_1", "law_1"]).value(name)[0]
-        for name in ("healthy_law_1", "law_1")
+        run_graph(graph, Cache(tmp_path / "cache"), ["unmodified_law_1", "law_1"]).value(name)[0]
+        for name in ("unmodified_law_1", "law_1")
     )
     assert (law.pinion_variant_gap.shape[0], law.wheel_variant_gap.shape[0]) == (1, 1)
     assert (law.wheel_variant_compliance > 0).any()

@@ -205,12 +205,17 @@ def test_a_spall_of_a_scene_lies_at_its_place_in_both_senses_and_leaves_the_cont
     assert control.scene.stages[0].wheel.deviations.waves
 
 
-def test_a_spall_narrower_than_two_slices_is_questioned():
-    scene = load_scene("minimal", {"faults": [SCENE_SPALL | {"stage": 1, "length_mm": 1.5}]}).scene
+@pytest.mark.parametrize(
+    ("length", "slices"),
+    [(1.5, "80"), (1.45, "83"), (1.0, "101, the most that a mesh has")],
+    ids=["whole", "rounded up", "beyond the most"],
+)
+def test_a_spall_narrower_than_two_slices_needs_ten_over_its_length(length, slices):
+    scene = load_scene("minimal", {"faults": [SCENE_SPALL | {"stage": 1, "length_mm": length}]}).scene
     found = [text for text in design_warnings(scene, make_drivetrain(scene)) if "is resolved coarsely" in text]
-    slices = 10 * scene.stages[0].face_width_mm / 1.5  # ten over the spall
+    assert scene.stages[0].face_width_mm == 12
     assert len(found) == 1
-    assert found[0].endswith(f"Raise stages.1.mesh.slices to {slices:.0f}")
+    assert found[0].endswith(f"Raise stages.1.mesh.slices to {slices}")
 
 
 def test_wear_on_a_part_of_the_face_is_that_of_one_tooth():

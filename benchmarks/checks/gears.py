@@ -111,7 +111,7 @@ SUBJECTS = (
         Check("least contact line length with a missing tooth and ε_β = 1, divided by (ε_α - 1) b / cos β_b", "exact",
               "", (1.0,), 1e-6, _integer_overlap,
               "test_involute.py::test_integer_overlap_has_a_constant_line_and_a_known_floor"),
-        Check("f_pT and F_pT: z 20 grade 5, z 55 grade 5, z 20 grade 7 (m_n 2 mm, β 12°)",
+        Check("f_pT and F_pT: z 20 class 5, z 55 class 5, z 20 class 7 (m_n 2 mm, β 12°)",
               "ISO 1328-1:2013, 5.3, by hand", "µm", (6.0, 17.0, 6.0, 19.0, 12.0, 34.0), 1e-9, _tolerances,
               "test_deviations.py::test_tolerances_by_hand", "absolute"),
     )),

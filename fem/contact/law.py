@@ -82,7 +82,8 @@ class MeshLaw(Record):
     body_compliance: float = dataclasses.field(default=0.0, metadata=scalar(units="m/N").metadata)  # E_0
     skew_compliance: float = dataclasses.field(default=0.0, metadata=scalar(units="1/N").metadata)  # E_01
     tilt_compliance: float = dataclasses.field(default=0.0, metadata=scalar(units="1/(N m)").metadata)  # E_1
-    lead_gap: np.ndarray = _sound("slice", units="m")
+    lead_coordinate: np.ndarray = _sound("lead_point", units="m")  # from mid face, rising; the slices unless given
+    lead_gap: np.ndarray = _sound("lead_point", units="m")  # linear between these points, held beyond them
     pinion_variant_compliance: np.ndarray = _sound("pinion_variant", "slice", "position", units="m2/N")  # >= 0
     pinion_variant_gap: np.ndarray = _sound("pinion_variant", "slice", "position", units="m", infinite=True)
     pinion_variant_modes: np.ndarray = _sound(
@@ -96,11 +97,21 @@ class MeshLaw(Record):
 
     def __post_init__(self) -> None:
         slices, positions = np.size(self.face_coordinate), np.size(self.compliance)
+        if self.lead_coordinate is None:
+            object.__setattr__(self, "lead_coordinate", self.face_coordinate)
         for field in dataclasses.fields(self):
             if field.default is None and getattr(self, field.name) is None:
-                shape: dict[str, tuple[int, ...]] = {"lead_gap": (slices,), "spread_compliance": (positions,)}
+                shape: dict[str, tuple[int, ...]] = {
+                    "lead_gap": np.shape(self.lead_coordinate),
+                    "spread_compliance": (positions,),
+                }
                 if field.name.endswith("_modes"):
                     variants = getattr(self, field.name.replace("modes", "gap"))
                     shape[field.name] = (len(variants), 0, 3, slices, positions)
                 object.__setattr__(self, field.name, np.zeros(shape.get(field.name, (0, slices, positions))))
         super().__post_init__()
+
+    @property
+    def slice_lead_gap(self) -> np.ndarray:
+        """Lead gap (slice,), m, in the middle of the slices."""
+        return np.interp(self.face_coordinate, self.lead_coordinate, self.lead_gap)

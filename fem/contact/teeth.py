@@ -101,7 +101,7 @@ def least_clearance(law: MeshLaw, pinion: np.ndarray, wheel: np.ndarray) -> floa
     far = max(abs(law.position_start), abs(last))
     part = float(np.abs(law.face_coordinate).max() / law.slice_width.sum())
     reach = np.array([far, far**2, part, part**2])
-    least = float(np.min(law.gap)) + float(np.min(law.lead_gap))
+    least = float(np.min(law.gap)) + float(np.min(law.slice_lead_gap))
     for terms, variants in ((pinion, law.pinion_variant_gap), (wheel, law.wheel_variant_gap)):
         here = terms[np.isfinite(terms[:, 0])]
         if here.size == 0:

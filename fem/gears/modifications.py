@@ -39,6 +39,7 @@ _WORDS = {  # of a user, by name
     "end_relief_high": "an end relief",
     "helix_slope": "the helix slope modification",
 }
+LEAD_POINTS = 257  # a parabola between two of them deviates from its chord by 4e-6 of its height over the face
 LARGEST_PART = 0.1  # modules; a larger amount is a mistake of units
 
 
@@ -247,6 +248,18 @@ def profile_gap(pair: GearPair, modifications: PairModifications, points: PathPo
                 total += relief.amount * part ** SHAPES[relief.shape]
         total += own.profile_crowning * ((2 * roll - low - high) / (high - low)) ** 2
     return total
+
+
+def lead_points(pair: GearPair, modifications: PairModifications) -> np.ndarray:
+    """Face coordinates (point,), m: equal steps over the face, and the starts of the end reliefs."""
+    half = pair.face_width / 2
+    starts = [
+        outwards * (half - relief.length)
+        for own in (modifications.pinion, modifications.wheel)
+        for relief, outwards in ((own.end_relief_low, -1.0), (own.end_relief_high, 1.0))
+        if relief is not None
+    ]
+    return np.concatenate([np.linspace(-half, half, LEAD_POINTS), starts])
 
 
 def lead_gap(pair: GearPair, modifications: PairModifications, flank: str, face: np.ndarray) -> np.ndarray:

@@ -73,7 +73,8 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.errors import InputError, SceneWarning
     from pipelines.io.json_text import json_text
     from pipelines.io.user_files import writable_folder
-    from pipelines.runs.single_results import build_casing, misread_sensors, scene_graph
+    from pipelines.runs.single_results import build_casing, scene_graph
+    from pipelines.steps.casing import misread_sensors
     from pipelines.studies.housings.casing_export import checked_target, write_casing
     from pipelines.studies.housings.responses import checked_names
 

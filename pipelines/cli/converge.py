@@ -11,7 +11,7 @@ from pipelines.studies.trade.axes import AXES
 
 HELP = """\
 Compute a scene with several values of one setting. Print the observed order of convergence, the
-extrapolated value and the uncertainty band of each result, and write a plot. Takes seconds to minutes a value."""
+extrapolated value and the uncertainty band of each result, and write a plot. Takes seconds to minutes per value."""
 EXAMPLE = """\
 gearcase converge minimal --over step
 ...

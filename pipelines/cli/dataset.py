@@ -16,21 +16,22 @@ EXAMPLE = """\
 gearcase dataset info campaigns/plan
 ...
   labels   6 healthy
-  split    4 train, 2 test; 6 groups
+  split    4 train, 2 test; every run is a separate group
 ..."""
 ACTIONS = {  # one line; text; example with what it prints
     "info": (
         "print runs, labels, split and variables",
         """\
 Print the numbers of runs by label and by part of the split (train, validation, test), and the range of each variable.
-Can be used while the campaign is running. Takes seconds.""",
+Runs of the same pair of gears are a group, which the split keeps together. Can be used while the campaign is running.
+Takes seconds.""",
         """\
 gearcase dataset info campaigns/plan
 ...
   runs     6: 6 done
 ...
   labels   6 healthy
-  split    4 train, 2 test; 6 groups
+  split    4 train, 2 test; every run is a separate group
 ...""",
     ),
     "check": (
@@ -45,12 +46,13 @@ gearcase dataset check campaigns/plan
     "features": (
         "compute the features of every run",
         """\
-Compute statistical and order features of every run, and write them to features.parquet in the data set.
-Repeat the command to continue after an interruption. Takes seconds to minutes.""",
+Compute statistical and order features of every run, and write them to features.parquet in the data set: a row for each
+run, sensor and axis. Repeat the command to continue after an interruption. Takes seconds to minutes.""",
         """\
 gearcase dataset features campaigns/plan --start 0.3
 ...
-campaigns/plan/features.parquet: 18 lines""",
+features of 6 runs computed now
+campaigns/plan/features.parquet: 18 rows""",
     ),
     "export": (
         "write runs, or pieces of them, with labels for other programs",
@@ -158,8 +160,8 @@ def _features(options: argparse.Namespace) -> Iterator[str]:
 
     folder = Path(options.folder)
     with local_workers(options.processes) as workers, reported_count("runs", quiet=options.quiet) as report:
-        made, lines = make_features(folder, workers.executor, options.start, options.noise, report)
-    yield f"features of {made} runs computed now\n{folder / FEATURES}: {lines} lines"
+        made, rows = make_features(folder, workers.executor, options.start, options.noise, report)
+    yield f"features of {made} runs computed now\n{folder / FEATURES}: {rows} rows"
 
 
 def _export(options: argparse.Namespace) -> Iterator[str]:

@@ -10,7 +10,7 @@ from pipelines.cli.command_line import scene_arguments, work_of
 from pipelines.io.argument_types import count, from_zero, path
 
 HELP = """\
-Simulate healthy and damaged machines with different gear deviations. Print and write the probability of detection and
+Simulate healthy and damaged machines with different deviations. Print and write the probability of detection and
 the rate of false alarms over damage size, sensor noise and sensors. Takes minutes to hours: use --dry-run first."""
 EXAMPLE = """\
 gearcase detect bench --over faults.1.depth_mm=0.5:3:0.5 --dry-run

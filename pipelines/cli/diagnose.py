@@ -9,8 +9,9 @@ from pipelines.cli.command_line import RUN_HELP, json_argument
 from pipelines.io.argument_types import number, path
 
 HELP = """\
-Print which component is damaged. A measured recording is compared with recordings of healthy machines (--baseline).
-A finished run is compared with its healthy control. Nothing is simulated and no file is written. Takes seconds."""
+Find the damaged component from vibration. A measured recording is compared with recordings of healthy machines
+(--baseline); its components are ranked by their increase. A finished run is compared with its healthy control: the
+lines of its faults are listed. Nothing is simulated and no file is written. Takes seconds."""
 EXAMPLE = """\
 gearcase diagnose bench
 One tooth of the stage 1 wheel chipped: seen at motor_side (axis z) in the one analysed window.

@@ -9,8 +9,7 @@ from pipelines.cli.command_line import scene_arguments
 
 HELP = """\
 Print which steps of a run would be reused from the cache, which would be computed, and which changed setting is the
-reason.
-Nothing is computed and no file is written. Takes seconds."""
+reason. Nothing is computed and no file is written. Takes seconds."""
 EXAMPLE = """\
 gearcase explain bench
 First run: the cache holds no results of a similar scene to compare with.

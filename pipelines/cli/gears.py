@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from pipelines.steps.pair_curves import PairLaws
 
 HELP = """\
-Compute the mesh stiffness, transmission error and load sharing of every gear pair, healthy and faulty, over one passage
-of a tooth. Print tables and a proposal for tip relief. --plot plots the transmission error, --out writes the curves.
-Takes seconds, and up to a minute for each pair with the mesh model `solid`."""
+Compute the mesh stiffness, transmission error and load sharing of every gear pair, healthy and faulty, over the mesh
+cycles in which one tooth is in contact. Print tables and a proposal for tip relief. --plot plots the transmission
+error, --out writes the curves. Takes seconds, and up to a minute for each pair with the mesh model `solid`."""
 EXAMPLE = """\
 gearcase gears pair --torque 50 100 --plot te.png
 ...
@@ -52,9 +52,10 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--out",
         metavar="FILE",
         type=path,
-        help="write the curves to this file, .csv or .nc. Each row is a state and a position in mesh; at position 0 "
-        "the tooth makes contact at the pitch point. Columns: stiffness, transmission error with load and without "
-        "(no_load_error), tilt, load share and largest Hertz pressure of each tooth pair (+0: this tooth, +1: next)",
+        help="write the curves to this file, .csv or .nc: a row for each state (healthy, or with a damaged tooth) and "
+        "position in mesh cycles. At position 0 the tooth makes contact at the pitch point. Columns: secant and "
+        "tangent stiffness, transmission error, that without load (no_load_error), tilt; for each tooth pair (+0: this "
+        "tooth, +1: the next) its share of the load and largest Hertz pressure",
     )
     sub.add_argument(
         "--plot",
@@ -137,15 +138,15 @@ def notes(cases: Sequence[tuple[PairLaws, MeshState]]) -> list[str]:
             for _, s in own
         )
         lines.append(
-            f"stage {stage}: model {pair.drive.model}, eps_alpha {gears.transverse_contact_ratio:.4g}, eps_beta "
-            f"{gears.overlap_ratio:.4g}, bores {2000 * gears.pinion.bore_radius:g}/{2000 * gears.wheel.bore_radius:g} "
-            f"mm, {', '.join(tilts)} over the face"
+            f"stage {stage}: model {pair.drive.model}, contact ratio {gears.transverse_contact_ratio:.4g}, "
+            f"overlap ratio {gears.overlap_ratio:.4g}, bores {2000 * gears.pinion.bore_radius:g}/"
+            f"{2000 * gears.wheel.bore_radius:g} mm, {', '.join(tilts)} over the face"
         )
         lines += [f"stage {stage}: {line}" for line in _relief(own)]
     lines.append(
-        "All values refer to the passage of one tooth pair: means, least stiffness with its position in mesh cycles "
-        "from the pitch point (at), peak-to-peak transmission error, largest load share, and largest Hertz pressure on "
-        "the active flank, as in the contact pattern of inspect. With a damaged tooth it is the pair of this tooth."
+        "All values refer to the mesh cycles in which one tooth pair is in contact, that of the damaged tooth if there "
+        "is one: means, least stiffness with its position in mesh cycles from the pitch point (at), peak-to-peak "
+        "transmission error, largest load share, and largest Hertz pressure on the active flank."
     )
     return lines
 
@@ -158,7 +159,7 @@ def _relief(cases: Sequence[tuple[PairLaws, MeshState]]) -> Iterator[str]:
     gears = cases[0][0].pair
     lengths = relief_lengths(gears)
     if lengths is None:
-        yield f"no usual tip relief: the rule is for eps_alpha from 1 to 2, not {gears.transverse_contact_ratio:.4g}"
+        yield f"no usual tip relief: its rule needs a contact ratio of 1 to 2, not {gears.transverse_contact_ratio:.4g}"
         return
     short, long = (f"{1000 * length:.3g}" for length in lengths)
     yield f"usual tip relief of both gears: length_mm = {short} (short) or {long} (long)"

@@ -28,6 +28,9 @@ bore  solid  diameter mm  length mm         middle mm     axis  arc deg
 rig-housing-housing/housing.toml
 ..."""
 
+_LENGTHS = ("m", "cm", "mm", "um", "inch")
+_SYSTEMS = ("kg-m-s", "t-mm-s", "kg-mm-ms", "kg-mm-s", "lbf-in-s")
+
 
 def arguments(sub: argparse.ArgumentParser) -> None:
     """Of `gearcase housing`."""
@@ -45,8 +48,10 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     )
     sub.add_argument(
         "--unit",
-        choices=("m", "cm", "mm", "um", "inch"),
-        help="unit of length of the file (default: the declared one, or mm)",
+        metavar="UNIT",
+        choices=(*_LENGTHS, *_SYSTEMS),
+        help=f"of a CAD file or mesh the unit of length: {', '.join(_LENGTHS)} (default: the declared one, or mm); of "
+        f"matrices the units of mass (lbf: force), length and time: {', '.join(_SYSTEMS)} (default {_SYSTEMS[0]})",
     )
     sub.add_argument(
         "--solids",
@@ -75,12 +80,6 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "cards of Nastran",
     )
     matrices.add_argument(
-        "--units",
-        choices=("kg-m-s", "t-mm-s", "kg-mm-ms", "kg-mm-s", "lbf-in-s"),
-        default="kg-m-s",
-        help="units in the matrices: mass (lbf: force), length and time (default kg-m-s)",
-    )
-    matrices.add_argument(
         "--keep",
         metavar="NODE",
         type=count,
@@ -103,10 +102,15 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Print the listing, the seats and the block; write the picture, the page and the block."""
     from fem.casing.imported.files import SUFFIXES
+    from pipelines.io.errors import InputError
     from pipelines.scene.shipped_files import find_file
 
     path = find_file(options.file)
-    return (_matrices if path.suffix.lower() in SUFFIXES else _geometry)(path, options)
+    matrices = path.suffix.lower() in SUFFIXES
+    if options.unit not in (None, *(units := _SYSTEMS if matrices else _LENGTHS)):
+        kind = "matrices have units of mass, length and time" if matrices else "a CAD file or mesh has a unit of length"
+        raise InputError(f"--unit {options.unit}: {kind}. Give one of {', '.join(units)}.")
+    return (_matrices if matrices else _geometry)(path, options)
 
 
 def _geometry(path: Path, options: argparse.Namespace) -> Iterator[str]:
@@ -143,7 +147,7 @@ def _matrices(path: Path, options: argparse.Namespace) -> Iterator[str]:
             mass=options.mass,
             nodes=options.nodes,
             equations=options.equations,
-            system=options.units,
+            system=options.unit or _SYSTEMS[0],
         )
     )
     yield check_foreign(body).report()

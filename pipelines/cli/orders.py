@@ -60,7 +60,11 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         help="orders whose amplitudes are shown over speed (default: the mesh orders)",
     )
     sub.add_argument(
-        "--revolutions", metavar="N", type=several, default=16, help="revolutions in a window, 2 or more (default 16)"
+        "--revolutions",
+        metavar="N",
+        type=several,
+        default=16,
+        help="revolutions in the window of a spectrum, 2 or more (default 16)",
     )
     sub.add_argument("--campbell", action="store_true", help="add a Campbell diagram: natural frequencies over speed")
     sub.add_argument("--out", metavar="FOLDER", type=path, help="folder for the pictures (default: the result folder)")

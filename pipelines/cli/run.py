@@ -35,22 +35,22 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--one-load",
         action="store_true",
-        help="for a hanging load: do not repeat the simulation with a constant torque as load",
+        help="simulate a hanging load on its rope only (default: also with its weight as a torque)",
     )
     sub.add_argument(
         "--seeds",
         metavar="N",
         type=count,
         default=0,
-        help="repeat the simulation with other gear deviations, seeds 1 to N, and without deviations (default: only "
-        "the seed of the scene)",
+        help="repeat the simulation with the deviations of seeds 1 to N, and without any (default: only the seed of "
+        "the scene)",
     )
     sub.add_argument(
         "--baseline",
         metavar="N",
         type=count,
         default=0,
-        help="compare the machine with N healthy ones, which have other gear deviations; p-values need 5 or more "
+        help="compare the machine with N healthy ones, which have other deviations; p-values need 5 or more "
         "(default 0)",
     )
 

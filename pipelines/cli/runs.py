@@ -64,7 +64,9 @@ sensor_3, m/s2 rms  1.227           1.538
     ),
     "clean": (
         "show which runs would be removed; with --yes remove them",
-        "Show which runs would be removed. With --yes, remove them with all their files.",
+        """\
+Show which runs would be removed. With --yes, remove them with all their files. A run is chosen if it meets all
+conditions given: it is named, older than --older-than, and not among the newest --keep of its scene.""",
         """\
 gearcase runs clean 5 --yes
 1 run removed, 5.6 MB freed""",
@@ -83,8 +85,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     compared.add_argument("runs", metavar="RUN", type=path, nargs="+", help=RUN_HELP)
     compared.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print the table as JSON")
     clean.add_argument("runs", metavar="RUN", type=path, nargs="*", help=RUN_HELP)
-    clean.add_argument("--older-than", metavar="DAYS", type=days, help="remove only runs older than this, days")
-    clean.add_argument("--keep", metavar="N", type=count, help="keep the newest N runs of each scene")
+    clean.add_argument("--older-than", metavar="DAYS", type=days, help="only runs older than this, days")
+    clean.add_argument("--keep", metavar="N", type=count, help="not the newest N runs of each scene")
     clean.add_argument("--yes", action="store_true", help="remove the runs (default: only list them)")
 
 

@@ -9,13 +9,14 @@ from pipelines.cli.command_line import scene_and_work, work_arguments
 from pipelines.io.argument_types import picture, seconds, share
 
 HELP = """\
-Measure time, memory and error of every model and main setting. The error is the deviation from the preset
-`reference`. Print a table, the least expensive choice within --error and the most accurate within --time; write a
-plot. Takes about a minute for the scene `minimal`, and about 5 minutes for the scenes `rig-...`."""
+Measure time, memory and error of the presets, of every model and main setting, and of combinations: mesh laws, casing
+and time step of different presets. The error is the deviation from the preset `reference`. Print a table, the least
+expensive choice within --error and the most accurate within --time; write a plot. Takes about a minute for the scene
+`minimal`, and about 5 minutes for the scenes `rig-...`."""
 EXAMPLE = """\
 gearcase tradeoff minimal --error 2%
 ...
-Within 2 % error of sensor rms, the least expensive choice is together: standard laws, 100 us (1.91 s, 0.36 %).
+Within 2 % error of sensor rms the least expensive is "combination: mesh law standard, step 100 us" (1.91 s, 0.36 %).
 ...
 plot: tradeoff-minimal.png"""
 

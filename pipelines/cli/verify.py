@@ -24,7 +24,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     """Which claims, over how many seeds."""
     sub.add_argument("what", metavar="WHAT", choices=("rig",), help="study to check: rig, the quay-crane hoist rig")
     sub.add_argument(
-        "--seeds", type=several, metavar="N", default=5, help="seeds of the gear deviations, 2 or more (default 5)"
+        "--seeds", type=several, metavar="N", default=5, help="seeds of the deviations, 2 or more (default 5)"
     )
     sub.add_argument(
         "--preset",

@@ -52,7 +52,7 @@ class Summary:
             f"  signals  {', '.join(one['name'] for one in layout['signals'])}; {seconds:g} s at {layout['rate']:g} Hz",
             f"  bytes    {self.bytes / 1e6:.1f} MB of signals",
             f"  labels   {words(self.labels)}",
-            f"  split    {words(self.splits)}; {self.groups} groups{self.kept_together()}",
+            f"  split    {words(self.splits)}; {self.kept_together()}",
             f"  design   {design_words(plan)}",
             *(f"  warnings {text}" for text in self.warnings or ("none",)),
         ]
@@ -62,8 +62,9 @@ class Summary:
         return "".join(f"{line}\n" for line in lines)
 
     def kept_together(self) -> str:
-        """Which runs are a group."""
-        return f" of equal {', '.join(self.groups_by)}" if self.groups_by else ""
+        """Which runs are a group, and how many groups there are."""
+        by = ", ".join(self.groups_by)
+        return f"{self.groups} groups of equal {by}" if by else "every run is a separate group"
 
 
 def summarised(folder: Path) -> Summary:

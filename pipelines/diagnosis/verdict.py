@@ -63,7 +63,7 @@ class Evidence:
 @dataclass(frozen=True, kw_only=True)
 class Finding:
     """A component with its evidence, what has the same orders, and the tooth of a gear that stands out most, None if
-    its place is not known. `damaged` is None where the evidence has no limit."""
+    its place is not known or the gear has no increase. `damaged` is None where the evidence has no limit."""
 
     component: str
     evidence: Evidence
@@ -288,7 +288,7 @@ def _findings(
             evidence=evidence,
             damaged=None if bound is None else evidence.deviation >= bound,
             alike=alike(component, kinematics),
-            tooth=table.tooth_of(component),
+            tooth=table.tooth_of(component) if evidence.increase > 0.0 else None,
         )
         strength = float(scaled[channel, number])
         if component not in best or strength > best[component][0]:

@@ -74,7 +74,7 @@ class Drivetrain:
     def sound_law_names(self) -> tuple[str, ...]:
         """Names of the steps that hold the laws of healthy, unmodified pairs, by stage."""
         pairs = zip(self.law_names, self.flanks, strict=True)
-        return tuple(name if added.empty else f"healthy_{name}" for name, added in pairs)
+        return tuple(name if added.empty else f"unmodified_{name}" for name, added in pairs)
 
     @property
     def facts(self) -> Facts:

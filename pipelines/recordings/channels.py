@@ -14,7 +14,10 @@ from pipelines.io.shown import shown
 LEAST_VALUES = 2  # fewer are a setting, not a signal
 _NAME = re.compile(r"(?P<name>.*?)\s*[\[(](?P<units>[^\[\]()]*)[\])]\s*")
 _EXPORTED = re.compile(r"acceleration (?P<sensor>\S+) (?P<axis>[xyz])")
-_RATES = ("fs", "rate", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency", "ratehz", "fshz")
+_RATES = (  # a "rate" alone may be the speed of a shaft
+    "fs", "fshz", "sr", "ratehz", "samplerate", "samplingrate", "samplefreq", "samplingfreq", "samplefrequency",
+    "samplingfrequency",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -22,8 +25,8 @@ class Channel:
     """One signal of a file.
 
     `read` gives the samples of a slice; `units` and `rate` (Hz) are as the file says them, "" and None where it does
-    not; `place` is the sensor and axis that the file names; `problem` is why its samples cannot be used, "" if they
-    can.
+    not; `place` is the sensor and axis that the file names; `stamps` says that it holds time stamps, as seconds;
+    `problem` is why its samples cannot be used, "" if they can.
     """
 
     name: str
@@ -33,6 +36,7 @@ class Channel:
     units: str = ""
     rate: float | None = None
     place: tuple[str, str] | None = None
+    stamps: bool = False
     problem: str = ""
 
     @property
@@ -103,8 +107,8 @@ def exported_place(name: str) -> tuple[str, str] | None:
 
 
 def says_rate(name: str) -> bool:
-    """Whether a setting of this name is the sampling rate."""
-    return re.sub(r"[^a-z]", "", name.lower()) in _RATES
+    """Whether a setting of this name is the sampling rate; the last part of a path counts."""
+    return re.sub(r"[^a-z]", "", name.lower().rpartition(".")[2]) in _RATES
 
 
 def distinct(names: list[str]) -> list[str]:

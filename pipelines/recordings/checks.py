@@ -16,7 +16,7 @@ _LEAST_LEVELS = 100  # in the first block: below, the resolution is too coarse t
 
 
 def checked_extremes(channel: Channel, source: str) -> tuple[float, float]:
-    """Lowest and highest value of a channel that holds enough real numbers, all finite, and changes.
+    """Lowest and highest value of a channel that holds enough real numbers, all finite; NaN if none is a number.
 
     Raises
     ------
@@ -40,16 +40,25 @@ def checked_extremes(channel: Channel, source: str) -> tuple[float, float]:
             first = start + int(bad[0]) + 1
         gaps += len(bad)
         low, high = min(low, float(np.min(values))), max(high, float(np.max(values)))
+    if gaps == channel.size:
+        return np.nan, np.nan
     if gaps:
         raise InputError(
             f"{where} has gaps: {gaps} of {channel.size} samples are NaN or infinite, the first is sample {first}. "
             "Fill the gaps, or cut the recording before them."
         )
-    if low == high:
-        raise InputError(
-            f"{where} is {low:g} throughout. Check the sensor, or delete it from sensors of the machine file."
-        )
     return low, high
+
+
+def is_silent(extremes: tuple[float, float]) -> bool:
+    """Whether all samples between these extremes are equal, or none is a number."""
+    return not extremes[0] < extremes[1]
+
+
+def whole_numbers(channel: Channel) -> bool:
+    """Whether the first block holds whole numbers only, as an analog-to-digital converter counts."""
+    _, start = next(channel.blocks())
+    return bool(np.all(start == np.round(start)))
 
 
 def clipped_share(channel: Channel, low: float, high: float) -> float:

@@ -1,7 +1,8 @@
-"""Text files of numbers in columns (CSV, TXT): read in blocks of lines, kept outside memory.
+"""Text files of numbers in columns (CSV, TXT, LVM): read in blocks of lines, kept outside memory.
 
 Separators are tabulator, semicolon, comma or blanks, the decimal mark is a point or, with any other separator than the
 comma, a comma. The first line of which all cells are numbers begins the data; names and units are sought above it.
+Where there is none, columns may hold time stamps (ISO 8601 date and time, or hh:mm:ss) or text, too.
 """
 
 from __future__ import annotations
@@ -9,10 +10,13 @@ from __future__ import annotations
 import codecs
 import csv
 import itertools
+import re
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from datetime import date
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -23,6 +27,9 @@ from pipelines.recordings.channels import Channel, Contents, distinct, exported_
 _LINES = 50_000  # read at once
 _HEAD = 100  # lines in which the data must begin
 _COUNTER = "sample"
+_STAMP = re.compile(r"(?:(\d{4}-\d\d-\d\d)[T ])?(\d\d?):(\d\d):(\d\d(?:[.,]\d+)?)(?:Z|[+-]\d\d:?\d\d)?")
+_REMARKS = ("#", "%")  # begin lines that are no data
+NUMBER, STAMP, TEXT = "number", "stamp", "text"  # what a column holds
 _DIALECTS = (("\t", "."), ("\t", ","), (";", "."), (";", ","), (",", "."), (None, "."), (None, ","))
 
 
@@ -31,7 +38,7 @@ class Layout:
     """How a file is written.
 
     `separator` is None for blanks; `ended` says that one stands at the end of each line, too; `first` is the number of
-    the first line of data, from 0.
+    the first line of data, from 0; `kinds` says what each column holds, `rate` (Hz) is that of the header, if any.
     """
 
     separator: str | None
@@ -40,23 +47,31 @@ class Layout:
     first: int
     names: tuple[str, ...]
     units: tuple[str, ...]
+    kinds: tuple[str, ...]
+    rate: float | None = None
 
 
-def open_channels(path: Path) -> Contents:
+def open_channels(path: Path, text: Path | None = None) -> Contents:
     """The channels of all columns.
+
+    Parameters
+    ----------
+    path : of the file
+    text : file with its content as text, if `path` is of another format
 
     Raises
     ------
     InputError : no numbers, a cell that is none, lines of different lengths, with the line
     """
-    encoding = _encoding(path)
-    with path.open(encoding=encoding, errors="replace", newline=None) as file:
+    text = text or path
+    encoding = _encoding(text)
+    with text.open(encoding=encoding, errors="replace", newline=None) as file:
         head = [line.rstrip("\n") for line in itertools.islice(file, _HEAD)]
     layout = _layout(head, path)
     columns = len(layout.names)
     scratch = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the contents
     try:
-        for block in _blocks(path, encoding, layout):
+        for block in _blocks(path, text, encoding, layout):
             scratch.write(block.tobytes())
         scratch.flush()
         values = np.memmap(scratch, dtype=float, mode="r").reshape(-1, columns)
@@ -67,9 +82,13 @@ def open_channels(path: Path) -> Contents:
 
 
 def _channels(values: np.ndarray, layout: Layout) -> Iterator[Channel]:
-    for column, (name, units) in enumerate(zip(layout.names, layout.units, strict=True)):
+    for column, (name, units, kind) in enumerate(zip(layout.names, layout.units, layout.kinds, strict=True)):
         label = name or (_guessed(values[:1000, column]) if column == 0 else "") or f"channel {column + 1}"
-        yield of_array(label, values[:, column], units=units, place=exported_place(label))
+        if kind == TEXT:
+            yield of_array(label, np.zeros(len(values), "U1"))
+        else:
+            facts = {"units": "s", "stamps": True} if kind == STAMP else {"units": units, "rate": layout.rate}
+            yield of_array(label, values[:, column], place=exported_place(label), **facts)
 
 
 def _guessed(start: np.ndarray) -> str:
@@ -82,14 +101,19 @@ def _guessed(start: np.ndarray) -> str:
     return "time" if np.ptp(steps) <= 0.5 * steps.mean() else ""
 
 
-def _blocks(path: Path, encoding: str, layout: Layout) -> Iterator[np.ndarray]:
-    """The numbers (lines, columns), block by block."""
-    with path.open(encoding=encoding, errors="replace", newline=None) as file:
-        numbered = ((number, line) for number, line in enumerate(file, 1) if number > layout.first and line.strip())
+def _blocks(path: Path, text: Path, encoding: str, layout: Layout) -> Iterator[np.ndarray]:
+    """The numbers (lines, columns), block by block: seconds of time stamps, NaN of text."""
+    read: dict[str, Callable[[str], float]] = {STAMP: _seconds(), TEXT: lambda _: float("nan")}
+    found = ((column, kind) for column, kind in enumerate(layout.kinds) if kind != NUMBER)
+    converters: dict[int | str, Callable[[str], Any]] = {column: read[kind] for column, kind in found}
+    with text.open(encoding=encoding, errors="replace", newline=None) as file:
+        numbered = _data_lines(file, layout)
         while block := list(itertools.islice(numbered, _LINES)):
             lines = [_plain(line, layout) for _, line in block]
             try:
-                values = np.loadtxt(lines, delimiter=layout.separator, ndmin=2, comments=None, quotechar='"')
+                values = np.loadtxt(
+                    lines, delimiter=layout.separator, ndmin=2, comments=None, quotechar='"', converters=converters
+                )
             except ValueError as error:
                 raise _damaged(path, block, layout) or InputError(f"{shown(path)}: {error}.") from error
             if values.shape[1] != len(layout.names):
@@ -97,6 +121,35 @@ def _blocks(path: Path, encoding: str, layout: Layout) -> Iterator[np.ndarray]:
                     f"{shown(path)}: the number of columns changes. Give each line the same number."
                 )
             yield values
+
+
+def _data_lines(file: Iterable[str], layout: Layout) -> Iterator[tuple[int, str]]:
+    """Numbers (from 1) and lines of data, without remarks: those at the end have no number in them."""
+    held: list[tuple[int, str]] = []
+    for number, line in enumerate(file, 1):
+        if number <= layout.first or not line.strip() or line.startswith(_REMARKS):
+            continue
+        held.append((number, line))
+        if re.search(r"\d", line) or any(_is_number(cell, ".") for cell in _cells(line, layout.separator)):
+            yield from held
+            held.clear()
+
+
+def _seconds() -> Callable[[str], float]:
+    """What turns time stamps into seconds since the midnight before the first one."""
+    first: list[int] = []
+
+    def seconds(cell: str) -> float:
+        found = _STAMP.fullmatch(cell.strip())
+        if found is None:
+            raise ValueError(f"{cell} is no time stamp")
+        day = date.fromisoformat(found[1]).toordinal() if found[1] else 0
+        if not first:
+            first.append(day)
+        minutes = 60 * int(found[2]) + int(found[3])
+        return 86400.0 * (day - first[0]) + 60.0 * minutes + float(found[4].replace(",", "."))
+
+    return seconds
 
 
 def _plain(line: str, layout: Layout) -> str:
@@ -117,9 +170,10 @@ def _damaged(path: Path, block: list[tuple[int, str]], layout: Layout) -> InputE
                 f"{shown(path)}: line {number} has {len(cells)} cells, the first line of data {len(layout.names)}."
                 f"{ends} Correct or delete that line."
             )
-        for cell, name in zip(cells, layout.names, strict=True):
-            if not _is_number(cell, "."):
-                what = f'"{shown(cell.strip(), 40)}" is not a number' if cell.strip() else "the cell is empty"
+        for cell, name, kind in zip(cells, layout.names, layout.kinds, strict=True):
+            if kind != TEXT and _kind_of(cell, ".") != kind:
+                wanted = "a number" if kind == NUMBER else "a time stamp"
+                what = f'"{shown(cell.strip(), 40)}" is not {wanted}' if cell.strip() else "the cell is empty"
                 column = f", column {shown(name, 40)}" if name else ""
                 remedy = "Correct the cell; a deleted line would leave a gap in time."
                 return InputError(f"{shown(path)}: line {number}{column}: {what}. {remedy}")
@@ -127,16 +181,23 @@ def _damaged(path: Path, block: list[tuple[int, str]], layout: Layout) -> InputE
 
 
 def _layout(head: list[str], path: Path) -> Layout:
-    """The first way of writing in which a line is all numbers and the line below it has as many cells."""
-    for separator, decimal in _DIALECTS:
+    """The first way of writing in which a line is all numbers and the line below it has as many cells.
+
+    Without one, that in which all lines to the end of the head have numbers, time stamps and text in the same columns.
+    """
+    for mixed, (separator, decimal) in itertools.product((False, True), _DIALECTS):
         rows = [_cells(line, separator) for line in head]
         for number, (line, row) in enumerate(zip(head, rows, strict=True)):
-            if separator in ("\t", ";") and separator not in line:
+            if ("\t" in line) if separator is None else (separator != "," and separator not in line):
                 continue
-            cells = _trimmed(row)
-            below = next((other for other in rows[number + 1 :] if other), row)
-            if cells and len(row) == len(below) and all(_is_number(cell, decimal) for cell in cells):
-                if found := _titled(head, number, row, separator, decimal):
+            kinds = _kinds(row, decimal)
+            below = [other for other in rows[number + 1 :] if other]
+            if mixed:
+                same = bool(below) and all(_kinds(other, decimal) == kinds for other in below)
+            else:
+                same = len(row) == len(below[0] if below else row)
+            if kinds and same and (NUMBER in kinds if mixed else set(kinds) == {NUMBER}):
+                if found := _titled(head, number, row, separator, decimal, kinds):
                     return found
                 break
     if not any(line.strip() for line in head):
@@ -147,20 +208,31 @@ def _layout(head: list[str], path: Path) -> Layout:
     )
 
 
-def _titled(head: list[str], first: int, row: list[str], separator: str | None, decimal: str) -> Layout | None:
-    """The layout with the titles above the first row; None if a single title says that "0,5" is one number."""
-    count = len(_trimmed(row))
+def _titled(
+    head: list[str], first: int, row: list[str], separator: str | None, decimal: str, kinds: tuple[str, ...]
+) -> Layout | None:
+    """The layout with the titles above the first row; None if a single title says that "0,5" is one number.
+
+    A title more than there are columns is that of remarks at the ends of lines, as LabVIEW writes them.
+    """
+    count = len(kinds)
     titles = [_trimmed(_cells(line, separator)) for line in head[:first]]
-    above = [[cell.strip() for cell in cells] for cells in titles[-2:] if len(cells) == count]
+    above = [[cell.strip() for cell in cells[:count]] for cells in titles[-2:] if len(cells) in (count, count + 1)]
     if separator == "," and first and len(titles[-1]) == 1 and count == 2:
         return None
-    if len(above) == 2 and len(titles[-1]) == count:
+    last = bool(titles) and len(titles[-1]) in (count, count + 1)
+    if len(above) == 2 and last:
         names, units = above  # a line of names, a line of units
         pairs = [(name_and_units(name)[0], unit.strip("[]() ")) for name, unit in zip(names, units, strict=True)]
-    elif above and len(titles[-1]) == count:
+    elif above and last:
         pairs = [name_and_units(name) for name in above[-1]]
     else:
         pairs = [("", "")] * count
+    settings = {cells[0]: cells[1:] for cells in titles if cells}
+    labels = settings.get("Y_Unit_Label", [])
+    if labels and len(labels) < count:
+        pairs = [*pairs[:1], *((name, label) for (name, _), label in zip(pairs[1:], labels, strict=False))]
+    step = (settings.get("Delta_X") or ["0"])[0].replace(",", ".")
     named = iter(distinct([name for name, _ in pairs if name]))
     return Layout(
         separator=separator,
@@ -169,7 +241,17 @@ def _titled(head: list[str], first: int, row: list[str], separator: str | None, 
         first=first,
         names=tuple(next(named) if name else "" for name, _ in pairs),
         units=tuple(unit for _, unit in pairs),
+        kinds=kinds,
+        rate=1.0 / float(step) if _is_number(step, ".") and float(step) > 0.0 else None,
     )
+
+
+def _kinds(row: list[str], decimal: str) -> tuple[str, ...]:
+    return tuple(_kind_of(cell, decimal) for cell in _trimmed(row))
+
+
+def _kind_of(cell: str, decimal: str) -> str:
+    return NUMBER if _is_number(cell, decimal) else STAMP if _STAMP.fullmatch(cell.strip()) else TEXT
 
 
 def _cells(line: str, separator: str | None) -> list[str]:

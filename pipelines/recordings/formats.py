@@ -39,7 +39,7 @@ class Format:
         return int(getattr(import_module(self.reader), self.measures)(path)) if self.measures else 0
 
 
-_TEXT, _ROOM = (".csv", ".txt", ".tsv", ".dat", ".asc"), "pipelines.recordings."
+_TEXT, _ROOM = (".csv", ".txt", ".tsv", ".dat", ".asc", ".lvm"), "pipelines.recordings."
 _NUMPY = _ROOM + "numpy_files"
 FORMATS = (
     Format(name="text", endings=_TEXT, reader=_ROOM + "delimited"),
@@ -49,6 +49,7 @@ FORMATS = (
     Format(name="NPY", endings=(".npy",), reader=_NUMPY, opens="open_npy"),
     Format(name="NPZ", endings=(".npz",), reader=_NUMPY, opens="open_npz", measures="npz_memory"),
     Format(name="WAV", endings=(".wav",), reader=_ROOM + "wav", measures="memory"),
+    Format(name="Excel", endings=(".xlsx",), reader=_ROOM + "excel"),
     Format(name="TDMS", endings=(".tdms",), reader=_ROOM + "tdms", measures="memory"),
 )
 BY_ENDING: Mapping[str, Format] = {ending: one for one in FORMATS for ending in one.endings}

@@ -20,8 +20,8 @@ _TEXT_CLASSES = ("char", "logical")  # of MATLAB, stored as numbers
 def open_channels(path: Path) -> Contents:
     """The channels of all datasets, named by their paths.
 
-    Attributes `units` and `fs`, `rate` or the like of a dataset are obeyed, as is a dataset or an attribute of the file
-    that holds the rate.
+    Attributes `units` and `fs`, `sample_rate` or the like of a dataset are obeyed, as is a dataset or an attribute of
+    the file that holds the rate.
 
     Raises
     ------
@@ -67,7 +67,7 @@ def _channels(file: Any) -> Iterator[Channel]:
     file.visititems(take)
     setting = _rate(file.attrs)
     for name, item in datasets.items():
-        if item.size == 1 and item.dtype.kind in "iuf" and says_rate(name.rpartition(".")[2]):
+        if item.size == 1 and item.dtype.kind in "iuf" and says_rate(name):
             setting = float(np.ravel(item[()])[0])
     for name, item in datasets.items():
         rate = _rate(item.attrs) or setting

@@ -54,6 +54,15 @@ def _sensors(value: Any) -> dict[str, dict[str, ChannelName]]:
     return found
 
 
+def _by_sensor(value: Any) -> dict[str, float]:
+    """A positive number for all sensors, under the name "", or one for each."""
+    numbers = value if isinstance(value, dict) else {"": value}
+    plain = all(type(one) in (int, float) and 0.0 < one < float("inf") for one in numbers.values())
+    if not numbers or not plain:
+        raise ValueError("must be a positive number, or a table of sensors and positive numbers")
+    return {name: float(one) for name, one in numbers.items()}
+
+
 Channel = Annotated[ChannelName, PlainValidator(_channel)]
 Teeth = Annotated[Integer, Field(ge=3, le=10_000)]
 ShaftNumber = Annotated[Integer, Field(ge=1, le=100)]
@@ -132,9 +141,19 @@ class MachineTable(Table):
         str | None, Field(description="units of the signals; without it: those of the recording, or m/s2")
     ] = None
     sensitivity_mV_g: Annotated[
-        Positive | None, Field(description="sensitivity of the sensors, for a recording in volts")
-    ] = None
-    full_scale: Annotated[Positive, Field(description="full scale of a WAV file, in units")] = 1.0
+        dict[str, float],
+        PlainValidator(_by_sensor),
+        Field(default={}, description="sensitivity of all sensors, or by sensor, for a recording in volts"),
+    ]
+    scale: Annotated[
+        dict[str, float],
+        PlainValidator(_by_sensor),
+        Field(
+            default={},
+            description="factor from the numbers in the file to units, of all sensors or by sensor: full scale of a "
+            "WAV file, units per count; without it: 1",
+        ),
+    ]
     sensors: Annotated[
         dict[str, dict[str, ChannelName]],
         PlainValidator(_sensors),
@@ -159,10 +178,13 @@ class MachineTable(Table):
             yield "speed_rpm is missing. Set the speed of the first shaft, or a tachometer"
 
     def _signals(self) -> Iterator[str]:
+        for key, by_sensor in (("scale", self.scale), ("sensitivity_mV_g", self.sensitivity_mV_g)):
+            if self.sensors and (unknown := sorted(by_sensor.keys() - {"", *self.sensors})):
+                yield f"{key}: there is no sensor {unknown[0]}. Correct the name, or add it to sensors"
         known = (*ACCELERATIONS, *VOLTAGES)
         if self.units is None:
             return
         if plain_units(self.units) not in known:
             yield f'units = "{self.units}": must be one of {", ".join(known)}. Correct it'
-        elif plain_units(self.units) in VOLTAGES and self.sensitivity_mV_g is None:
+        elif plain_units(self.units) in VOLTAGES and not self.sensitivity_mV_g:
             yield "sensitivity_mV_g is missing. Set it for signals in volts, for example to 100"

@@ -26,7 +26,7 @@ def npz_memory(path: Path) -> int:
 
 
 def open_npz(path: Path) -> Contents:
-    """The channels of all its arrays; one number that is called fs, rate or the like is the sampling rate."""
+    """The channels of all its arrays; one number that is called fs, sample_rate or the like is the sampling rate."""
     with np.load(path, allow_pickle=False) as archive:
         arrays = {name: archive[name] for name in archive.files}
     return Contents(channels=named_arrays(arrays))

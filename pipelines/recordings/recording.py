@@ -19,7 +19,7 @@ from xarray.core import indexing
 from pipelines.io.errors import InputError
 from pipelines.io.shown import nearest_name, shown
 from pipelines.recordings.channels import Channel, Contents
-from pipelines.recordings.checks import checked_extremes, clipped_share
+from pipelines.recordings.checks import checked_extremes, clipped_share, is_silent, whole_numbers
 from pipelines.recordings.formats import damage_refused, format_of, memory_needed, open_channels
 from pipelines.recordings.hdf5 import holds_recording
 from pipelines.recordings.machine import Machine, shaft_name
@@ -30,7 +30,7 @@ from pipelines.signals.motion_warnings import ATTRIBUTE
 from pipelines.signals.response_file import has_checksum, open_response
 
 _LOG = logging.getLogger(__name__)
-_COUNTERS = ("sample", "index")
+_COUNTERS = ("sample", "index", "piece")
 _WORTH_A_LINE = 1e6  # bytes
 
 
@@ -78,17 +78,21 @@ def _recording(contents: Contents, machine: Machine, path: Path, form: str) -> x
     used = [*signals, *([] if pulses is None else [pulses])]
     _check_lengths([*used, *([] if clock is None else [clock])], source)
     extremes = {channel.name: checked_extremes(channel, source) for channel in used}
+    places, silent = _without_silent(places, extremes, [*([] if pulses is None else [pulses])], machine, source)
     rate, start = sampling(used, clock, table.rate_Hz, source)
-    units = {channel.name: plain_units(table.units or channel.units) or "m/s2" for channel in signals}
-    full = table.full_scale if form == "WAV" else 1.0
-    scales = {channel.name: full * _to_si(channel, units[channel.name], machine, source) for channel in signals}
+    scales = {
+        (sensor, axis): _to_si(channel, sensor, machine, source)
+        for sensor, given in places.items()
+        for axis, channel in given.items()
+    }
     axes = [axis for axis in AXES if any(axis in given for given in places.values())]
     placed = [[given.get(axis) for axis in axes] for given in places.values()]
-    variables = {"acceleration": _variable(("sensor", "axis"), placed, scales, {"units": "m/s2"})}
+    factors = [[scales.get((sensor, axis), 1.0) for axis in axes] for sensor in places]
+    variables = {"acceleration": _variable(("sensor", "axis"), placed, factors, {"units": "m/s2"})}
     if pulses is not None and tachometer is not None:
         marks = {"pulses_per_turn": tachometer.pulses_per_turn, "shaft": shaft_name(tachometer.shaft)}
         marks |= {} if tachometer.level is None else {"level": tachometer.level}
-        variables["tachometer"] = _variable((), pulses, {pulses.name: 1.0}, marks | {"units": pulses.units})
+        variables["tachometer"] = _variable((), pulses, 1.0, marks | {"units": pulses.units})
     found = xarray.Dataset(
         variables,
         coords={
@@ -99,7 +103,7 @@ def _recording(contents: Contents, machine: Machine, path: Path, form: str) -> x
         attrs={
             "source": path.name,
             "format": form,
-            ATTRIBUTE: json.dumps(dict(_warnings(places, extremes, units, scales))),
+            ATTRIBUTE: json.dumps(silent | dict(_warnings(places, extremes, machine, scales))),
         },
     )
     found.set_close(contents.close)
@@ -107,21 +111,22 @@ def _recording(contents: Contents, machine: Machine, path: Path, form: str) -> x
 
 
 def _variable(
-    dims: tuple[str, ...], table: object, scales: Mapping[str, float], attributes: Mapping[str, object]
+    dims: tuple[str, ...], table: object, factors: object, attributes: Mapping[str, object]
 ) -> xarray.Variable:
-    """A variable over time and `dims` of channels in a nested list, times their scales."""
+    """A variable over time and `dims` of channels in a nested list, times their factors."""
     channels = np.empty(np.shape(np.array(table, dtype=object)), dtype=object)
     channels[...] = table
-    return xarray.Variable(("time", *dims), indexing.LazilyIndexedArray(_View(channels, scales)), dict(attributes))
+    view = _View(channels, np.array(factors, float))
+    return xarray.Variable(("time", *dims), indexing.LazilyIndexedArray(view), dict(attributes))
 
 
 class _View(BackendArray):
     """Channels as an array (time, ...) that is read when it is looked at; NaN where there is no channel."""
 
-    def __init__(self, channels: np.ndarray, scales: Mapping[str, float]) -> None:
-        self._channels, self._scales = channels, scales
+    def __init__(self, channels: np.ndarray, factors: np.ndarray) -> None:
+        self._channels, self._factors = channels, factors
         given = [channel for channel in channels.flat if channel is not None]
-        single = all(channel.dtype == np.float32 and scales[channel.name] == 1.0 for channel in given)
+        single = all(channel.dtype == np.float32 for channel in given) and bool((factors == 1.0).all())
         self.shape, self.dtype = (given[0].size, *channels.shape), np.dtype(np.float32 if single else np.float64)
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> np.ndarray:
@@ -130,12 +135,12 @@ class _View(BackendArray):
     def _read(self, key: tuple[int | slice, ...]) -> np.ndarray:
         instants, places = key[0], key[1:]
         part = slice(instants, instants + 1) if isinstance(instants, int | np.integer) else instants
-        chosen = np.asarray(self._channels[places], dtype=object)
+        chosen, factors = np.asarray(self._channels[places], dtype=object), np.asarray(self._factors[places])
         count = len(range(*part.indices(self.shape[0])))
         values = np.full((count, *chosen.shape), np.nan, self.dtype)
         for place, channel in np.ndenumerate(chosen):
             if channel is not None:
-                values[(slice(None), *place)] = channel.read(part) * self.dtype.type(self._scales[channel.name])
+                values[(slice(None), *place)] = channel.read(part) * self.dtype.type(factors[place])
         return values[0] if part is not instants else values
 
 
@@ -206,6 +211,49 @@ def _places(
     return places
 
 
+def _without_silent(
+    places: dict[str, dict[str, Channel]],
+    extremes: Mapping[str, tuple[float, float]],
+    needed: Sequence[Channel],
+    machine: Machine,
+    source: str,
+) -> tuple[dict[str, dict[str, Channel]], dict[str, str]]:
+    """The places without channels that do not change, and a warning of each by its kind.
+
+    Raises
+    ------
+    InputError : such a channel is needed, the machine names it, or there is no other
+    """
+    left = {
+        sensor: kept
+        for sensor, axes in places.items()
+        if (kept := {axis: channel for axis, channel in axes.items() if not is_silent(extremes[channel.name])})
+    }
+    silent = {
+        channel.name: f"{sensor} {axis}"
+        for sensor, axes in places.items()
+        for axis, channel in axes.items()
+        if is_silent(extremes[channel.name])
+    }
+    fixed = [channel.name for channel in needed if is_silent(extremes[channel.name])]
+    if fixed or (silent and (machine.table.sensors or not left)):
+        name = [*fixed, *silent][0]
+        raise InputError(
+            f'{source}: "{shown(name, 60)}" {_silence(extremes[name])}. Check the sensor, or delete it from sensors of '
+            "the machine file."
+        )
+    warned = {
+        f"silent {place}": f"{shown(place)} {_silence(extremes[name])} and is not used. Check the sensor, or set "
+        "sensors in the machine file."
+        for name, place in silent.items()
+    }
+    return left, warned
+
+
+def _silence(extremes: tuple[float, float]) -> str:
+    return "holds no number" if np.isnan(extremes[0]) else f"is {extremes[0]:g} throughout"
+
+
 def _check_lengths(channels: Sequence[Channel], source: str) -> None:
     if len({channel.size for channel in channels}) > 1:
         lengths = ", ".join(f"{shown(channel.name, 60)} {channel.size}" for channel in channels[:10])
@@ -215,43 +263,61 @@ def _check_lengths(channels: Sequence[Channel], source: str) -> None:
         )
 
 
-def _to_si(channel: Channel, units: str, machine: Machine, source: str) -> float:
-    """Factor from the units of a channel to m/s2."""
+def _units(channel: Channel, machine: Machine) -> str:
+    """Those of the machine, else those of the file, else m/s2."""
+    return plain_units(machine.table.units or channel.units) or "m/s2"
+
+
+def _to_si(channel: Channel, sensor: str, machine: Machine, source: str) -> float:
+    """Factor from the numbers of a channel to m/s2."""
+    units, table = _units(channel, machine), machine.table
+    scale = _of_sensor(table.scale, sensor) or 1.0
     if units in ACCELERATIONS:
-        return ACCELERATIONS[units]
+        return scale * ACCELERATIONS[units]
     where = f'{source}: "{shown(channel.name, 60)}" is in {shown(units, 40)}'
     if units not in VOLTAGES:
         raise InputError(
             f"{where}, allowed are {', '.join((*ACCELERATIONS, *VOLTAGES))}. Set units in the machine file, or another "
             "channel in sensors."
         )
-    if machine.table.sensitivity_mV_g is None:
+    sensitivity = _of_sensor(table.sensitivity_mV_g, sensor)
+    if sensitivity is None:
         raise InputError(f"{where}. Set sensitivity_mV_g of the sensors in the machine file.")
-    return VOLTAGES[units] / (machine.table.sensitivity_mV_g / 1000) * GRAVITY
+    return scale * VOLTAGES[units] / (sensitivity / 1000) * GRAVITY
+
+
+def _of_sensor(numbers: Mapping[str, float], sensor: str) -> float | None:
+    """That of a sensor, else that of all; None where there is none."""
+    return numbers.get(sensor, numbers.get(""))
 
 
 def _warnings(
     places: Mapping[str, Mapping[str, Channel]],
     extremes: Mapping[str, tuple[float, float]],
-    units: Mapping[str, str],
-    scales: Mapping[str, float],
+    machine: Machine,
+    scales: Mapping[tuple[str, str], float],
 ) -> Iterator[tuple[str, str]]:
     """Sentences on what is suspicious, by kind."""
+    table = machine.table
     for sensor, axes in places.items():
         for axis, channel in axes.items():
-            low, high = extremes[channel.name]
+            place, (low, high), factor = f"{shown(sensor)} {axis}", extremes[channel.name], scales[sensor, axis]
             if share := clipped_share(channel, low, high):
                 yield (
                     f"clipped {sensor} {axis}",
-                    f"{shown(sensor)} {axis} is clipped: {share:.2%} of its samples lie at its extreme values, "
-                    f"{low * scales[channel.name]:.4g} and {high * scales[channel.name]:.4g} m/s2. Reduce the gain and "
-                    "record it again.",
+                    f"{place} is clipped: {share:.2%} of its samples lie at its extreme values, {low * factor:.4g} and "
+                    f"{high * factor:.4g} m/s2. Reduce the gain and record it again.",
                 )
             in_file = plain_units(channel.units)
-            if in_file and in_file != units[channel.name]:
+            if in_file and in_file != _units(channel, machine):
                 yield (
                     f"units {sensor} {axis}",
-                    f"{shown(sensor)} {axis} is read in {units[channel.name]} as the machine file gives it; the "
-                    "recording "
-                    f"gives {shown(in_file, 40)}. Correct units if this is wrong.",
+                    f"{place} is read in {_units(channel, machine)} as the machine file gives it; the recording gives "
+                    f"{shown(in_file, 40)}. Correct units if this is wrong.",
+                )
+            if not (in_file or table.units or table.scale) and whole_numbers(channel):
+                yield (
+                    f"counts {sensor} {axis}",
+                    f"{place} holds whole numbers without units, which are read as m/s2. If they are counts of a "
+                    "converter, set units, and scale to the units per count, in the machine file.",
                 )

@@ -19,8 +19,8 @@ _DIGITS = 12
 
 
 def is_time(channel: Channel) -> bool:
-    """Whether a channel is the time by its name; the last part of a path counts."""
-    return channel.name.lower().replace(" ", "_").rpartition(".")[2] in NAMES and channel.is_numeric
+    """Whether a channel holds time stamps, or is the time by its name; the last part of a path counts."""
+    return channel.stamps or (channel.name.lower().replace(" ", "_").rpartition(".")[2] in NAMES and channel.is_numeric)
 
 
 def sampling(signals: Sequence[Channel], clock: Channel | None, rate: float | None, source: str) -> tuple[float, float]:

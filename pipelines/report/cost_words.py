@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 _STARTS = {  # start of the name of a step -> what it computes; the rest of the name follows
-    "healthy_law_": "mesh law without faults and modifications, stage ",
+    "unmodified_law_": "mesh law without faults and modifications, stage ",
     "law_": "mesh law, stage ",
     "crack surface of ": "flexibility of a cracked tooth, ",
     "trial casing": "coarse casing, from which the element size follows",
@@ -38,7 +38,7 @@ _COUNTS = {
     "coordinates": "coordinates of the machine, sum over all motions",
     "rope_coordinates": "coordinates of ropes, sum over all motions",
     "time_steps": "time steps, sum over all motions",
-    "channels": "recorded channels, sum over all motions",
+    "channels": "recorded signals, sum over all motions",
 }
 
 
@@ -52,9 +52,7 @@ def step_words(name: str) -> str:
     if not words:
         return ""
     words += ["constant torque as load"] * bool(torque)
-    words += [
-        "no tooth deviations" if one == "error-free" else f"deviations of {one}" for one in (deviations, seed) if one
-    ]
+    words += ["no deviations" if one == "error-free" else f"deviations of {one}" for one in (deviations, seed) if one]
     words += ["without faults"] * bool(healthy)
     return ("signal features of the " if features else "") + ", ".join(words)
 

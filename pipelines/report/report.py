@@ -35,8 +35,10 @@ CASING = (
 ENERGY = (
     "Energies over the whole simulation, in joule. Stored: change of the stored energy. Parametric: work of "
     "springs whose stiffness changes in time. Residual: received plus parametric minus dissipated minus stored; 0 "
-    "except for numerical errors. Scale: the energy with which the residual is compared. The total includes the "
-    "rotation of the shafts."
+    "except for numerical errors. Scale: what to compare the residual with. For a part it is the dissipated energy, or "
+    "the largest stored energy if it has almost no damping; for the total, the work of all sources, each counted as "
+    "positive. The part drive is the motor couplings; the work of the motors and the rotation of the shafts are in the "
+    "total only."
 )
 
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 IN_MESH = 1.0  # pitches to either side of the pitch point, about what a tooth is in mesh
 CONTROL = (
-    "Compared with the control: the same machine with the same tooth deviations, but without the fault. Except for the "
+    "Compared with the control: the same machine with the same deviations, but without the fault. Except for "
     "sensor noise, every difference comes from the fault. A single control gives no rate of false alarms."
 )
 
@@ -184,7 +184,8 @@ def _average(
     across = f"teeth of the {gear.name}"
     caption = (
         f"Time-synchronous average of the acceleration at {_channel(plant.looked_for)} over {turns} revolutions of "
-        f"{gear.shaft.replace('_', ' ')} in the window {window}. The mesh orders are removed (residual signal)."
+        f"{gear.shaft.replace('_', ' ')} from its zero angle in the window {window}. The mesh "
+        "orders are removed (residual signal)."
     )
     if reference is not None:
         caption += " Below: this run minus the healthy run, the effect of the fault alone."

@@ -29,6 +29,8 @@ from pipelines.signals.lines import LOADS
 if TYPE_CHECKING:
     import xarray
 
+    from pipelines.signals.spectrum import Segment
+
     Runs = Mapping[str, xarray.Dataset]
     Windows = Mapping[str, tuple[float, float]]
 
@@ -90,11 +92,16 @@ def _compared_spectra(diagnoses: Sequence[Diagnosis]) -> list[str]:
             segment = diagnosis.segments[window]
             caption = (
                 f"{_named(diagnosis, window)}: one-sided peak amplitudes over {segment.revolutions} revolutions of the "
-                f"shaft of the damaged gear ({segment.duration:.4g} s), {_window_name(diagnosis.settings)}, "
+                f"shaft of the damaged gear ({_length(segment)}), {_window_name(diagnosis.settings)}, "
                 f"sensor noise {diagnosis.noise:.3g} m/s² rms."
             )
             parts.append(page.picture(spectrum_figure(diagnosis, window), caption, "static"))
     return parts
+
+
+def _length(segment: Segment) -> str:
+    """That of a spectrum, with the reason why it may have fewer revolutions than an average."""
+    return f"{segment.duration:.4g} s{'' if segment.resampled else ', a whole number of samples'}"
 
 
 def _own_spectra(analysis: Analysis, settings: DiagnosisSettings) -> list[str]:
@@ -105,7 +112,7 @@ def _own_spectra(analysis: Analysis, settings: DiagnosisSettings) -> list[str]:
         segment = analysis.segments[window]
         caption = (
             f"{window.capitalize()}: one-sided peak amplitudes over {segment.revolutions} revolutions of the shaft "
-            f"with f_r ({segment.duration:.4g} s), {_window_name(settings)}, with sensor noise."
+            f"with f_r ({_length(segment)}), {_window_name(settings)}, with sensor noise."
         )
         parts.append(page.picture(single_spectrum_figure(spectrum, settings, title), caption, "static"))
     return parts

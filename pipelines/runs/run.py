@@ -167,7 +167,7 @@ class _Files:
         loaded, study, results = self._loaded, self._study, self._results
         log_warnings(results[name].load() for name in study.motions)
         if "casing" in results:
-            from pipelines.runs.single_results import misread_sensors
+            from pipelines.steps.casing import misread_sensors
 
             positions = {sensor.name: sensor.position for sensor in study.plant.sensors}
             for words in misread_sensors(results["casing"].load(), positions):

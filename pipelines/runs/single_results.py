@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from pipelines.scene.file import LoadedScene
     from pipelines.steps.pair_curves import PairLaws
 
-_SENSOR_OFF = 0.005  # m: how far from its position a sensor may measure without a warning
 _MODES_SHOWN = 20
 STATIC_BAND = 1000.0  # Hz, to which a casing without a band of its own is compared and exported
 
@@ -201,25 +200,6 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
         records=tuple(record for record in outcome.records if "casing" in record.name),
         band=band,
     )
-
-
-def misread_sensors(body: ReducedBody, positions: Mapping[str, tuple[float, float, float]]) -> Iterator[str]:
-    """Sensors of a casing that measure elsewhere than stated in the scene (`positions` in m), or not along all axes."""
-    import numpy as np
-
-    places = dict(zip(body.point_names, body.point_positions, strict=True))
-    moving = dict(zip(body.row_names, np.abs(body.rows).max(axis=1, initial=0.0) > 0.0, strict=True))
-    for name, position in positions.items():
-        if name in places and (distance := float(np.linalg.norm(places[name] - np.array(position)))) > _SENSOR_OFF:
-            yield (
-                f"{name} measures at the nearest point of the casing, {1000 * distance:.3g} mm from its position_mm. "
-                "Correct the position, or, for matrices of another program, add a node there"
-            )
-        if still := [axis for axis in "xyz" if not moving.get(f"{name}:u{axis}", True)]:
-            yield (
-                f"{name} reads 0 along {' and '.join(still)}: its node has no equation for them. Add these equations "
-                "to the matrices; for an export of gearcase set a casing-force of 0 N along x, y and z"
-            )
 
 
 def build_machine_modes(

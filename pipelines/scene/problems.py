@@ -26,7 +26,7 @@ UNITS = {  # by the suffix of a key, longer suffixes first
 }  # fmt: skip
 _OTHER_UNITS = ("mpa", "ms", "khz", "kn", "nm", "percent")  # which users append to keys
 
-RENAMED = {"casing.coupling": "attachment"}  # keys of earlier versions
+RENAMED = {"casing.coupling": "attachment", "full_scale": "scale"}  # keys of earlier versions
 _TORQUE = "The load gives the torque of a stage: set it in [load], or use --torque of gearcase gears."
 _ELSEWHERE = {  # what is often written as a key of a table that has none, by table and key
     ("", "preset"): "Use the option --preset.",

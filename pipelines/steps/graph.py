@@ -1,6 +1,6 @@
 """The steps of a plant: which part of it each one reads, and what it takes.
 
-    healthy_law_i, crack surface -> law_i     one per gear pair; equal pairs share one; law_i alone where the flanks are
+    unmodified_law_i, crack surface -> law_i   one per gear pair; equal pairs share one; law_i alone where flanks are
                                             neither modified nor damaged (a missing tooth is no damage here)
     casing mesh -> casing modes -> casing   as the model of the casing plans them, see `fem.casing.models.stage`
     simulate                                a missing tooth, deviations, drive and load enter here

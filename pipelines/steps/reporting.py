@@ -17,6 +17,7 @@ from pipelines.engine.step import Unkept
 from pipelines.machine.looked_for import pass_rates, shaft_lines
 from pipelines.machine.plant import Plant
 from pipelines.signals.motion_warnings import gathered, told
+from pipelines.steps.casing import misread_sensors
 from pipelines.steps.diagnosing import DiagnosingSpec, diagnoses
 
 if TYPE_CHECKING:
@@ -102,7 +103,7 @@ def build(
             settings=settings,
             energy=energy_rows(responses[0]),
             cautions=gathered(told(response.attrs) for response in responses),
-            warnings=spec.warnings,
+            warnings=(*spec.warnings, *misread_sensors(body, {one.name: one.position for one in plant.sensors})),
         )
     left_out = [p.reason for p in (curves["gears"], casing) if isinstance(p, LeftOut)]
     made = {"body": page, "left_out": left_out}
@@ -153,9 +154,9 @@ def _summary(plant: Plant) -> dict[str, Any]:
         "model of the load": models["load"],
         **hoist,
         "faults": ", ".join(plant.fault_words) or "none",
-        "tooth deviations": "none"
+        "deviations": "none"
         if labels["seed"] == "none"
-        else f"ISO 1328-1 class {labels['iso_grade']}, random seed {labels['seed']}",
+        else f"ISO 1328-1 flank tolerance class {labels['iso_grade']}, random seed {labels['seed']}",
         "time integration": models["integrator"],
     }
 

@@ -87,8 +87,13 @@ def added_functions(
 
 def _bordered(matrix: sp.csr_matrix, rows: sp.csr_matrix) -> sp.csr_matrix:
     """A symmetric matrix (k, k) with further rows (m, k + m) and the columns that they are."""
-    columns = sp.csr_matrix(rows[:, : matrix.shape[0]].T)
-    return sp.csr_matrix(sp.vstack([sp.hstack([matrix, columns], format="csr"), rows], format="csr"))
+    k = matrix.shape[0]
+    columns = sp.csr_matrix(rows[:, :k].T)
+    ends = np.append(matrix.indptr + columns.indptr, matrix.nnz + columns.nnz + rows.indptr[1:])
+    at = np.append(np.repeat(matrix.indptr[1:], np.diff(columns.indptr)), np.full(rows.nnz, matrix.nnz))
+    indices = np.insert(matrix.indices, at, np.append(k + columns.indices, rows.indices))
+    data = np.insert(matrix.data, at, np.append(columns.data, rows.data))
+    return sp.csr_matrix((data, indices, ends), shape=(len(ends) - 1, len(ends) - 1))
 
 
 def extended(matrix: sp.csr_matrix, size: int) -> sp.csr_matrix:

@@ -30,7 +30,7 @@ MOST_ERROR = 0.05  # that can be asked of frequencies
 class ElasticCasing(HousingCasing):
     """A casing of finite elements."""
 
-    remedy: ClassVar[str] = "set casing.extrapolated = true, which computes further meshes, and run the scene again"
+    remedy: ClassVar[str] = "set casing.extrapolated = true and run the scene again"
     ground: Ground = option(
         "fixed", text="fixed: the undersides of the feet are held; springs: each foot stands on a mount"
     )

@@ -3,7 +3,7 @@
 With the approach (delta, psi) and the force F = T1 / r_b1 on the transverse line of action:
 
     e(c, F)     delta at F                        quasi-static transmission error
-    delta_0(c)  delta where the first pair touches
+    delta_0(c)  delta where the first pair touches, see `fem.contact.evaluation.first_touch`
     k_s         F / (e - delta_0)                 secant
     k_t         dF/d delta at fixed psi           tangent
 
@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.contact.evaluation.evaluator import LawError, LawEvaluator
+from fem.contact.evaluation.first_touch import first_touch
 from fem.contact.law import MeshLaw
 from fem.storage.records import Record, array, scalar, text
 
@@ -73,11 +74,10 @@ def stiffness_curve(
     h = evaluator.teeth(clearance_pinion, clearance_wheel)
     if psi is None:
         delta, tilt = _balanced(evaluator, c, load, *h)
-        no_load, _ = _balanced(evaluator, c, 1e-6 * load, *h)
     else:
         tilt = np.full(c.size, float(psi))
-        no_load = evaluator.no_load(c, psi, *h)
         delta = evaluator.approach_at(load, c, psi, *h)
+    no_load = first_touch(law, c, psi, *h)
     response = evaluator.evaluate(c, delta, tilt, *h)
     pair, share = _sharing(evaluator, c, delta, tilt, *h)
     return StiffnessCurve(

@@ -140,7 +140,7 @@ def _blocks(law: MeshLaw) -> np.ndarray:
         rest = w[s + 1] + behind[s + 1]
         behind[s] = spring[s] * rest / (spring[s] + rest)
     y = law.face_coordinate
-    slices = Slices(y, w, law.cycle_shift, y / w.sum(), law.lead_gap, spring, before, behind)
+    slices = Slices(y, w, law.cycle_shift, y / w.sum(), law.slice_lead_gap, spring, before, behind)
     blocks = -(-n // LANES)
     filled = np.array(slices)[:, np.minimum(np.arange(blocks * LANES), n - 1)]
     filled[slices._fields.index("width"), n:] = 0.0

@@ -12,7 +12,7 @@ from fem.contact.frame import law_points
 from fem.contact.law import MeshLaw
 from fem.contact.teeth import with_variants
 from fem.gears.geometry import GearPair
-from fem.gears.modifications import PairModifications, check_modifications, lead_gap, profile_gap
+from fem.gears.modifications import PairModifications, check_modifications, lead_gap, lead_points, profile_gap
 
 if TYPE_CHECKING:
     from fem.contact.wheels.crack_surface import CrackSurface
@@ -28,9 +28,12 @@ def modified_law(law: MeshLaw, pair: GearPair, modifications: PairModifications)
     if modifications.none:
         return law
     check_modifications(pair, modifications)
+    face = np.union1d(law.lead_coordinate, lead_points(pair, modifications))
+    before = np.interp(face, law.lead_coordinate, law.lead_gap)
     return law.replaced(
         gap=law.gap + profile_gap(pair, modifications, law_points(law, pair)),
-        lead_gap=law.lead_gap + lead_gap(pair, modifications, law.flank, law.face_coordinate),
+        lead_coordinate=face,
+        lead_gap=before + lead_gap(pair, modifications, law.flank, face),
     )
 
 

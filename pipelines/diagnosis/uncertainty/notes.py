@@ -8,7 +8,7 @@ from pipelines.diagnosis.uncertainty.line_bars import LineBar
 
 LEFT_OUT = (
     "Not in the error bars: the error of the mesh law, which gearcase converge --over gear-mesh and --over slices "
-    "estimate; the effect of the tooth deviations, which gearcase run --seeds shows; modes above the band of the "
+    "estimate; the effect of the deviations, which gearcase run --seeds shows; modes above the band of the "
     "reduced casing; and the stiffness of bearing seats, feet and mounts."
 )
 
@@ -36,7 +36,7 @@ def notes(bars: Sequence[LineBar], missed: Sequence[str], remedy: str, damping_s
         )
     found.append(
         "Uncertain damping: 5 to 95 % of 200 samples. Each sample multiplies all damping ratios of the casing by one "
-        f"factor, in most samples between {1 / (1 + damping_spread):.2g} and {1 + damping_spread:.2g}. This range is "
+        f"factor, in 90 % of them between {1 / (1 + damping_spread):.2g} and {1 + damping_spread:.2g}. This range is "
         "an assumption; diagnosis.damping_spread sets it."
     )
     found.append(LEFT_OUT)

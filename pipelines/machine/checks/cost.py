@@ -66,7 +66,7 @@ def too_long(train: Drivetrain) -> Iterator[Problem]:
     if one.samples * one.channels > MOST_VALUES:
         yield Problem(
             "simulation.output_rate_Hz",
-            f"gives {one.samples:.3g} samples of {one.channels} channels, {words(one.bytes)}, more than "
+            f"gives {one.samples:.3g} samples of {one.channels} signals, {words(one.bytes)}, more than "
             f"{words(8 * MOST_VALUES)} for one simulation",
             f"Set {MOST_VALUES / one.channels / motion.end:.4g} or less, or reduce simulation.end_s",
             f"{motion.output_rate:g}",
@@ -105,7 +105,7 @@ def estimate(train: Drivetrain, simulations: int) -> str:
     disk = (simulations + min(simulations, _WRITTEN) * _PACKED) * one.bytes
     return (
         f"{simulations} simulation{'s' if simulations > 1 else ''} of {one.steps:.3g} time steps and {one.samples:.3g} "
-        f"samples of {one.channels} channels: about {duration(simulations * one.seconds)} on one core for the "
+        f"samples of {one.channels} signals: about {duration(simulations * one.seconds)} on one core for the "
         f"motion (mesh laws and casing not included), {words(_MEMORY)} of memory, {words(disk)} on disk"
     )
 

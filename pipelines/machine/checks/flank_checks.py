@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from fem.gears.deviations import GRADES, pitch_tolerance
@@ -90,9 +91,9 @@ def flank_warnings(scene: Scene, train: Drivetrain) -> Iterator[str]:
             gear = getattr(pair, name)
             if short:
                 yield (
-                    f"{place}: the {name} (z {gear.teeth}, x {gear.profile_shift:g}) is undercut and has lost a part "
-                    "of "
-                    f"its involute; eps_alpha is {pair.transverse_contact_ratio:.3f}. Raise {name}_profile_shift"
+                    f"{place}: the {name} (z {gear.teeth}, x {gear.profile_shift:g}) is undercut and has lost part of "
+                    f"its involute; the contact ratio eps_alpha is {pair.transverse_contact_ratio:.3f}. Raise "
+                    f"{name}_profile_shift"
                 )
             if gear.tip_thickness < THIN_TIP * gear.normal_module:
                 yield (
@@ -123,7 +124,8 @@ def _finer(stage: int, slices: int, wanted: float, key: str) -> str:
     """What to do about a fault that is small against the slices, of which a mesh has so many at most."""
     if slices >= (most := most_slices()):
         return f"Raise {key}, or reduce face_width_mm"
-    return f"Raise stages.{stage}.mesh.slices to {min(most, max(2, round(wanted)))}"
+    limit = f"{most}, the most that a mesh has" if wanted > most else f"{math.ceil(wanted - 1e-9)}"
+    return f"Raise stages.{stage}.mesh.slices to {limit}"
 
 
 def _hidden(scene: Scene, layout: Layout, number: int, fault: Fault) -> Iterator[str]:

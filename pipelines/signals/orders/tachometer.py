@@ -29,6 +29,8 @@ _AROUND = 9  # intervals of which the middle one is compared with the median
 _DOUBLE = 0.4  # of the usual interval: the next pulse comes too early
 _MOST_MISSING = 5  # at one place; the machine stops rather than lose more
 _NEAR = 0.2  # of an interval from a whole multiple
+_SLOW = 1.5  # times the median interval of the recording: the machine starts or stops
+MOST_DAMAGED = 0.05  # of the pulses: five of nine intervals, which would mislead their median, then have a chance of 4e-5
 
 
 class Pulses(NamedTuple):
@@ -82,17 +84,47 @@ def find_pulses(signal: np.ndarray, time: np.ndarray, level: float | None = None
 
 
 def _mended(at: np.ndarray) -> Pulses:
-    """Pulses counted as if none were missing or double."""
+    """Pulses counted as if none were missing or double.
+
+    Raises
+    ------
+    RotationError : more than MOST_DAMAGED of them are, or a time between two pulses is no whole multiple of the others
+    """
     found = len(at)
-    while np.any(early := np.diff(at) <= _DOUBLE * _around(np.diff(at))):
-        at = at[np.concatenate([[True], ~early])]
+    at = _without_extra(at)
     spans = np.diff(at)
+    around = _around(spans)
+    slow = around > _SLOW * np.median(spans)  # near a stop, where times between pulses follow no rule
     beside = np.concatenate([spans[1:2], spans, spans[-2:-1]])
-    usual = np.maximum(_around(spans), 0.5 * (beside[:-2] + beside[2:]))  # the latter where the speed changes fast
+    usual = np.where(slow, np.maximum(around, 0.5 * (beside[:-2] + beside[2:])), around)
     multiple = spans / usual
     passed = np.rint(multiple).astype(int)
-    passed[(passed < 1) | (passed > _MOST_MISSING + 1) | (np.abs(multiple - passed) > _NEAR)] = 1
-    return Pulses(at, np.concatenate([[0], np.cumsum(passed)]), int(np.sum(passed - 1)), found - len(at))
+    whole = (passed >= 1) & (passed <= _MOST_MISSING + 1) & (np.abs(multiple - passed) <= _NEAR)
+    passed[~whole] = 1
+    missing, double, odd = int(np.sum(passed - 1)), found - len(at), np.flatnonzero(~whole & ~slow)
+    if len(odd) or missing + double > MOST_DAMAGED * found:
+        first = f", the first at {at[odd[0]]:.4g} s" if len(odd) else ""
+        raise RotationError(
+            f"tachometer: of {found} pulses {missing} are missing and {double} double, and {len(odd)} times between "
+            f"pulses are no whole multiple of the others{first}; at most {100 * MOST_DAMAGED:g} % and none are "
+            "accepted. Correct level, cut the recording, or delete the tachometer and set speed_rpm."
+        )
+    return Pulses(at, np.concatenate([[0], np.cumsum(passed)]), missing, double)
+
+
+def _without_extra(at: np.ndarray) -> np.ndarray:
+    """The pulses without those between two others that are one usual time apart; the clearest first."""
+    found = len(at)
+    while len(at) > max(FEWEST_PULSES, (1.0 - MOST_DAMAGED) * found - 1):
+        spans = np.diff(at)
+        short = spans < (1.0 - _NEAR) * _around(spans)
+        joined = spans[:-1] + spans[1:]
+        around = 0.5 * (np.append(joined[:1], spans[:-2]) + np.append(spans[2:], joined[-1:]))
+        apart = np.where(short[:-1] | short[1:], np.abs(joined / around - 1.0), np.inf)
+        if apart.min() > _NEAR:
+            break
+        at = np.delete(at, 1 + int(apart.argmin()))
+    return at
 
 
 def _around(spans: np.ndarray) -> np.ndarray:

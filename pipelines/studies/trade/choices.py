@@ -16,7 +16,7 @@ from pipelines.scene.tables.casing import ElasticBase
 
 Settings = dict[str, object]
 
-PRESET, REFERENCE, TOGETHER = "preset", "reference", "together"
+PRESET, REFERENCE, COMBINATION = "preset", "reference", "combination"
 MESHES: dict[str, Settings] = {
     "iso": {"model": "iso", "slices": 21},
     "energy": {"model": "energy", "slices": 21},
@@ -110,6 +110,6 @@ def _combinations(scene: Scene) -> Iterator[Choice]:
     casings = {preset: {k: v for k, v in s.items() if k.startswith("casing.")} for preset, s in found.items()}
     steps = {preset: s["simulation.step_us"] for preset, s in found.items()}
     for law, casing, step in itertools.product(laws, casings, steps):
-        words = [f"{law} laws", *([f"{casing} casing"] if casings[casing] else []), f"{steps[step]:g} us"]
+        words = [f"mesh law {law}", *([f"casing {casing}"] if casings[casing] else []), f"step {steps[step]:g} us"]
         settings = laws[law] | casings[casing] | {"simulation.step_us": steps[step]}
-        yield Choice(effect=TOGETHER, label=", ".join(words), settings=settings)
+        yield Choice(effect=COMBINATION, label=", ".join(words), settings=settings)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 COLOURS = {
     "preset": "#111111", "mesh law": "#c23b22", "casing": "#2a6f97", "shafts": "#3a7d44", "bearings": "#7b4ea3",
-    "step": "#e08e0b", "integrator": "#b5651d", "output rate": "#6b6b6b", "together": "#00897b",
+    "step": "#e08e0b", "integrator": "#b5651d", "output rate": "#6b6b6b", "combination": "#00897b",
 }  # fmt: skip
 COLUMNS = {"gears": "gears %", "casing": "casing Hz %", "machine": "machine Hz %", "signals": "sensor rms %"}
 LEVELS = {"frf": "FRF dB", "lines": "lines dB"}
@@ -28,7 +28,7 @@ def trade_table(found: Tradeoff) -> Grid:
     for one in found.priced:
         seconds = one.measured.seconds
         row: dict[str, object] = {"choice": one.choice.name, "time s": one.seconds}
-        row["laws s"] = sum(s for name, s in seconds.items() if name.startswith("law"))
+        row["laws s"] = sum(s for name, s in seconds.items() if "law_" in name)
         row["casing s"] = sum(s for name, s in seconds.items() if "casing" in name)
         row["motion s"] = seconds.get("simulate", 0.0)
         row["memory MB"] = f"{one.measured.peak_bytes / 1e6:.0f}"
@@ -53,10 +53,10 @@ def answers(found: Tradeoff, error: float, seconds: float) -> list[str]:
     """The cheapest choice within an error, the most accurate within a time, and what could not be chosen."""
     cheap, exact = found.cheapest(error), found.most_accurate(seconds)
     lines = [
-        f"Within {100 * error:g} % error of sensor rms, the least expensive choice is {_words(cheap)}."
+        f"Within {100 * error:g} % error of sensor rms the least expensive is {_words(cheap)}."
         if cheap
         else f"No choice has at most {100 * error:g} % error of sensor rms. Raise --error.",
-        f"Within {seconds:g} s, the most accurate choice is {_words(exact)}."
+        f"Within {seconds:g} s the most accurate is {_words(exact)}."
         if exact
         else f"No choice takes at most {seconds:g} s. Raise --time.",
     ]
@@ -65,7 +65,7 @@ def answers(found: Tradeoff, error: float, seconds: float) -> list[str]:
 
 
 def _words(one: Priced) -> str:
-    return f"{one.choice.name} ({one.seconds:.3g} s, {_percent(one.error)} %)"
+    return f'"{one.choice.name}" ({one.seconds:.3g} s, {_percent(one.error)} %)'
 
 
 def trade_figure(found: Tradeoff) -> Figure:
