@@ -95,9 +95,7 @@ def test_a_small_baseline_gives_an_order_and_no_p_value(healthy):
 
 def test_recordings_of_other_channels_cannot_be_compared(healthy):
     one = recording(103).sel(axis=["x"])
-    with pytest.raises(
-        BaselineError, match="1 has the channels near x, near z, the recording to diagnose has near x"
-    ):
+    with pytest.raises(BaselineError, match="1 has the channels near x, near z, the recording to diagnose has near x"):
         judge(run_features(one, SETTINGS), healthy, MACHINE)
 
 
