@@ -22,7 +22,11 @@ from pipelines.recordings.formats import BY_ENDING, memory_needed
 from pipelines.recordings.machine_table import TachometerTable
 from pipelines.recordings.recording import read_recording
 
-PRECISION = {"r.csv": 1e-11, "r.uff": 1e-11, "r.xlsx": 1e-15}  # of the digits that are written; all others keep every bit
+PRECISION = {
+    "r.csv": 1e-11,
+    "r.uff": 1e-11,
+    "r.xlsx": 1e-15,
+}  # of the digits that are written; all others keep every bit
 WITHOUT_RATE = ("r.npy",)
 
 

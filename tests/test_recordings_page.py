@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from measured import RATE
 
+from pipelines.cli.main import main
 from pipelines.recordings.formats import BY_ENDING
 from pipelines.recordings.machine_table import BearingTable, MachineTable, TachometerTable
 from pipelines.recordings.units import ACCELERATIONS, VOLTAGES
@@ -49,6 +50,27 @@ def test_the_five_lines_of_the_page_are_enough_for_a_verdict(tmp_path, monkeypat
     level, verdict, *_ = capsys.readouterr().out.splitlines()
     np.testing.assert_allclose(float(level.split()[0]), 9.80665 * recorded.std(), rtol=1e-3)
     assert verdict.startswith("True stage 1 pinion +")
+
+
+def test_a_diagnosed_file_has_a_page_with_its_figures_and_its_orders_have_pictures(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("bench.toml").write_text(block("toml").replace("25600", f"{RATE:.0f}"), encoding="utf-8")
+    write_record("record.csv", 0.4, seed=10)
+    write_record("healthy.csv", 0.02, seed=1)
+    assert (
+        main(["diagnose", "record.csv", "--machine", "bench.toml", "--baseline", "healthy.csv", "--out", "seen"]) == 0
+    )
+    words = capsys.readouterr().out
+    shown = Path("seen/report.html").read_text(encoding="utf-8")
+    assert words.splitlines()[-1] == f"report: {Path('seen') / 'report.html'}"
+    assert "Diagnosis of record.csv" in shown
+    assert "Strongest evidence: stage 1 pinion" in shown
+    assert shown.count("<figure") == 6  # spectra, sidebands of two stages, envelopes, averages, rms
+    assert main(["orders", "record.csv", "--machine", "bench.toml", "--out", "seen"]) == 0
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()]
+    found = {float(row[0]): float(row[1]) for row in rows if len(row) == 4 and row[0] in ("21", "42")}
+    assert found == pytest.approx({21.0: 9.80665, 42.0: 0.5 * 9.80665}, rel=0.05)  # amplitudes in g
+    assert main(["orders", "record.csv", "--machine", "bench.toml", "--campbell"]) == 2
 
 
 def test_every_key_of_a_machine_has_its_row():

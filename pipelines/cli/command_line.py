@@ -50,6 +50,7 @@ COMMANDS = {  # in the order a user needs them: name, of the module too; one lin
     "completion": "print the script that completes commands in a shell",
     "cache": "show, verify or clear the cache of computed steps",
 }
+MACHINE_HELP = "machine of the recording: a file with teeth, speed and sensors, or a scene"
 RUN_HELP = "result folder, scene name (its newest result), or number that `gearcase runs` prints"
 PROLOGUE = """\
 Simulate the vibration of a gearbox, healthy and damaged, from its geometry to the signals of its sensors.

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pipelines.cli.command_line import MACHINE_HELP
 from pipelines.io.argument_types import count, path
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
@@ -17,7 +18,7 @@ from pipelines.runs.recorded import machine_of, recording_path
 if TYPE_CHECKING:
     from pipelines.diagnosis.comparison.curves import Curves
     from pipelines.diagnosis.comparison.features import Features
-    from pipelines.diagnosis.comparison.part import Channel, Part
+    from pipelines.diagnosis.comparison.part import Part
     from pipelines.runs.recorded import Windows
 
 MOST_NAME = 60  # characters of the name of a recording in a table
@@ -49,7 +50,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--machine",
         metavar="FILE",
         type=path,
-        help="machine of the recordings: a file with teeth, speed and sensors, or a scene",
+        help=MACHINE_HELP,
     )
     sub.add_argument("--sensor", metavar="NAME", help="sensor in the figures (default: that with the highest level)")
     sub.add_argument(
@@ -73,7 +74,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """
     from pipelines.diagnosis.comparison.curves import curves
     from pipelines.diagnosis.comparison.features import features_of
-    from pipelines.diagnosis.comparison.part import brought_together
+    from pipelines.diagnosis.comparison.part import brought_together, chosen_channel
     from pipelines.diagnosis.comparison.words import LETTERS, features_csv, features_grid, recordings_grid, remarks
     from pipelines.signals.features.recorded import FeatureError
 
@@ -85,7 +86,9 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     try:
         parts = brought_together(recorded)
         found = features_of(parts)
-        drawn = curves(parts, _channel(parts, options), _shaft(parts, found, options.shaft))
+        drawn = curves(
+            parts, chosen_channel(parts[0], options.sensor, options.axis), _shaft(parts, found, options.shaft)
+        )
     except FeatureError as error:
         raise InputError(str(error)) from error
     files = _write(target, drawn, found, parts)
@@ -145,22 +148,6 @@ def _windows(source: str, asked: str, windows: Windows | None) -> Windows | None
     )
 
 
-def _channel(parts: Sequence[Part], options: argparse.Namespace) -> Channel:
-    """The channel of the figures: of those that are requested the one with the highest rms in the first recording."""
-    first = parts[0]
-    levels = dict(zip(first.channels, first.acceleration.std(axis=-1), strict=True))
-    fitting = [
-        (sensor, axis)
-        for sensor, axis in first.channels
-        if options.sensor in (None, sensor) and options.axis in (None, axis)
-    ]
-    if not fitting:
-        there = ", ".join(" ".join(map(shown, channel)) for channel in first.channels)
-        asked = " ".join(shown(one) for one in (options.sensor, options.axis) if one is not None)
-        raise InputError(f"{asked}: not a channel of all recordings. Set --sensor and --axis to one of {there}.")
-    return max(fitting, key=lambda channel: float(levels[channel]))
-
-
 def _shaft(parts: Sequence[Part], found: Features, number: int | None) -> str:
     """The shaft whose turns are averaged."""
     from pipelines.diagnosis.comparison.features import most_different_shaft
@@ -184,17 +171,11 @@ def _shaft(parts: Sequence[Part], found: Features, number: int | None) -> str:
 def _write(target: Path, drawn: Curves, found: Features, parts: Sequence[Part]) -> list[Path]:
     """The figures as SVG."""
     from pipelines.diagnosis.comparison.words import LETTERS
-    from pipelines.report.figures import comparison_plots as figures
+    from pipelines.report.figures.comparison_plots import comparison_figures
     from pipelines.report.figures.film import save_figure
 
     names = [f"{letter}  {part.name}" for letter, part in zip(LETTERS, parts, strict=False)]
-    kinematics = parts[0].kinematics
-    pictures = {
-        "orders": figures.spectra_figure(drawn, names, kinematics),
-        "envelope-orders": figures.envelopes_figure(drawn, names, kinematics),
-        "average": figures.averages_figure(drawn, names),
-        "rms": figures.rms_figure(found.rms, found.tables[0].sensor, names),
-    }
+    pictures = comparison_figures(drawn, found, parts, names)
     target.mkdir(parents=True, exist_ok=True)
     files = [target / f"{name}.svg" for name in pictures]
     for file, figure in zip(files, pictures.values(), strict=True):

@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator
 
-from pipelines.cli.command_line import RUN_HELP, json_argument
+from pipelines.cli.command_line import MACHINE_HELP, RUN_HELP, json_argument
 from pipelines.io.argument_types import number, path
 
 HELP = """\
 Find the damaged component from vibration. A measured recording is compared with recordings of healthy machines
 (--baseline). A finished run is compared with its healthy control, and its spectral lines are listed. Nothing is
-simulated and no file is written. Takes seconds."""
+simulated. Takes seconds."""
 EXAMPLE = """\
 gearcase diagnose bench
 Chipped tooth 10 of the stage 1 wheel: found in 1 of 1. ...
@@ -34,7 +34,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--machine",
         metavar="FILE",
         type=path,
-        help="machine of the recording: a file with teeth, speed and sensors, or a scene",
+        help=MACHINE_HELP,
     )
     sub.add_argument(
         "--baseline",
@@ -52,6 +52,12 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         help="time window to analyse, s (default: the windows of the scene, or all)",
     )
     sub.add_argument(
+        "--out",
+        metavar="FOLDER",
+        type=path,
+        help="folder for report.html: verdict, spectra over the first healthy recording, levels and features",
+    )
+    sub.add_argument(
         "--set",
         metavar="KEY=VALUE",
         dest="settings",
@@ -66,19 +72,30 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """Print verdict and tables: of a file, or of a run against its control; nothing is simulated."""
     from pipelines.io.errors import InputError
     from pipelines.io.json_text import json_text
-    from pipelines.runs.recorded import file_facts, file_words, judge_file, recording_path
+    from pipelines.io.shown import shown
+    from pipelines.io.user_files import writable_folder
+    from pipelines.runs.recorded import file_facts, file_words, judge_file, recorded_parts, recording_path
     from pipelines.runs.run_folder import RESPONSE
 
     path = recording_path(options.run)
-    measured = path.name != RESPONSE or options.baseline or options.machine or options.window
+    measured = path.name != RESPONSE or options.baseline or options.machine or options.window or options.out
     if measured:
         if options.settings:
             raise InputError(
-                "--set does not apply to a recording, nor with --baseline, --machine or --window. Delete it."
+                "--set does not apply to a recording, nor with --baseline, --machine, --window or --out. Delete it."
             )
         window = tuple(options.window) if options.window else None
+        target = writable_folder(options.out) if options.out else None
         judged = judge_file(path, options.baseline, options.machine, window)
         yield json_text(file_facts(judged)) if options.json else file_words(judged)
+        if target is not None:
+            from pipelines.runs.recording_page import write_recording_page
+
+            left = () if judged.verdict is None else judged.verdict.outlying
+            healthy = [one for one in options.baseline if shown(one) not in left][:1]
+            target.mkdir(parents=True, exist_ok=True)
+            parts = recorded_parts([*healthy, options.run], options.machine, window)
+            yield f"\nreport: {write_recording_page(target / 'report.html', judged, parts)}"
         return
     from pipelines.diagnosis.export import diagnosis_facts
     from pipelines.diagnosis.uncertainty.words import bars_words

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipelines.cli.command_line import quiet_argument, run_argument
+from pipelines.cli.command_line import MACHINE_HELP, RUN_HELP, quiet_argument
 from pipelines.io.argument_types import count, path, positive, several
 from pipelines.io.errors import InputError
 from pipelines.runs import run_folder
@@ -25,8 +25,9 @@ if TYPE_CHECKING:
 SPEEDS = 9  # of a Campbell diagram
 AXES = ("x", "y", "z")
 HELP = """\
-Analyse the run-up or coast-down of a finished run by orders of a shaft. Print the highest amplitude of each order.
-Write pictures of the order spectra over speed, and of the amplitude of each order over speed. Takes seconds."""
+Analyse the run-up or coast-down of a finished run or a recording by orders of a shaft. Print the highest amplitude of
+each order. Write pictures of the order spectra over speed, and of the amplitude of each order over speed. Takes
+seconds."""
 EXAMPLE = """\
 gearcase orders reducer
 input-bearing z over the orders of shaft 1, 11 windows
@@ -40,7 +41,8 @@ runs/reducer/2026-11-25_01-02-30/orders.png
 
 def arguments(sub: argparse.ArgumentParser) -> None:
     """A run and the orders that are shown."""
-    run_argument(sub)
+    sub.add_argument("run", metavar="RECORD", type=path, help=f"recording file, {RUN_HELP}")
+    sub.add_argument("--machine", metavar="FILE", type=path, help=MACHINE_HELP)
     sub.add_argument(
         "--shaft",
         metavar="N",
@@ -67,7 +69,9 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         help="revolutions in the window of a spectrum, 2 or more (default 16)",
     )
     sub.add_argument("--campbell", action="store_true", help="add a Campbell diagram: natural frequencies over speed")
-    sub.add_argument("--out", metavar="FOLDER", type=path, help="folder for the pictures (default: the result folder)")
+    sub.add_argument(
+        "--out", metavar="FOLDER", type=path, help="folder for the pictures (default: the folder of the run or file)"
+    )
     quiet_argument(sub)
 
 
@@ -81,34 +85,43 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     import numpy as np
 
     from pipelines.engine.run_graph import Work
+    from pipelines.io.shown import shown
     from pipelines.io.user_files import writable_folder
     from pipelines.machine.machine import make_drivetrain
     from pipelines.report.figures.order_plots import campbell_figure, cuts_figure, waterfall_figure
+    from pipelines.runs.recorded import recording_path
     from pipelines.signals.orders.order_spectra import OrderError, frequency_waterfall, order_waterfall
 
-    folder, work = run_folder.find_run(options.run), Work(quiet=options.quiet)
-    read = _read(folder, options)
-    target = writable_folder(options.out or folder)
+    source, work = recording_path(options.run), Work(quiet=options.quiet)
+    measured = source.name != run_folder.RESPONSE or options.machine
+    if measured and options.campbell:
+        raise InputError(
+            "--campbell needs natural frequencies, which a recording does not have. Give a finished run, or delete it."
+        )
+    read = _read_file(source, options) if measured else _read(source.parent, options)
+    target = writable_folder(options.out or source.parent)
     parts = read.signal, read.time, read.angle
     try:
         found = order_waterfall(*parts, shaft=read.shaft, revolutions=options.revolutions)
-        shown = [order for order in read.orders if order + 2 * found.resolution < found.line[-1]]
-        words = _table(found, shown, read)
+        inside = [order for order in read.orders if order + 2 * found.resolution < found.line[-1]]
+        words = _table(found, inside, read)
     except OrderError as error:
-        raise InputError(f"{folder}: {error}") from error
-    title = f"{read.loaded.scene.title}: {read.place}"
+        raise InputError(f"{shown(source)}: {error}") from error
+    title = f"{read.title}: {read.place}"
     figures = {
-        "orders": waterfall_figure(found, title, read.units, top=2.2 * max(shown, default=found.line[-1] / 2.2)),
-        "order-cuts": cuts_figure(found, shown, title, read.units),
+        "orders": waterfall_figure(found, title, read.units, top=2.2 * max(inside, default=found.line[-1] / 2.2)),
+        "order-cuts": cuts_figure(found, inside, title, read.units),
     }
-    if options.campbell:
+    if read.loaded is not None and options.campbell:
         flat = frequency_waterfall(*parts, shaft=read.shaft)
         ratio = make_drivetrain(read.loaded.scene).layout.shaft_ratios[int(read.shaft.removeprefix("shaft_")) - 1]
         speeds = np.linspace(0.0, float(found.speed.max()), SPEEDS)
-        top = min(0.5 * float(flat.line[-1]), 1.3 * max(shown, default=20.0) * float(found.speed.max()) / (2 * math.pi))
+        top = min(
+            0.5 * float(flat.line[-1]), 1.3 * max(inside, default=20.0) * float(found.speed.max()) / (2 * math.pi)
+        )
         natural = _natural_over_speed(read.loaded, work, speeds / ratio, top)
         by_shaft = {speed * ratio: values for speed, values in natural.items()}
-        figures["campbell"] = campbell_figure(flat, by_shaft, shown, title, read.units)
+        figures["campbell"] = campbell_figure(flat, by_shaft, inside, title, read.units)
     target.mkdir(parents=True, exist_ok=True)
     for name, figure in figures.items():
         figure.savefig(target / f"{name}.png", dpi=110)
@@ -118,9 +131,10 @@ def main(options: argparse.Namespace) -> Iterator[str]:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _RunUp:
-    """Signal and angle of a run, and what is looked for in it."""
+    """Signal and angle of a run or a recording, and what is looked for in it; a recording has no scene."""
 
-    loaded: LoadedScene
+    loaded: LoadedScene | None
+    title: str
     place: str  # "motor_side z"
     units: str
     shaft: str
@@ -160,6 +174,7 @@ def _read(folder: Path, options: argparse.Namespace) -> _RunUp:
         name = f"shaft_{number + 1}"
         return _RunUp(
             loaded=loaded,
+            title=loaded.scene.title,
             place=f"{sensor} {axis}",
             units=str(found.attrs["units"]),
             shaft=name,
@@ -168,6 +183,38 @@ def _read(folder: Path, options: argparse.Namespace) -> _RunUp:
             time=run.time.values,
             angle=run.shaft_angle.sel(shaft=name).values,
         )
+
+
+def _read_file(source: Path, options: argparse.Namespace) -> _RunUp:
+    """What is looked at, from a recording.
+
+    Raises
+    ------
+    InputError : no such shaft, sensor or axis; the recording or its machine cannot be used
+    """
+    from pipelines.diagnosis.comparison.part import chosen_channel
+    from pipelines.runs.recorded import recorded_parts
+
+    part = recorded_parts([source], options.machine, None)[0]
+    shafts, number = part.kinematics.shafts, 1 if options.shaft is None else options.shaft
+    if number > len(shafts):
+        raise InputError(f"--shaft {number}: the machine has {len(shafts)} shafts. Give 1 to {len(shafts)}.")
+    sensor, axis = chosen_channel(part, options.sensor, options.axis)
+    shaft = shafts[number - 1]
+    meshes = sorted(
+        {round(k * order / shaft.ratio, 6) for order in part.kinematics.mesh_orders().values() for k in (1, 2)}
+    )
+    return _RunUp(
+        loaded=None,
+        title=source.name,
+        place=f"{sensor} {axis}",
+        units="m/s2",
+        shaft=shaft.name,
+        orders=tuple(options.orders or meshes),
+        signal=part.acceleration[part.channels.index((sensor, axis))],
+        time=part.time,
+        angle=shaft.ratio * part.rotation.angle,
+    )
 
 
 def _mesh_orders(layout: Layout, shaft: int) -> tuple[float, ...]:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray
 
+    from pipelines.diagnosis.comparison.part import Part
     from pipelines.diagnosis.verdict import Verdict
     from pipelines.recordings.machine import Machine
     from pipelines.signals.features.table import FeatureTable
@@ -48,6 +49,11 @@ class JudgedFile:
     recorded: Recorded
     kinematics: Kinematics
     verdict: Verdict | None
+
+    @property
+    def no_verdict(self) -> str:
+        """Why there is none without healthy recordings."""
+        return "There is no verdict without healthy recordings to compare with. Give some: --baseline FILE FILE ..."
 
 
 def judge_file(
@@ -85,6 +91,27 @@ def judge_file(
     named = {shown(one): recorded for one, recorded in zip(healthy, others, strict=True)}
     own = replace(own, warnings=(*own.warnings, *other_speeds(own, named)))
     return JudgedFile(recorded=own, kinematics=known.kinematics, verdict=verdict)
+
+
+def recorded_parts(
+    sources: Sequence[str | Path], machine: str | Path | None, window: tuple[float, float] | None
+) -> list[Part]:
+    """Recordings with their rotation, for figures; `machine` and `window` are those of `judge_file`, of the last one.
+
+    Raises
+    ------
+    InputError : a file or the machine cannot be used
+    """
+    from pipelines.diagnosis.comparison.part import part_of
+    from pipelines.recordings.recording import read_recording
+
+    known, windows = machine_of(recording_path(sources[-1]), machine)
+    chosen = {"the window": window} if window else windows
+    parts = []
+    for source in sources:
+        with read_recording(recording_path(source), known) as recording:
+            parts.append(part_of(shown(source), recording, known.kinematics, chosen))
+    return parts
 
 
 def other_speeds(own: Recorded, healthy: Mapping[str, Recorded]) -> list[str]:
@@ -231,7 +258,7 @@ def file_words(found: JudgedFile) -> str:
     if found.verdict is not None:
         answer, _, tables = text(found.verdict).partition("\n\n")
         return "\n\n".join([answer, *parts, tables])
-    parts.append("There is no verdict without healthy recordings to compare with. Give some: --baseline FILE FILE ...")
+    parts.append(found.no_verdict)
     parts.append(features_grid(found.recorded.table).to_text())
     if found.recorded.table.left_out:
         parts.append(f"Left out because of too few revolutions: {'; '.join(found.recorded.table.left_out)}.")

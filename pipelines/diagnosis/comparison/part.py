@@ -11,6 +11,8 @@ import numpy as np
 
 from fem.numerics.interpolation import interpolated
 from pipelines.diagnosis.simulated import with_stated_noise
+from pipelines.io.errors import InputError
+from pipelines.io.shown import shown
 from pipelines.signals.features.recorded import FeatureError, recorded_channels
 from pipelines.signals.motion_warnings import told
 from pipelines.signals.orders.kinematics import Kinematics
@@ -128,6 +130,22 @@ def _window(name: str, span: tuple[float, float], time: np.ndarray, rotation: Ro
     turns = abs(float(rotation.angle[last] - rotation.angle[first])) / (2.0 * math.pi)
     start, end = float(time[first]), float(time[last])
     return Window(name=name, start=start, end=end, turns=turns, frequency=turns / (end - start))
+
+
+def chosen_channel(part: Part, sensor: str | None, axis: str | None) -> Channel:
+    """The channel with the highest rms of those of a sensor and an axis, each of any if it is None.
+
+    Raises
+    ------
+    InputError : there is none
+    """
+    levels = dict(zip(part.channels, part.acceleration.std(axis=-1), strict=True))
+    fitting = [one for one in part.channels if sensor in (None, one[0]) and axis in (None, one[1])]
+    if not fitting:
+        there = ", ".join(" ".join(map(shown, channel)) for channel in part.channels)
+        asked = " ".join(shown(one) for one in (sensor, axis) if one is not None)
+        raise InputError(f"{asked}: not a channel of all recordings. Set --sensor and --axis to one of {there}.")
+    return max(fitting, key=lambda channel: float(levels[channel]))
 
 
 def brought_together(parts: Sequence[Part]) -> tuple[Part, ...]:

@@ -17,10 +17,47 @@ from pipelines.signals.orders.kinematics import Kinematics
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from pipelines.diagnosis.comparison.features import Features
+    from pipelines.diagnosis.comparison.part import Part
+
 MESH_ORDERS = 3  # shown of the fastest mesh
+SIDEBANDS = 6  # shown on either side of a mesh order
 ENVELOPE_ORDERS = 10.0  # shown at least
 ROOM = 0.04  # of the width, for the name of a mark
 BEHIND = "#c9c9c9"  # the first recording, behind the others
+
+
+def comparison_figures(
+    found: Curves, features: Features, parts: Sequence[Part], names: Sequence[str]
+) -> dict[str, Figure]:
+    """All figures of a comparison by their names."""
+    kinematics = parts[0].kinematics
+    return {
+        "orders": spectra_figure(found, names, kinematics),
+        **{
+            f"sidebands-{stage}": sidebands_figure(found, names, kinematics, stage)
+            for stage, order in kinematics.mesh_orders().items()
+            if order < found.orders[-1]
+        },
+        "envelope-orders": envelopes_figure(found, names, kinematics),
+        "average": averages_figure(found, names),
+        "rms": rms_figure(features.rms, features.tables[0].sensor, names),
+    }
+
+
+def sidebands_figure(found: Curves, names: Sequence[str], kinematics: Kinematics, stage: int) -> Figure:
+    """Order spectra around the mesh order of a gear pair, with the sidebands of both shafts marked."""
+    mesh = kinematics.mesh_orders()[stage]
+    shafts = [kinematics.shaft(gear.shaft) for gear in kinematics.gears if gear.stage == stage]
+    ratios = {shaft.name: shaft.ratio for shaft in shafts}
+    reach = (SIDEBANDS + 0.5) * min(max(ratios.values()), 0.5 * mesh / (SIDEBANDS + 0.5))
+    marks = {f"$f_{{m{stage}}}$": mesh}
+    for name, ratio in sorted(ratios.items(), key=lambda one: -one[1]):
+        sides = [k for k in range(-SIDEBANDS, SIDEBANDS + 1) if k and abs(k * ratio) <= reach]
+        marks |= {f"{k:+d} {plain(name)}": mesh + k * ratio for k in sides}
+    title = f"Order spectra at {' '.join(found.channel)} around the mesh order of stage {stage}, {_blocks(found)}"
+    span = (mesh - reach, mesh + reach)
+    return _panels(found.orders, found.spectrum, names, title, "amplitude, m/s²", span, marks)
 
 
 def spectra_figure(found: Curves, names: Sequence[str], kinematics: Kinematics) -> Figure:
@@ -33,7 +70,7 @@ def spectra_figure(found: Curves, names: Sequence[str], kinematics: Kinematics) 
     }
     top = min(float(found.orders[-1]), (MESH_ORDERS + 0.4) * max(meshes.values(), default=found.orders[-1]))
     title = f"Order spectra at {' '.join(found.channel)}, {_blocks(found)}"
-    return _panels(found.orders, found.spectrum, names, title, "amplitude, m/s²", top, marks)
+    return _panels(found.orders, found.spectrum, names, title, "amplitude, m/s²", (0.0, top), marks)
 
 
 def envelopes_figure(found: Curves, names: Sequence[str], kinematics: Kinematics) -> Figure:
@@ -49,13 +86,13 @@ def envelopes_figure(found: Curves, names: Sequence[str], kinematics: Kinematics
     title = (
         f"Envelope order spectra at {' '.join(found.channel)}, of the orders {low:.4g} to {high:.4g}, {_blocks(found)}"
     )
-    return _panels(found.orders, found.envelope, names, title, "share of the mean", top, marks | passes)
+    return _panels(found.orders, found.envelope, names, title, "share of the mean", (0.0, top), marks | passes)
 
 
 def averages_figure(found: Curves, names: Sequence[str]) -> Figure:
     """Time-synchronous averages over a turn of the shaft."""
     figure = new_figure(0.9 + 1.7 * len(names))
-    panels = figure.subplots(len(names), 1, sharex=True, sharey=True)
+    panels = figure.subplots(len(names), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     angle = np.arange(found.average.shape[1]) * 360.0 / found.average.shape[1]
     for number, (axes, name, average) in enumerate(zip(panels, names, found.average, strict=True)):
         if number:
@@ -99,33 +136,33 @@ def _panels(
     names: Sequence[str],
     title: str,
     unit: str,
-    top: float,
+    span: tuple[float, float],
     marks: Mapping[str, float],
 ) -> Figure:
     """A panel per recording with the first one behind; the names of the marks stand in the first panel."""
     figure = new_figure(0.9 + 1.7 * len(names))
-    panels = figure.subplots(len(names), 1, sharex=True, sharey=True)
-    shown = (orders > 0.0) & (orders <= top)
+    panels = figure.subplots(len(names), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+    shown = (orders > span[0]) & (orders <= span[1])
     for number, (axes, name, row) in enumerate(zip(panels, names, rows, strict=True)):
         if number:
             axes.semilogy(orders[shown], rows[0][shown], color=BEHIND, lw=0.9)
         axes.semilogy(orders[shown], row[shown], color=SECOND if number else FIRST, lw=0.8)
         axes.yaxis.set_minor_locator(NullLocator())  # minor ticks of a log axis take half the time of a figure
-        _mark(axes, {label: order for label, order in marks.items() if order <= top}, top, named=not number)
+        _mark(axes, {label: order for label, order in marks.items() if order <= span[1]}, span, named=not number)
         dress(axes, plain(name), "order of the first shaft" if number == len(names) - 1 else "", unit)
     high = 4.0 * float(rows[:, shown].max())
     panels[0].set_ylim(max(0.5 * float(np.min(rows[:, shown])), high / 10**DECADES), high)
-    panels[0].set_xlim(0.0, top)
+    panels[0].set_xlim(*span)
     figure.suptitle(plain(title))
     return figure
 
 
-def _mark(axes: Axes, marks: Mapping[str, float], top: float, *, named: bool) -> None:
+def _mark(axes: Axes, marks: Mapping[str, float], span: tuple[float, float], *, named: bool) -> None:
     """Dashed lines; in a crowd the first of the marks have their names."""
     placed: list[float] = []
     for label, order in marks.items():
         axes.axvline(order, color=MARK, lw=0.6, ls=(0, (4, 3)), zorder=0)
-        if named and all(abs(order - other) > ROOM * top for other in placed):
+        if named and all(abs(order - other) > ROOM * (span[1] - span[0]) for other in placed):
             placed.append(order)
             axes.annotate(
                 label, (order, 1.0), xycoords=("data", "axes fraction"), xytext=(2, -2), textcoords="offset points",

@@ -30,7 +30,9 @@ _DOUBLE = 0.4  # of the usual interval: the next pulse comes too early
 _MOST_MISSING = 5  # at one place; the machine stops rather than lose more
 _NEAR = 0.2  # of an interval from a whole multiple
 _SLOW = 1.5  # times the median interval of the recording: the machine starts or stops
-MOST_DAMAGED = 0.05  # of the pulses: five of nine intervals, which would mislead their median, then have a chance of 4e-5
+MOST_DAMAGED = (
+    0.05  # of the pulses: five of nine intervals, which would mislead their median, then have a chance of 4e-5
+)
 
 
 class Pulses(NamedTuple):

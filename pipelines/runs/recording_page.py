@@ -1,0 +1,93 @@
+"""Page of a diagnosed recording: the verdict, spectra over a healthy recording, levels, and all features."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pipelines.diagnosis import words
+from pipelines.diagnosis.comparison.curves import curves
+from pipelines.diagnosis.comparison.features import features_of
+from pipelines.diagnosis.comparison.part import Channel, Part, brought_together, chosen_channel
+from pipelines.diagnosis.comparison.words import LETTERS, recordings_grid
+from pipelines.io.user_files import write_whole
+from pipelines.report import page
+from pipelines.report.figures.comparison_plots import comparison_figures
+from pipelines.runs.recorded import features_grid
+from pipelines.signals.levels import level_grid
+
+if TYPE_CHECKING:
+    from pipelines.runs.recorded import JudgedFile
+
+_CAPTIONS = {  # by the beginning of the name of a figure
+    "orders": "Order spectra. Dashed: mesh orders.",
+    "sidebands": "Order spectra around a mesh order. Dashed: sidebands at multiples of the shaft speeds.",
+    "envelope": "Order spectra of the squared envelope. Dashed: shafts, and pass frequencies of bearings.",
+    "average": "Time-synchronous averages over a revolution.",
+    "rms": "Root mean square of every sensor.",
+}
+_BEHIND = " Grey: the healthy recording."
+
+
+def write_recording_page(path: Path, judged: JudgedFile, recorded: Sequence[Part]) -> Path:
+    """Write the page as one HTML file with all figures inside; returns the path.
+
+    Parameters
+    ----------
+    path : of the file
+    judged : the recording with its features and its verdict, if there is one
+    recorded : a healthy recording, if there is one, and the recording
+
+    Raises
+    ------
+    FeatureError : too few revolutions for spectra
+    """
+    verdict, own, title = judged.verdict, judged.recorded, f"Diagnosis of {recorded[-1].name}"
+    answer = [judged.no_verdict] if verdict is None else words.sentences(verdict)
+    style = "open" if verdict is None or verdict.damaged is None else "fault" if verdict.damaged else "none"
+    sentences = "".join(map(page.paragraph, answer))
+    body = [
+        page.heading(title, 1),
+        *(page.paragraph(f"Warning: {warning}", "caution") for warning in own.warnings),
+        f'<div class="verdict {style}" id="verdict">{sentences}</div>',
+        page.paragraph(own.turning),
+    ]
+    if verdict is not None:
+        body.append(page.table(words.ranking_grid(verdict)) + page.note(words.note(verdict)))
+    body.append(page.section("Spectra and averages", _figures(judged, recorded), opened=True))
+    levels = level_grid(recorded[-1].dataset(), recorded[-1].spans)
+    if levels is not None:
+        body.append(page.section("Levels", [page.table(levels)]))
+    body.append(page.section("Features", [page.table(features_grid(own.table))]))
+    body.append(page.section("Recordings", [page.table(recordings_grid(recorded))]))
+    write_whole(path, page.document(title, body))
+    return path
+
+
+def _figures(judged: JudgedFile, recorded: Sequence[Part]) -> list[str]:
+    parts = brought_together(recorded)
+    features = features_of(parts)
+    drawn = curves(parts, _channel(judged, parts[-1]), _shaft(judged, features.tables[-1].component))
+    names = [f"{letter}  {part.name}" for letter, part in zip(LETTERS, parts, strict=False)]
+    behind = _BEHIND if len(parts) > 1 else ""
+    return [
+        page.picture(figure, _CAPTIONS[name.partition("-")[0]] + ("" if name == "rms" else behind))
+        for name, figure in comparison_figures(drawn, features, parts, names).items()
+    ]
+
+
+def _channel(judged: JudgedFile, part: Part) -> Channel:
+    """That of the strongest evidence, else the one with the highest rms."""
+    if judged.verdict is not None:
+        evidence = judged.verdict.first.evidence
+        if (evidence.sensor, evidence.axis) in part.channels:
+            return evidence.sensor, evidence.axis
+    return chosen_channel(part, None, None)
+
+
+def _shaft(judged: JudgedFile, components: Sequence[str]) -> str:
+    """The shaft of the strongest evidence, else the first one that turns often enough."""
+    turning = [shaft.name for shaft in judged.kinematics.shafts if shaft.name in components]
+    first = "" if judged.verdict is None else judged.kinematics.shaft_of(judged.verdict.first.component)
+    return first if first in turning else turning[0]
