@@ -82,6 +82,9 @@ def test_weaker_lowering_reads_weaker():
     depth = {w: modulation(found.lines.where(window=w), "faulty") for w in WINDOWS}
     assert depth["lifting"] - depth["lowering"] > 6
     assert "higher in lifting" in directions(found)
+    more = diagnose(response(lowering=0.1), response("healthy"), settings(windows=WINDOWS | {"end": (3.5, 5.0)}))
+    assert directions(more) == directions(found)  # of the first two windows, however many there are
+    assert not directions(diagnose(response(), response("healthy"), settings(windows={"lifting": WINDOWS["lifting"]})))
 
 
 def test_rope_mode_on_a_line_is_named():

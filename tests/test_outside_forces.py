@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from mbd.forces.torque import Torque
+from mbd.parts.checks import MachineError
 from pipelines.engine.storage import digest
 from pipelines.io.errors import SceneError
 from pipelines.machine.machine import make_plant
@@ -42,3 +44,9 @@ def test_the_motion_is_computed_anew_for_another_torque():
 def test_impossible_forces_are_refused(changes, message):
     with pytest.raises(SceneError, match=message):
         scene(**changes)
+
+
+@pytest.mark.parametrize("times", [(0.5, 0.5), (0.5, 0.2)])
+def test_times_of_a_torque_that_do_not_rise_are_refused(times):
+    with pytest.raises(MachineError, match=r"must increase strictly\. Spread a jump over at least one sample"):
+        Torque(name="push", shaft="shaft_1", y=0.0, times=np.array(times), torques=np.zeros(2))
