@@ -15,8 +15,6 @@ from pipelines.signals.orders.tachometer import angle_from_pulses, find_pulses
 if TYPE_CHECKING:
     import xarray
 
-QUARTER_TURN = 0.5 * np.pi  # rad; revolutions of a shaft are not known apart where its angle is less certain
-
 
 def rotation_of(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
     """The rotation from recorded shaft angles, else from a tachometer, else from the vibration alone.
@@ -78,12 +76,6 @@ def _from_pulses(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
     time = np.asarray(recording.time, dtype=float)
     pulses = find_pulses(np.asarray(tachometer, dtype=float), time, tachometer.attrs.get("level"))
     turning = angle_from_pulses(pulses, per_turn, time)
-    if turning.error > QUARTER_TURN:
-        raise RotationError(
-            f"tachometer: {len(pulses.time)} pulses give the angle from end to end to {turning.error:.2g} rad; the "
-            f"limit is {QUARTER_TURN:.2g} rad. Correct level, cut the recording, or delete the tachometer and set "
-            "speed_rpm."
-        )
     mended = [f"{number} {kind}" for number, kind in ((pulses.missing, "missing"), (pulses.double, "double")) if number]
     words = f"tachometer on {shown(name)}, {per_turn:g} pulse{'' if per_turn == 1.0 else 's'} per turn"
     return Rotation(

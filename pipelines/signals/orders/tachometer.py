@@ -131,7 +131,7 @@ def _around(spans: np.ndarray) -> np.ndarray:
     """The median of the intervals around each."""
     from scipy.ndimage import median_filter
 
-    return median_filter(spans, size=min(_AROUND, len(spans)), mode="nearest")
+    return median_filter(spans, size=min(_AROUND, len(spans)), mode="mirror")
 
 
 def angle_from_pulses(pulses: Pulses, pulses_per_turn: float, time: np.ndarray) -> Turning:
