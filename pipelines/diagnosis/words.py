@@ -51,7 +51,7 @@ def sentences(verdict: Verdict) -> tuple[str, ...]:
         found.append(f"Its orders cannot be distinguished from those of {', '.join(verdict.first.alike)}.")
     found.append(compared(verdict))
     if verdict.left_out:
-        found.append(f"Left out because of too few revolutions: {'; '.join(verdict.left_out)}.")
+        found.append(f"Left out: {'; '.join(verdict.left_out)}.")
     return tuple(found)
 
 

@@ -70,6 +70,7 @@ def judge_file(
     InputError : a file or the machine cannot be used, or the recordings cannot be compared
     """
     from pipelines.diagnosis.verdict import BaselineError, judge
+    from pipelines.signals.features.table import with_common_components
 
     path = recording_path(source)
     known, windows = machine_of(path, machine)
@@ -78,8 +79,9 @@ def judge_file(
     others = [
         read_features(recording_path(one), known, chosen, stream=2 + number) for number, one in enumerate(healthy)
     ]
+    tables = with_common_components([one.table for one in (own, *others)])
     try:
-        verdict = judge(own.table, [one.table for one in others], known.kinematics) if others else None
+        verdict = judge(tables[0], tables[1:], known.kinematics) if others else None
     except BaselineError as error:
         raise InputError(f"{shown(path)}: {error}") from error
     named = {shown(one): recorded for one, recorded in zip(healthy, others, strict=True)}
@@ -111,6 +113,7 @@ def judge_recordings(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset
     from pipelines.diagnosis.simulated import FeatureSettings, run_features
     from pipelines.diagnosis.verdict import BaselineError, judge
     from pipelines.signals.features.recorded import FeatureError
+    from pipelines.signals.features.table import with_common_components
     from pipelines.signals.orders.rotation import RotationError
 
     settings = FeatureSettings(kinematics=kinematics, windows={})
@@ -121,6 +124,7 @@ def judge_recordings(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset
             tables.append(run_features(one, settings, stream))
         except (FeatureError, RotationError) as error:
             raise InputError(f"{name}: {error}") from error
+    tables = with_common_components(tables)
     try:
         return judge(tables[0], tables[1:], kinematics)
     except BaselineError as error:
@@ -216,9 +220,12 @@ def _turning(
     meshes = "".join(
         f", f_m {order * frequency:.5g} Hz (stage {stage})" for stage, order in kinematics.mesh_orders().items()
     )
+    conditional = "".join(
+        f" The speed of {shaft} is conditional: {reason}." for shaft, reason in rotation.conditional.items()
+    )
     words = (
         f"{kinematics.shafts[0].name} turns {turned:.1f} times in {start:.4g} to {end:.4g} s: {60 * frequency:.5g} "
-        f"rpm{known}, f_r {frequency:.5g} Hz{meshes}. Source: {rotation.source}."
+        f"rpm{known}, f_r {frequency:.5g} Hz{meshes}. Source: {rotation.source}.{conditional}"
     )
     return words, frequency
 
@@ -234,7 +241,7 @@ def file_words(found: JudgedFile) -> str:
     parts.append("There is no verdict without healthy recordings to compare with. Give some: --baseline FILE FILE ...")
     parts.append(features_grid(found.recorded.table).to_text())
     if found.recorded.table.left_out:
-        parts.append(f"Left out because of too few revolutions: {'; '.join(found.recorded.table.left_out)}.")
+        parts.append(f"Left out: {'; '.join(found.recorded.table.left_out)}.")
     return "\n\n".join(parts) + "\n"
 
 

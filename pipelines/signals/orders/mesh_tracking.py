@@ -36,7 +36,9 @@ TURNS = 2  # of the slower shaft in a window of the phase
 SIDEBANDS = 2  # of each shaft on either side that the rough search looks at
 CHANNELS = 6  # of the steadiest mesh lines
 WIDER = 0.35  # about the nominal speed: a better speed beyond RANGE is seen
-MARGIN = 0.7  # of the score: right teeth gave a second best of up to 0.57, a wrong speed of a confirmed shaft 0.75 or more
+MARGIN = (
+    0.7  # of the score: right teeth gave a second best of up to 0.57, a wrong speed of a confirmed shaft 0.75 or more
+)
 SWING = 3e-4  # rad, of a geared shaft within a tooth mesh, which no window resolves
 ROUNDS = 4  # of bringing to rest and mending
 FEWEST_WINDOWS = 6
@@ -72,7 +74,7 @@ def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) ->
         missing = "its nominal speed" if kinematics.gears else "the teeth of its gears"
         raise RotationError(
             f"no angle, no tachometer, and {missing} unknown: the speed cannot be found in the vibration. Record a "
-            f"tachometer, or give {missing} in the description of the machine."
+            f"tachometer, give {missing} in the machine file, or set speed with its uncertainty."
         )
     nominal = kinematics.frequency
     stage, mesh = max(kinematics.mesh_orders().items(), key=lambda item: item[1])
@@ -122,12 +124,19 @@ def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) ->
 
 
 def _tracked(
-    signals: Sequence[np.ndarray], angle: np.ndarray, orders: np.ndarray, size: int, unsteady: str, most: int = HARMONICS
+    signals: Sequence[np.ndarray],
+    angle: np.ndarray,
+    orders: np.ndarray,
+    size: int,
+    unsteady: str,
+    most: int = HARMONICS,
 ) -> tuple[np.ndarray, float, int]:
     """The angle by so many of the steadiest lines at most, the uncertainty of its climb, and the number of lines."""
     error, used = np.inf, 0
     for _ in range(ROUNDS):
-        lines = sorted((_at_rest(signals, angle, order, size) for order in orders), key=lambda one: one.scatter / one.order)
+        lines = sorted(
+            (_at_rest(signals, angle, order, size) for order in orders), key=lambda one: one.scatter / one.order
+        )
         steady = [line for line in lines if line.scatter < STEADY and line.largest < LARGEST][:most]
         if not steady:
             raise RotationError(unsteady)
@@ -136,9 +145,7 @@ def _tracked(
     return angle, error, used
 
 
-def _at_best_speed(
-    signals: Sequence[np.ndarray], angle: np.ndarray, rate: float, kinematics: Kinematics
-) -> np.ndarray:
+def _at_best_speed(signals: Sequence[np.ndarray], angle: np.ndarray, rate: float, kinematics: Kinematics) -> np.ndarray:
     """The angle by the factor that all lines of the train support.
 
     Raises

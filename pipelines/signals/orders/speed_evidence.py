@@ -9,8 +9,8 @@ wrong speeds are due to lines of other stages and to rational multiples such as 
 Mesh orders cannot show wrong tooth numbers of their own: f_m1 / f_m2 = z_2 / z_3 does not depend on z_1. So a shaft is
 confirmed only if its spacing is measured. The lines that other shafts can explain are left out, and the spacing of the
 sidebands is changed within SPACINGS: at the spacing by the tooth numbers the mean level must stand out, and clearly
-more than at the spacings of gears with one tooth more or less. This must hold without the sidebands at multiples of 2, 3
-and 5 of the shaft's order, which are lines, too, where the true speed is a rational multiple. Midway between the
+more than at the spacings of gears with one tooth more or less. This must hold without the sidebands at multiples of 2,
+3 and 5 of the shaft's order, which are lines, too, where the true speed is a rational multiple. Midway between the
 sidebands, where there are lines if the true speed is half of it, the level must be clearly lower.
 
 References

@@ -30,7 +30,9 @@ _DOUBLE = 0.4  # of the usual interval: the next pulse comes too early
 _MOST_MISSING = 5  # at one place; the machine stops rather than lose more
 _NEAR = 0.2  # of an interval from a whole multiple
 _SLOW = 1.5  # times the median interval of the recording: the machine starts or stops
-MOST_DAMAGED = 0.05  # of the pulses: five of nine intervals, which would mislead their median, then have a chance of 4e-5
+MOST_DAMAGED = (
+    0.05  # of the pulses: five of nine intervals, which would mislead their median, then have a chance of 4e-5
+)
 
 
 class Pulses(NamedTuple):
@@ -158,13 +160,11 @@ def angle_from_pulses(pulses: Pulses, pulses_per_turn: float, time: np.ndarray) 
     curve = smooth(at, before, after)
     reached = curve.values[0] <= time[0] and curve.values[-1] >= time[-1]
     if reached and np.all(np.diff(curve.values) > 0.0) and curve.noise < _DOUBLE * np.diff(at).min():
-        turned = CubicSpline(curve.values, places)(time)
+        turned, climb = CubicSpline(curve.values, places)(time), curve.climb / np.ptp(curve.values)
     else:
         ends = at[0] - np.arange(before, 0, -1) * (at[1] - at[0]), at[-1] + np.arange(1, after + 1) * (at[-1] - at[-2])
-        turned = PchipInterpolator(np.concatenate([ends[0], at, ends[1]]), places)(time)
+        turned, climb = PchipInterpolator(np.concatenate([ends[0], at, ends[1]]), places)(time), 0.0
     angle = 2.0 * np.pi / pulses_per_turn * (together * turned + 0.5 * (together - 1))
     sampled = float(time[1] - time[0]) / math.sqrt(6.0 * together)
     speed = (angle[-1] - angle[0]) / (time[-1] - time[0])
-    return Turning(
-        angle=angle, error=float(speed * max(curve.climb * (time[-1] - time[0]) / np.ptp(curve.values), sampled))
-    )
+    return Turning(angle=angle, error=float(speed * max(climb * (time[-1] - time[0]), sampled)))
