@@ -1,7 +1,8 @@
 """Recording: the signals of a measured file in the form that the response of a run has.
 
 A dataset with `acceleration` (time, sensor, axis) in m/s2 over even steps of `time` in s, `tachometer` (time) where
-there is one, and `known_speed` (time) in Hz where the machine file gives it. Axes that a sensor does not have are NaN. Samples are read from the file when they are looked at.
+there is one, and `known_speed` (time) in Hz where the machine file gives it. Axes that a sensor does not have are NaN.
+Samples are read from the file when they are looked at.
 """
 
 from __future__ import annotations
