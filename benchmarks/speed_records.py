@@ -1,4 +1,8 @@
-"""Simulated records of the shipped machines for the judgement of speeds found in vibration: made once, kept in a folder.
+"""Speeds found in the vibration of simulated records, judged: right, conditional, refused or wrong.
+
+python -m benchmarks.speed_records FOLDER [PART] makes the records of a part (`judged`, `calibration`) that are not yet
+in the folder, which takes an hour, and prints a table. A speed is the slope of the found angle over the true one. It is
+right within 1e-4, and wrong if that of any shaft without a condition is not.
 
 A record is a healthy or a damaged bench, reducer or hoist rig with plane mesh laws, at a speed that drifts by 0.2 %,
 with random pitch deviations, load and sensor noise. Records of calibration have random speeds and loads; those that
@@ -7,6 +11,8 @@ are judged lie near the operating points, where there are healthy baselines.
 
 from __future__ import annotations
 
+import sys
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,8 +23,18 @@ import xarray
 
 import gearcase
 from pipelines.scene.merge import Whole
+from pipelines.signals.orders.kinematics import Gear, Kinematics, Shaft
+from pipelines.signals.orders.rotation import RotationError
+from pipelines.signals.orders.rotation_of import rotation_of
 
 START = 0.5  # s; the run-up is over
+RIGHT = 1e-4  # of a speed
+Teeth = tuple[tuple[int, int], ...]
+TEETH: dict[str, Teeth] = {
+    "bench": ((25, 62),),
+    "reducer": ((23, 67), (21, 59)),
+    "rig": ((20, 55), (21, 62), (22, 65)),
+}
 
 
 class Bed(NamedTuple):
@@ -36,7 +52,8 @@ class Bed(NamedTuple):
 _PLANE = Whole({"model": "plane"})
 BEDS = {
     "bench": Bed(
-        "bench", 3.0, 12800.0, 39.0, ((1500.0, 100.0), (1100.0, 60.0), (1750.0, 130.0)), "load.torque_N_m", {"faults": []}
+        "bench", 3.0, 12800.0, 39.0, ((1500.0, 100.0), (1100.0, 60.0), (1750.0, 130.0)), "load.torque_N_m",
+        {"faults": []},
     ),
     "reducer": Bed("reducer", 5.0, 12800.0, 39.0, ((1400.0, 1.0), (1000.0, 1.0)), "", {}),
     "rig": Bed(
@@ -122,3 +139,75 @@ PARTS = {
     "judged": (5000, {"bench": 42, "reducer": 30, "rig": 20}, {"bench": 16, "reducer": 14, "rig": 10}),
     "baseline": (9000, dict.fromkeys(BEDS, 8), {}),
 }
+KINDS = {
+    "nominal off by 25 %": ("healthy", 0.0, 0.25, False),
+    "off by 35 to 60 %": ("healthy", 0.35, 0.60, False),
+    "wrong tooth numbers": ("healthy", 0.0, 0.10, True),
+    "damaged, off by 25 %": ("faulty", 0.0, 0.25, False),
+}
+
+
+def judged(specimen: Specimen, run: xarray.Dataset, kind: str) -> str:
+    """What comes of a record whose machine file has a wrong nominal speed or wrong teeth, drawn by its seed."""
+    _, least, most, wrong = KINDS[kind]
+    random = np.random.default_rng([specimen.seed, 2, list(KINDS).index(kind)])
+    teeth = TEETH[specimen.bed]
+    off = random.uniform(least, most) * random.choice([-1, 1])
+    true = run.shaft_angle.sel(shaft="shaft_1").values
+    true = np.abs(true - true[0])
+    frequency = true[-1] / (2 * np.pi) / float(run.time[-1] - run.time[0])
+    given = train(wrong_teeth(random, teeth) if wrong else teeth, frequency * (1 + off))
+    try:
+        found = rotation_of(run[["acceleration"]], given)
+    except RotationError:
+        return "refused"
+    time = run.time.values - float(run.time.mean())
+    factor = (time @ found.angle) / (time @ true)
+    errors = {
+        one.name: factor * one.ratio / other.ratio - 1
+        for one, other in zip(given.shafts, train(teeth, frequency).shafts, strict=True)
+    }
+    if any(abs(error) > RIGHT for name, error in errors.items() if name not in found.conditional):
+        return "wrong"
+    return "conditional" if given.shafts[0].name in found.conditional else "right"
+
+
+def wrong_teeth(random: np.random.Generator, teeth: Teeth) -> Teeth:
+    """One tooth more or less of one gear, or the first two stages transposed."""
+    choice = int(random.integers(2 * len(teeth) + (len(teeth) > 1)))
+    if choice == 2 * len(teeth):
+        return (teeth[1], teeth[0], *teeth[2:])
+    changed = [list(pair) for pair in teeth]
+    changed[choice // 2][choice % 2] += int(random.choice([-1, 1]))
+    return tuple((pair[0], pair[1]) for pair in changed)
+
+
+def train(teeth: Teeth, frequency: float) -> Kinematics:
+    """Pairs in series."""
+    ratios = np.cumprod([1.0, *(driving / driven for driving, driven in teeth)])
+    return Kinematics(
+        shafts=tuple(Shaft(name=f"shaft_{number}", ratio=float(ratio)) for number, ratio in enumerate(ratios, 1)),
+        gears=tuple(
+            Gear(name=f"stage {stage} {name}", shaft=f"shaft_{stage + place}", stage=stage, teeth=pair[place])
+            for stage, pair in enumerate(teeth, 1)
+            for place, name in enumerate(("pinion", "wheel"))
+        ),
+        frequency=frequency,
+    )
+
+
+def main(folder: str, part: str = "judged") -> None:
+    """Judge the records of a part and print how many of each kind are right, conditional, refused or wrong."""
+    counts = {kind: Counter[str]() for kind in KINDS}
+    for specimen in specimens(part, *PARTS[part]):
+        run = record(specimen, Path(folder))
+        for kind, (state, *_) in KINDS.items():
+            if state == ("faulty" if specimen.fault else "healthy"):
+                verdict = judged(specimen, run, kind)
+                counts[kind][verdict] += 1
+                print(specimen.name, kind, verdict, flush=True)
+    print(*(f"{kind}: {dict(count)}" for kind, count in counts.items()), sep="\n")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

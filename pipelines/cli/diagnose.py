@@ -95,7 +95,8 @@ def main(options: argparse.Namespace) -> Iterator[str]:
             healthy = [one for one in options.baseline if shown(one) not in left][:1]
             target.mkdir(parents=True, exist_ok=True)
             parts = recorded_parts([*healthy, options.run], options.machine, window)
-            yield f"\nreport: {write_recording_page(target / 'report.html', judged, parts)}"
+            written = write_recording_page(target / "report.html", judged, parts)
+            yield "" if options.json else f"\nreport: {written}"
         return
     from pipelines.diagnosis.export import diagnosis_facts
     from pipelines.diagnosis.uncertainty.words import bars_words
@@ -103,11 +104,11 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.runs.diagnosed import diagnose_folder, folder_bars, judge_folder
     from pipelines.steps.diagnosing import words
 
-    found, judged = diagnose_folder(path.parent, options.settings), judge_folder(path.parent)
+    found, answered = diagnose_folder(path.parent, options.settings), judge_folder(path.parent)
     bars = folder_bars(path.parent, found, options.settings, Work())
     if options.json:
         facts = bars if isinstance(bars, str) else bars.to_dict()
-        yield json_text({"verdict": judged["cases"]} | diagnosis_facts([found]) | {"error_bars": facts})
+        yield json_text({"verdict": answered["cases"]} | diagnosis_facts([found]) | {"error_bars": facts})
     else:
-        answer = judged["words"] or f"No verdict: {judged['failure']}\n"
+        answer = answered["words"] or f"No verdict: {answered['failure']}\n"
         yield f"{answer}\n{words([found])}\n{bars_words(bars)}"

@@ -59,7 +59,7 @@ def sentences(verdict: Verdict) -> tuple[str, ...]:
         found.append(f"Features that differ: {', '.join(named)}{f' and {more} more' if more else ''}.")
     found += compared(verdict)
     if verdict.left_out:
-        found.append(f"Left out because of too few revolutions: {'; '.join(verdict.left_out)}.")
+        found.append(f"Left out: {'; '.join(verdict.left_out)}.")
     return tuple(found)
 
 

@@ -124,7 +124,8 @@ def _shafts(table: MachineTable) -> tuple[list[Shaft], list[Problem]]:
     if missing:
         problems.append(Problem("shafts", f"shaft {missing[0]} is in no pair", "Number the shafts 1, 2, 3, ..."))
     named = [(f"bearings.{number}.shaft", bearing.shaft) for number, bearing in enumerate(table.bearings, 1)]
-    named += [] if table.tachometer is None else [("tachometer.shaft", table.tachometer.shaft)]
+    sources = {"tachometer": table.tachometer, "speed": table.speed}
+    named += [(f"{key}.shaft", source.shaft) for key, source in sources.items() if source is not None]
     for path, shaft in named:
         if shaft not in speeds:
             problems.append(

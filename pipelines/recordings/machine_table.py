@@ -80,6 +80,24 @@ class TachometerTable(Table):
     ] = None
 
 
+class SpeedTable(Table):
+    """The speed of a shaft, if it is known: a constant, or a channel."""
+
+    rpm: Annotated[Positive | None, Field(description="constant speed")] = None
+    channel: Annotated[Channel | None, Field(description="channel of the speed: its name or number in the file")] = None
+    units: Annotated[Literal["rpm", "Hz"], Field(description="units of the channel")] = "rpm"
+    shaft: Annotated[ShaftNumber, Field(description="number of the shaft with this speed")] = 1
+    uncertainty_percent: Annotated[
+        Positive, Field(le=2, description="standard uncertainty of the mean speed, at most that of pass orders by slip")
+    ]
+
+    @model_validator(mode="after")
+    def _one_way(self) -> SpeedTable:
+        if (self.rpm is None) == (self.channel is None):
+            raise ValueError("give either rpm, a constant speed, or channel, which contains the speed")
+        return self
+
+
 class BearingTable(Table):
     """A rolling bearing, by its geometry or by its pass orders."""
 
@@ -129,8 +147,12 @@ class MachineTable(Table):
     ] = ()
     bearings: Annotated[tuple[BearingTable, ...], Field(max_length=200, description="rolling bearings")] = ()
     speed_rpm: Annotated[
-        Positive | None, Field(description="speed of the first shaft; not needed with a tachometer")
+        Positive | None,
+        Field(
+            description="speed of the first shaft, from which the search begins; not needed with tachometer or speed"
+        ),
     ] = None
+    speed: Annotated[SpeedTable | None, Field(description="known speed, instead of a search in the vibration")] = None
     rate_Hz: Annotated[Positive | None, Field(description="sampling rate, if the recording does not hold it")] = None
     time: Annotated[
         ChannelName | Literal[False] | None,
@@ -174,8 +196,10 @@ class MachineTable(Table):
             yield f"ratios: the first is {self.ratios[0]:g} and must be 1; give the speeds over that of the first shaft"
         if self.shafts is not None and len(self.shafts) != len(self.teeth):
             yield f"shafts has {len(self.shafts)} pairs of numbers, teeth has {len(self.teeth)}; give as many"
-        if self.speed_rpm is None and self.tachometer is None:
-            yield "speed_rpm is missing. Set the speed of the first shaft, or a tachometer"
+        if self.speed_rpm is None and self.tachometer is None and self.speed is None:
+            yield "speed_rpm is missing. Set the speed of the first shaft, a tachometer, or speed"
+        if self.tachometer is not None and self.speed is not None:
+            yield "tachometer and speed are both given; delete one of them"
 
     def _signals(self) -> Iterator[str]:
         for key, by_sensor in (("scale", self.scale), ("sensitivity_mV_g", self.sensitivity_mV_g)):

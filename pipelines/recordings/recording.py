@@ -1,7 +1,8 @@
 """Recording: the signals of a measured file in the form that the response of a run has.
 
-A dataset with `acceleration` (time, sensor, axis) in m/s2 over even steps of `time` in s, and `tachometer` (time) where
-there is one. Axes that a sensor does not have are NaN. Samples are read from the file when they are looked at.
+A dataset with `acceleration` (time, sensor, axis) in m/s2 over even steps of `time` in s, `tachometer` (time) where
+there is one, and `known_speed` (time) in Hz where the machine file gives it. Axes that a sensor does not have are NaN.
+Samples are read from the file when they are looked at.
 """
 
 from __future__ import annotations
@@ -70,15 +71,17 @@ def _response(path: Path) -> xarray.Dataset:
 
 
 def _recording(contents: Contents, machine: Machine, path: Path, form: str) -> xarray.Dataset:
-    source, table, tachometer = shown(path), machine.table, machine.table.tachometer
+    source, table, tachometer, speed = shown(path), machine.table, machine.table.tachometer, machine.table.speed
     clock = _clock(contents, machine, source)
-    pulses = None if tachometer is None else channel_of(contents, tachometer.channel, source)
+    named = tachometer.channel if tachometer is not None else None if speed is None else speed.channel
+    pulses = None if named is None else channel_of(contents, named, source)
     places = _places(contents, machine, [one for one in (clock, pulses) if one is not None], source)
     signals = [channel for axes in places.values() for channel in axes.values()]
     used = [*signals, *([] if pulses is None else [pulses])]
     _check_lengths([*used, *([] if clock is None else [clock])], source)
     extremes = {channel.name: checked_extremes(channel, source) for channel in used}
-    places, silent = _without_silent(places, extremes, [*([] if pulses is None else [pulses])], machine, source)
+    needed = [pulses] if pulses is not None and (tachometer is not None or np.isnan(extremes[pulses.name][0])) else []
+    places, silent = _without_silent(places, extremes, needed, machine, source)
     rate, start = sampling(used, clock, table.rate_Hz, source)
     scales = {
         (sensor, axis): _to_si(channel, sensor, machine, source)
@@ -93,6 +96,13 @@ def _recording(contents: Contents, machine: Machine, path: Path, form: str) -> x
         marks = {"pulses_per_turn": tachometer.pulses_per_turn, "shaft": shaft_name(tachometer.shaft)}
         marks |= {} if tachometer.level is None else {"level": tachometer.level}
         variables["tachometer"] = _variable((), pulses, 1.0, marks | {"units": pulses.units})
+    if speed is not None:
+        known = {"shaft": shaft_name(speed.shaft), "uncertainty": speed.uncertainty_percent / 100, "units": "Hz"}
+        variables["known_speed"] = (
+            xarray.Variable("time", np.broadcast_to(speed.rpm / 60, used[0].size), known)
+            if speed.rpm is not None
+            else _variable((), pulses, 1.0 if speed.units == "Hz" else 1 / 60, known)
+        )
     found = xarray.Dataset(
         variables,
         coords={

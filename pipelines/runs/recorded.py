@@ -77,15 +77,17 @@ def judge_file(
     """
     from pipelines.diagnosis.baseline import BaselineError
     from pipelines.diagnosis.verdict import judge
+    from pipelines.signals.features.table import with_common_components
 
     path = recording_path(source)
     known, windows = machine_of(path, machine)
     chosen = {"the window": window} if window else windows
     own = read_features(path, known, chosen)
     others = [read_features(recording_path(one), known, chosen) for one in healthy]
+    tables = with_common_components([one.table for one in (own, *others)])
     try:
         names = [shown(one) for one in healthy]
-        verdict = judge(own.table, [one.table for one in others], known.kinematics, names) if others else None
+        verdict = judge(tables[0], tables[1:], known.kinematics, names) if others else None
     except BaselineError as error:
         raise InputError(f"{shown(path)}: {error}") from error
     named = {shown(one): recorded for one, recorded in zip(healthy, others, strict=True)}
@@ -139,6 +141,7 @@ def judge_recordings(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset
     from pipelines.diagnosis.simulated import FeatureSettings, run_features
     from pipelines.diagnosis.verdict import judge
     from pipelines.signals.features.recorded import FeatureError
+    from pipelines.signals.features.table import with_common_components
     from pipelines.signals.orders.rotation import RotationError
 
     settings = FeatureSettings(kinematics=kinematics, windows={})
@@ -149,6 +152,7 @@ def judge_recordings(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset
             tables.append(run_features(one, settings))
         except (FeatureError, RotationError) as error:
             raise InputError(f"{name}: {error}") from error
+    tables = with_common_components(tables)
     try:
         return judge(tables[0], tables[1:], kinematics)
     except BaselineError as error:
@@ -243,9 +247,12 @@ def _turning(
     meshes = "".join(
         f", f_m {order * frequency:.5g} Hz (stage {stage})" for stage, order in kinematics.mesh_orders().items()
     )
+    conditional = "".join(
+        f" The speed of {shaft} is conditional: {reason}." for shaft, reason in rotation.conditional.items()
+    )
     words = (
         f"{kinematics.shafts[0].name} turns {turned:.1f} times in {start:.4g} to {end:.4g} s: {60 * frequency:.5g} "
-        f"rpm{known}, f_r {frequency:.5g} Hz{meshes}. Source: {rotation.source}."
+        f"rpm{known}, f_r {frequency:.5g} Hz{meshes}. Source: {rotation.source}.{conditional}"
     )
     return words, frequency
 
@@ -261,7 +268,7 @@ def file_words(found: JudgedFile) -> str:
     parts.append(found.no_verdict)
     parts.append(features_grid(found.recorded.table).to_text())
     if found.recorded.table.left_out:
-        parts.append(f"Left out because of too few revolutions: {'; '.join(found.recorded.table.left_out)}.")
+        parts.append(f"Left out: {'; '.join(found.recorded.table.left_out)}.")
     return "\n\n".join(parts) + "\n"
 
 

@@ -41,6 +41,7 @@ OF_PLAIN_SHAFT = ("tsa_rms", "tsa_kurtosis")  # no gear on it is known
 PASSING = "pass_order"
 OF_GEAR = ("difference_rms", "fm4")  # of its shaft
 OF_STAGE = ("fm0", "sideband_ratio")  # of its mesh
+QUARTER = 0.25  # turn, of uncertainty over all turns: averages over turns need less
 GUARD_ORDER = 10.0  # of the fastest shaft: the guard where no tooth counts are known
 
 
@@ -84,15 +85,23 @@ def feature_table(
                 f"{time[-1]:g} s. Set a window within it."
             )
         inside = slice(np.searchsorted(time, window[0]), np.searchsorted(time, window[1], side="right"))
-        cuts = {shaft: cut_turns(signal, time, rotation, shaft.ratio, window) for shaft in kinematics.shafts}
+        known = [shaft for shaft in kinematics.shafts if shaft.name not in rotation.conditional]
+        cuts = {shaft: cut_turns(signal, time, rotation, shaft.ratio, window) for shaft in known}
         turning = [(shaft, cut) for shaft, cut in cuts.items() if cut is not None and cut.count >= FEWEST_TURNS]
         if not turning:
-            raise FeatureError(f"{name}: no shaft makes {FEWEST_TURNS} revolutions. Choose a longer window.")
+            reasons = "".join(f" {shaft}: {reason}." for shaft, reason in rotation.conditional.items())
+            raise FeatureError(
+                f"{name}: no shaft of known speed makes {FEWEST_TURNS} revolutions.{reasons} Choose a longer window, "
+                "correct teeth, or record a tachometer."
+            )
         bands[name] = envelope_band(kinematics, time, turning[0][1].frequency / turning[0][0].ratio)
         whole = statistics(signal[:, inside])
         found: Lines = {(WHOLE, feature): whole[feature] for feature in OF_SIGNAL}
         for shaft, cut in turning:
             lines, marks = _shaft_lines(cut, bands[name], shaft, kinematics)
+            if rotation.error * cut.count > QUARTER:  # no averages over turns, and pass orders allow slip
+                strikes = {strike for bearing in kinematics.bearings for strike in bearing.strikes}
+                lines, marks = {line: value for line, value in lines.items() if line[0] in strikes}, {}
             found |= lines
             teeth = (marks if rotation.places_teeth(shaft.name) else {}) | teeth  # those of the first window count
         per_window.append(found)
@@ -208,7 +217,7 @@ def _left_out(
     there: set[str],
     windows: Mapping[str, tuple[float, float]],
 ) -> tuple[str, ...]:
-    """What turns too seldom in every window, and the window that it would take."""
+    """What turns too seldom in every window, and the window that it would take; shafts whose speed is conditional."""
     start, end = max(windows.values(), key=lambda window: window[1] - window[0])
     first, last = np.searchsorted(time, start), min(int(np.searchsorted(time, end)), len(time) - 1)
     turns = abs(float(rotation.angle[last] - rotation.angle[first])) / (2.0 * math.pi)
@@ -218,5 +227,8 @@ def _left_out(
             on_it = [gear.name for gear in kinematics.gears_on(shaft.name)]
             named = f"{shaft.name} ({', '.join(on_it)})" if on_it else shaft.name
             needed = (FEWEST_TURNS + 1) * (end - start) / max(turns * shaft.ratio, 1e-9)
-            words.append(f"{named}: {turns * shaft.ratio:.2g} turns in a window, {needed:.3g} s would be needed")
+            reason = f"{turns * shaft.ratio:.2g} turns in a window, {needed:.3g} s would be needed"
+            if (uncertain := rotation.error * turns * shaft.ratio) > QUARTER:
+                reason = f"its angle is known to {uncertain:.2g} turns, and averages need {QUARTER:g}"
+            words.append(f"{named}: {rotation.conditional.get(shaft.name, reason)}")
     return tuple(words)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,7 +22,7 @@ class FeatureTable(Record):
 
     A line is a feature of a component. `gear` and `tooth` name the tooth of each gear that stands out most, which means
     something only if the gear is damaged; `window`, `band_low` and `band_high` are the bands of the envelopes;
-    `left_out` says in words which components do not turn often enough, and what it would take.
+    `left_out` are the shafts that do not turn often enough, or whose speed is conditional, with the reason.
     """
 
     sensor: tuple[str, ...] = names("channel")
@@ -64,6 +64,26 @@ class FeatureTable(Record):
             for j, line in enumerate(self.lines)
         }
         return labelled_array(values, ("sensor", "axis", "component", "feature")).rename("features")
+
+
+def with_common_components(tables: Sequence[FeatureTable]) -> list[FeatureTable]:
+    """The tables with the components that all have; the others are named among those left out."""
+    common = set.intersection(*(set(table.component) for table in tables))
+    found = []
+    for table in tables:
+        kept = [number for number, component in enumerate(table.component) if component in common]
+        dropped = [name for name in dict.fromkeys(table.component) if name not in common]
+        reason = (f"{', '.join(dropped)}: not in all recordings, in which their speed is conditional or too low",)
+        found.append(
+            replace(
+                table,
+                component=tuple(table.component[number] for number in kept),
+                feature=tuple(table.feature[number] for number in kept),
+                value=table.value[:, kept],
+                left_out=table.left_out + (reason if dropped else ()),
+            )
+        )
+    return found
 
 
 def labelled_array(values: Mapping[tuple[str, ...], float], dims: Sequence[str]) -> xarray.DataArray:

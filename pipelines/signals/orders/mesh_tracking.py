@@ -74,7 +74,7 @@ def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) ->
         missing = "its nominal speed" if kinematics.gears else "the teeth of its gears"
         raise RotationError(
             f"no angle, no tachometer, and {missing} unknown: the speed cannot be found in the vibration. Record a "
-            f"tachometer, or give {missing} in the description of the machine."
+            f"tachometer, give {missing} in the machine file, or set speed with its uncertainty."
         )
     nominal = kinematics.frequency
     stage, mesh = max(kinematics.mesh_orders().items(), key=lambda item: item[1])

@@ -15,17 +15,15 @@ from pipelines.signals.orders.tachometer import angle_from_pulses, find_pulses
 if TYPE_CHECKING:
     import xarray
 
-QUARTER_TURN = 0.5 * np.pi  # rad; revolutions of a shaft are not known apart where its angle is less certain
-
 
 def rotation_of(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
-    """The rotation from recorded shaft angles, else from a tachometer, else from the vibration alone.
+    """The rotation from recorded shaft angles, else from a tachometer or a known speed, else from the vibration.
 
     Parameters
     ----------
     recording : `acceleration` (time, sensor, axis), coordinate `time` in s at even steps; `shaft_angle` (time, shaft)
         in rad or `tachometer` (time), if there are any, the latter with the attributes `pulses_per_turn`, `shaft` and,
-        where it is known, `level` of a pulse
+        where it is known, `level` of a pulse; or `known_speed` (time) in Hz with `shaft` and relative `uncertainty`
     kinematics : of the machine
 
     Raises
@@ -37,6 +35,8 @@ def rotation_of(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
         return _recorded(recording, kinematics)
     if "tachometer" in recording:
         return _from_pulses(recording, kinematics)
+    if "known_speed" in recording:
+        return _from_speed(recording, kinematics)
     time = np.asarray(recording.time, dtype=float)
     acceleration = np.asarray(recording.acceleration.transpose("time", "sensor", "axis"))
     channels = acceleration.reshape(len(time), -1).T
@@ -68,31 +68,49 @@ def _recorded(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
 def _from_pulses(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
     tachometer = recording.tachometer
     per_turn, name = float(tachometer.attrs["pulses_per_turn"]), str(tachometer.attrs["shaft"])
-    known = {shaft.name: shaft for shaft in kinematics.shafts}
-    if name not in known:
-        raise RotationError(
-            f"the tachometer is on {shown(name)}, the machine has the shafts {_listed(list(known))}. Name one of them."
-        )
+    ratio = _ratio(kinematics, name, "tachometer")
     if not per_turn > 0.0:
         raise RotationError(f"tachometer: {per_turn:g} pulses per turn. Give a number above 0.")
     time = np.asarray(recording.time, dtype=float)
     pulses = find_pulses(np.asarray(tachometer, dtype=float), time, tachometer.attrs.get("level"))
     turning = angle_from_pulses(pulses, per_turn, time)
-    if turning.error > QUARTER_TURN:
-        raise RotationError(
-            f"tachometer: {len(pulses.time)} pulses give the angle from end to end to {turning.error:.2g} rad; the "
-            f"limit is {QUARTER_TURN:.2g} rad. Correct level, cut the recording, or delete the tachometer and set "
-            "speed_rpm."
-        )
     mended = [f"{number} {kind}" for number, kind in ((pulses.missing, "missing"), (pulses.double, "double")) if number]
     words = f"tachometer on {shown(name)}, {per_turn:g} pulse{'' if per_turn == 1.0 else 's'} per turn"
     return Rotation(
-        angle=turning.angle / known[name].ratio,
+        angle=turning.angle / ratio,
         source=words + (f"; {' and '.join(mended)} pulses corrected" if mended else ""),
         error=turning.error / float(turning.angle[-1] - turning.angle[0]),
         absolute=per_turn == 1.0,
         mark=name,
     )
+
+
+def _from_speed(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
+    known = recording.known_speed
+    name, uncertainty = str(known.attrs["shaft"]), float(known.attrs["uncertainty"])
+    speed = np.asarray(known, dtype=float) / _ratio(kinematics, name, "known speed")
+    if not (np.isfinite(speed).all() and speed.min() >= 0.0 and speed.max() > 0.0):
+        raise RotationError(
+            f"speed of {shown(name)}: from {speed.min():.4g} to {speed.max():.4g} Hz, must be 0 or more and not 0 "
+            "throughout. Correct speed.channel."
+        )
+    step = float(recording.time[-1] - recording.time[0]) / (len(speed) - 1)
+    return Rotation(
+        angle=2.0 * np.pi * step * np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))]),
+        source=f"speed of {shown(name)} by the machine file, uncertainty {100 * uncertainty:g} %",
+        error=uncertainty,
+        absolute=False,
+    )
+
+
+def _ratio(kinematics: Kinematics, name: str, what: str) -> float:
+    """Turns of the shaft that carries a source of the speed per turn of the first one."""
+    known = {shaft.name: shaft.ratio for shaft in kinematics.shafts}
+    if name not in known:
+        raise RotationError(
+            f"the {what} is on {shown(name)}, the machine has the shafts {_listed(list(known))}. Name one of them."
+        )
+    return known[name]
 
 
 def _listed(names: list[str]) -> str:

@@ -9,8 +9,9 @@ wrong speeds are due to lines of other stages and to rational multiples such as 
 Mesh orders cannot show wrong tooth numbers of their own: f_m1 / f_m2 = z_2 / z_3 does not depend on z_1. So a shaft is
 confirmed only if its spacing is measured. The lines that other shafts can explain are left out, and the spacing of the
 sidebands is changed within SPACINGS: at the spacing by the tooth numbers the mean level must stand out, and clearly
-more than at the spacings of gears with one tooth more or less. This must hold without the sidebands at multiples of 2, 3
-and 5 of the shaft's order, which are lines, too, where the true speed is a rational multiple.
+more than at the spacings of gears with one tooth more or less. This must hold without the sidebands at multiples of 2,
+3 and 5 of the shaft's order, which are lines, too, where the true speed is a rational multiple. Midway between the
+sidebands, where there are lines if the true speed is half of it, the level must be clearly lower.
 
 References
 ----------
@@ -29,7 +30,9 @@ from pipelines.signals.orders.kinematics import Kinematics, Shaft
 
 HARMONICS = 5  # of a mesh
 SIDEBANDS = 20  # on either side, at most up to half of the teeth
+FEW = 3  # the nearest sidebands are also looked at alone: often they are the only ones
 CONFIRMED = 6.0  # standard deviations, of the sidebands at the spacing of a shaft
+REMAINING = 3.0  # the same without those at multiples of a factor
 CLEARLY = 2.0  # times the level at the spacings of gears with one tooth more or less
 FACTORS = (2, 3, 5)  # at half the speed every second multiple of a shaft's order is a line: without these none is
 SPACINGS = 0.3  # about the spacing by the tooth numbers, as a share of it
@@ -98,10 +101,12 @@ def best_speed(levels: OrderLevels, kinematics: Kinematics, lowest: float, highe
     fastest = max(meshes.values())
     step = 0.5 / (HARMONICS * fastest * levels.per_order)
     factors = np.exp(np.arange(np.log(lowest), np.log(highest), step / highest))
-    score = sum(
+    score = np.zeros(len(factors))
+    score += sum(
         _deviations(levels.mean(harmonic * mesh * factors for harmonic in range(1, HARMONICS + 1)))
         for mesh in meshes.values()
-    ) + sum(
+    )
+    score += sum(
         _deviations(levels.mean((mesh + side) * shaft.ratio * factors for mesh, side in _sidebands(kinematics, shaft)))
         for shaft in kinematics.shafts
     )
@@ -125,11 +130,6 @@ def unconfirmed(levels: OrderLevels, kinematics: Kinematics) -> dict[str, str]:
 
 def _unconfirmed(levels: OrderLevels, kinematics: Kinematics, name: str) -> str:
     """Why the spacing of a shaft is not confirmed; empty if it is."""
-    shaft, gears = kinematics.shaft(name), kinematics.gears_on(name)
-    resolution = 0.5 / (levels.per_order * shaft.ratio * SIDEBANDS)
-    spacings = np.arange(-SPACINGS, SPACINGS, resolution)
-    neighbours = np.array([gear.teeth / (gear.teeth + more) - 1.0 for gear in gears for more in (-1, 1)])
-    tried = 1.0 + np.concatenate([[0.0], neighbours, spacings])
     levels.used[:] = 1.0
     levels.leave_out(
         harmonic * mesh for mesh in kinematics.mesh_orders().values() for harmonic in range(1, HARMONICS + 1)
@@ -137,32 +137,47 @@ def _unconfirmed(levels: OrderLevels, kinematics: Kinematics, name: str) -> str:
     for other in kinematics.shafts:
         if other.name != name and other.ratio * levels.per_order > _PADDED * _RESOLVED:
             levels.leave_out((mesh + side) * other.ratio for mesh, side in _sidebands(kinematics, other))
-    shown, beside = np.inf, np.inf
-    for factor in FACTORS:
-        lines = [(mesh, side) for mesh, side in _sidebands(kinematics, shaft) if (mesh + side) % factor]
-        found = levels.mean((mesh + side * tried) * shaft.ratio for mesh, side in lines)
-        middle = np.median(found[1 + len(neighbours) :])
-        spread = 1.4826 * np.median(np.abs(found[1 + len(neighbours) :] - middle)) + np.finfo(float).tiny
-        shown = min(shown, (found[0] - middle) / spread)
-        beside = min(beside, (found[1 : 1 + len(neighbours)].max(initial=middle) - middle) / spread)
+    reasons = [_unlike(levels, kinematics, kinematics.shaft(name), reach) for reach in (FEW, SIDEBANDS)]
     levels.used[:] = 1.0
-    if shown >= CONFIRMED and shown >= CLEARLY * beside:
-        return ""
-    if beside >= CONFIRMED and beside > shown:
-        return "its sidebands have the spacing of a gear with another number of teeth"
-    return "it shows no sidebands at its own spacing"
+    return reasons[-1] if all(reasons) else ""
 
 
-def _sidebands(kinematics: Kinematics, shaft: Shaft) -> Iterator[tuple[int, int]]:
+def _unlike(levels: OrderLevels, kinematics: Kinematics, shaft: Shaft, reach: int) -> str:
+    """Why so many sidebands on either side do not have the spacing of a shaft; empty if they have."""
+    resolution = 0.5 / (levels.per_order * shaft.ratio * reach)
+    spacings = np.arange(-SPACINGS, SPACINGS, resolution)
+    neighbours = [g.teeth / (g.teeth + more) - 1.0 for g in kinematics.gears_on(shaft.name) for more in (-1, 1)]
+    tried = 1.0 + np.concatenate([[0.0], neighbours, spacings])
+    lines = list(_sidebands(kinematics, shaft, reach))
+
+    def deviations(factor: int) -> np.ndarray:
+        kept = [(mesh, side) for mesh, side in lines if factor == 1 or (mesh + side) % factor]
+        found = levels.mean((mesh + side * tried) * shaft.ratio for mesh, side in kept)
+        between = levels.mean((mesh + side + 0.5) * shaft.ratio * tried[:1] for mesh, side in kept)
+        return _deviations(np.append(found, between), slice(1 + len(neighbours), -1))
+
+    level = deviations(1)
+    shown, between, other = level[0], level[-1], level[1 : 1 + len(neighbours)].max(initial=0.0)
+    if max(shown, other) < CONFIRMED:
+        return "it shows no sidebands at its own spacing"
+    if other > shown / CLEARLY:
+        found = "another number of teeth" if other > shown else "one tooth more or less, too"
+        return f"its sidebands have the spacing of a gear with {found}"
+    if between > shown / CLEARLY or min(deviations(factor)[0] for factor in FACTORS) < REMAINING:
+        return "the spacing of its sidebands is a multiple or a fraction of its own"
+    return ""
+
+
+def _sidebands(kinematics: Kinematics, shaft: Shaft, reach: int = SIDEBANDS) -> Iterator[tuple[int, int]]:
     """Mesh orders of a shaft, in orders of this shaft, and distances of their sidebands."""
     for gear in kinematics.gears_on(shaft.name):
         for harmonic in range(1, HARMONICS + 1):
-            for number in range(1, min(SIDEBANDS, gear.teeth // 2) + 1):
+            for number in range(1, min(reach, gear.teeth // 2) + 1):
                 for side in (-number, number):
                     yield harmonic * gear.teeth, side
 
 
-def _deviations(level: np.ndarray) -> np.ndarray:
-    """Levels as robust standard deviations over their median."""
-    middle = np.median(level)
-    return (level - middle) / (1.4826 * np.median(np.abs(level - middle)) + np.finfo(float).tiny)
+def _deviations(level: np.ndarray, among: slice = slice(None)) -> np.ndarray:
+    """Levels as robust standard deviations over the median of some of them."""
+    middle = np.median(level[among])
+    return (level - middle) / (1.4826 * np.median(np.abs(level[among] - middle)) + np.finfo(float).tiny)

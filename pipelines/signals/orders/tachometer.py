@@ -133,7 +133,7 @@ def _around(spans: np.ndarray) -> np.ndarray:
     """The median of the intervals around each."""
     from scipy.ndimage import median_filter
 
-    return median_filter(spans, size=min(_AROUND, len(spans)), mode="nearest")
+    return median_filter(spans, size=min(_AROUND, len(spans)), mode="mirror")
 
 
 def angle_from_pulses(pulses: Pulses, pulses_per_turn: float, time: np.ndarray) -> Turning:
@@ -160,13 +160,11 @@ def angle_from_pulses(pulses: Pulses, pulses_per_turn: float, time: np.ndarray) 
     curve = smooth(at, before, after)
     reached = curve.values[0] <= time[0] and curve.values[-1] >= time[-1]
     if reached and np.all(np.diff(curve.values) > 0.0) and curve.noise < _DOUBLE * np.diff(at).min():
-        turned = CubicSpline(curve.values, places)(time)
+        turned, climb = CubicSpline(curve.values, places)(time), curve.climb / np.ptp(curve.values)
     else:
         ends = at[0] - np.arange(before, 0, -1) * (at[1] - at[0]), at[-1] + np.arange(1, after + 1) * (at[-1] - at[-2])
-        turned = PchipInterpolator(np.concatenate([ends[0], at, ends[1]]), places)(time)
+        turned, climb = PchipInterpolator(np.concatenate([ends[0], at, ends[1]]), places)(time), 0.0
     angle = 2.0 * np.pi / pulses_per_turn * (together * turned + 0.5 * (together - 1))
     sampled = float(time[1] - time[0]) / math.sqrt(6.0 * together)
     speed = (angle[-1] - angle[0]) / (time[-1] - time[0])
-    return Turning(
-        angle=angle, error=float(speed * max(curve.climb * (time[-1] - time[0]) / np.ptp(curve.values), sampled))
-    )
+    return Turning(angle=angle, error=float(speed * max(climb * (time[-1] - time[0]), sampled)))
