@@ -96,7 +96,8 @@ def main(options: argparse.Namespace) -> Iterator[str]:
             target.mkdir(parents=True, exist_ok=True)
             parts = recorded_parts([*healthy, options.run], options.machine, window)
             written = write_recording_page(target / "report.html", judged, parts)
-            yield "" if options.json else f"\nreport: {written}"
+            if not options.json:
+                yield f"\nreport: {written}"
         return
     from pipelines.diagnosis.export import diagnosis_facts
     from pipelines.diagnosis.uncertainty.words import bars_words
