@@ -1,4 +1,4 @@
-"""Which speed the lines of a vibration support, and which shafts show lines of their own at that speed.
+"""Which speed the lines of a vibration support, and which shafts show separate lines at that speed.
 
 The angle of a machine follows from a single line of its train up to a factor: the line may be a mesh order, or a
 sideband that was taken for one. Over this angle all lines of the train are sharp, so that every factor can be tried
@@ -6,7 +6,7 @@ on one spectrum. The score of a speed is a sum over stages and shafts: the mean 
 that of the sidebands of a shaft, each in standard deviations over its median for all speeds of the search. Scores at
 wrong speeds are due to lines of other stages and to rational multiples such as 4/3.
 
-Mesh orders cannot show wrong tooth numbers of their own: f_m1 / f_m2 = z_2 / z_3 does not depend on z_1. So a shaft is
+Mesh orders alone cannot show wrong tooth numbers: f_m1 / f_m2 = z_2 / z_3 does not depend on z_1. So a shaft is
 confirmed only if its spacing is measured. The lines that other shafts can explain are left out, and the spacing of the
 sidebands is changed within SPACINGS: at the spacing by the tooth numbers the mean level must stand out, and clearly
 more than at the spacings of gears with one tooth more or less. This must hold without the sidebands at multiples of 2,
