@@ -10,7 +10,8 @@ from pipelines.io.argument_types import number, path
 
 HELP = """\
 Print which component is damaged. A measured recording is compared with recordings of healthy machines (--baseline).
-A finished run is compared with its healthy control, and its spectral lines are listed. Nothing is simulated and no file is written. Takes seconds."""
+A finished run is compared with its healthy control, and its lines are listed. Nothing is simulated, no file is written.
+Takes seconds."""
 EXAMPLE = """\
 gearcase diagnose bench
 Chipped tooth 10 of the stage 1 wheel: found in 1 of 1. ...
