@@ -64,7 +64,7 @@ def any_found(cases: Sequence[Case], damages: Sequence[Damage]) -> bool | None:
 
 
 def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
-    """In how many cases every damage is found, with its weakest evidence; the verdict without damage."""
+    """In how many cases every damage is found, with its weakest evidence; the verdict itself if none is known."""
     if not damages:
         count = sum(bool(case.verdict.damaged) for case in cases)
         answer = f"Damage is found in {count or 'none'} of {len(cases)} case{'s' if len(cases) > 1 else ''}."

@@ -85,7 +85,13 @@ def probability(deviation: np.ndarray, count: int, prior: int, parts: int = 1) -
 
 
 def limit(chance: float, count: int, prior: int, parts: int = 1) -> float:
-    """The standardised deviation that a healthy machine exceeds with this chance; the rest as in `probability`."""
+    """The standardised deviation that a healthy machine exceeds with a chance.
+
+    Parameters
+    ----------
+    chance : probability
+    count, prior, parts : as in `probability`
+    """
     return float(np.interp(-math.log(chance), -_tail(count, prior, parts), _GRID))
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipelines.diagnosis import words
-from pipelines.diagnosis.cases import Case, any_found, sentences
+from pipelines.diagnosis.cases import Case, Damage, any_found, sentences
 from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.verdict import Finding, Verdict
 from pipelines.machine.kinematics import kinematics_of
@@ -23,7 +23,6 @@ from pipelines.signals.features.average import FEWEST_TURNS, average
 from pipelines.signals.features.turns import cut_turns
 from pipelines.signals.orders.kinematics import Gear, Kinematics
 from pipelines.signals.orders.rotation import Rotation
-from pipelines.steps.verdict import known_damages
 
 if TYPE_CHECKING:
     import xarray
@@ -38,6 +37,7 @@ def first_screen(
     runs: Sequence[xarray.Dataset],
     failure: str,
     cases: Sequence[Case] = (),
+    damages: Sequence[Damage] = (),
 ) -> list[str]:
     """Parts of the page: verdict, main numbers, an average over one revolution and an envelope spectrum.
 
@@ -48,9 +48,8 @@ def first_screen(
     diagnoses : lines of all cases, the scene's own first; none without a control
     runs : the response of the scene and that of its control, if there is one
     failure : why the diagnosis was not possible, "" if it was
-    cases : verdicts, the scene's own first window first; none without a reference
+    cases, damages : verdicts, the scene's own first window first, none without a reference; what is known to be damaged
     """
-    damages = known_damages(plant)
     verdict = cases[0].verdict if cases else None
     return first_page.first_screen(
         sentences=sentences(cases, damages) if cases else [_no_verdict(plant, failure)],

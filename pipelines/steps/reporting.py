@@ -80,13 +80,15 @@ def build(
     asked = plant.looked_for
     settings, failure = _settings(plant, found, responses[0], failure)
     runs = dict(zip(spec.responses, responses, strict=False))
-    cases = verdict["cases"] if verdict else ()
+    cases, damages = verdict["cases"] if verdict else (), known_damages(plant)
     with _collector_paused():
         page = report_body(
             plant.title,
-            first=first_screen(plant, settings, found, list(runs.values()), failure or _failure(verdict), cases),
+            first=first_screen(
+                plant, settings, found, list(runs.values()), failure or _failure(verdict), cases, damages
+            ),
             cases=cases,
-            damages=known_damages(plant),
+            damages=damages,
             summary=_summary(plant),
             diagnoses=[d for d, full in zip(found, shown, strict=True) if full],
             seeds=[d for d, full in zip(found, shown, strict=True) if not full],
