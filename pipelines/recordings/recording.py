@@ -79,7 +79,8 @@ def _recording(contents: Contents, machine: Machine, path: Path, form: str) -> x
     signals = [channel for axes in places.values() for channel in axes.values()]
     used = [*signals, *([] if pulses is None else [pulses])]
     _check_lengths([*used, *([] if clock is None else [clock])], source)
-    extremes = {channel.name: checked_extremes(channel, source) for channel in used}
+    checked = used if speed is None else signals  # a channel of the speed may be constant
+    extremes = {channel.name: checked_extremes(channel, source) for channel in checked}
     rate, start = sampling(used, clock, table.rate_Hz, source)
     units = {channel.name: plain_units(table.units or channel.units) or "m/s2" for channel in signals}
     full = table.full_scale if form == "WAV" else 1.0
