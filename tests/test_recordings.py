@@ -19,7 +19,7 @@ from pipelines.io.universal_file import Function, read_functions, write_function
 from pipelines.recordings import formats
 from pipelines.recordings.channels import Channel
 from pipelines.recordings.formats import BY_ENDING, memory_needed
-from pipelines.recordings.machine_table import TachometerTable
+from pipelines.recordings.machine_table import SpeedTable, TachometerTable
 from pipelines.recordings.recording import read_recording
 
 PRECISION = {
@@ -171,6 +171,18 @@ def test_whole_numbers_of_a_wav_file_are_shares_of_its_full_scale(kind, full, tm
     wavfile.write(tmp_path / "r.wav", 8000, (shares * full + (128 if kind is np.uint8 else 0)).astype(kind))
     with read_recording(tmp_path / "r.wav", machine(scale=50.0)) as found:
         np.testing.assert_allclose(found.acceleration.values[:, 0, 0], 50.0 * shares, atol=50.0 * 1.5 / full)
+
+
+def test_a_known_speed_is_a_constant_or_a_channel_that_is_no_sensor(tmp_path):
+    values = signals()
+    savemat(tmp_path / "r.mat", {"drive_end": values[:, 0], "n": np.linspace(1499.9, 1500.1, len(values)), "fs": RATE})
+    constant = SpeedTable(rpm=1500.0, uncertainty_percent=0.5)
+    channel = SpeedTable(channel="n", uncertainty_percent=0.5)
+    for given, sensors in ((constant, ["drive_end", "n"]), (channel, ["drive_end"])):
+        with read_recording(tmp_path / "r.mat", machine(speed=given)) as found:
+            np.testing.assert_allclose(found.known_speed.values, 25.0, rtol=1e-4)
+            assert found.known_speed.attrs == {"shaft": "shaft_1", "uncertainty": 0.005, "units": "Hz"}
+            assert list(found.sensor.values) == sensors
 
 
 def test_a_tachometer_is_kept_with_its_marks_and_is_no_sensor(tmp_path):

@@ -136,6 +136,35 @@ def test_missing_and_double_pulses_are_mended_and_named():
     assert abs(relative_error(found, angle)) < 3e-5
 
 
+def at_pulses(times, seconds=4.0, rate=8000.0):
+    """A recording with one pulse per turn at these times."""
+    samples = np.arange(round(seconds * rate))
+    corners = (np.asarray(times)[:, None] * rate + [-0.5, 0.5, 8.5, 9.5]).ravel()
+    pulses = np.interp(samples, corners, np.tile([0.0, 1.0, 1.0, 0.0], len(times)))
+    attributes = {"pulses_per_turn": 1, "shaft": "input"}
+    return recording(np.zeros((1, len(samples))), rate, tachometer=("time", pulses, attributes))
+
+
+EVEN = np.arange(1, 79) / 20.0
+
+
+@pytest.mark.parametrize("place", [0.1, 0.4, 0.5, 0.7, 0.9])
+def test_an_extra_pulse_is_found_wherever_it_lies_between_two_others(place):
+    found = rotation_of(at_pulses(np.sort([*EVEN, EVEN[30] + place / 20.0])), PAIR)
+    assert found.turns == pytest.approx(80.0, rel=1e-4)
+    assert "1 double pulses corrected" in found.source
+
+
+@pytest.mark.parametrize(("kept", "words"), [
+    (np.random.default_rng(1).uniform(size=len(EVEN)) > 0.3, "are missing"),
+    ((EVEN < 2.0) | (EVEN > 2.6), "1 times between pulses are no whole multiple of the others, the first at"),
+])  # fmt: skip
+def test_a_tachometer_with_many_lost_pulses_is_refused(kept, words):
+    """30 % at random places, and twelve in a row."""
+    with pytest.raises(RotationError, match=words):
+        rotation_of(at_pulses(EVEN[kept]), PAIR)
+
+
 def test_pulses_follow_a_ramp_and_never_run_backwards_over_a_stop():
     time = np.arange(round(6 * RATE)) / RATE
     speed = np.interp(time, [0, 2, 2.5, 3.5, 4, 6], [25, 25, 0, 0, 25, 25])

@@ -5,7 +5,8 @@ brought to rest, x(t) exp(-i o angle(t)), and averaged under Hann windows of TUR
 pair: the sidebands of that shaft fall on zeros of the window. What is left of the phase, divided by o, is the error of
 the angle. Lines are weighted by the steadiness of their phase, the channels of a line by its largest principal
 component; the mended angle brings the lines to rest anew. The rough angle to begin with is that of
-`pipelines.signals.orders.speed_search`.
+`pipelines.signals.orders.speed_search`. The line that is steadiest there may be another one than was searched, so the
+angle is right up to a factor; `pipelines.signals.orders.speed_evidence` finds it, and which shafts confirm it.
 
 Limits. A line that sweeps through more than the width of a window's line, 1/L, in its length L is lost: the speed may
 change by 1/(o L^2) Hz per second at most, o being the lowest mesh order. What modulates the phase of all lines alike,
@@ -80,19 +81,14 @@ def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) ->
     stage, mesh = max(kinematics.mesh_orders().items(), key=lambda item: item[1])
     slow = min(kinematics.shaft(gear.shaft).ratio for gear in kinematics.gears if gear.stage == stage)
     seconds = TURNS / (slow * nominal)
-    duration = len(signals[0]) / rate
-    if duration < (FEWEST_WINDOWS + 1) * seconds / 2:
-        raise RotationError(
-            f"the recording lasts {duration:.3g} s; the phase of the mesh of stage {stage} needs "
-            f"{(FEWEST_WINDOWS + 1) * seconds / 2:.3g} s. Use a longer recording, or one with a tachometer."
-        )
+    _check_length(len(signals[0]) / rate, seconds, stage)
     change = 1.0 / (mesh * seconds**2)
     orders = mesh * np.arange(1, HARMONICS + 1)
     orders = orders[orders * nominal * (1.0 + RANGE) < HIGHEST * rate]
     if not len(orders):
         raise RotationError(
-            f"the mesh of stage {stage} lies at {mesh * nominal:.4g} Hz, beyond {HIGHEST:g} of the sampling rate of "
-            f"{rate:g} Hz. Sample faster, or record a tachometer."
+            f"the mesh of stage {stage} may lie at {(1.0 + RANGE) * mesh * nominal:.4g} Hz ({100 * RANGE:g} % above "
+            f"speed_rpm), beyond {HIGHEST:g} of the sampling rate of {rate:g} Hz. Sample faster, or record a tachometer."
         )
     search = _search_orders(kinematics, rate)
     middles, speeds = speed_path(signals, rate, search, nominal, 2.0 * seconds, change)
@@ -109,8 +105,9 @@ def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) ->
     )
     angle, _, _ = _tracked(signals, angle, orders, size, unsteady, most=1)
     angle = _at_best_speed(signals, angle, rate, kinematics)
-    size = round(TURNS * len(angle) / (slow * float(angle[-1] - angle[0]) / (2.0 * np.pi)))
     before = float(angle[-1] - angle[0])
+    size = round(TURNS * len(angle) / (slow * before / (2.0 * np.pi)))
+    _check_length(len(angle) / rate, size / rate, stage)
     angle, error, used = _tracked(signals, angle, orders, size, unsteady)
     if abs(float(angle[-1] - angle[0]) / before - 1.0) > 2.0 * np.pi / (mesh * before):
         raise RotationError(unsteady)
@@ -121,6 +118,15 @@ def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) ->
         absolute=False,
         conditional=unconfirmed(OrderLevels(signals, angle), kinematics),
     )
+
+
+def _check_length(duration: float, seconds: float, stage: int) -> None:
+    """Refuse a recording with fewer than FEWEST_WINDOWS windows of the phase."""
+    if duration < (FEWEST_WINDOWS + 1) * seconds / 2:
+        raise RotationError(
+            f"the recording lasts {duration:.3g} s; the phase of the mesh of stage {stage} needs "
+            f"{(FEWEST_WINDOWS + 1) * seconds / 2:.3g} s. Use a longer recording, or one with a tachometer."
+        )
 
 
 def _tracked(
