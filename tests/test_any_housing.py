@@ -70,6 +70,7 @@ def test_a_survey_finds_every_bore_and_no_boss(small, step):
         nearest = min(contents.bores, key=lambda one, bore=bore: np.linalg.norm(one.centre - small.bore_centre(bore)))
         assert np.abs(nearest.centre - small.bore_centre(bore)).max() < 1e-6
         assert nearest.length == pytest.approx(bore.boss_length, rel=1e-6)
+        assert nearest.ends[1] - nearest.ends[0] == pytest.approx(bore.boss_length * nearest.axis, abs=1e-8)
         assert abs(nearest.axis[1]) == pytest.approx(1.0)
     assert contents.parts == len(contents.solids) == 1
     assert contents.declared == "mm"

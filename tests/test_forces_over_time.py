@@ -15,6 +15,7 @@ from fem.casing.reduced.modes import casing_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
 from mbd.excitations.outside_force import CasingForce, ForceSweep, ForceTable, ShaftForce
+from mbd.excitations.waveform import wave_value
 from mbd.integrators.settings import Settings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
@@ -30,6 +31,15 @@ RATE = 5e3
 SWEEP = ForceSweep(start=0.0, end=0.6, first=20.0, last=1200.0, ramp=0.05, amplitude=2.0)
 ON_CASING = CasingForce(name="push", point="sensor_1", axis="z", force=SWEEP)
 ON_SHAFT = ShaftForce(name="push", shaft="shaft_2", y=0.0, axis="x", force=SWEEP)
+
+
+def test_a_sweep_has_its_amplitude_between_the_ramps_and_a_phase_of_the_integral_of_its_frequency():
+    time = np.linspace(-0.05, 0.65, 701)
+    t = np.clip(time, SWEEP.start, SWEEP.end)
+    rise = np.sin(np.pi / 2 * np.minimum(np.minimum(t, SWEEP.end - t) / SWEEP.ramp, 1.0)) ** 2
+    turns = SWEEP.first * t + (SWEEP.last - SWEEP.first) * t**2 / (2 * SWEEP.end)
+    exact = SWEEP.amplitude * rise * np.sin(2 * np.pi * turns)
+    assert [wave_value(SWEEP.packed, one) for one in time] == pytest.approx(exact, abs=1e-9)
 
 
 @pytest.mark.parametrize("force", [ON_CASING, ON_SHAFT], ids=["casing", "shaft"])

@@ -350,6 +350,16 @@ def test_a_direction_without_mass_and_with_negative_stiffness_has_no_frequencies
     assert negative == 1
 
 
+def test_rotations_have_no_unit_of_length():
+    """Two nodes of six unknowns in t, mm, s: displacements in mm, rotations in rad, energies in mJ, M also in s2."""
+    body, size = np.cov(np.random.default_rng(3).normal(size=(12, 40))), np.tile([1e-3] * 3 + [1.0] * 3, 2)
+    stated = 1e3 * body * np.outer(size, size)
+    found = foreign_body("any", stated, stated, nodes=1e3 * np.eye(3)[:2], system="t-mm-s")
+    assert found.axis.tolist() == 2 * list(range(6))
+    for matrix in (found.stiffness, found.mass):
+        assert matrix.toarray() == pytest.approx(body, rel=1e-12)
+
+
 def test_the_check_up_says_what_is_wrong_with_a_foreign_body(native):
     K, M = matrices(native)
 
