@@ -88,7 +88,7 @@ def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) ->
     if not len(orders):
         raise RotationError(
             f"the mesh of stage {stage} may lie at {(1.0 + RANGE) * mesh * nominal:.4g} Hz ({100 * RANGE:g} % above "
-            f"speed_rpm), beyond {HIGHEST:g} of the sampling rate of {rate:g} Hz. Sample faster, or record a tachometer."
+            f"speed_rpm), beyond {HIGHEST:g} of the sampling rate, {rate:g} Hz. Sample faster, or record a tachometer."
         )
     search = _search_orders(kinematics, rate)
     middles, speeds = speed_path(signals, rate, search, nominal, 2.0 * seconds, change)
