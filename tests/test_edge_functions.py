@@ -98,6 +98,19 @@ def test_a_block_without_edges_and_tetrahedra_have_no_functions():
     assert not len(edge_functions(tetrahedra, CAST_IRON, held=tetrahedra.patches("ground_")))
 
 
+def test_the_rim_of_a_foot_inside_a_floor_has_functions_up_to_its_corners():
+    """There they go on into the elements behind, between which they do not vanish, and fade."""
+    nodes, elements = box_mesh((0.04, 0.04, 0.01), (4, 4, 1), element="hexahedron-20")
+    inside = (abs(nodes - [0.02, 0.02, 0.0]) < [0.0101, 0.0101, 1e-9]).all(axis=1)
+    mesh = finished_mesh(
+        RawMesh(nodes=nodes, elements=elements, node_sets={"foot": np.flatnonzero(inside)}),
+        lambda surface: ({"ground_1": np.flatnonzero(surface.groups["foot"])}, {"ground_1": np.zeros(3)}),
+        name="floor", element="hexahedron-20", element_size=0.01, remedy="",
+    )  # fmt: skip
+    found = edge_functions(mesh, CAST_IRON, held=("ground_1",))
+    assert (found.numbers == 0).sum() == 4 * 5  # nodes of the four sides of two elements each, with both ends
+
+
 def test_graded_functions_hold_what_plain_ones_do():
     t = np.linspace(0.0, 1.0, 41)
     plain, slopes = quadratic(t)

@@ -149,6 +149,14 @@ def test_all_modes_below_the_limit_are_found(bar):
     assert by_count == pytest.approx(theta[:7], rel=1e-9)
 
 
+def test_modes_that_take_many_blocks_of_vectors_are_those_of_a_known_spectrum():
+    """Unit masses on springs of 1, 4, 9, ... N/m: theta = 1/k^2."""
+    stiffness = np.arange(1.0, 601.0) ** 2
+    theta, modes = block_lanczos(lambda b: b / stiffness[:, None], sp.eye_array(600, format="csr"), count=120)
+    assert theta == pytest.approx(1 / stiffness[:120], rel=1e-9)
+    assert np.abs(modes).max(axis=0) == pytest.approx(1.0)
+
+
 def test_dependent_interface_rows_are_refused(bar):
     with pytest.raises(ReductionError, match="not independent"):
         held_interface(bar.K, sp.vstack([bar.rows, bar.rows[:1]]))
