@@ -22,7 +22,7 @@ import math
 import numpy as np
 
 from fem.numerics.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, stored
-from fem.numerics.inner import inner
+from fem.numerics.inner import OWNED, inner
 from mbd.elements.element import WIDTH
 from mbd.elements.table import CLOCK, INSTANT, TABLE, follow_tangent, parametric_work, row_forces
 
@@ -108,7 +108,7 @@ def iterate(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance, near,
     return MAX_ITERATIONS + used if used >= 0 else -1
 
 
-@inner()
+@inner(**OWNED)
 def _newton(table, clock, u_p, v_p, g_u, g_v, held, force, u, v, now, tolerance, near, limit, quality, before):
     """`iterate` with the stiffnesses ``held`` (m, WIDTH) for the damping, or the present ones if that is empty."""
     m = len(force)
@@ -149,7 +149,7 @@ def _newton(table, clock, u_p, v_p, g_u, g_v, held, force, u, v, now, tolerance,
     return -1
 
 
-@inner()
+@inner(**OWNED)
 def _newton_step(table, g_u, g_v, slope_u, slope_v, step):
     """Solve (1 - S_u G_u - S_v G_v) step = residual in place; rows whose force does not depend on the motion stay.
 
