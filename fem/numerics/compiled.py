@@ -42,7 +42,7 @@ from numba.extending import intrinsic, typeof_impl
 from numba.np.arrayobj import populate_array
 
 from fem.numerics import compiled_files
-from fem.numerics.inner import NO_ENTRY, PLAIN, Inner
+from fem.numerics.inner import COUNTED, NO_ENTRY, PLAIN, Inner
 
 FLOAT, INTEGER = types.float64, types.int64
 VECTOR, MATRIX, CUBE, HYPERCUBE = (types.Array(FLOAT, n, "C") for n in (1, 2, 3, 4))
@@ -98,7 +98,7 @@ def stored(file: str, entry: bool = True, **options: Any) -> Callable:
     The checksum of the files that are `reached` is made part of the function's name, under which the code is stored.
     Without ``entry`` Python must not call it.
     """
-    options = {**PLAIN, **({} if entry else NO_ENTRY), **options}
+    options = {**PLAIN, **COUNTED, **({} if entry else NO_ENTRY), **options}
     total = 0
     for path in reached(file):
         total = zlib.crc32(path.read_bytes(), total)
@@ -193,29 +193,11 @@ def _type_of_inner(value: Inner, _: Any) -> types.Type:
     return types.Dispatcher(value.compiled)
 
 
-def _lent(typingctx: Any, array: types.Array) -> tuple[Any, Callable]:
-    """The array without a share in its memory, for callees: no references are counted for it and slices of it.
-
-    It holds as long as the caller keeps the array itself. Counting takes 5 ns per slice and more.
-    """
-
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        view = context.make_array(array)(context, builder, values[0])
-        view.meminfo = ir.Constant(view.meminfo.type, None)
-        view.parent = ir.Constant(view.parent.type, None)
-        return view._getvalue()
-
-    return array(array), generate
-
-
-lent: Any = intrinsic(_lent)
-
-
 def _views(typingctx: Any, vector: Any, start: Any, count: Any, shape: Any) -> tuple[Any, Callable]:
     """Tuple of `count` arrays of one shape, one behind the other on the numbers of a vector from `start` on.
 
-    They are lent, as by `lent`, and may not reach beyond the vector. This costs nothing, and where start and shape are
-    constants, the compiler knows that the arrays do not overlap.
+    They hold as long as the caller keeps the vector, and may not reach beyond it. This costs nothing, and where start
+    and shape are constants, the compiler knows that the arrays do not overlap.
     """
     if not isinstance(count, types.IntegerLiteral):
         raise RequireLiteralValue("the number of views must be a literal")

@@ -12,8 +12,8 @@ from typing import Any
 PLAIN: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 INLINE: dict[str, Any] = {"forceinline": True, "fastmath": {"contract"}}
 NO_ENTRY: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-BORROWED: dict[str, Any] = {"_nrt": False}  # references to arrays are not counted: the caller keeps them
-OWNED: dict[str, Any] = {"_nrt": True}  # of functions that make arrays
+COUNTED: dict[str, Any] = {"_nrt": True}
+UNCOUNTED: dict[str, Any] = {"_nrt": False}  # no count of references to arrays: it makes none, its caller keeps them
 
 
 class Inner:
@@ -31,7 +31,7 @@ class Inner:
         """The function as the compiler takes it."""
         from numba import njit
 
-        return njit(**{**PLAIN, **NO_ENTRY, **BORROWED, **self._options})(self._function)
+        return njit(**{**PLAIN, **NO_ENTRY, **UNCOUNTED, **self._options})(self._function)
 
 
 def inner(**options: Any) -> Callable:

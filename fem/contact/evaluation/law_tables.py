@@ -148,12 +148,18 @@ def _blocks(law: MeshLaw) -> np.ndarray:
 
 
 @inner(**INLINE)
+def blocks_of(packed):
+    """Number of blocks of slices in the numbers (n,) of `pack`."""
+    return (int(packed[0]) + LANES - 1) // LANES
+
+
+@inner(**INLINE)
 def unpacked(packed):
     """The `LawTables` in the numbers (n,) of `pack`."""
     numbers = leading(packed, NUMBERS)
     slices, cells, neighbours = int(numbers[0]), int(numbers[1]), int(numbers[2])
     first, second = int(numbers[3]), int(numbers[4])
-    blocks = (slices + LANES - 1) // LANES
+    blocks = blocks_of(packed)
     at = NUMBERS + blocks * FIELDS * LANES
     block, coarse = views(packed, NUMBERS, 1, (blocks, FIELDS, LANES)), views(packed, at, 1, (cells, 8))
     at += 8 * cells

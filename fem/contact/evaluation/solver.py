@@ -69,7 +69,7 @@ from fem.contact.evaluation.contacts import (
     near_pairs,
     pair_field,
 )
-from fem.contact.evaluation.law_tables import LANES, LARGEST_NEAR, slices_of, unpacked
+from fem.contact.evaluation.law_tables import LANES, LARGEST_NEAR, blocks_of, slices_of, unpacked
 from fem.contact.evaluation.line_contact import (
     SERIES,
     exceeded,
@@ -103,26 +103,10 @@ def respond(packed, cycle, delta, psi, pinion, wheel, loads):
     cycle, delta, psi : mesh cycle c, approach (m) and tilt (rad)
     pinion, wheel : (z1, 6) and (z2, 6) tooth terms, see `fem.contact.teeth`
     loads : (place, slice) out: line loads phi f, N/m, pair p at place p - floor(c') + places // 2 and left out beyond
-        the places; dU/dc is computed with them, else 0; (0, 0) if neither is needed
+        the places; dU/dc is computed with them, else 0; empty if neither is needed
     """
-    law, found = unpacked(packed), 3
-    own_cycle, blocks, fields = law.sign * cycle + law.offset, len(law.block), fields_of(2, 0)
-    memory = np.empty(NEAR_ROOM + BODIES * (BODIES + 2) + blocks * 2 * fields * LANES)
-    near = near_pairs(law, own_cycle, pinion, wheel, memory)
-    small = views(memory, NEAR_ROOM, 1, (BODIES, BODIES + 2))[0]
-    r = views(memory, NEAR_ROOM + BODIES * (BODIES + 2), 1, (blocks, 2, fields, LANES))[0]
-    if law.pulls == 0.0 and not (
-        law.pinion_modes + law.wheel_modes > 0.0 and damaged_teeth(law, own_cycle, pinion, wheel, np.empty((0, 0))) > 0
-    ):
-        found = gather(law, near, own_cycle, delta, psi, 0.0, 2, r)
-    answer = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    if found == 2:
-        settled, stiffness = _settle(law, 2, 0, r, small)
-        if settled and _covered(law, delta, psi, small):
-            answer = _sums(law, near, own_cycle, 2, 0, r, small, stiffness, loads)
-        else:
-            found = 3
-    memory[0] = 0.0  # the views of it were lent
+    memory = np.empty(NEAR_ROOM + BODIES * (BODIES + 2) + blocks_of(packed) * 2 * fields_of(2, 0) * LANES)
+    found, answer = _by_two_rows(packed, cycle, delta, psi, pinion, wheel, loads, memory)
     return answer if found <= 2 else respond_with_modes(packed, cycle, delta, psi, pinion, wheel, loads)
 
 
@@ -135,30 +119,11 @@ def respond_with_modes(packed, cycle, delta, psi, pinion, wheel, loads):
     ----------
     packed, cycle, delta, psi, pinion, wheel, loads : those of `respond`
     """
-    law, modes, found = unpacked(packed), 0, 4
-    own_cycle, blocks = law.sign * cycle + law.offset, len(law.block)
     teeth = np.empty((2 * LARGEST_NEAR, 3))
-    teeth = teeth[: damaged_teeth(law, own_cycle, pinion, wheel, teeth)]
-    for i in range(len(teeth)):
-        modes += int(law.pinion_modes if teeth[i, 1] == 0.0 else law.wheel_modes)
-    of_small, fields = (modes + BODIES) * (modes + BODIES + 2), fields_of(3, modes)
-    memory = np.empty(NEAR_ROOM + of_small + blocks * 3 * fields * LANES)
-    near = near_pairs(law, own_cycle, pinion, wheel, memory)
-    small = views(memory, NEAR_ROOM, 1, (modes + BODIES, modes + BODIES + 2))[0]
-    r = views(memory, NEAR_ROOM + of_small, 1, (blocks, 3, fields, LANES))[0]
-    aside = ASIDE * (abs(delta) + abs(psi * law.block[0, 0, 0]))
-    if law.pulls == 0.0:
-        found = gather(law, near, own_cycle, delta, psi, -aside, 3, r)
-    answer = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    if found == 3:
-        gather_modes(law, teeth, 3, r)
-        settled, stiffness = _settle(law, 3, modes, r, small)
-        if settled and _least_move(law, own_cycle, teeth, small) >= -aside:
-            answer = _sums(law, near, own_cycle, 3, modes, r, small, stiffness, loads)
-            answer = _less_modes(law, teeth, 3, r, small, loads, answer)
-        else:
-            found = 4
-    memory[0] = 0.0  # the views of it were lent
+    count, modes = _modes_near(packed, cycle, pinion, wheel, teeth)
+    small = (modes + BODIES) * (modes + BODIES + 2)
+    memory = np.empty(NEAR_ROOM + small + blocks_of(packed) * 3 * fields_of(3, modes) * LANES)
+    found, answer = _by_three_rows(packed, cycle, delta, psi, pinion, wheel, loads, teeth[:count], modes, memory)
     return answer if found <= 3 else respond_exactly(packed, cycle, delta, psi, pinion, wheel, loads)
 
 
@@ -171,27 +136,89 @@ def respond_exactly(packed, cycle, delta, psi, pinion, wheel, loads):
     ----------
     packed, cycle, delta, psi, pinion, wheel, loads : those of `respond`
     """
-    law, rows, found, modes = unpacked(packed), 1, 2, 0
-    own_cycle, blocks = law.sign * cycle + law.offset, len(law.block)
-    near_room, teeth = np.empty(NEAR_ROOM), np.empty((2 * LARGEST_NEAR, 3))
-    near = near_pairs(law, own_cycle, pinion, wheel, near_room)
-    teeth = teeth[: damaged_teeth(law, own_cycle, pinion, wheel, teeth)]
-    for i in range(len(teeth)):
-        modes += int(law.pinion_modes if teeth[i, 1] == 0.0 else law.wheel_modes)
-    r = np.empty((blocks, 1, 1, LANES))
+    teeth, rows, found = np.empty((2 * LARGEST_NEAR, 3)), 1, 2
+    count, modes = _modes_near(packed, cycle, pinion, wheel, teeth)
+    small, shares = np.empty((modes + BODIES, modes + BODIES + 2)), np.empty(modes + BODIES)
+    answer = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     while found > rows:
         rows += 1
-        r = np.empty((blocks, rows, fields_of(rows, modes), LANES))
-        found = gather(law, near, own_cycle, delta, psi, NEVER, rows, r)
+        memory = np.empty(NEAR_ROOM + blocks_of(packed) * rows * fields_of(rows, modes) * LANES)
+        found, answer = _by_any_rows(
+            packed, cycle, delta, psi, pinion, wheel, loads, teeth[:count], modes, rows, small, shares, memory
+        )
+    return answer
+
+
+@inner()
+def _modes_near(packed, cycle, pinion, wheel, teeth):
+    """Number of the damaged teeth near mesh, which are put into `teeth` as by `damaged_teeth`, and of their modes."""
+    law, modes = unpacked(packed), 0
+    count = damaged_teeth(law, law.sign * cycle + law.offset, pinion, wheel, teeth)
+    for i in range(count):
+        modes += int(law.pinion_modes if teeth[i, 1] == 0.0 else law.wheel_modes)
+    return count, modes
+
+
+@inner()
+def _by_two_rows(packed, cycle, delta, psi, pinion, wheel, loads, memory):
+    """`respond` with two rows of pairs and no modes: the rows that are needed, more than 2 if that fails; answer."""
+    law, found = unpacked(packed), 3
+    own_cycle, blocks, fields = law.sign * cycle + law.offset, len(law.block), fields_of(2, 0)
+    near = near_pairs(law, own_cycle, pinion, wheel, memory)
+    small = views(memory, NEAR_ROOM, 1, (BODIES, BODIES + 2))[0]
+    r = views(memory, NEAR_ROOM + BODIES * (BODIES + 2), 1, (blocks, 2, fields, LANES))[0]
+    if law.pulls == 0.0 and not (
+        law.pinion_modes + law.wheel_modes > 0.0 and damaged_teeth(law, own_cycle, pinion, wheel, r[0, 0, :0]) > 0
+    ):
+        found = gather(law, near, own_cycle, delta, psi, 0.0, 2, r)
+    answer = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    if found == 2:
+        settled, stiffness = _settle(law, 2, 0, r, small)
+        if settled and _covered(law, delta, psi, small):
+            answer = _sums(law, near, own_cycle, 2, 0, r, small, stiffness, loads)
+        else:
+            found = 3
+    return found, answer
+
+
+@inner()
+def _by_three_rows(packed, cycle, delta, psi, pinion, wheel, loads, teeth, modes, memory):
+    """`respond` with three rows and modes: the rows that are needed, more than 3 if that fails; answer."""
+    law, found = unpacked(packed), 4
+    own_cycle, blocks, fields = law.sign * cycle + law.offset, len(law.block), fields_of(3, modes)
+    near = near_pairs(law, own_cycle, pinion, wheel, memory)
+    small = views(memory, NEAR_ROOM, 1, (modes + BODIES, modes + BODIES + 2))[0]
+    r = views(memory, NEAR_ROOM + (modes + BODIES) * (modes + BODIES + 2), 1, (blocks, 3, fields, LANES))[0]
+    aside = ASIDE * (abs(delta) + abs(psi * law.block[0, 0, 0]))
+    if law.pulls == 0.0:
+        found = gather(law, near, own_cycle, delta, psi, -aside, 3, r)
+    answer = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    if found == 3:
+        gather_modes(law, teeth, 3, r)
+        settled, stiffness = _settle(law, 3, modes, r, small)
+        if settled and _least_move(law, own_cycle, teeth, small) >= -aside:
+            answer = _sums(law, near, own_cycle, 3, modes, r, small, stiffness, loads)
+            answer = _less_modes(law, teeth, 3, r, small, loads, answer)
+        else:
+            found = 4
+    return found, answer
+
+
+@inner()
+def _by_any_rows(packed, cycle, delta, psi, pinion, wheel, loads, teeth, modes, rows, small, shares, memory):
+    """`respond` with all pairs within reach: the rows that are needed, more than there are if that fails; answer."""
+    law = unpacked(packed)
+    own_cycle = law.sign * cycle + law.offset
+    near = near_pairs(law, own_cycle, pinion, wheel, memory)
+    r = views(memory, NEAR_ROOM, 1, (len(law.block), rows, fields_of(rows, modes), LANES))[0]
+    found = gather(law, near, own_cycle, delta, psi, NEVER, rows, r)
     answer = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if found == rows:
-        small = np.empty((modes + BODIES, modes + BODIES + 2))
         gather_modes(law, teeth, rows, r)
-        stiffness = _settle_in_turn(law, rows, modes, r, small)
+        stiffness = _settle_in_turn(law, rows, modes, r, small, shares)
         answer = _sums(law, near, own_cycle, rows, modes, r, small, stiffness, loads)
         answer = _less_modes(law, teeth, rows, r, small, loads, answer)
-    near_room[0] = 0.0
-    return answer
+    return found, answer
 
 
 @njit(**SPREAD)
@@ -318,10 +345,12 @@ def _take_back(slope, block, rows, r):
 
 
 @njit(**SPREAD)
-def _settle_in_turn(law, rows, modes, r, small):
+def _settle_in_turn(law, rows, modes, r, small, shares):
     """Slices exactly at held displacements, then those by a Newton step, in turn, in halves later; the stiffnesses."""
     scale, last = 0.0, small.shape[1] - 1
-    stiffness, shares = (0.0, 0.0, 0.0), np.zeros(modes + BODIES)
+    stiffness = 0.0, 0.0, 0.0
+    for i in range(modes + BODIES):
+        shares[i] = 0.0
     for block in range(r.shape[0]):
         for a in range(rows):
             for s in range(LANES):
