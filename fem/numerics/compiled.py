@@ -35,7 +35,8 @@ import numba
 from llvmlite import ir
 from numba import njit, types
 from numba.core import cgutils
-from numba.core.compiler import CompileResult
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler, CompileResult
 from numba.core.errors import RequireLiteralValue
 from numba.core.serialize import dumps
 from numba.extending import intrinsic, typeof_impl
@@ -188,9 +189,41 @@ class _Stored:
         return f"{function}-{hashlib.sha256(key.encode()).hexdigest()[:16]}.code", key
 
 
+class _Linked(JITCodeLibrary):
+    """The code of an `Inner`, which callers link and optimise as a part of their own; it is not made to run itself."""
+
+    @property
+    def codegen(self) -> _Linked:
+        """Itself, as it takes no environment."""
+        return self
+
+    def set_env(self, *_: Any) -> None:
+        """Nothing: there is no code that runs."""
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """0: there is no code that runs."""
+        return 0
+
+    def finalize(self) -> None:
+        """Add the code of what it calls."""
+        for library in dict.fromkeys(self._linking_libraries):
+            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
+        self._finalized = True
+
+
+class _LinkedCompiler(Compiler):
+    def __init__(self, typingctx: Any, targetctx: Any, library: None, *rest: Any) -> None:
+        super().__init__(typingctx, targetctx, _Linked(targetctx.codegen(), "inner"), *rest)
+
+
+@functools.cache
+def _dispatcher_of(value: Inner) -> Any:
+    return njit(pipeline_class=_LinkedCompiler, **value.options)(value.function)
+
+
 @typeof_impl.register(Inner)
 def _type_of_inner(value: Inner, _: Any) -> types.Type:
-    return types.Dispatcher(value.compiled)
+    return types.Dispatcher(_dispatcher_of(value))
 
 
 def _views(typingctx: Any, vector: Any, start: Any, count: Any, shape: Any) -> tuple[Any, Callable]:
