@@ -19,6 +19,7 @@ import functools
 import gc
 import hashlib
 import inspect
+import operator
 import pickle
 import re
 import signal
@@ -37,9 +38,9 @@ from numba import njit, types
 from numba.core import cgutils
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, CompileResult
-from numba.core.errors import RequireLiteralValue
+from numba.core.errors import NumbaNotImplementedError, RequireLiteralValue
 from numba.core.serialize import dumps
-from numba.extending import intrinsic, typeof_impl
+from numba.extending import intrinsic, lower_builtin, models, register_model, typeof_impl
 from numba.np.arrayobj import populate_array
 
 from fem.numerics import compiled_files
@@ -226,6 +227,45 @@ def _type_of_inner(value: Inner, _: Any) -> types.Type:
     return types.Dispatcher(_dispatcher_of(value))
 
 
+class View(types.Array):
+    """An array made by `views`: in C order, and no index is negative. Access to an element takes a fifth of the code."""
+
+
+register_model(View)(models.ArrayModel)
+
+
+def _element(context: Any, builder: Any, view: View, array: Any, kind: types.Type, index: Any) -> Any:
+    """Address of one element of a view."""
+    kinds, parts = (list(kind), cgutils.unpack_tuple(builder, index)) if view.ndim > 1 else ([kind], [index])
+    if len(kinds) != view.ndim:
+        raise NumbaNotImplementedError(f"a view takes {view.ndim} indices at once, not {len(kinds)}")
+    model = context.data_model_manager[view]
+    data, shape = model.get_field_position("data"), model.get_field_position("shape")
+    parts = [context.cast(builder, part, own, types.intp) for part, own in zip(parts, kinds, strict=True)]
+    place = parts[0]
+    for axis in range(1, view.ndim):
+        place = builder.add(builder.mul(place, builder.extract_value(array, (shape, axis))), parts[axis])
+    return builder.gep(builder.extract_value(array, data), [place])
+
+
+@lower_builtin(operator.getitem, View, types.Integer)
+@lower_builtin(operator.getitem, View, types.UniTuple)
+def _get_element(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    view, kind = signature.args
+    if isinstance(signature.return_type, types.Array):
+        general = signature.return_type(view.copy(), kind)
+        return context.get_function(operator.getitem, general)(builder, values)
+    return builder.load(_element(context, builder, view, values[0], kind, values[1]))
+
+
+@lower_builtin(operator.setitem, View, types.Integer, types.Any)
+@lower_builtin(operator.setitem, View, types.UniTuple, types.Any)
+def _set_element(context: Any, builder: Any, signature: Any, values: Any) -> None:
+    view, kind, given = signature.args
+    place = _element(context, builder, view, values[0], kind, values[1])
+    builder.store(context.cast(builder, values[2], given, view.dtype), place)
+
+
 def _views(typingctx: Any, vector: Any, start: Any, count: Any, shape: Any) -> tuple[Any, Callable]:
     """Tuple of `count` arrays of one shape, one behind the other on the numbers of a vector from `start` on.
 
@@ -234,7 +274,7 @@ def _views(typingctx: Any, vector: Any, start: Any, count: Any, shape: Any) -> t
     """
     if not isinstance(count, types.IntegerLiteral):
         raise RequireLiteralValue("the number of views must be a literal")
-    result = types.UniTuple(types.Array(vector.dtype, shape.count, "C"), count.literal_value)
+    result = types.UniTuple(View(vector.dtype, shape.count, "C"), count.literal_value)
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         whole = context.make_array(vector)(context, builder, values[0])
