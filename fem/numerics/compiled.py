@@ -228,7 +228,7 @@ def _type_of_inner(value: Inner, _: Any) -> types.Type:
 
 
 class View(types.Array):
-    """An array made by `views`: in C order, and no index is negative. Access to an element takes a fifth of the code."""
+    """An array made by `views`: in C order, no index negative. Access to an element takes a fifth of the code."""
 
 
 register_model(View)(models.ArrayModel)
