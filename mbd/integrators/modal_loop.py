@@ -175,9 +175,8 @@ def _choose_hold(counts, level, n_past):
 
 
 @inner()
-def _remember(constants, memory, hold, level, kink, eta, force, row_values, now, held):
-    """Finish the step: its own part of the state, the polynomials of the forces, and the memory."""
-    _, _, _, weights, powers, _, _, enter, _, _, _, _ = constants
+def _remember(h, weight, powers, enter, memory, level, kink, eta, force, row_values, now, held):
+    """Finish a step of length h: its own part of the state, the polynomials of the forces, and the memory."""
     state, forces, pushes, past, counts, _, rows, last = memory
     n_past = len(pushes)
     for s in range(n_past - 1, 0, -1):
@@ -186,16 +185,16 @@ def _remember(constants, memory, hold, level, kink, eta, force, row_values, now,
     for j in range(len(eta)):
         pushes[0, j] = 0.0
     _add_rows(pushes[0], force, enter)
-    _add_product(eta, weights[level, hold, 0], pushes[0])
+    _add_product(eta, weight, pushes[0])
     for r in range(len(force)):
         for k in range(n_past):
-            held[k, r] = powers[hold, k, 0] * force[r]
+            held[k, r] = powers[k, 0] * force[r]
             for s in range(1, n_past):
-                held[k, r] += powers[hold, k, s] * forces[s - 1, r]
+                held[k, r] += powers[k, s] * forces[s - 1, r]
         forces[2, r], forces[1, r], forces[0, r] = forces[1, r], forces[0, r], force[r]
     counts[0] = 0 if kink else counts[0] + 1
     counts[2], counts[3] = level, counts[3] + 1
-    past[1], past[0] = past[0], constants.length[level]
+    past[1], past[0] = past[0], h
     for r in range(len(rows)):
         rows[r] = row_values[r]
     for r in range(len(force)):
@@ -279,7 +278,10 @@ def advance_modes(table, first, angles, accelerations, constants, memory, block,
             for r in range(m):
                 forces[n, r] = guess[r]
             clock[n, 0], clock[n, 1], clock[n, 2], clock[n, 3] = length[level], angle, speed, turning
-            _remember(constants, memory, hold, level, kink, eta, guess, row_values[n], now, holds[n])
+            _remember(
+                length[level], weights[level, hold, 0], powers[hold], enter, memory, level, kink, eta, guess,
+                row_values[n], now, holds[n],
+            )  # fmt: skip
             motor[0], motor[1], motor[2] = angle, speed, time
             position += own
             n += 1
