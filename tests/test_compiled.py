@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from numba import njit, types
 from numba.core.dispatcher import Dispatcher
+from numba.core.errors import NumbaError
 from waiting import HANGING
 
 from fem.numerics import compiled_files
@@ -254,6 +255,40 @@ def test_views_stand_one_behind_the_other_in_a_vector():
     numbers = np.zeros(20)
     assert filled(numbers, 3) == ((3, 2), 2.0)
     assert np.flatnonzero(numbers).tolist() == [1 + 1, 1 + 6 + 4, 1 + 12]
+
+
+def test_a_view_takes_as_many_indices_as_it_has_axes_and_rows_of_it_are_arrays():
+    @njit
+    def swapped(numbers, i, j):
+        (view,) = views(numbers, 2, 1, (2, 3, 4))
+        view[i, j, 3] += view[1, 2, i] - view[0, 0, j]
+        return view[1].sum(), view[i, j].sum(), view[i, j, 3]
+
+    @njit
+    def emptied(numbers):
+        (view,) = views(numbers, 2, 1, (2, 3, 4))
+        view[1, 2] = 0.0
+
+    numbers = np.arange(26.0)
+    cube = numbers[2:].reshape(2, 3, 4).copy()
+    cube[1, 0, 3] += cube[1, 2, 1] - cube[0, 0, 0]
+    assert swapped(numbers, 1, 0) == (cube[1].sum(), cube[1, 0].sum(), cube[1, 0, 3])
+    assert np.array_equal(numbers[2:], cube.ravel())
+    with pytest.raises(NumbaError, match="a view takes 3 indices at once, not 2"):
+        emptied(numbers)
+
+
+def test_an_inner_function_cannot_make_an_array():
+    @inner()
+    def made(n):
+        return np.zeros(n)
+
+    @njit
+    def total(n):
+        return made(n).sum()
+
+    with pytest.raises(NumbaError, match="Only accept returning of array passed"):
+        total(3)
 
 
 def test_an_inner_function_runs_in_python_too():

@@ -12,24 +12,20 @@ from typing import Any
 PLAIN: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 INLINE: dict[str, Any] = {"forceinline": True, "fastmath": {"contract"}}
 NO_ENTRY: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+COUNTED: dict[str, Any] = {"_nrt": True}
+UNCOUNTED: dict[str, Any] = {"_nrt": False}  # no count of references to arrays: it makes none, its caller keeps them
 
 
 class Inner:
     """A compiled function for compiled callers; called from Python, it runs as Python."""
 
     def __init__(self, function: Callable, **options: Any) -> None:
-        self._function, self._options = function, options
+        self.function = function
+        self.options = {**PLAIN, **NO_ENTRY, **UNCOUNTED, **options}
         functools.update_wrapper(self, function)
 
     def __call__(self, *values: Any) -> Any:
-        return self._function(*values)
-
-    @functools.cached_property
-    def compiled(self) -> Any:
-        """The function as the compiler takes it."""
-        from numba import njit
-
-        return njit(**{**PLAIN, **NO_ENTRY, **self._options})(self._function)
+        return self.function(*values)
 
 
 def inner(**options: Any) -> Callable:

@@ -119,11 +119,15 @@ def _up(x: np.ndarray, store: Store, begin: int, end: int) -> None:
         own = rows[row_ends[s - 1] if s else 0 : row_ends[s]]
         m = k + len(own)
         y = np.empty((m, x.shape[1]))
-        y[:k] = x[first : first + k]
-        for i, row in enumerate(own):
-            for c in range(x.shape[1]):
-                y[k + i, c] = -x[row, c]
-        x[first : first + k] = np.dot(panels[ends[s] - k * m : ends[s]].reshape(k, m), y)
+        for c in range(x.shape[1]):  # element by element: assigned slices take seconds to compile
+            for j in range(k):
+                y[j, c] = x[first + j, c]
+            for i in range(m - k):
+                y[k + i, c] = -x[own[i], c]
+        found = np.dot(panels[ends[s] - k * m : ends[s]].reshape(k, m), y)
+        for c in range(x.shape[1]):
+            for j in range(k):
+                x[first + j, c] = found[j, c]
 
 
 def count_negative(plan: Elimination, K: sp.spmatrix, M: sp.spmatrix, shift: float, rows: sp.spmatrix) -> int:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from fem.numerics.compiled import stored
+from fem.numerics.inner import UNCOUNTED
 
 
-@stored(__file__, fastmath={"contract", "reassoc"})
 def weighted_samples(
     values: np.ndarray, position: np.ndarray, cutoff: np.ndarray, table: np.ndarray, per_zero: float, half_width: float
 ) -> np.ndarray:
@@ -25,12 +27,18 @@ def weighted_samples(
     per_zero : points of the table per sample at cutoff 1
     half_width : distance at cutoff 1 where the table ends, in samples
     """
+    out = np.empty((len(values), position.size))
+    weight = np.empty(2 * math.ceil(half_width / cutoff.min()) + 2)
+    _weigh(values, position, cutoff, table, per_zero, half_width, weight, out)
+    return out
+
+
+@stored(__file__, fastmath={"contract", "reassoc"}, **UNCOUNTED)
+def _weigh(values, position, cutoff, table, per_zero, half_width, weight, out):
     channels, samples = values.shape
-    out = np.zeros((channels, position.size))
-    weight = np.empty(2 * int(np.ceil(half_width / cutoff.min())) + 2)
     for i in range(position.size):
-        first = int(np.floor(position[i] - half_width / cutoff[i])) + 1
-        last = int(np.ceil(position[i] + half_width / cutoff[i]))
+        first = math.floor(position[i] - half_width / cutoff[i]) + 1
+        last = math.ceil(position[i] + half_width / cutoff[i])
         total = 0.0
         for k in range(last - first):
             place = abs(position[i] - first - k) * cutoff[i] * per_zero
@@ -41,11 +49,9 @@ def weighted_samples(
         for channel in range(channels):
             found = 0.0
             if inside:
-                near = values[channel, first:last]
-                for k in range(near.size):
-                    found += weight[k] * near[k]
+                for k in range(last - first):
+                    found += weight[k] * values[channel, first + k]
             else:
                 for k in range(last - first):
                     found += weight[k] * values[channel, min(max(first + k, 0), samples - 1)]
             out[channel, i] = found / total
-    return out

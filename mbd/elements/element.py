@@ -33,9 +33,9 @@ Calls
 -----
 The loop calls a rule through its address (`fem.numerics.compiled.Signature`). It knows no kind, a new one recompiles
 nothing but itself, and what no machine uses is never compiled. A call costs 0.1 to 0.15 us more than code that is part
-of the loop (rig: 8 elements, 26 us per step); with arrays that count references (`fem.numerics.compiled.lent`) it was
-0.5 us. A static tuple of all rules that the compiler unrolls took no less time per step (33 us against 29 to 33 us on a
-busy machine) and compiles every kind into every loop.
+of the loop (rig: 8 elements, 26 us per step), or 0.5 us where references to arrays are counted
+(`fem.numerics.inner.UNCOUNTED`). A static tuple of all rules that the compiler unrolls took no less time per step
+(33 us against 29 to 33 us on a busy machine) and compiles every kind into every loop.
 """
 
 from __future__ import annotations

@@ -18,17 +18,39 @@ are moved along by their tangents. A time step then costs one evaluation.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numba import types
 
-from fem.numerics.compiled import FLOAT, INTEGER, MATRIX, VECTOR, apart, stored
-from fem.numerics.inner import inner
+from fem.numerics.compiled import CUBE, FLOAT, INTEGER, INTEGER_MATRIX, MATRIX, VECTOR, apart, stored
+from fem.numerics.inner import UNCOUNTED, inner
 from mbd.elements.element import WIDTH
-from mbd.elements.table import CLOCK, INSTANT, TABLE, follow_tangent, parametric_work, row_forces
+from mbd.elements.table import CLOCK, INSTANT, TABLE, Instant, Table, follow_tangent, parametric_work, row_forces
 
 MAX_ITERATIONS = 60
 MAX_HALVINGS = 8
 NEAR = 0.01  # of the scale: what is left is below 1e-5 of it in 99 of 100 steps of 33 us
+
+
+class Workspace(NamedTuple):
+    """Arrays that `iterate` works in."""
+
+    quality: np.ndarray  # (1,) out: residual of the guess
+    forces: np.ndarray  # (5, m) the guess, the forces that the motion asks for, the step, the trial, the reduced step
+    slopes: np.ndarray  # (3, m, WIDTH) stiffnesses that are held, slopes by displacement and rate
+    matrix: np.ndarray  # (m, m)
+    rows: np.ndarray  # (2, m) int: those that are solved for, and those that move by a given force
+
+
+WORKSPACE = types.NamedTuple((VECTOR, MATRIX, CUBE, MATRIX, INTEGER_MATRIX), Workspace)
+
+
+def workspace(m: int) -> Workspace:
+    """Arrays for m forces."""
+    return Workspace(
+        np.empty(1), np.empty((5, m)), np.empty((3, m, WIDTH)), np.empty((m, m)), np.empty((2, m), dtype=np.int64)
+    )
 
 
 @inner()
@@ -64,10 +86,10 @@ def residual_size(force, target, scale):
 @apart(
     INTEGER,
     *(TABLE, CLOCK, VECTOR, VECTOR, MATRIX, MATRIX, VECTOR, VECTOR, VECTOR, INSTANT, FLOAT, FLOAT, FLOAT),
-    *(VECTOR, VECTOR),
+    *(VECTOR, WORKSPACE),
 )
-@stored(__file__, entry=False)
-def iterate(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance, near, limit, quality, before):
+@stored(__file__, entry=False, **UNCOUNTED)
+def iterate(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance, near, limit, before, work):
     """Iterate on ``force``; the iterations used, or -1 without convergence.
 
     k rows, of which the first m have forces. Residuals are measured in units of the scale of the forces.
@@ -83,38 +105,36 @@ def iterate(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance, near,
     tolerance : residual below which the forces are taken as they are
     near : residual from below which one more step is taken without evaluating the forces again
     limit : residual of the guess above which nothing is tried
-    quality : (1,) out: residual of the guess
     before : (m,) or more displacements of the last instant in a step that is audited, or (0,)
+    work : `Workspace`
     """
-    m = len(force)
-    guess, held = force.copy(), np.empty((0, WIDTH))
-    used = _newton(
-        table, clock, u_p, v_p, g_u, g_v, held, force, u, v, now, tolerance, near, limit, quality, before
-    )  # fmt: skip
+    guess, held = work.forces[0], work.slopes[0]
+    copy_to(guess, force)
+    used = _newton(table, clock, u_p, v_p, g_u, g_v, held[:0], force, u, v, now, tolerance, near, limit, before, work)
     if used >= 0:
         return used
-    if quality[0] > limit:
+    if work.quality[0] > limit:
         return -1
     copy_to(force, guess)
     _move_rows(u_p, g_u, force, u)
     _move_rows(v_p, g_v, force, v)
-    held = np.empty((m, WIDTH))
-    row_forces(table, clock, u, v, before[:0], held[:0], guess, np.empty((m, WIDTH)), np.empty((m, WIDTH)), now)
-    for r in range(m):
-        copy_to(held[r], now.stiffness[r])
-    used = _newton(
-        table, clock, u_p, v_p, g_u, g_v, held, force, u, v, now, tolerance, near, limit, quality, before
-    )  # fmt: skip
+    row_forces(table, clock, u, v, before[:0], held[:0], guess, work.slopes[1], work.slopes[2], now)
+    for r in range(len(force)):
+        for j in range(WIDTH):
+            held[r, j] = now.stiffness[r, j]
+    used = _newton(table, clock, u_p, v_p, g_u, g_v, held, force, u, v, now, tolerance, near, limit, before, work)
     return MAX_ITERATIONS + used if used >= 0 else -1
 
 
 @inner()
-def _newton(table, clock, u_p, v_p, g_u, g_v, held, force, u, v, now, tolerance, near, limit, quality, before):
+def _newton(table, clock, u_p, v_p, g_u, g_v, held, force, u, v, now, tolerance, near, limit, before, work):
     """`iterate` with the stiffnesses ``held`` (m, WIDTH) for the damping, or the present ones if that is empty."""
     m = len(force)
-    target, step, trial = np.empty(m), np.zeros(m), np.empty(m)
-    slope_u, slope_v = np.empty((m, WIDTH)), np.empty((m, WIDTH))
+    target, step, trial = work.forces[1], work.forces[2], work.forces[3]
+    slope_u, slope_v = work.slopes[1], work.slopes[2]
     size = np.inf
+    for r in range(m):
+        step[r] = 0.0
     for iteration in range(MAX_ITERATIONS + 1):
         last, part = size, 1.0
         for _ in range(MAX_HALVINGS):
@@ -129,14 +149,14 @@ def _newton(table, clock, u_p, v_p, g_u, g_v, held, force, u, v, now, tolerance,
             part *= 0.5
         copy_to(force, trial)
         if iteration == 0:
-            quality[0] = size
+            work.quality[0] = size
             if not size <= limit:
                 return -1
         if size <= tolerance:
             return iteration
         for r in range(m):
             step[r] = target[r] - force[r]
-        if not _newton_step(table, g_u, g_v, slope_u, slope_v, step):
+        if not _newton_step(table, g_u, g_v, work):
             return -1
         if size <= near:
             for r in range(m):
@@ -150,16 +170,15 @@ def _newton(table, clock, u_p, v_p, g_u, g_v, held, force, u, v, now, tolerance,
 
 
 @inner()
-def _newton_step(table, g_u, g_v, slope_u, slope_v, step):
+def _newton_step(table, g_u, g_v, work):
     """Solve (1 - S_u G_u - S_v G_v) step = residual in place; rows whose force does not depend on the motion stay.
 
-    ``g_u`` and ``g_v`` as in `iterate`, the slopes S_u and S_v (m, WIDTH) as in `mbd.elements.table.row_forces`,
-    ``step`` (m,) in: the residual, out: the change of the forces. False if the matrix is singular.
+    ``g_u`` and ``g_v`` as in `iterate`, the slopes S_u and S_v as in `mbd.elements.table.row_forces`, the step of
+    ``work`` in: the residual, out: the change of the forces. False if the matrix is singular.
     """
-    m = len(step)
-    active, n = np.empty(m, dtype=np.int64), 0
-    pushed, n_pushed = np.empty(m, dtype=np.int64), 0  # rows that move by a given force
-    for r in range(m):
+    step, right, matrix, n, n_pushed = work.forces[2], work.forces[4], work.matrix, 0, 0
+    slope_u, slope_v, active, pushed = work.slopes[1], work.slopes[2], work.rows[0], work.rows[1]
+    for r in range(len(step)):
         moves = False
         for k in range(table.width[r]):
             moves = moves or slope_u[r, k] != 0.0 or slope_v[r, k] != 0.0
@@ -169,10 +188,11 @@ def _newton_step(table, g_u, g_v, slope_u, slope_v, step):
         elif step[r] != 0.0:
             pushed[n_pushed] = r
             n_pushed += 1
-    matrix, right = np.zeros((n, n)), np.empty(n)
     for i in range(n):
         r = active[i]
         right[i] = step[r]
+        for j in range(n):
+            matrix[i, j] = 0.0
         for k in range(table.width[r]):
             su, sv = slope_u[r, k], slope_v[r, k]
             if su != 0.0 or sv != 0.0:
@@ -182,7 +202,7 @@ def _newton_step(table, g_u, g_v, slope_u, slope_v, step):
                 for j in range(n_pushed):
                     right[i] += (su * g_u[a, pushed[j]] + sv * g_v[a, pushed[j]]) * step[pushed[j]]
         matrix[i, i] += 1.0
-    if not solve_dense(matrix, right):
+    if not solve_dense(matrix, right[:n]):
         return False
     for i in range(n):
         step[active[i]] = right[i]
@@ -217,21 +237,25 @@ def solve_dense(matrix, right):
     return True
 
 
-@stored(__file__)
-def solve_rows(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance):
+def solve_rows(
+    table: Table, clock: tuple[float, float, float], u_p: np.ndarray, v_p: np.ndarray, g_u: np.ndarray,
+    g_v: np.ndarray, force: np.ndarray, u: np.ndarray, v: np.ndarray, now: Instant, tolerance: float,
+) -> int:  # fmt: skip
     """`iterate` for one instant, to the tolerance.
 
     Parameters
     ----------
     table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance : those of `iterate`
     """
-    quality = np.empty(1)
-    return iterate(
-        table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance, 0.0, np.inf, quality, quality[:0]
-    )  # fmt: skip
+    return _solve_rows(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance, workspace(len(force)))
 
 
-@stored(__file__)
+@stored(__file__, **UNCOUNTED)
+def _solve_rows(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance, work):
+    return iterate(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance, 0.0, np.inf, force[:0], work)
+
+
+@stored(__file__, **UNCOUNTED)
 def forces_at(table, clock, u, v, before, held, force, slope_u, slope_v, now):
     """`mbd.elements.table.row_forces` at one instant.
 

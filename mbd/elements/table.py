@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
-from fem.numerics.compiled import FLOAT, INTEGER_MATRIX, INTEGERS, MATRIX, VECTOR, apart, lent, stored
-from fem.numerics.inner import inner
+from fem.numerics.compiled import FLOAT, INTEGER_MATRIX, INTEGERS, MATRIX, VECTOR, apart, stored
+from fem.numerics.inner import UNCOUNTED, inner
 from mbd.elements.element import (
     BY_ANGLE,
     ENERGY,
@@ -137,7 +137,7 @@ def slope_matrix(slope: np.ndarray, table: Table) -> np.ndarray:
 
 
 @apart(types.none, TABLE, CLOCK, VECTOR, VECTOR, VECTOR, MATRIX, VECTOR, MATRIX, MATRIX, INSTANT)
-@stored(__file__, entry=False)
+@stored(__file__, entry=False, **UNCOUNTED)
 def row_forces(table, clock, u, v, before, held, force, slope_u, slope_v, now):
     """Residual forces lambda = k0 u + c0 u' - F and their slopes at an instant.
 
@@ -154,37 +154,39 @@ def row_forces(table, clock, u, v, before, held, force, slope_u, slope_v, now):
     now : out: answers of the elements
     """
     m = len(force)
-    rows, rates, old, hold = lent(u), lent(v), lent(before), lent(held)
-    elastic, stiffness, lost = lent(now.elastic), lent(now.stiffness), lent(now.lost)
-    frozen, frozen_stiffness, log = lent(now.frozen), lent(now.frozen_stiffness), lent(now.log)
-    by_u, by_v, values = lent(slope_u), lent(slope_v), lent(table.values)
-    starts, places, seen, read = lent(table.row), lent(table.value), lent(table.seen), lent(table.read)
-    rules, widths, pattern = lent(table.rule), lent(table.width), lent(table.pattern)
-    k, c = lent(table.stiffness), lent(table.damping)
+    elastic, lost, stiffness, log, frozen, frozen_stiffness = now
+    rules, starts, places, values, seen, read, _, _, pattern, widths, k, c, _ = table
     for r in range(m):
         elastic[r], lost[r], frozen[r] = 0.0, 0.0, 0.0
         for j in range(WIDTH):
-            by_u[r, j], by_v[r, j], stiffness[r, j], frozen_stiffness[r, j] = 0.0, 0.0, 0.0, 0.0
+            slope_u[r, j], slope_v[r, j], stiffness[r, j], frozen_stiffness[r, j] = 0.0, 0.0, 0.0, 0.0
     for e in range(len(rules)):
         for j in range(LOG_WIDTH):
             log[e, j] = 0.0
         a, b, first, last = starts[e], starts[e + 1], read[e, 0], read[e, 1]
         motion = Motion(
-            clock[0], clock[1], clock[2], rows[a:b], rates[a:b], rows[m + seen[e, 0] : m + seen[e, 1]], old[a:b],
-            hold[a:b], elastic[first:last], stiffness[first:last],
+            clock[0], clock[1], clock[2], u[a:b], v[a:b], u[m + seen[e, 0] : m + seen[e, 1]], before[a:b],
+            held[a:b], elastic[first:last], stiffness[first:last],
         )  # fmt: skip
         answer = Answer(
-            elastic[a:b], stiffness[a:b], lost[a:b], by_u[a:b], by_v[a:b], frozen[a:b], frozen_stiffness[a:b], log[e]
+            elastic[a:b],
+            stiffness[a:b],
+            lost[a:b],
+            slope_u[a:b],
+            slope_v[a:b],
+            frozen[a:b],
+            frozen_stiffness[a:b],
+            log[e],
         )
         call_rule(rules[e], values[places[e] : places[e + 1]], motion, answer)
     for r in range(m):
         force[r] = k[r] * u[r] + c[r] * v[r] - (elastic[r] + lost[r])
         for j in range(widths[r]):
-            by_u[r, j] = -stiffness[r, j] - by_u[r, j]
-            by_v[r, j] = -by_v[r, j]
+            slope_u[r, j] = -stiffness[r, j] - slope_u[r, j]
+            slope_v[r, j] = -slope_v[r, j]
             if pattern[r, j] == r:
-                by_u[r, j] += k[r]
-                by_v[r, j] += c[r]
+                slope_u[r, j] += k[r]
+                slope_v[r, j] += c[r]
 
 
 @inner()

@@ -21,7 +21,7 @@ import numpy as np
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.evaluation.kernel import evaluate
 from fem.contact.teeth import least_clearance
-from fem.numerics.inner import inner
+from fem.numerics.inner import UNCOUNTED, inner
 from mbd.elements.element import ENERGY, FROZEN_ENERGY, Contact, Element, Signal, rule
 from mbd.elements.mode_words import ModeWords
 from mbd.parts.gear_mesh import MeshSpec, mesh_channels, mesh_rows
@@ -50,7 +50,7 @@ def _store(energy_at, force, stiffness, log, found):
     stiffness[1, 0], stiffness[1, 1] = found[4], found[5]
 
 
-@rule(__file__)
+@rule(__file__, **UNCOUNTED)
 def flank_rule(values, motion, answer):
     """Force of one flank; ``values`` by the numbers above, then the law and the tooth terms of pinion and wheel."""
     delta, psi, before = motion.u[0], motion.u[1], motion.before

@@ -32,7 +32,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from fem.numerics.inner import inner
+from fem.numerics.inner import UNCOUNTED, inner
 from fem.numerics.root import brentq
 from mbd.elements.element import BY_ANGLE, ENERGY, Element, Rule, Signal, rule
 from mbd.elements.rule_call import evaluated
@@ -47,7 +47,7 @@ ROLLER_EXPONENT = 10 / 9
 COUNT, K, RADIUS, RATE, START, TAU, FIRST = range(7)  # numbers of either rule; their own follow, from FIRST on
 
 
-@rule(__file__, fastmath={"contract"})
+@rule(__file__, **UNCOUNTED, fastmath={"contract"})
 def ball_rule(values, motion, answer):
     """Force of a ball bearing on the rows ux uy uz rx rz of the inner against the outer ring."""
     u, v = motion.u, motion.v
@@ -91,7 +91,7 @@ def ball_rule(values, motion, answer):
     answer.log[ENERGY], answer.log[BY_ANGLE] = energy, -values[RATE] * turned
 
 
-@rule(__file__, fastmath={"contract"})
+@rule(__file__, **UNCOUNTED, fastmath={"contract"})
 def roller_rule(values, motion, answer):
     """The same for a roller bearing."""
     u, v = motion.u, motion.v

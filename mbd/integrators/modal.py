@@ -27,7 +27,7 @@ from mbd.elements.element import LOG_COLUMNS
 from mbd.elements.newton import solve_rows
 from mbd.elements.table import Instant, instant
 from mbd.integrators.base import LENGTH, TOLERANCE, Block, Flow, join
-from mbd.integrators.modal_loop import QUARTERS, Constants, Memory, advance_modes
+from mbd.integrators.modal_loop import QUARTERS, Constants, Memory, advance_modes, room
 from mbd.parts.checks import StepError
 from mbd.system.rolling_frame import RollingFrame
 from mbd.system.statics import State
@@ -189,7 +189,16 @@ class ModalIntegrator:
             holds=np.empty((n, past, m)),
         )
         now, used, iterations, failed = advance_modes(
-            table, done, angles, accelerations, constants, memory, block, TOLERANCE, plan
+            table,
+            done,
+            angles,
+            accelerations,
+            constants,
+            memory,
+            block,
+            TOLERANCE,
+            plan,
+            room(m, len(constants.rows), len(memory.state)),
         )
         if failed:
             at = self.counters["steps"] + now - done

@@ -16,9 +16,9 @@ import numpy as np
 from numba import types
 
 from fem.numerics.compiled import CUBE, FLOAT, HYPERCUBE, INTEGER, INTEGERS, MATRIX, VECTOR, stored
-from fem.numerics.inner import inner
+from fem.numerics.inner import UNCOUNTED, inner
 from mbd.elements.element import AUDIT_STEPS, WIDTH
-from mbd.elements.newton import NEAR, iterate
+from mbd.elements.newton import NEAR, WORKSPACE, Workspace, iterate, workspace
 from mbd.elements.table import INSTANT, TABLE, Instant, contact_changed, parametric_work
 from mbd.integrators.base import Block
 from mbd.system.rolling_frame import RollingFrame, frame_acceleration
@@ -57,18 +57,41 @@ class Memory(NamedTuple):
     elements: Instant  # what they answered
 
 
+class Room(NamedTuple):
+    """Arrays that a step works in."""
+
+    u: np.ndarray  # (m + observed,) displacements without the new forces
+    v_without: np.ndarray  # (m,) their rates
+    v: np.ndarray  # (m,) rates with them
+    guess: np.ndarray  # (m,) forces
+    moving: np.ndarray  # (2 mode,) rates of the modes without the new forces
+    stiffness: np.ndarray  # (m, WIDTH), frozen and frozen stiffness of an `Instant`
+    frozen: np.ndarray
+    frozen_stiffness: np.ndarray
+    work: Workspace
+
+
+def room(m: int, n_rows: int, size: int) -> Room:
+    """Arrays for m forces, n_rows rows and a state of `size` numbers."""
+    vectors, slopes = np.empty((4, m)), np.empty((2, m, WIDTH))
+    return Room(
+        np.empty(n_rows), *vectors[:3], np.empty(size), slopes[0], vectors[3], slopes[1], workspace(m)
+    )  # fmt: skip
+
+
 _FRAME = types.NamedTuple((INTEGER, FLOAT, VECTOR), RollingFrame)
 _CONSTANTS = types.NamedTuple(
     (VECTOR, MATRIX, VECTOR, HYPERCUBE, CUBE, MATRIX, MATRIX, MATRIX, MATRIX, HYPERCUBE, HYPERCUBE, _FRAME), Constants
 )
 _MEMORY = types.NamedTuple((VECTOR, MATRIX, MATRIX, VECTOR, INTEGERS, VECTOR, VECTOR, INSTANT), Memory)
+_ROOM = types.NamedTuple((*[VECTOR] * 5, MATRIX, VECTOR, MATRIX, WORKSPACE), Room)
 _BLOCK = types.NamedTuple((*[MATRIX] * 6, CUBE, MATRIX, INTEGERS, CUBE), Block)
 
 
 def compile_loop() -> None:
     """Compile the loop and the iteration in it, or read them from disk: they are the same for every machine."""
     iterate.compile()
-    advance_modes.compile((TABLE, INTEGER, VECTOR, VECTOR, _CONSTANTS, _MEMORY, _BLOCK, FLOAT, INTEGERS))
+    advance_modes.compile((TABLE, INTEGER, VECTOR, VECTOR, _CONSTANTS, _MEMORY, _BLOCK, FLOAT, INTEGERS, _ROOM))
 
 
 @inner(fastmath={"reassoc", "contract", "nsz"})
@@ -152,26 +175,26 @@ def _choose_hold(counts, level, n_past):
 
 
 @inner()
-def _remember(constants, memory, hold, level, kink, eta, force, row_values, now, held):
-    """Finish the step: its own part of the state, the polynomials of the forces, and the memory."""
-    _, _, _, weights, powers, _, _, enter, _, _, _, _ = constants
+def _remember(h, weight, powers, enter, memory, level, kink, eta, force, row_values, now, held):
+    """Finish a step of length h: its own part of the state, the polynomials of the forces, and the memory."""
     state, forces, pushes, past, counts, _, rows, last = memory
     n_past = len(pushes)
     for s in range(n_past - 1, 0, -1):
         for j in range(len(eta)):
             pushes[s, j] = pushes[s - 1, j]
-    pushes[0, :] = 0.0
+    for j in range(len(eta)):
+        pushes[0, j] = 0.0
     _add_rows(pushes[0], force, enter)
-    _add_product(eta, weights[level, hold, 0], pushes[0])
+    _add_product(eta, weight, pushes[0])
     for r in range(len(force)):
         for k in range(n_past):
-            held[k, r] = powers[hold, k, 0] * force[r]
+            held[k, r] = powers[k, 0] * force[r]
             for s in range(1, n_past):
-                held[k, r] += powers[hold, k, s] * forces[s - 1, r]
+                held[k, r] += powers[k, s] * forces[s - 1, r]
         forces[2, r], forces[1, r], forces[0, r] = forces[1, r], forces[0, r], force[r]
     counts[0] = 0 if kink else counts[0] + 1
     counts[2], counts[3] = level, counts[3] + 1
-    past[1], past[0] = past[0], constants.length[level]
+    past[1], past[0] = past[0], h
     for r in range(len(rows)):
         rows[r] = row_values[r]
     for r in range(len(force)):
@@ -185,8 +208,8 @@ def _remember(constants, memory, hold, level, kink, eta, force, row_values, now,
         state[j] = eta[j]
 
 
-@stored(__file__)
-def advance_modes(table, first, angles, accelerations, constants, memory, block, tolerance, plan):
+@stored(__file__, **UNCOUNTED)
+def advance_modes(table, first, angles, accelerations, constants, memory, block, tolerance, plan, arrays):
     """Steps as far as the block reaches: next step, instants and iterations taken, True if a step failed.
 
     Parameters
@@ -199,15 +222,14 @@ def advance_modes(table, first, angles, accelerations, constants, memory, block,
     block : `mbd.integrators.base.Block` with room for the instants of one step or more, filled in
     tolerance : of the forces, in units of their scale
     plan : (instant,) int, levels to take, or (0,): chosen as the forces ask
+    arrays : `Room` to work in
     """
     length, growth, rate, weights, powers, load, ramp, enter, rows, g_u, g_v, frame = constants
     state, past_forces, pushes, past, counts, motor, last_rows, last = memory
     states, _, forces, row_values, elastic, lost, log, clock, whole, holds = block
     m, n_rows, n_past, finest = len(enter), len(rows), len(pushes), len(length) - 1
     units = QUARTERS**finest
-    u_p, v_p, v, guess = np.empty(n_rows), np.empty(m), np.empty(m), np.empty(m)
-    moving, quality = np.empty(len(state)), np.zeros(1)
-    stiffness, frozen, frozen_stiffness = np.empty((m, WIDTH)), np.empty(m), np.empty((m, WIDTH))
+    u_p, v_p, v, guess, moving, stiffness, frozen, frozen_stiffness, work = arrays
     iterations, n = 0, 0
     planned = len(plan) > 0
     for i in range(first, len(angles)):
@@ -227,7 +249,8 @@ def advance_modes(table, first, angles, accelerations, constants, memory, block,
             _free_step(state, growth[level], load[level], ramp[level], a, eta)
             for s in range(1, n_past if hold > 0 else 2):
                 _add_product(eta, weights[level, hold, s], pushes[s - 1])
-            moving[:] = 0.0
+            for j in range(len(moving)):
+                moving[j] = 0.0
             _add_product(moving, rate, eta)
             for r in range(m):
                 u_p[r], v_p[r] = _dots(rows[r], eta, moving)
@@ -240,8 +263,7 @@ def advance_modes(table, first, angles, accelerations, constants, memory, block,
             time, audited = motor[2] + length[level], AUDIT_STEPS if counts[3] % AUDIT_STEPS == 0 else 0
             used = iterate(
                 table, (angle, speed, time), u_p, v_p, g_u[level, hold], g_v[level, hold], guess, row_values[n], v, now,
-                tolerance, NEAR, ROUGH if may_cut else np.inf, quality,
-                last_rows if audited > 0 else last_rows[:0],
+                tolerance, NEAR, ROUGH if may_cut else np.inf, last_rows if audited > 0 else last_rows[:0], work,
             )  # fmt: skip
             kink = contact_changed(table, last.elastic, now.elastic)
             if may_cut and (used < 0 or kink):
@@ -256,11 +278,14 @@ def advance_modes(table, first, angles, accelerations, constants, memory, block,
             for r in range(m):
                 forces[n, r] = guess[r]
             clock[n, 0], clock[n, 1], clock[n, 2], clock[n, 3] = length[level], angle, speed, turning
-            _remember(constants, memory, hold, level, kink, eta, guess, row_values[n], now, holds[n])
+            _remember(
+                length[level], weights[level, hold, 0], powers[hold], enter, memory, level, kink, eta, guess,
+                row_values[n], now, holds[n],
+            )  # fmt: skip
             motor[0], motor[1], motor[2] = angle, speed, time
             position += own
             n += 1
-            if level > 0 and position % (QUARTERS * own) == 0 and quality[0] < SMOOTH:
+            if level > 0 and position % (QUARTERS * own) == 0 and work.quality[0] < SMOOTH:
                 counts[1] -= 1
         whole[i] = n - 1
     return len(angles), n, iterations, False

@@ -2,7 +2,7 @@
 
 All numbers of an evaluation are one array ``r`` (block, row, field, lane). Slices are in blocks of LANES, which vector
 instructions take together. Pair p of a slice is in row p mod rows; a slice with two pairs for one row needs more rows.
-The fields are numbered below; those of row b seen from row a start at `pair_field`, those of mode k of the damaged
+The fields are numbered below; those of row b seen from row a are PAIR_FIELDS * b further, those of mode k of damaged
 teeth at `mode_field`.
 """
 
@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.contact.evaluation.law_tables import LANES, LARGEST_NEAR, slices_of
+from fem.contact.evaluation.law_tables import BEFORE, BEHIND, LANES, LARGEST_NEAR, LEAD, PART, SHIFT, SPRING, WIDTH, Y
 from fem.contact.slice_means import FINER
 from fem.numerics.compiled import views
 from fem.numerics.inner import INLINE, inner
@@ -43,7 +43,8 @@ FIELD_BEFORE, MOVED_BEFORE = 26, 27  # before the last step
 BEND = 28  # a / (2 (1 - p)^2), m
 RETURNED = 29  # approach to the least gap where a pair has just come back into contact, else 0, m
 ROW_FIELDS = 30
-COUPLED, SYSTEM, STIFFNESS, PIVOT = 0, 1, 2, 3  # of a pair of rows: c_pq; J, then its inverse; K; field equations
+# Fields of a row and row b, from PAIR_FIELDS * b on: c_pq; J, then its inverse; K; field equations
+COUPLED, SYSTEM, STIFFNESS, PIVOT = ROW_FIELDS, ROW_FIELDS + 1, ROW_FIELDS + 2, ROW_FIELDS + 3
 PAIR_FIELDS = 4
 MODE, MODE_RIGHT, MODE_FROM = 0, 1, 2  # of a mode: what a unit takes from the approach; as RIGHT_ and FROM_LOAD
 MODE_FIELDS = 3
@@ -70,12 +71,6 @@ NEAR_ROOM = LARGEST_NEAR * (len(NearPairs._fields) - 1)  # numbers of memory
 def fields_of(rows, modes):
     """Number of fields of a row."""
     return ROW_FIELDS + PAIR_FIELDS * rows + MODE_FIELDS * modes
-
-
-@inner(**INLINE)
-def pair_field(b, kind):
-    """Field of the pair of rows (a, b): COUPLED, SYSTEM, STIFFNESS or PIVOT."""
-    return ROW_FIELDS + PAIR_FIELDS * b + kind
 
 
 @inner(**INLINE)
@@ -136,7 +131,7 @@ def clear(rows, r):
                 r[block, a, PER_WHOLE, s], r[block, a, BEYOND, s] = 1.0 / LEAST, 1.0
             for b in range(rows):
                 for s in range(LANES):
-                    r[block, a, pair_field(b, COUPLED), s] = 0.0
+                    r[block, a, COUPLED + PAIR_FIELDS * b, s] = 0.0
 
 
 @inner(**INLINE)
@@ -153,14 +148,13 @@ def gather(law, near, own_cycle, delta, psi, lowest, rows, r):
     delta, psi, lowest : m, rad, m
     rows, r : number of rows; the array of all fields, out
     """
-    found, reach = 0, int(law.neighbours)
+    found, reach, face = 0, int(law.neighbours), law.block
     clear(rows, r)
     for block in range(r.shape[0]):
-        slices = slices_of(law, block)
         for s in range(LANES):
-            here, approach = own_cycle + slices.shift[s], delta + psi * slices.y[s] - slices.lead[s]
-            for m in range(near.pairs if slices.width[s] > 0.0 else 0):
-                x, cell, u = _free_approach(law, near, m, here, slices.part[s], approach)
+            here, approach = own_cycle + face[block, SHIFT, s], delta + psi * face[block, Y, s] - face[block, LEAD, s]
+            for m in range(near.pairs if face[block, WIDTH, s] > 0.0 else 0):
+                x, cell, u = _free_approach(law, near, m, here, face[block, PART, s], approach)
                 fine, v = finer(cell, u)
                 rise = law.fine[fine, 2] + v * law.fine[fine, 3]
                 if not x + rise > lowest:
@@ -191,7 +185,7 @@ def gather(law, near, own_cycle, delta, psi, lowest, rows, r):
                     if b != a and r[block, b, PHI, s] > 0.0 and apart <= reach:
                         k, v = cell_of(law, r[block, b, PLACE, s])
                         value = law.neighbour[k, apart - 1, 0] + v * law.neighbour[k, apart - 1, 1]
-                        r[block, a, pair_field(b, COUPLED), s] = r[block, b, pair_field(a, COUPLED), s] = value
+                        r[block, a, COUPLED + PAIR_FIELDS * b, s] = r[block, b, COUPLED + PAIR_FIELDS * a, s] = value
     if found > 0 and law.spread_length > 0.0 and not _link(law, rows, r):
         return rows + 1
     return found
@@ -202,8 +196,8 @@ def _link(law, rows, r):
     """Springs between the slices that one line runs through; False where a line comes back after another.
 
     The line of pair p is its trace over the face. Row a holds the lines of all pairs p with p mod rows = a, one behind
-    the other. The part of a line before its first and behind its last slice acts like one spring (`Slices.before`,
-    `Slices.behind`).
+    the other. The part of a line before its first and behind its last slice acts like one spring (fields BEFORE and
+    BEHIND).
     """
     good, count = True, int(law.slices)
     for a in range(rows):
@@ -213,18 +207,17 @@ def _link(law, rows, r):
                 found = r[s // LANES, a, PAIR, s % LANES]
                 if last >= 0 and found == number:
                     for j in range(last, s):
-                        r[j // LANES, a, LINK, j % LANES] = slices_of(law, j // LANES).spring[j % LANES]
+                        r[j // LANES, a, LINK, j % LANES] = law.block[j // LANES, SPRING, j % LANES]
                 elif last >= 0:
                     good = good and direction * (found - number) >= 0.0
                     direction = found - number
                 last, number = s, found
         for block in range(r.shape[0]):
-            slices = slices_of(law, block)
             for s in range(LANES):
                 ahead = r[block, a, LINK, s]
                 behind = r[block, a, LINK, s - 1] if s > 0 else (r[block - 1, a, LINK, LANES - 1] if block > 0 else 0.0)
-                stay = slices.width[s] + (behind if behind > 0.0 else slices.before[s])
-                r[block, a, STAY, s] = stay + (ahead if ahead > 0.0 else slices.behind[s])
+                stay = law.block[block, WIDTH, s] + (behind if behind > 0.0 else law.block[block, BEFORE, s])
+                r[block, a, STAY, s] = stay + (ahead if ahead > 0.0 else law.block[block, BEHIND, s])
     return good
 
 
@@ -270,13 +263,12 @@ def nearest_approach(law, near, own_cycle, psi):
     law, near, own_cycle : as for `gather`
     psi : tilt, rad
     """
-    largest = -math.inf
-    for block in range(len(law.block)):
-        slices = slices_of(law, block)
+    largest, face = -math.inf, law.block
+    for block in range(len(face)):
         for s in range(LANES):
-            approach = psi * slices.y[s] - slices.lead[s]
-            for m in range(near.pairs if slices.width[s] > 0.0 else 0):
-                x, cell, u = _free_approach(law, near, m, own_cycle + slices.shift[s], slices.part[s], approach)
+            here, approach = own_cycle + face[block, SHIFT, s], psi * face[block, Y, s] - face[block, LEAD, s]
+            for m in range(near.pairs if face[block, WIDTH, s] > 0.0 else 0):
+                x, cell, u = _free_approach(law, near, m, here, face[block, PART, s], approach)
                 if x > NEVER and (near.pinion_variant[m] != 0.0 or near.wheel_variant[m] != 0.0):
                     x -= damage_at(law, near, m, block * LANES + s, cell, u)[2]
                 fine, v = finer(cell, u)

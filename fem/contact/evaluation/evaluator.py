@@ -26,6 +26,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fem.contact.evaluation.contacts import NEAR_ROOM
 from fem.contact.evaluation.kernel import evaluate_many, first_touch
 from fem.contact.evaluation.law_tables import LARGEST_NEAR, MAX_SPAN, pack
 from fem.contact.law import MeshLaw
@@ -127,7 +128,7 @@ class LawEvaluator:
         """
         c, tilt = (np.array(v, dtype=float) for v in np.broadcast_arrays(np.atleast_1d(cycle), psi))
         found = np.empty(c.size)
-        first_touch(self.packed, c, tilt, *self.teeth(pinion, wheel), found)
+        first_touch(self.packed, c, tilt, *self.teeth(pinion, wheel), np.empty(NEAR_ROOM), found)
         if not np.isfinite(found).all():
             raise LawError(
                 f"mesh law {self.law.model!r}: no tooth pair can touch at cycle {c[~np.isfinite(found)][0]:.6g}; "
@@ -220,7 +221,7 @@ class LawEvaluator:
                 raise LawError(f"mesh law {self.law.model!r}: {name} is not finite; give finite numbers in SI")
         states = np.stack([value.ravel() for value in given], axis=1)
         answer = np.empty((len(states), 7))
-        evaluate_many(self.packed, states, pinion, wheel, answer, np.empty((0, 0, 0)) if loads is None else loads)
+        evaluate_many(self.packed, states, pinion, wheel, answer, np.empty((1, 1, 1)) if loads is None else loads)
         return MeshResponse(*(column.reshape(given[0].shape) for column in answer.T))
 
 

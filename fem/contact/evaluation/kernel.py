@@ -6,15 +6,14 @@ tooth terms of `fem.contact.teeth`. The mathematics is in `fem.contact.evaluatio
 
 from __future__ import annotations
 
-import numpy as np
-
-from fem.contact.evaluation.contacts import NEAR_ROOM, near_pairs, nearest_approach
+from fem.contact.evaluation.contacts import near_pairs, nearest_approach
 from fem.contact.evaluation.law_tables import unpacked
 from fem.contact.evaluation.solver import respond
 from fem.numerics.compiled import stored
+from fem.numerics.inner import UNCOUNTED
 
 
-@stored(__file__)
+@stored(__file__, **UNCOUNTED)
 def evaluate(packed, cycle, delta, psi, pinion, wheel):
     """Response of one flank at one state.
 
@@ -29,10 +28,10 @@ def evaluate(packed, cycle, delta, psi, pinion, wheel):
     -------
     F (N), M (N m), U (J), dF/d delta (N/m), dF/d psi = dM/d delta (N), dM/d psi (N m)
     """
-    return respond(packed, cycle, delta, psi, pinion, wheel, np.empty((0, 0)))[:6]
+    return respond(packed, cycle, delta, psi, pinion, wheel, pinion[:0])[:6]
 
 
-@stored(__file__)
+@stored(__file__, **UNCOUNTED)
 def evaluate_many(packed, states, pinion, wheel, answer, loads):
     """`evaluate` for many states, with their line loads.
 
@@ -42,29 +41,28 @@ def evaluate_many(packed, states, pinion, wheel, answer, loads):
     states : (n, 3) cycle (1), delta (m) and psi (rad)
     answer : (n, 7) out: rows of `evaluate`, then dU/dc, J
     loads : (n, place, slice) out: phi f, N/m, pair p at place p - floor(c') + places // 2 and left out beyond the
-        places; (0, 0, 0) if they are not needed
+        places; (1, 1, 1) if they are not needed
     """
-    none = np.empty((1, 1))  # dU/dc is needed, the loads are not
     for i in range(len(states)):
-        kept = loads[i] if loads.size > 0 else none
+        kept = loads[i % len(loads)]
         found = respond(packed, states[i, 0], states[i, 1], states[i, 2], pinion, wheel, kept)
         for j in range(7):
             answer[i, j] = found[j]
 
 
-@stored(__file__)
-def first_touch(packed, cycles, psi, pinion, wheel, found):
+@stored(__file__, **UNCOUNTED)
+def first_touch(packed, cycles, psi, pinion, wheel, memory, found):
     """delta_0, the approach at which the first pair touches.
 
     Parameters
     ----------
     packed, pinion, wheel : as in `evaluate`
     cycles, psi : (n,) mesh cycles c (1) and tilts (rad)
+    memory : (NEAR_ROOM,) to work in
     found : (n,) out: delta_0 in m, inf where no pair can touch
     """
-    law, room = unpacked(packed), np.empty(NEAR_ROOM)
+    law = unpacked(packed)
     for i in range(len(cycles)):
         own_cycle = law.sign * cycles[i] + law.offset
-        near = near_pairs(law, own_cycle, pinion, wheel, room)
+        near = near_pairs(law, own_cycle, pinion, wheel, memory)
         found[i] = -nearest_approach(law, near, own_cycle, psi[i])
-    room[0] = 0.0  # `near` was lent from it

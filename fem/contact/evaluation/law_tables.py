@@ -23,17 +23,12 @@ MAX_SPAN = 10  # pitches that the position grid may span
 LARGEST_NEAR = 64  # pairs in contact anywhere on the face
 
 
-class Slices(NamedTuple):
-    """One block of slices, arrays (lane,)."""
-
-    y: np.ndarray  # m from mid face
-    width: np.ndarray  # m
-    shift: np.ndarray  # mesh cycles
-    part: np.ndarray  # y / face width
-    lead: np.ndarray  # m, lead gap
-    spring: np.ndarray  # m, a^2 / distance to the next slice; 0 behind the last
-    before: np.ndarray  # m, the unloaded face before the slice acts on it like this spring
-    behind: np.ndarray  # m, the unloaded face behind it
+# Fields of a slice
+Y, WIDTH = 0, 1  # m from mid face; m
+SHIFT, PART, LEAD = 2, 3, 4  # mesh cycles; y / face width; lead gap, m
+SPRING = 5  # m, a^2 / distance to the next slice; 0 behind the last
+BEFORE, BEHIND = 6, 7  # m: the unloaded face before or behind the slice acts on it like this spring
+FIELDS = 8
 
 
 class LawTables(NamedTuple):
@@ -60,7 +55,7 @@ class LawTables(NamedTuple):
     tilt: float  # E_1, 1/(N m)
     pinion_modes: float  # modes of a damaged tooth
     wheel_modes: float
-    block: np.ndarray  # (block, field of `Slices`, lane)
+    block: np.ndarray  # (block, field, lane) of the slices, see above
     coarse: np.ndarray  # (cell, 8) C (m2/N), B, phi (0 in a cell with an infinite gap), sqrt(D); value, change of each
     fine: np.ndarray  # (cell * FINER, 8) over a slice: mean gap (m), its rise over the least gap (m), load that closes
     # the slice wholly (N/m), part of the slice over which the gap is even; value and change of each
@@ -74,7 +69,7 @@ class LawTables(NamedTuple):
 
 
 leading: Any = to_fixed_tuple  # the first numbers of a vector as a tuple
-NUMBERS, FIELDS = LawTables._fields.index("block"), len(Slices._fields)
+NUMBERS = LawTables._fields.index("block")
 PINION_MODES = LawTables._fields.index("pinion_modes")
 
 
@@ -129,7 +124,7 @@ def _cells(table: np.ndarray) -> np.ndarray:
 
 
 def _blocks(law: MeshLaw) -> np.ndarray:
-    """Arrays (block, field, lane) of `Slices`."""
+    """Fields of the slices (block, field, lane)."""
     w, n = law.slice_width, law.slice_width.size
     spring, before, behind = np.zeros(n), np.zeros(n), np.zeros(n)
     spring[:-1] = law.spread_length**2 / np.diff(law.face_coordinate)
@@ -140,11 +135,17 @@ def _blocks(law: MeshLaw) -> np.ndarray:
         rest = w[s + 1] + behind[s + 1]
         behind[s] = spring[s] * rest / (spring[s] + rest)
     y = law.face_coordinate
-    slices = Slices(y, w, law.cycle_shift, y / w.sum(), law.slice_lead_gap, spring, before, behind)
+    slices = np.array([y, w, law.cycle_shift, y / w.sum(), law.slice_lead_gap, spring, before, behind])
     blocks = -(-n // LANES)
-    filled = np.array(slices)[:, np.minimum(np.arange(blocks * LANES), n - 1)]
-    filled[slices._fields.index("width"), n:] = 0.0
-    return np.swapaxes(filled.reshape(len(slices), blocks, LANES), 0, 1)
+    filled = slices[:, np.minimum(np.arange(blocks * LANES), n - 1)]
+    filled[WIDTH, n:] = 0.0
+    return np.swapaxes(filled.reshape(FIELDS, blocks, LANES), 0, 1)
+
+
+@inner(**INLINE)
+def blocks_of(packed):
+    """Number of blocks of slices in the numbers (n,) of `pack`."""
+    return (int(packed[0]) + LANES - 1) // LANES
 
 
 @inner(**INLINE)
@@ -153,7 +154,7 @@ def unpacked(packed):
     numbers = leading(packed, NUMBERS)
     slices, cells, neighbours = int(numbers[0]), int(numbers[1]), int(numbers[2])
     first, second = int(numbers[3]), int(numbers[4])
-    blocks = (slices + LANES - 1) // LANES
+    blocks = blocks_of(packed)
     at = NUMBERS + blocks * FIELDS * LANES
     block, coarse = views(packed, NUMBERS, 1, (blocks, FIELDS, LANES)), views(packed, at, 1, (cells, 8))
     at += 8 * cells
@@ -170,9 +171,3 @@ def unpacked(packed):
     at += first * 3 * slices * (cells + 1) * of_pinion
     wheel_mode = views(packed, at, 1, (second, 3, slices, cells + 1, of_wheel))
     return LawTables(*(numbers + block + coarse + fine + neighbour + pinion + wheel + pinion_mode + wheel_mode))
-
-
-@inner(**INLINE)
-def slices_of(law, block):
-    """The `Slices` of a block."""
-    return Slices(*views(law.block[block, 0], 0, 8, (LANES,)))

@@ -37,6 +37,7 @@ from fem.contact.evaluation.contacts import (
     MOVED,
     OFFSET,
     ON,
+    PAIR_FIELDS,
     PER_WHOLE,
     PHI,
     PIVOT,
@@ -51,9 +52,8 @@ from fem.contact.evaluation.contacts import (
     SYSTEM,
     TARGET,
     mode_field,
-    pair_field,
 )
-from fem.contact.evaluation.law_tables import LANES, slices_of
+from fem.contact.evaluation.law_tables import LANES, WIDTH, Y
 from fem.contact.evaluation.line_contact import compliance_of, hertz_depth
 from fem.contact.part_contact import part_of, spared, spared_compliance
 from fem.numerics.compiled import SPREAD, SUMS
@@ -77,28 +77,27 @@ def newton_step(law, rows, modes, r, small):
         for j in range(modes + BODIES + 2):
             small[i, j] = 0.0
     for block in range(r.shape[0]):
-        sums = _linearise(law, block, rows, modes, r)
+        sums = _linearise(law.slope, law.block, block, rows, modes, r)
         force, moment, k, mixed, tilt = force + sums[0], moment + sums[1], k + sums[2], mixed + sums[3], tilt + sums[4]
         if modes > 0:
-            _add_modes(law, block, rows, modes, r, small)
+            _add_modes(law.block, block, rows, modes, r, small)
     if law.spread_length > 0.0:
         sums = _eliminate(int(law.slices), rows, modes, r, small)
         force, moment, k, mixed, tilt = force - sums[0], moment - sums[1], k - sums[2], mixed - sums[3], tilt - sums[4]
     stiffness = k, mixed, tilt
     if modes > 0:
         force, moment, stiffness = _modes_in_series(modes, force, moment, stiffness, small)
-    d, t, stiffness = bodies_in_series(law, force, moment, stiffness)
-    _move(law, rows, modes, r, _shares(modes, d, t, small))
+    d, t, stiffness = bodies_in_series(law.body, law.skew, law.tilt, force, moment, stiffness)
+    _move(law.block, int(law.slices), law.spread_length > 0.0, rows, modes, r, _shares(modes, d, t, small))
     return d, t, stiffness
 
 
 @inner(**SUMS)
-def _linearise(law, block, rows, modes, r):
+def _linearise(slope, face, block, rows, modes, r):
     """phi l, K and the field equations of a block; the sums of w phi l, w y phi l, w K, w y K and w y^2 K."""
-    slope, slices = law.slope, slices_of(law, block)
     force = moment = k = mixed = tilt = 0.0
     for s in range(LANES):
-        w, y = slices.width[s], slices.y[s]
+        w, y = face[block, WIDTH, s], face[block, Y, s]
         for a in range(rows):
             f, depth, even = r[block, a, LOAD, s], r[block, a, OFFSET, s] - r[block, a, LOG, s], r[block, a, EVEN, s]
             soft, rise, per_whole = r[block, a, SOFTNESS, s], r[block, a, RISE, s], r[block, a, PER_WHOLE, s]
@@ -108,24 +107,24 @@ def _linearise(law, block, rows, modes, r):
             for b in range(rows):
                 if b != a:
                     both = r[block, a, ON, s] * r[block, b, ON, s]
-                    pull = both * r[block, a, pair_field(b, COUPLED), s] * r[block, b, PHI, s]
-                    r[block, a, pair_field(b, SYSTEM), s] = pull
+                    pull = both * r[block, a, COUPLED + PAIR_FIELDS * b, s] * r[block, b, PHI, s]
+                    r[block, a, SYSTEM + PAIR_FIELDS * b, s] = pull
                     rest -= pull * r[block, b, LOAD, s]
             own = compliance_of(soft, slope, depth) + rise * per_whole * spared_compliance(even, part)
-            r[block, a, pair_field(a, SYSTEM), s] = own
+            r[block, a, SYSTEM + PAIR_FIELDS * a, s] = own
             r[block, a, REST, s] = r[block, a, ON, s] * rest
         _invert(block, s, rows, SYSTEM, r)
         for a in range(rows):
             on, g = r[block, a, ON, s] * r[block, a, PHI, s], r[block, a, GAIN, s]
             target, total = r[block, a, LOAD, s], 0.0
             for b in range(rows):
-                inverse = r[block, a, pair_field(b, SYSTEM), s]
+                inverse = r[block, a, SYSTEM + PAIR_FIELDS * b, s]
                 target += inverse * r[block, b, REST, s]
                 stiffness = on * inverse * r[block, b, ON, s]
                 total += stiffness
-                r[block, a, pair_field(b, STIFFNESS), s] = stiffness
+                r[block, a, STIFFNESS + PAIR_FIELDS * b, s] = stiffness
                 stay = r[block, a, STAY, s] if a == b else 0.0
-                r[block, a, pair_field(b, PIVOT), s] = w * g * r[block, b, GAIN, s] * stiffness + stay
+                r[block, a, PIVOT + PAIR_FIELDS * b, s] = w * g * r[block, b, GAIN, s] * stiffness + stay
             r[block, a, TARGET, s] = target
             load, stiff = w * on * target, w * total
             r[block, a, RIGHT_LOAD, s], r[block, a, RIGHT_BODY, s] = g * load, g * stiff
@@ -142,42 +141,42 @@ def _linearise(law, block, rows, modes, r):
 def _invert(block, s, rows, kind, r):
     """Inverse of a matrix of pairs (SYSTEM or PIVOT) of lane s in place, without pivoting."""
     if rows == 2:
-        a, b = r[block, 0, pair_field(0, kind), s], r[block, 0, pair_field(1, kind), s]
-        c, d = r[block, 1, pair_field(0, kind), s], r[block, 1, pair_field(1, kind), s]
+        a, b = r[block, 0, kind + PAIR_FIELDS * 0, s], r[block, 0, kind + PAIR_FIELDS * 1, s]
+        c, d = r[block, 1, kind + PAIR_FIELDS * 0, s], r[block, 1, kind + PAIR_FIELDS * 1, s]
         scale = 1.0 / (a * d - b * c)
-        r[block, 0, pair_field(0, kind), s], r[block, 0, pair_field(1, kind), s] = d * scale, -b * scale
-        r[block, 1, pair_field(0, kind), s], r[block, 1, pair_field(1, kind), s] = -c * scale, a * scale
+        r[block, 0, kind + PAIR_FIELDS * 0, s], r[block, 0, kind + PAIR_FIELDS * 1, s] = d * scale, -b * scale
+        r[block, 1, kind + PAIR_FIELDS * 0, s], r[block, 1, kind + PAIR_FIELDS * 1, s] = -c * scale, a * scale
         return
     for k in range(rows):
-        pivot = 1.0 / r[block, k, pair_field(k, kind), s]
-        r[block, k, pair_field(k, kind), s] = 1.0
+        pivot = 1.0 / r[block, k, kind + PAIR_FIELDS * k, s]
+        r[block, k, kind + PAIR_FIELDS * k, s] = 1.0
         for j in range(rows):
-            r[block, k, pair_field(j, kind), s] *= pivot
+            r[block, k, kind + PAIR_FIELDS * j, s] *= pivot
         for i in range(rows):
             if i != k:
-                factor = r[block, i, pair_field(k, kind), s]
-                r[block, i, pair_field(k, kind), s] = 0.0
+                factor = r[block, i, kind + PAIR_FIELDS * k, s]
+                r[block, i, kind + PAIR_FIELDS * k, s] = 0.0
                 for j in range(rows):
-                    r[block, i, pair_field(j, kind), s] -= factor * r[block, k, pair_field(j, kind), s]
+                    r[block, i, kind + PAIR_FIELDS * j, s] -= factor * r[block, k, kind + PAIR_FIELDS * j, s]
 
 
 @inner(**INLINE)
-def _add_modes(law, block, rows, modes, r, small):
+def _add_modes(face, block, rows, modes, r, small):
     """The block's part of k and h of the modes, and their right sides of the field equations."""
-    slices, last = slices_of(law, block), modes + BODIES
+    last = modes + BODIES
     for m in range(modes):
         own, right = mode_field(rows, m, MODE), mode_field(rows, m, MODE_RIGHT)
         for s in range(LANES):
             for a in range(rows):
                 total = 0.0
                 for b in range(rows):
-                    total += r[block, a, pair_field(b, STIFFNESS), s] * r[block, b, own, s]
-                total *= slices.width[s]
+                    total += r[block, a, STIFFNESS + PAIR_FIELDS * b, s] * r[block, b, own, s]
+                total *= face[block, WIDTH, s]
                 r[block, a, right, s] = r[block, a, GAIN, s] * total
                 small[0, BODIES + m] += total
-                small[1, BODIES + m] += total * slices.y[s]
+                small[1, BODIES + m] += total * face[block, Y, s]
                 load = r[block, a, ON, s] * r[block, a, PHI, s] * r[block, a, TARGET, s]
-                small[BODIES + m, last] += slices.width[s] * r[block, a, own, s] * load
+                small[BODIES + m, last] += face[block, WIDTH, s] * r[block, a, own, s] * load
                 for other in range(m + 1):
                     small[BODIES + other, BODIES + m] += r[block, a, mode_field(rows, other, MODE), s] * total
 
@@ -204,7 +203,7 @@ def _pivot(block, s, rows, modes, r, small, sums):
     for a in range(rows):
         x = y = z = 0.0
         for b in range(rows):
-            inverse = r[block, a, pair_field(b, PIVOT), s]
+            inverse = r[block, a, PIVOT + PAIR_FIELDS * b, s]
             x += inverse * r[block, b, RIGHT_LOAD, s]
             y += inverse * r[block, b, RIGHT_BODY, s]
             z += inverse * r[block, b, RIGHT_TILT, s]
@@ -216,7 +215,7 @@ def _pivot(block, s, rows, modes, r, small, sums):
         for a in range(rows):
             x, own = 0.0, r[block, a, right, s]
             for b in range(rows):
-                x += r[block, a, pair_field(b, PIVOT), s] * r[block, b, right, s]
+                x += r[block, a, PIVOT + PAIR_FIELDS * b, s] * r[block, b, right, s]
             r[block, a, mode_field(rows, m, MODE_FROM), s] = x
             small[BODIES + m, BODIES + modes] -= own * r[block, a, FROM_LOAD, s]
             small[0, BODIES + m] -= own * r[block, a, FROM_BODY, s]
@@ -234,8 +233,8 @@ def _pass_on(one, other, rows, modes, r):
     for a in range(rows):
         link = r[at, a, LINK, between]
         for b in range(rows):
-            r[to, a, pair_field(b, PIVOT), lane] -= (
-                link * r[at, b, LINK, between] * r[block, a, pair_field(b, PIVOT), s]
+            r[to, a, PIVOT + PAIR_FIELDS * b, lane] -= (
+                link * r[at, b, LINK, between] * r[block, a, PIVOT + PAIR_FIELDS * b, s]
             )
         r[to, a, RIGHT_LOAD, lane] += link * r[block, a, FROM_LOAD, s]
         r[to, a, RIGHT_BODY, lane] += link * r[block, a, FROM_BODY, s]
@@ -264,19 +263,19 @@ def _modes_in_series(modes, force, moment, stiffness, small):
 
 
 @inner(**INLINE)
-def bodies_in_series(law, force, moment, stiffness):
+def bodies_in_series(body, skew, tilt, force, moment, stiffness):
     """d, t of (d, t) = E ((F, M) - k (d, t)), in m and rad, and the stiffnesses k with the bodies E in series.
 
     Parameters
     ----------
-    law : `LawTables`
+    body, skew, tilt : E_0 (m/N), E_01 (1/N) and E_1 (1/(N m))
     force, moment : F (N) and M (N m) at d = t = 0
     stiffness : k00, k01, k11, dF/d delta (N/m), dF/d psi = dM/d delta (N) and dM/d psi (N m) at held bodies
     """
     k00, k01, k11 = stiffness
-    a00, a01 = 1.0 + law.body * k00 + law.skew * k01, law.body * k01 + law.skew * k11
-    a10, a11 = law.skew * k00 + law.tilt * k01, 1.0 + law.skew * k01 + law.tilt * k11
-    r0, r1 = law.body * force + law.skew * moment, law.skew * force + law.tilt * moment
+    a00, a01 = 1.0 + body * k00 + skew * k01, body * k01 + skew * k11
+    a10, a11 = skew * k00 + tilt * k01, 1.0 + skew * k01 + tilt * k11
+    r0, r1 = body * force + skew * moment, skew * force + tilt * moment
     scale = 1.0 / (a00 * a11 - a01 * a10)
     d, t = (a11 * r0 - a01 * r1) * scale, (a00 * r1 - a10 * r0) * scale
     return d, t, ((k00 * a11 - k01 * a10) * scale, (k01 * a00 - k00 * a01) * scale, (k11 * a00 - k01 * a01) * scale)
@@ -296,19 +295,18 @@ def _shares(modes, d, t, small):
 
 
 @inner(**INLINE)
-def _move(law, rows, modes, r, small):
+def _move(face, count, spread, rows, modes, r, small):
     """Fields, from the middle to both ends, and what fields, bodies and modes take from the approaches."""
-    last, count = small.shape[1] - 1, int(law.slices)
+    last = small.shape[1] - 1
     d, t = small[0, last], small[1, last]
     for block in range(r.shape[0]):
-        y = slices_of(law, block).y
         for s in range(LANES):
             for a in range(rows):
-                moved = d + t * y[s]
+                moved = d + t * face[block, Y, s]
                 for m in range(modes):
                     moved += small[BODIES + m, last] * r[block, a, mode_field(rows, m, MODE), s]
                 r[block, a, MOVED, s] = moved
-    if law.spread_length > 0.0:
+    if spread:
         for block in range(r.shape[0]):
             for s in range(LANES):
                 for a in range(rows):
@@ -326,7 +324,7 @@ def _move(law, rows, modes, r, small):
                         v = r[block, a, FIELD, lane]
                         for b in range(rows):
                             passed = r[linked, b, LINK, between] * r[of, b, FIELD, at]
-                            v += r[block, a, pair_field(b, PIVOT), lane] * passed
+                            v += r[block, a, PIVOT + PAIR_FIELDS * b, lane] * passed
                         r[block, a, FIELD, lane] = v
         for block in range(r.shape[0]):
             for s in range(LANES):

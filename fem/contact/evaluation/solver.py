@@ -48,6 +48,7 @@ from fem.contact.evaluation.contacts import (
     OFFSET,
     ON,
     PAIR,
+    PAIR_FIELDS,
     PER_WHOLE,
     PHI,
     PLACE,
@@ -67,9 +68,8 @@ from fem.contact.evaluation.contacts import (
     gather_modes,
     mode_at,
     near_pairs,
-    pair_field,
 )
-from fem.contact.evaluation.law_tables import LANES, LARGEST_NEAR, slices_of, unpacked
+from fem.contact.evaluation.law_tables import LANES, LARGEST_NEAR, SHIFT, WIDTH, Y, blocks_of, unpacked
 from fem.contact.evaluation.line_contact import (
     SERIES,
     exceeded,
@@ -103,26 +103,10 @@ def respond(packed, cycle, delta, psi, pinion, wheel, loads):
     cycle, delta, psi : mesh cycle c, approach (m) and tilt (rad)
     pinion, wheel : (z1, 6) and (z2, 6) tooth terms, see `fem.contact.teeth`
     loads : (place, slice) out: line loads phi f, N/m, pair p at place p - floor(c') + places // 2 and left out beyond
-        the places; dU/dc is computed with them, else 0; (0, 0) if neither is needed
+        the places; dU/dc is computed with them, else 0; empty if neither is needed
     """
-    law, found = unpacked(packed), 3
-    own_cycle, blocks, fields = law.sign * cycle + law.offset, len(law.block), fields_of(2, 0)
-    memory = np.empty(NEAR_ROOM + BODIES * (BODIES + 2) + blocks * 2 * fields * LANES)
-    near = near_pairs(law, own_cycle, pinion, wheel, memory)
-    small = views(memory, NEAR_ROOM, 1, (BODIES, BODIES + 2))[0]
-    r = views(memory, NEAR_ROOM + BODIES * (BODIES + 2), 1, (blocks, 2, fields, LANES))[0]
-    if law.pulls == 0.0 and not (
-        law.pinion_modes + law.wheel_modes > 0.0 and damaged_teeth(law, own_cycle, pinion, wheel, np.empty((0, 0))) > 0
-    ):
-        found = gather(law, near, own_cycle, delta, psi, 0.0, 2, r)
-    answer = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    if found == 2:
-        settled, stiffness = _settle(law, 2, 0, r, small)
-        if settled and _covered(law, delta, psi, small):
-            answer = _sums(law, near, own_cycle, 2, 0, r, small, stiffness, loads)
-        else:
-            found = 3
-    memory[0] = 0.0  # the views of it were lent
+    memory = np.empty(NEAR_ROOM + BODIES * (BODIES + 2) + blocks_of(packed) * 2 * fields_of(2, 0) * LANES)
+    found, answer = _by_two_rows(packed, cycle, delta, psi, pinion, wheel, loads, memory)
     return answer if found <= 2 else respond_with_modes(packed, cycle, delta, psi, pinion, wheel, loads)
 
 
@@ -135,30 +119,11 @@ def respond_with_modes(packed, cycle, delta, psi, pinion, wheel, loads):
     ----------
     packed, cycle, delta, psi, pinion, wheel, loads : those of `respond`
     """
-    law, modes, found = unpacked(packed), 0, 4
-    own_cycle, blocks = law.sign * cycle + law.offset, len(law.block)
     teeth = np.empty((2 * LARGEST_NEAR, 3))
-    teeth = teeth[: damaged_teeth(law, own_cycle, pinion, wheel, teeth)]
-    for i in range(len(teeth)):
-        modes += int(law.pinion_modes if teeth[i, 1] == 0.0 else law.wheel_modes)
-    of_small, fields = (modes + BODIES) * (modes + BODIES + 2), fields_of(3, modes)
-    memory = np.empty(NEAR_ROOM + of_small + blocks * 3 * fields * LANES)
-    near = near_pairs(law, own_cycle, pinion, wheel, memory)
-    small = views(memory, NEAR_ROOM, 1, (modes + BODIES, modes + BODIES + 2))[0]
-    r = views(memory, NEAR_ROOM + of_small, 1, (blocks, 3, fields, LANES))[0]
-    aside = ASIDE * (abs(delta) + abs(psi * law.block[0, 0, 0]))
-    if law.pulls == 0.0:
-        found = gather(law, near, own_cycle, delta, psi, -aside, 3, r)
-    answer = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    if found == 3:
-        gather_modes(law, teeth, 3, r)
-        settled, stiffness = _settle(law, 3, modes, r, small)
-        if settled and _least_move(law, own_cycle, teeth, small) >= -aside:
-            answer = _sums(law, near, own_cycle, 3, modes, r, small, stiffness, loads)
-            answer = _less_modes(law, teeth, 3, r, small, loads, answer)
-        else:
-            found = 4
-    memory[0] = 0.0  # the views of it were lent
+    count, modes = _modes_near(packed, cycle, pinion, wheel, teeth)
+    small = (modes + BODIES) * (modes + BODIES + 2)
+    memory = np.empty(NEAR_ROOM + small + blocks_of(packed) * 3 * fields_of(3, modes) * LANES)
+    found, answer = _by_three_rows(packed, cycle, delta, psi, pinion, wheel, loads, teeth[:count], modes, memory)
     return answer if found <= 3 else respond_exactly(packed, cycle, delta, psi, pinion, wheel, loads)
 
 
@@ -171,27 +136,89 @@ def respond_exactly(packed, cycle, delta, psi, pinion, wheel, loads):
     ----------
     packed, cycle, delta, psi, pinion, wheel, loads : those of `respond`
     """
-    law, rows, found, modes = unpacked(packed), 1, 2, 0
-    own_cycle, blocks = law.sign * cycle + law.offset, len(law.block)
-    near_room, teeth = np.empty(NEAR_ROOM), np.empty((2 * LARGEST_NEAR, 3))
-    near = near_pairs(law, own_cycle, pinion, wheel, near_room)
-    teeth = teeth[: damaged_teeth(law, own_cycle, pinion, wheel, teeth)]
-    for i in range(len(teeth)):
-        modes += int(law.pinion_modes if teeth[i, 1] == 0.0 else law.wheel_modes)
-    r = np.empty((blocks, 1, 1, LANES))
+    teeth, rows, found = np.empty((2 * LARGEST_NEAR, 3)), 1, 2
+    count, modes = _modes_near(packed, cycle, pinion, wheel, teeth)
+    small, shares = np.empty((modes + BODIES, modes + BODIES + 2)), np.empty(modes + BODIES)
+    answer = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     while found > rows:
         rows += 1
-        r = np.empty((blocks, rows, fields_of(rows, modes), LANES))
-        found = gather(law, near, own_cycle, delta, psi, NEVER, rows, r)
+        memory = np.empty(NEAR_ROOM + blocks_of(packed) * rows * fields_of(rows, modes) * LANES)
+        found, answer = _by_any_rows(
+            packed, cycle, delta, psi, pinion, wheel, loads, teeth[:count], modes, rows, small, shares, memory
+        )
+    return answer
+
+
+@inner()
+def _modes_near(packed, cycle, pinion, wheel, teeth):
+    """Number of the damaged teeth near mesh, which are put into `teeth` as by `damaged_teeth`, and of their modes."""
+    law, modes = unpacked(packed), 0
+    count = damaged_teeth(law, law.sign * cycle + law.offset, pinion, wheel, teeth)
+    for i in range(count):
+        modes += int(law.pinion_modes if teeth[i, 1] == 0.0 else law.wheel_modes)
+    return count, modes
+
+
+@inner()
+def _by_two_rows(packed, cycle, delta, psi, pinion, wheel, loads, memory):
+    """`respond` with two rows of pairs and no modes: the rows that are needed, more than 2 if that fails; answer."""
+    law, found = unpacked(packed), 3
+    own_cycle, blocks, fields = law.sign * cycle + law.offset, len(law.block), fields_of(2, 0)
+    near = near_pairs(law, own_cycle, pinion, wheel, memory)
+    small = views(memory, NEAR_ROOM, 1, (BODIES, BODIES + 2))[0]
+    r = views(memory, NEAR_ROOM + BODIES * (BODIES + 2), 1, (blocks, 2, fields, LANES))[0]
+    if law.pulls == 0.0 and not (
+        law.pinion_modes + law.wheel_modes > 0.0 and damaged_teeth(law, own_cycle, pinion, wheel, r[0, 0, :0]) > 0
+    ):
+        found = gather(law, near, own_cycle, delta, psi, 0.0, 2, r)
+    answer = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    if found == 2:
+        settled, stiffness = _settle(law, 2, 0, r, small)
+        if settled and _covered(law.block, delta, psi, small):
+            answer = _sums(law, near, own_cycle, 2, 0, r, small, stiffness, loads)
+        else:
+            found = 3
+    return found, answer
+
+
+@inner()
+def _by_three_rows(packed, cycle, delta, psi, pinion, wheel, loads, teeth, modes, memory):
+    """`respond` with three rows and modes: the rows that are needed, more than 3 if that fails; answer."""
+    law, found = unpacked(packed), 4
+    own_cycle, blocks, fields = law.sign * cycle + law.offset, len(law.block), fields_of(3, modes)
+    near = near_pairs(law, own_cycle, pinion, wheel, memory)
+    small = views(memory, NEAR_ROOM, 1, (modes + BODIES, modes + BODIES + 2))[0]
+    r = views(memory, NEAR_ROOM + (modes + BODIES) * (modes + BODIES + 2), 1, (blocks, 3, fields, LANES))[0]
+    aside = ASIDE * (abs(delta) + abs(psi * law.block[0, 0, 0]))
+    if law.pulls == 0.0:
+        found = gather(law, near, own_cycle, delta, psi, -aside, 3, r)
+    answer = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    if found == 3:
+        gather_modes(law, teeth, 3, r)
+        settled, stiffness = _settle(law, 3, modes, r, small)
+        if settled and _least_move(law, own_cycle, teeth, small) >= -aside:
+            answer = _sums(law, near, own_cycle, 3, modes, r, small, stiffness, loads)
+            answer = _less_modes(law, teeth, 3, r, small, loads, answer)
+        else:
+            found = 4
+    return found, answer
+
+
+@inner()
+def _by_any_rows(packed, cycle, delta, psi, pinion, wheel, loads, teeth, modes, rows, small, shares, memory):
+    """`respond` with all pairs within reach: the rows that are needed, more than there are if that fails; answer."""
+    law = unpacked(packed)
+    own_cycle = law.sign * cycle + law.offset
+    near = near_pairs(law, own_cycle, pinion, wheel, memory)
+    r = views(memory, NEAR_ROOM, 1, (len(law.block), rows, fields_of(rows, modes), LANES))[0]
+    found = gather(law, near, own_cycle, delta, psi, NEVER, rows, r)
     answer = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if found == rows:
-        small = np.empty((modes + BODIES, modes + BODIES + 2))
         gather_modes(law, teeth, rows, r)
-        stiffness = _settle_in_turn(law, rows, modes, r, small)
+        stiffness = _settle_in_turn(law, rows, modes, r, small, shares)
         answer = _sums(law, near, own_cycle, rows, modes, r, small, stiffness, loads)
         answer = _less_modes(law, teeth, rows, r, small, loads, answer)
-    near_room[0] = 0.0
-    return answer
+    return found, answer
 
 
 @njit(**SPREAD)
@@ -204,7 +231,7 @@ def _settle(law, rows, modes, r, small):
         _, _, stiffness = newton_step(law, rows, modes, r, small)
         load = error = square = 0.0
         for block in range(r.shape[0]):
-            sums = _advance(law, block, rows, r, bits)
+            sums = _advance(law.slope, law.block, block, rows, r, bits)
             load, error, square = load + sums[0], error + sums[1], square + sums[2]
         settled = square < 1.0 and error <= CLOSE * load
         if settled:
@@ -212,20 +239,19 @@ def _settle(law, rows, modes, r, small):
     return settled, stiffness
 
 
-@inner(**INLINE)
+@njit(**SPREAD)
 def _guess(law, rows, r, bits):
     """First line loads from secant compliances, with bodies and with fields as under an even load."""
     force = moment = k = mixed = tilt = 0.0
     for block in range(r.shape[0]):
-        sums = _secants(law, block, rows, r)
+        sums = _secants(law.slope, law.block, block, rows, r)
         force, moment, k, mixed, tilt = force + sums[0], moment + sums[1], k + sums[2], mixed + sums[3], tilt + sums[4]
-    d, t, _ = bodies_in_series(law, force, moment, (k, mixed, tilt))
+    d, t, _ = bodies_in_series(law.body, law.skew, law.tilt, force, moment, (k, mixed, tilt))
     for block in range(r.shape[0]):
-        y = slices_of(law, block).y
         for s in range(LANES):
             for a in range(rows):
                 secant, stiff = r[block, a, SOFTNESS, s] + 5.0 * law.slope, r[block, a, TARGET, s]
-                left, x = secant * stiff, r[block, a, FREE, s] - d - t * y[s]
+                left, x = secant * stiff, r[block, a, FREE, s] - d - t * law.block[block, Y, s]
                 x = touch(left * x, r[block, a, RISE, s], r[block, a, EVEN, s]) / left
                 r[block, a, LOAD, s], r[block, a, ON, s] = x * stiff, 1.0 if x > 0.0 else 0.0
                 depth = max(1.0, r[block, a, OFFSET, s] - rough_log(bits[block, a, LOAD, s]))
@@ -237,17 +263,16 @@ def _guess(law, rows, r, bits):
 
 
 @inner(**SUMS)
-def _secants(law, block, rows, r):
+def _secants(slope, face, block, rows, r):
     """Secant stiffness of every pair into TARGET; the sums of `newton_system._linearise` where it approaches freely."""
-    slices = slices_of(law, block)
     force = moment = k = mixed = tilt = 0.0
     for s in range(LANES):
-        y = slices.y[s]
+        y = face[block, Y, s]
         for a in range(rows):
-            secant, bent = r[block, a, SOFTNESS, s] + 5.0 * law.slope, r[block, a, GAIN, s] * r[block, a, GAIN, s]
+            secant, bent = r[block, a, SOFTNESS, s] + 5.0 * slope, r[block, a, GAIN, s] * r[block, a, GAIN, s]
             stiff, free = 1.0 / (secant + bent), r[block, a, FREE, s]
             r[block, a, TARGET, s] = stiff
-            stiff *= slices.width[s] * r[block, a, PHI, s] * (1.0 if free > 0.0 else 0.0)
+            stiff *= face[block, WIDTH, s] * r[block, a, PHI, s] * (1.0 if free > 0.0 else 0.0)
             load = stiff * max(free, 0.0)
             force += load
             moment += load * y
@@ -258,27 +283,26 @@ def _secants(law, block, rows, r):
 
 
 @inner(**SUMS)
-def _advance(law, block, rows, r, bits):
+def _advance(slope, face, block, rows, r, bits):
     """Loads of a block after a Newton step; a pair that does not carry gets f = 1.
 
     Returns F, a bound of its error and the sum of step^2 with the relative steps of the loads, 1 for a pair that
     switches. The bound is sum w K (A f + a/(2 (1 - p)^2)) step^2 / 2 from the second derivatives of x(f): -A / f, and
     at most that of the part of a slice in contact.
     """
-    slope, width = law.slope, slices_of(law, block).width
     force = bend = total = deepest = returned = 0.0
     for s in range(LANES):
         for a in range(rows):
             moved, on = 0.0, r[block, a, ON, s]
             for b in range(rows):
-                moved += r[block, a, pair_field(b, SYSTEM), s] * r[block, b, ON, s] * r[block, b, MOVED, s]
+                moved += r[block, a, SYSTEM + PAIR_FIELDS * b, s] * r[block, b, ON, s] * r[block, b, MOVED, s]
             r[block, a, REST, s] = on * max(r[block, a, TARGET, s] - moved, 0.0)
         for a in range(rows):  # numbers instead of branches, which would keep the loop from vectors
             free, rise = r[block, a, FREE, s], r[block, a, RISE, s]
             left = free + rise - r[block, a, MOVED, s]
             for b in range(rows):
                 if b != a:
-                    left -= r[block, a, pair_field(b, COUPLED), s] * r[block, b, PHI, s] * r[block, b, REST, s]
+                    left -= r[block, a, COUPLED + PAIR_FIELDS * b, s] * r[block, b, PHI, s] * r[block, b, REST, s]
             f, new = r[block, a, LOAD, s], r[block, a, REST, s]
             stays = 1.0 if new > 0.0 else 0.0
             back = (1.0 - stays) * (1.0 if left > max(1e-15 * (abs(free) + rise), 1e-18) else 0.0)
@@ -289,8 +313,8 @@ def _advance(law, block, rows, r, bits):
             r[block, a, RETURNED, s] = back * left
             r[block, a, LOAD, s], r[block, a, LOG, s], r[block, a, ON, s] = new, log, stays
             bent = slope * new + r[block, a, BEND, s] * (1.0 if new * r[block, a, PER_WHOLE, s] < 1.0 else 0.0)
-            force += width[s] * r[block, a, PHI, s] * new * stays
-            bend += width[s] * r[block, a, pair_field(a, STIFFNESS), s] * step * step * bent
+            force += face[block, WIDTH, s] * r[block, a, PHI, s] * new * stays
+            bend += face[block, WIDTH, s] * r[block, a, STIFFNESS + PAIR_FIELDS * a, s] * step * step * bent
             total += step * step
             returned += back
     if returned > 0.0:
@@ -318,10 +342,12 @@ def _take_back(slope, block, rows, r):
 
 
 @njit(**SPREAD)
-def _settle_in_turn(law, rows, modes, r, small):
+def _settle_in_turn(law, rows, modes, r, small, shares):
     """Slices exactly at held displacements, then those by a Newton step, in turn, in halves later; the stiffnesses."""
     scale, last = 0.0, small.shape[1] - 1
-    stiffness, shares = (0.0, 0.0, 0.0), np.zeros(modes + BODIES)
+    stiffness = 0.0, 0.0, 0.0
+    for i in range(modes + BODIES):
+        shares[i] = 0.0
     for block in range(r.shape[0]):
         for a in range(rows):
             for s in range(LANES):
@@ -368,7 +394,7 @@ def _descend(slope, block, s, rows, r):
             for b in range(rows):
                 if b != a:
                     pushed = r[block, b, PHI, s] * r[block, b, ON, s] * r[block, b, LOAD, s]
-                    x -= r[block, a, pair_field(b, COUPLED), s] * pushed
+                    x -= r[block, a, COUPLED + PAIR_FIELDS * b, s] * pushed
             f = log = 0.0
             if x + r[block, a, RISE, s] > 0.0:
                 part = r[block, a, RISE, s], r[block, a, PER_WHOLE, s], r[block, a, EVEN, s]
@@ -382,14 +408,13 @@ def _descend(slope, block, s, rows, r):
 
 
 @inner(**INLINE)
-def _covered(law, delta, psi, small):
+def _covered(face, delta, psi, small):
     """True if the bodies bring no slice closer than its free approach, for which the pairs were gathered."""
     least = 0.0
     d, t = small[0, small.shape[1] - 1], small[1, small.shape[1] - 1]
-    for block in range(len(law.block)):
-        slices = slices_of(law, block)
+    for block in range(len(face)):
         for s in range(LANES):
-            least = min(least, d + t * slices.y[s] + 1e-14 * abs(delta + psi * slices.y[s]))
+            least = min(least, d + t * face[block, Y, s] + 1e-14 * abs(delta + psi * face[block, Y, s]))
     return least >= 0.0
 
 
@@ -398,9 +423,9 @@ def _least_move(law, own_cycle, teeth, small):
     """The least displacement (m) by which bodies and modes relieve any pair that may touch."""
     least, last = math.inf, small.shape[1] - 1
     for number in range(int(law.slices)):
-        slices, s = slices_of(law, number // LANES), number % LANES
-        move = small[0, last] + small[1, last] * slices.y[s]
-        here = own_cycle + slices.shift[s]
+        block, s = number // LANES, number % LANES
+        move = small[0, last] + small[1, last] * law.block[block, Y, s]
+        here = own_cycle + law.block[block, SHIFT, s]
         least = min(least, move)
         for p in range(math.ceil(here - law.start - law.cells / law.per_step), math.floor(here - law.start) + 1):
             cell, u = cell_of(law, max((here - p - law.start) * law.per_step, 0.0))
@@ -414,12 +439,12 @@ def _least_move(law, own_cycle, teeth, small):
     return least
 
 
-@inner(**INLINE)
+@njit(**SPREAD)
 def _sums(law, near, own_cycle, rows, modes, r, small, stiffness, loads):
     """The answer of solved slices; with their line loads and dU/dc if `loads` has room, see `respond`."""
     force = moment = energy = rate = 0.0
     for block in range(r.shape[0]):
-        sums = _block_sums(law, block, rows, r)
+        sums = _block_sums(law.slope, law.block, block, rows, r)
         force, moment, energy = force + sums[0], moment + sums[1], energy + sums[2]
     for i in range(modes + BODIES):
         share = small[i, small.shape[1] - 1]
@@ -431,17 +456,16 @@ def _sums(law, near, own_cycle, rows, modes, r, small, stiffness, loads):
 
 
 @inner(**SUMS)
-def _block_sums(law, block, rows, r):
+def _block_sums(slope, face, block, rows, r):
     """F, M and U of the slices of a block, with half the work of their fields."""
-    slices = slices_of(law, block)
     force = moment = energy = 0.0
     for s in range(LANES):
-        w, y = slices.width[s], slices.y[s]
+        w, y = face[block, WIDTH, s], face[block, Y, s]
         for a in range(rows):
             f, depth = r[block, a, ON, s] * r[block, a, LOAD, s], r[block, a, OFFSET, s] - r[block, a, LOG, s]
             rise, even, t = r[block, a, RISE, s], r[block, a, EVEN, s], r[block, a, BEYOND, s]
             part = part_of(f, r[block, a, PER_WHOLE, s], even)
-            bent = law.slope * (max(depth, 1.0) + 0.5 + 2.0 * (t - 0.25 * t * t - 0.75))
+            bent = slope * (max(depth, 1.0) + 0.5 + 2.0 * (t - 0.25 * t * t - 0.75))
             left = r[block, a, FREE, s] - r[block, a, MOVED, s] + 0.5 * r[block, a, GAIN, s] * r[block, a, FIELD, s]
             own = left * f - 0.5 * f * f * (r[block, a, SOFTNESS, s] + bent)
             own += rise / r[block, a, PER_WHOLE, s] * spared_work(even, part)
@@ -451,7 +475,7 @@ def _block_sums(law, block, rows, r):
             energy += w * r[block, a, PHI, s] * own
             for b in range(a + 1, rows):
                 other = r[block, b, ON, s] * r[block, b, PHI, s] * r[block, b, LOAD, s]
-                energy -= r[block, a, pair_field(b, COUPLED), s] * load * other
+                energy -= r[block, a, COUPLED + PAIR_FIELDS * b, s] * load * other
     return force, moment, energy
 
 
@@ -472,17 +496,16 @@ def _energy_slope(law, near, own_cycle, rows, r):
     """dU/dc' at held loads, by the slopes of the tables inside the present grid cell; without modes."""
     total = 0.0
     for block in range(r.shape[0]):
-        slices = slices_of(law, block)
         for a in range(rows):
             for s in range(LANES):
-                if r[block, a, ON, s] == 0.0 or slices.width[s] == 0.0:
+                if r[block, a, ON, s] == 0.0 or law.block[block, WIDTH, s] == 0.0:
                     continue
                 m = 0
                 while near.number[m] != r[block, a, PAIR, s]:
                     m += 1
                 cell, u = cell_of(law, r[block, a, PLACE, s])
                 fine, _ = finer(cell, u)
-                xi = own_cycle + slices.shift[s] - near.number[m]
+                xi = own_cycle + law.block[block, SHIFT, s] - near.number[m]
                 _, softer, _, wider = damage_at(law, near, m, block * LANES + s, cell, u)
                 per_step, per_fine = law.per_step, law.per_step * FINER
                 f, phi, steep = r[block, a, LOAD, s], r[block, a, PHI, s], law.coarse[cell, 5] * per_step
@@ -505,14 +528,14 @@ def _energy_slope(law, near, own_cycle, rows, r):
                 for b in range(rows):
                     if r[block, b, ON, s] == 0.0 or r[block, b, PAIR, s] <= r[block, a, PAIR, s]:
                         continue
-                    other, value = r[block, b, PHI, s], r[block, a, pair_field(b, COUPLED), s]
+                    other, value = r[block, b, PHI, s], r[block, a, COUPLED + PAIR_FIELDS * b, s]
                     at, _ = cell_of(law, r[block, b, PLACE, s])
                     mixed = value * (steep * other + phi * law.coarse[at, 5] * per_step)
                     apart = int(r[block, b, PAIR, s] - r[block, a, PAIR, s])
                     if apart <= int(law.neighbours):
                         mixed += law.neighbour[cell, apart - 1, 1] * per_step * phi * other
                     along -= mixed * f * r[block, b, LOAD, s]
-                total += slices.width[s] * along
+                total += law.block[block, WIDTH, s] * along
     return total
 
 
@@ -523,13 +546,12 @@ def _less_modes(law, teeth, rows, r, small, loads, answer):
     for i in range(len(teeth) if loads.size > 0 else 0):
         for k in range(int(law.pinion_modes if teeth[i, 1] == 0.0 else law.wheel_modes)):
             for block in range(r.shape[0]):
-                slices = slices_of(law, block)
                 for a in range(rows):
                     for s in range(LANES):
-                        if r[block, a, ON, s] > 0.0 and slices.width[s] > 0.0:
+                        if r[block, a, ON, s] > 0.0 and law.block[block, WIDTH, s] > 0.0:
                             cell, _ = cell_of(law, r[block, a, PLACE, s])
                             low, high = mode_at(law, teeth[i], r[block, a, PAIR, s], block * LANES + s, cell, k)
-                            load = slices.width[s] * r[block, a, PHI, s] * r[block, a, LOAD, s]
+                            load = law.block[block, WIDTH, s] * r[block, a, PHI, s] * r[block, a, LOAD, s]
                             rate -= law.sign * small[at, last] * load * (high - low) * law.per_step
             at += 1
     return answer[0], answer[1], answer[2], answer[3], answer[4], answer[5], rate
