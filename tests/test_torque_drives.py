@@ -1,6 +1,7 @@
 """Machines that torques drive: their rolling is part of the answer. Starts, load sharing, work, control, statics."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from mbd_rigs import no_casing, train
 from scipy.integrate import solve_ivp
 
 from mbd.forces.induction_motor import InductionMotor
-from mbd.forces.speed_controller import SpeedController
+from mbd.forces.speed_controller import SpeedController, controller_rule
 from mbd.forces.torque import SpeedTorque, Torque
 from mbd.forces.torque_source import Rotor
 from mbd.integrators.settings import Settings
@@ -238,6 +239,17 @@ def test_what_keeps_the_integral_from_winding_up_takes_no_energy():
     found = run(assembled(free(control, constant("load", "shaft_2", -8.0 / RATIO), start=100.0)), 0.1)
     assert found.energy("motor_1 anti-windup", "dissipated") < 1e-6 * -found.energy("motor_1", "dissipated")
     assert abs(found.energy("total", "residual")) < 1e-6 * found.energy("total", "scale")
+
+
+def test_below_its_limit_a_controller_answers_both_errors_of_the_shaft_and_its_slopes_are_its_gains():
+    """After 0.2 s at 5 rad/s; the shaft turns by the motor's angle over the ratio, and by what bends between."""
+    ratio, kp, ki, start = 0.5, 3.0, 40.0, 0.7
+    motion = SimpleNamespace(time=0.2, u=[0.1], v=[0.4], angle=1.5, speed=9.0)
+    answer = SimpleNamespace(lost=np.zeros(1), lost_by_u=np.zeros((1, 1)), lost_by_v=np.zeros((1, 1)))
+    controller_rule.function(np.array([ratio, kp, ki, 1e3, start, 0.0, 5.0, 0.0]), motion, answer)
+    by_hand = kp * (5.0 - 0.4 - 0.5 * 9.0) + ki * (5.0 * 0.2 - 0.1 - 0.5 * 1.5) + start
+    assert -answer.lost[0] == pytest.approx(by_hand)
+    assert (answer.lost_by_u[0, 0], answer.lost_by_v[0, 0]) == (ki, kp)
 
 
 def test_a_controller_gives_no_more_than_its_limit():
