@@ -8,7 +8,8 @@ from turning import MACHINE, recording
 
 from pipelines.diagnosis.alike import alike
 from pipelines.diagnosis.baseline import BaselineError
-from pipelines.diagnosis.cases import Case, Damage, found
+from pipelines.diagnosis.cases import Case, Damage, any_found, cases_grid, found
+from pipelines.diagnosis.cases import sentences as case_sentences
 from pipelines.diagnosis.simulated import FeatureSettings, run_features
 from pipelines.diagnosis.verdict import judge
 from pipelines.diagnosis.words import headline, ranking_grid, sentences
@@ -88,6 +89,26 @@ def test_a_recording_twice_or_in_its_own_baseline_is_refused_by_name(healthy):
         judge(table(304), [*healthy, healthy[2]], MACHINE, names)
     with pytest.raises(BaselineError, match=r"8\.csv is the recording to diagnose itself"):
         judge(table(305), [*healthy, table(305)], MACHINE, names)
+
+
+def test_against_a_control_known_damage_is_found_with_its_evidence_and_tooth():
+    """The control has the same deviations and noise of the same rms; an equal run has no increase at all."""
+    control, faulty = table(400), table(400, fault="stage 1 wheel", tooth=7)
+    damage = Damage(component="stage 1 wheel", tooth=7, words="missing tooth 7 of the stage 1 wheel")
+    cases = [
+        Case(load="torque", deviations="seed 1", window=name, verdict=judge(one, [control], MACHINE, exact=True))
+        for name, one in (("up", faulty), ("down", control))
+    ]
+    text = " ".join(case_sentences(cases, [damage]))
+    assert text.startswith(
+        "Missing tooth 7 of the stage 1 wheel: found in 1 of 2. Evidence: mean of 6 features at near "
+    )
+    assert "over the control (limit 6 dB), in up, torque on the shaft, deviations of seed 1." in text
+    assert "Tooth 7 has the highest envelope energy in 1." in text
+    assert [row[4] for row in cases_grid(cases, [damage]).rows] == ["found", "not found"]
+    assert cases[1].verdict.damaged is False
+    assert any_found(cases, [damage]) is True
+    assert any_found(cases[1:], [damage]) is False
 
 
 def test_a_small_baseline_gives_an_order_and_no_p_value(healthy):

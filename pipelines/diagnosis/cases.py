@@ -78,8 +78,8 @@ def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
             weakest = "Weakest evidence" if len(findings) > 1 else "Evidence"
             evidence.append(f"{weakest}: {words.standing(one.evidence, case.verdict.exact)}, in {case.name}.")
         if damage.tooth is not None and findings:
-            near = sum(one.tooth is not None and abs(one.tooth - damage.tooth) <= 1 for _, one in findings)
-            evidence.append(f"Tooth {damage.tooth} or its neighbour has the highest envelope energy in {near}.")
+            count = sum(one.tooth == damage.tooth for _, one in findings)
+            evidence.append(f"Tooth {damage.tooth} has the highest envelope energy in {count}.")
     return [" ".join(answers), *evidence, *words.compared(cases[0].verdict)]
 
 
