@@ -115,7 +115,9 @@ class LawEvaluator:
         return pairs, loads @ self.law.slice_width
 
     def no_load(self, cycle: Values, psi: Values = 0.0, pinion: Teeth = None, wheel: Teeth = None) -> np.ndarray:
-        """delta_0 (n,) in m at which the first pair touches: the least gap + h - psi y over the slices and pairs.
+        """delta (n,) in m at which the force of the law begins: the least gap + h - psi y over its slices and pairs.
+
+        The flanks touch earlier if a slice is tilted, see `fem.contact.evaluation.first_touch`.
 
         Parameters
         ----------
@@ -131,8 +133,8 @@ class LawEvaluator:
         first_touch(self.packed, c, tilt, *self.teeth(pinion, wheel), np.empty(NEAR_ROOM), found)
         if not np.isfinite(found).all():
             raise LawError(
-                f"mesh law {self.law.model!r}: no tooth pair can touch at cycle {c[~np.isfinite(found)][0]:.6g}; "
-                "too many teeth are missing side by side, or the law was built with too small a largest gap"
+                f"mesh law {self.law.model!r}: no tooth pair can touch at cycle {c[~np.isfinite(found)][0]:.6g}: "
+                "too many teeth are missing side by side. Delete one of these faults"
             )
         return found
 
@@ -175,8 +177,8 @@ class LawEvaluator:
         worst = int(np.argmax(np.abs(rest)))
         raise LawError(
             f"mesh law {self.law.model!r}: F = {force:.6g} N is not reached at cycle {c[worst]:.6g} (off by "
-            f"{rest[worst]:.3g} N at delta {delta[worst]:.4g} m): the tip-edge gaps of the law end before; build it "
-            "with a larger largest gap"
+            f"{rest[worst]:.3g} N at delta {delta[worst]:.4g} m): the tip-edge gaps of the law end before. Reduce the "
+            "force"
         )
 
     def teeth(self, pinion: Teeth, wheel: Teeth) -> tuple[np.ndarray, np.ndarray]:

@@ -178,7 +178,7 @@ def _newton(
     if force is not None and not np.isfinite(free).any(axis=1).all():
         raise ModelError(
             f"model solid: no tooth pair can touch at state {int(np.argmin(np.isfinite(free).any(axis=1)))}; too many "
-            "teeth are missing side by side, or largest_gap is too small"
+            "teeth are missing side by side. Delete one of these faults"
         )
     near = free - (free.min(axis=1, initial=np.inf) if approach is None else approach)[:, None]
     loaded = near <= (_FIRST_REACH if force is not None else 0.0)
