@@ -191,7 +191,7 @@ class _Stored:
 
 
 class _Linked(JITCodeLibrary):
-    """The code of an `Inner`, which callers link and optimise as a part of their own; it is not made to run itself."""
+    """The code of an `Inner`, which callers link and optimise with their own. No machine code is made of it alone."""
 
     @property
     def codegen(self) -> _Linked:
