@@ -234,7 +234,7 @@ class View(types.Array):
 register_model(View)(models.ArrayModel)
 
 
-def _element(context: Any, builder: Any, view: View, array: Any, kind: types.Type, index: Any) -> Any:
+def _element(context: Any, builder: Any, view: View, array: Any, kind: Any, index: Any) -> Any:
     """Address of one element of a view."""
     kinds, parts = (list(kind), cgutils.unpack_tuple(builder, index)) if view.ndim > 1 else ([kind], [index])
     if len(kinds) != view.ndim:
