@@ -191,7 +191,7 @@ class _Stored:
 
 
 class _Linked(JITCodeLibrary):
-    """The code of an `Inner`, which callers link and optimise as a part of their own; it is not made to run itself."""
+    """The code of an `Inner`, which callers link and optimise with their own. No machine code is made of it alone."""
 
     @property
     def codegen(self) -> _Linked:
@@ -234,7 +234,7 @@ class View(types.Array):
 register_model(View)(models.ArrayModel)
 
 
-def _element(context: Any, builder: Any, view: View, array: Any, kind: types.Type, index: Any) -> Any:
+def _element(context: Any, builder: Any, view: View, array: Any, kind: Any, index: Any) -> Any:
     """Address of one element of a view."""
     kinds, parts = (list(kind), cgutils.unpack_tuple(builder, index)) if view.ndim > 1 else ([kind], [index])
     if len(kinds) != view.ndim:

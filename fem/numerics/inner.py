@@ -12,12 +12,15 @@ from typing import Any
 PLAIN: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 INLINE: dict[str, Any] = {"forceinline": True, "fastmath": {"contract"}}
 NO_ENTRY: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-COUNTED: dict[str, Any] = {"_nrt": True}
-UNCOUNTED: dict[str, Any] = {"_nrt": False}  # no count of references to arrays: it makes none, its caller keeps them
+COUNTED: dict[str, Any] = {"_nrt": True}  # counts references to arrays, so that it can make and return them
+UNCOUNTED: dict[str, Any] = {"_nrt": False}  # makes no arrays; the caller keeps those that it is given
 
 
 class Inner:
-    """A compiled function for compiled callers; called from Python, it runs as Python."""
+    """A compiled function for compiled callers; called from Python, it runs as Python.
+
+    Callers link its code and optimise it with theirs. It cannot make arrays, see UNCOUNTED.
+    """
 
     def __init__(self, function: Callable, **options: Any) -> None:
         self.function = function

@@ -73,9 +73,10 @@ class Room(NamedTuple):
 
 def room(m: int, n_rows: int, size: int) -> Room:
     """Arrays for m forces, n_rows rows and a state of `size` numbers."""
-    vectors, slopes = np.empty((4, m)), np.empty((2, m, WIDTH))
+    slopes = np.empty((2, m, WIDTH))
     return Room(
-        np.empty(n_rows), *vectors[:3], np.empty(size), slopes[0], vectors[3], slopes[1], workspace(m)
+        np.empty(n_rows), np.empty(m), np.empty(m), np.empty(m), np.empty(size), slopes[0], np.empty(m), slopes[1],
+        workspace(m),
     )  # fmt: skip
 
 
