@@ -88,7 +88,7 @@ def test_a_tachometer_takes_the_place_of_the_speed(tmp_path):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("teeth = [[21, 62]]\n", "speed_rpm is missing. Set the speed of the first shaft, or a tachometer"),
+        ("teeth = [[21, 62]]\n", "speed_rpm is missing. Set the speed of the first shaft, a tachometer, or speed"),
         ("speed_rmp = 1480\n", "Did you mean speed_rpm?"),
         ("speed_rpm = 0\n", "speed_rpm = 0: must be greater than 0"),
         ('speed_rpm = "fast"\n', "must be a number"),

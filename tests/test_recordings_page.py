@@ -21,12 +21,20 @@ def block(kind):
 
 
 def write_record(name, depth, seed):
-    """Three seconds of a gearbox whose first shaft modulates its mesh; speed is not recorded."""
+    """Three seconds of the gearbox of the page, whose first shaft modulates its mesh more; speed is not recorded.
+
+    All shafts modulate their meshes by ten orders, as pitch deviations do.
+    """
+    random = np.random.default_rng(seed)
     time = np.arange(round(3.0 * RATE)) / RATE
     turn = 2 * np.pi * 1480 / 60 * time
-    mesh = np.cos(21 * turn) + 0.5 * np.cos(42 * turn)
-    noise = np.random.default_rng(seed).normal(size=(2, time.size))
-    ends = (1 + depth * np.cos(turn)) * mesh + 0.1 * noise
+    ratios = (1.0, 21 / 62, 21 / 62 * 23 / 75)
+    pitch = [
+        sum(0.03 * np.cos(k * ratio * turn + random.uniform(0, 2 * np.pi)) for k in range(1, 11)) for ratio in ratios
+    ]
+    first = (1 + depth * np.cos(turn) + pitch[0] + pitch[1]) * (np.cos(21 * turn) + 0.5 * np.cos(42 * turn))
+    second = (1 + pitch[1] + pitch[2]) * sum(0.3 / h * np.cos(h * 23 * ratios[1] * turn) for h in (1, 2, 3))
+    ends = first + second + 0.1 * random.normal(size=(2, time.size))
     np.savetxt(
         name,
         np.stack([time, *ends], axis=1),
