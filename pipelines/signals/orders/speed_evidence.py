@@ -164,7 +164,7 @@ def _unlike(levels: OrderLevels, kinematics: Kinematics, shaft: Shaft, reach: in
         found = "another number of teeth" if other > shown else "one tooth more or less, too"
         return f"its sidebands have the spacing of a gear with {found}"
     if between > shown / CLEARLY or min(deviations(factor)[0] for factor in FACTORS) < REMAINING:
-        return "the spacing of its sidebands is a multiple or a fraction of its own"
+        return "the spacing of its sidebands is a multiple or a fraction of the order of this shaft"
     return ""
 
 
