@@ -141,7 +141,7 @@ def test_what_turns_too_seldom_is_named_with_the_time_it_takes(healthy):
     assert "shaft_3" not in found.component
     (words,) = found.left_out
     assert words.startswith("shaft_3 (stage 2 wheel): 2.9 turns")
-    with pytest.raises(FeatureError, match="no shaft makes 3 revolutions"):
+    with pytest.raises(FeatureError, match="no shaft of known speed makes 3 revolutions"):
         run_features(recording(105), FeatureSettings(kinematics=MACHINE, windows={"none": (1.0, 1.1)}))
     with pytest.raises(FeatureError, match="none: 900 to 910 s is outside the recording, which lasts from 0 to "):
         run_features(recording(105), FeatureSettings(kinematics=MACHINE, windows={"none": (900.0, 910.0)}))
