@@ -30,7 +30,12 @@ BEHIND = "#c9c9c9"  # the first recording, behind the others
 def comparison_figures(
     found: Curves, features: Features, parts: Sequence[Part], names: Sequence[str]
 ) -> dict[str, Figure]:
-    """All figures of a comparison by their names."""
+    """All figures of a comparison by their names.
+
+    Parameters
+    ----------
+    found, features, parts, names : curves and features of the recordings, which are named in the figures
+    """
     kinematics = parts[0].kinematics
     return {
         "orders": spectra_figure(found, names, kinematics),
@@ -46,7 +51,13 @@ def comparison_figures(
 
 
 def sidebands_figure(found: Curves, names: Sequence[str], kinematics: Kinematics, stage: int) -> Figure:
-    """Order spectra around the mesh order of a gear pair, with the sidebands of both shafts marked."""
+    """Order spectra around the mesh order of a gear pair, with the sidebands of both shafts marked.
+
+    Parameters
+    ----------
+    found, names, kinematics : those of `spectra_figure`
+    stage : number of the pair
+    """
     mesh = kinematics.mesh_orders()[stage]
     shafts = [kinematics.shaft(gear.shaft) for gear in kinematics.gears if gear.stage == stage]
     ratios = {shaft.name: shaft.ratio for shaft in shafts}
