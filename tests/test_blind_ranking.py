@@ -103,7 +103,7 @@ def test_against_a_control_known_damage_is_found_with_its_evidence_and_tooth():
     assert text.startswith(
         "Missing tooth 7 of the stage 1 wheel: found in 1 of 2. Evidence: mean of 6 features at near "
     )
-    assert "over the control (limit 6 dB), in up, torque on the shaft, deviations of seed 1." in text
+    assert "over the control (limit 1.5 dB), in up, torque on the shaft, deviations of seed 1." in text
     assert "Tooth 7 has the highest envelope energy in 1." in text
     assert [row[4] for row in cases_grid(cases, [damage]).rows] == ["found", "not found"]
     assert cases[1].verdict.damaged is False

@@ -39,7 +39,7 @@ from pipelines.signals.orders.kinematics import Kinematics
 
 LEAST_ORDER = -40.0  # dB over the rms of healthy recordings: weaker orders of a shaft come and go
 DIFFERENT, ALARM = 0.01, 0.001  # of healthy machines are called different, or damaged
-CONTROL_LIMIT = 6.0  # dB: twice the amplitude of the control, the difference that experience calls clear
+CONTROL_LIMIT = 6.0 * LEAST_SPREAD  # dB: six standard deviations of levels that repeat as well as any
 
 
 @dataclass(frozen=True, kw_only=True)
