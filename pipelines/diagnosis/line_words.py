@@ -81,7 +81,8 @@ def lines_grid(diagnosis: Diagnosis, window: str) -> Grid:
                 *near,
             )
         )
-    title = f"{_capital(window)}, {case_name(diagnosis)}; envelope of {low:.4g} to {high:.4g} Hz"
+    place = f"{diagnosis.settings.sensor} {diagnosis.settings.axis}"
+    title = f"{_capital(window)}, {case_name(diagnosis)}, {place}; envelope of {low:.4g} to {high:.4g} Hz"
     last = ("verdict", "rope mode Hz") if rope else ("verdict",)
     return Grid(title=title, headers=(*headers, *last), rows=tuple(rows), marked=frozenset(marked))
 
