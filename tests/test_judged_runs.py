@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from pipelines.diagnosis.verdict import CONTROL_LIMIT
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError
 from pipelines.runs.recorded import Recorded, other_speeds, recording_path
@@ -75,7 +76,7 @@ def test_against_the_exact_control_the_verdict_is_the_same_without_p_values(tmp_
     assert (verdict["exact"], verdict["damaged"]) == (True, True)
     assert verdict["findings"][0]["component"] == "stage 1 pinion"
     assert verdict["findings"][0]["evidence"]["p"] is None
-    assert verdict["findings"][0]["evidence"]["limit"] == 6.0
+    assert verdict["findings"][0]["evidence"]["limit"] == CONTROL_LIMIT
     assert finished.words.startswith("Missing tooth 3 of the stage 1 pinion: found in 1 of 1. ")
     assert "is the effect of the fault" in finished.words
 
