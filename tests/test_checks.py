@@ -265,6 +265,16 @@ def test_check_says_what_a_run_costs(capsys):
     assert "1 simulation of 5e+04 time steps and 1e+04 samples of 29 signals" in capsys.readouterr().out
 
 
+def test_check_counts_the_signals_of_each_simulation():
+    rope = cost.cost(make_drivetrain(load_scene("rig-healthy").scene))
+    torque = cost.cost(make_drivetrain(load_scene("rig-healthy", {"load.model": "static-torque"}).scene))
+    assert torque.channels < rope.channels
+    found = cost.estimate([*plan_study(load_scene("rig-missing-tooth")).machines.values()])
+    assert f"4 simulations of 1e+05 time steps and 5e+04 samples of {rope.channels} or {torque.channels}" in found
+    on_disk = 2 * rope.bytes + 2 * torque.bytes + 0.5 * 2 * rope.bytes  # cache; two files of the result folder
+    assert found.endswith(f"{cost.words(on_disk)} on disk")
+
+
 @pytest.mark.parametrize("scene", ["minimal", "rig-healthy"])
 def test_the_channels_counted_are_those_recorded(scene):
     loaded = load_scene(scene).scene
