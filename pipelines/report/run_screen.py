@@ -71,7 +71,7 @@ def _ranked(finding: Finding) -> tuple[str, float, str, str]:
 def _ranking_note(verdict: Verdict) -> str:
     texts = [words.note(verdict)]
     if any(finding.alike for finding in verdict.findings):
-        texts.append("Components with the same orders, or integer multiples of them, cannot be distinguished.")
+        texts.append("Components with equal orders, or integer multiples of them, cannot be distinguished.")
     return " ".join(texts)
 
 
@@ -150,8 +150,7 @@ def _average(
     across = f"teeth of the {gear.name}"
     caption = (
         f"Time-synchronous average of the acceleration at {_channel(plant.looked_for)} over {turns} revolutions of "
-        f"{gear.shaft.replace('_', ' ')} from its zero angle in the window {window}. The mesh "
-        "orders are removed (residual signal)."
+        f"{gear.shaft.replace('_', ' ')} in the window {window}, without the mesh orders (residual signal)."
     )
     if reference is not None:
         caption += " Below: this run minus the healthy run, the effect of the fault alone."
