@@ -247,7 +247,7 @@ def free_bytes(monkeypatch, **free):
 def test_signals_that_find_no_room_are_refused_before_the_work(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     free_bytes(monkeypatch, cache=1e12, elsewhere=1e6)
-    with pytest.raises(SceneError, match=r"signals of 1 simulations take about 1\.16 MB in runs, 1 MB are free"):
+    with pytest.raises(SceneError, match=r"signals of 1 simulation take about 1\.16 MB in runs, 1 MB are free"):
         plan_study(load_scene("minimal"))
 
 
@@ -256,7 +256,7 @@ def test_a_full_cache_stops_only_signals_that_memory_cannot_hold(monkeypatch, tm
     free_bytes(monkeypatch, cache=0.0, elsewhere=1e12)
     plan_study(load_scene("minimal"))
     long = {"simulation.end_s": 1000.0, "drive.times_s": [0.0, 0.2, 1000.0], "drive.speeds_rpm": [0.0, 900.0, 900.0]}
-    with pytest.raises(SceneError, match=r"signals of 1 simulations take about 2\.32 GB in .*, 0 B are free"):
+    with pytest.raises(SceneError, match=r"signals of 1 simulation take about 2\.32 GB in .*, 0 B are free"):
         plan_study(load_scene("minimal", long))
 
 

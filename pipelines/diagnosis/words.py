@@ -68,7 +68,7 @@ def standing(evidence: Evidence, exact: bool) -> str:
     """The evidence of a component with its limit."""
     count = len(evidence.features)
     what = NAMES.get(evidence.features[0], evidence.features[0]) if count == 1 else f"mean of {count} features"
-    text = f"{what} at {evidence.sensor} {evidence.axis}: {decibels(evidence.increase)} dB"
+    text = f"{what} at {evidence.sensor} {evidence.axis} is {decibels(evidence.increase)} dB"
     if evidence.limit is None:
         return text
     if exact:
@@ -99,14 +99,11 @@ def compared(verdict: Verdict) -> list[str]:
         "different."
     )
     if verdict.tested:
-        counts = [
-            f"{count} {word} (rate {100 * low:.2g} to {100 * high:.2g} %)"
-            for count, word in ((verdict.false_alarms, "damaged"), (verdict.false_differences, "different"))
-            for low, high in [verdict.interval(count)]
-        ]
+        counts = (verdict.false_alarms, verdict.false_differences)
+        rates = (f"{100 * low:.2g} to {100 * high:.2g} %" for low, high in map(verdict.interval, counts))
         found.append(
-            f"Of the {verdict.tested} healthy recordings, each compared with the others, {' and '.join(counts)} with "
-            "95 % confidence."
+            f"Of the {verdict.tested} healthy recordings, each compared with the others, {counts[0]} are called "
+            f"damaged and {counts[1]} different. With 95 % confidence these rates are {' and '.join(rates)}."
         )
     return found
 

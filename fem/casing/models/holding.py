@@ -82,7 +82,7 @@ class CasingReduction(Stage):
             found = check_up(casing, reduction)
         if found.failures:
             raise CasingError(
-                f"casing: the check-up of the reduced body fails in {', '.join(found.failures)}. Use a finer "
+                f"casing: the reduced body fails the checks {', '.join(found.failures)}. Use a finer "
                 f"casing.element_size_mm, or another casing model.\n{found.report(0)}"
             )
         return modes, found, *lower

@@ -94,7 +94,7 @@ def check_room(trains: Sequence[Drivetrain], source: str) -> None:
             problems.append(
                 Problem(
                     "simulation",
-                    f"the signals of {len(trains)} simulations take about {words(needed)} in {folder}, {words(free)} "
+                    f"the signals of {_simulations(len(trains))} take about {words(needed)} in {folder}, {words(free)} "
                     "are free there",
                     "Reduce simulation.output_rate_Hz or end_s, or delete files there",
                 )
@@ -108,7 +108,7 @@ def estimate(trains: Sequence[Drivetrain]) -> str:
     costs = [cost(train) for train in trains]
     signals = " or ".join(str(count) for count in dict.fromkeys(one.channels for one in costs))
     return (
-        f"{len(costs)} simulation{'s' if len(costs) > 1 else ''} of {costs[0].steps:.3g} time steps and "
+        f"{_simulations(len(costs))} of {costs[0].steps:.3g} time steps and "
         f"{costs[0].samples:.3g} samples of {signals} signals: about {duration(sum(one.seconds for one in costs))} on "
         f"one core for the motion (mesh laws and casing not included), {words(_MEMORY)} of memory, "
         f"{words(sum(_bytes(trains)))} on disk"
@@ -119,6 +119,10 @@ def _bytes(trains: Sequence[Drivetrain]) -> tuple[float, float]:
     """Of all signals in the cache, and of those in the result folder."""
     sizes = [cost(train).bytes for train in trains]
     return sum(sizes), _PACKED * sum(sizes[:_WRITTEN])
+
+
+def _simulations(count: int) -> str:
+    return f"{count} simulation{'s' if count > 1 else ''}"
 
 
 def words(size: float) -> str:
