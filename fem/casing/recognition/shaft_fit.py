@@ -76,7 +76,8 @@ class _Line:
 def fit_shafts(bores: Sequence[Bore], shafts: Sequence[ShaftPlace]) -> ShaftFit | None:
     """The best place of the file; None where no two bores have the distance of two shafts.
 
-    Of several, that with the most bearings in seats, then the least distance off, then the least turn of the file.
+    Of several, that with the most bearings in seats, then the least distance off, then the least turn of the file, then
+    with the wider bores at the thicker shafts.
 
     Parameters
     ----------
@@ -87,9 +88,12 @@ def fit_shafts(bores: Sequence[Bore], shafts: Sequence[ShaftPlace]) -> ShaftFit 
     found = [fit for axis in _directions(wide) for fit in _fits(_lines(wide, axis), axis, shafts)]
     found = [fit for fit in found if fit.seats]
 
-    def worth(fit: ShaftFit) -> tuple[int, float, float, float]:
+    def worth(fit: ShaftFit) -> tuple[float, ...]:
         taken = len({(seat.bore.number) for seat in fit.seats})
-        return taken, -round(fit.off, 5), -sum(seat.bore.angle < 6.0 for seat in fit.seats), float(np.trace(fit.axes))
+        open_bores = sum(seat.bore.angle < 6.0 for seat in fit.seats)
+        turned = round(float(np.trace(fit.axes)), 6)
+        alike = sum(shafts[seat.shaft].diameter * seat.bore.diameter for seat in fit.seats)
+        return taken, -round(fit.off, 5), -open_bores, turned, alike
 
     return max(found, key=worth, default=None)
 
