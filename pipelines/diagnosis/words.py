@@ -23,7 +23,7 @@ NAMES = {
     "kurtosis": "kurtosis",
 }
 
-STRENGTH = "evidence/limit"  # heading
+STRENGTH = "evidence / limit"  # heading
 EVIDENCE = (
     "Increase: mean of the features of a component at the channel of its strongest evidence. A component is damaged if "
     f"{STRENGTH} is 1 or more."

@@ -63,8 +63,8 @@ def first_screen(
 
 
 def _ranked(finding: Finding) -> tuple[str, float, str, str]:
-    remarks = [] if finding.tooth is None else [f"highest envelope energy at tooth {finding.tooth}"]
-    remarks += [f"has the same orders as {', '.join(finding.alike)}"] if finding.alike else []
+    remarks = [] if finding.tooth is None else [f"tooth {finding.tooth} has the highest envelope energy"]
+    remarks += [f"same orders as {', '.join(finding.alike)}"] if finding.alike else []
     return finding.component, finding.evidence.increase, words.strength(finding.evidence), "; ".join(remarks)
 
 
