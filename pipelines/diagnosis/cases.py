@@ -72,9 +72,10 @@ def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
     answers, evidence = [], []
     for damage in damages:
         findings = [(case, one) for case in cases if (one := found(case, damage, damages)) is not None]
-        count = "found" if findings else "not found"
-        count = count if len(cases) == 1 else f"found in {len(findings)} of {len(cases)} cases"
-        answers.append(f"{damage.words[0].upper()}{damage.words[1:]}: {count}.")
+        answer = f"found in {len(findings)} of {len(cases)} cases"
+        if len(cases) == 1:
+            answer = "found" if findings else "not found"
+        answers.append(f"{damage.words[0].upper()}{damage.words[1:]}: {answer}.")
         if findings:
             case, one = min(findings, key=lambda pair: words.ratio(pair[1].evidence))
             weakest = "Weakest evidence" if len(findings) > 1 else "Evidence"
