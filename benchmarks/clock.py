@@ -53,6 +53,7 @@ def conditions() -> dict[str, Any]:
         except metadata.PackageNotFoundError:
             versions[name] = "not installed"
     return {
+        "date": time.strftime("%Y-%m-%d"),
         "cores": os.cpu_count(),
         "threads": 1,
         "architecture": platform.machine(),

@@ -98,10 +98,10 @@ def conditions_text(found: dict[str, Any]) -> str:
     """The conditions in one paragraph."""
     versions = ", ".join(f"{name} {version}" for name, version in found["libraries"].items())
     return (
-        f"Conditions: {found['system']} on {found['architecture']}, {found['cores']} shared cores, one thread (two "
-        f"for the expensive steps of the casing and of `solid`); Python {found['python']}, {versions}. Seconds are "
-        "wall-clock times (processor times in brackets), each the median of the given number of calls. Memory is the "
-        "peak of the process, imports included."
+        f"Measured on {found['date']}: {found['system']} on {found['architecture']}, {found['cores']} shared cores, "
+        f"one thread (two for the expensive steps of the casing and of `solid`); Python {found['python']}, {versions}. "
+        "Seconds are wall-clock times (processor times in brackets), each the median of the given number of calls. "
+        "Memory is the peak of the process, imports included."
     )
 
 
