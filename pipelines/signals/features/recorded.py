@@ -19,10 +19,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipelines.signals.features.average import FEWEST_TURNS, average
-from pipelines.signals.features.band import squared_envelope
+from pipelines.signals.features.band import whitened
 from pipelines.signals.features.envelope import envelope_orders, marked_tooth, tooth_contrast, tooth_energies
 from pipelines.signals.features.passing import pass_levels
-from pipelines.signals.features.statistics import statistics
+from pipelines.signals.features.statistics import kurtosis, statistics
 from pipelines.signals.features.synchronous import synchronous
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.features.turns import Turns, cut_turns
@@ -39,9 +39,10 @@ OF_SIGNAL = ("rms", "crest_factor", "kurtosis")
 OF_SHAFT = {"order_1": 1, "order_2": 2}
 OF_PLAIN_SHAFT = ("tsa_rms", "tsa_kurtosis")  # no gear on it is known
 PASSING = "pass_order"
-OF_GEAR = ("difference_rms", "fm4")  # of its shaft
+OF_GEAR = ("difference_rms", "whitened_kurtosis")  # of its shaft
 OF_STAGE = ("fm0", "sideband_ratio")  # of its mesh
 QUARTER = 0.25  # turn, of uncertainty over all turns: averages over turns need less
+WHITE = 0.25  # of the lowest mesh order of a shaft: the width over which its spectrum is whitened
 GUARD_ORDER = 10.0  # of the fastest shaft: the guard where no tooth counts are known
 
 
@@ -176,7 +177,11 @@ def _shaft_lines(
     found = synchronous(averaged)
     irregular = cut.values - averaged.regular[:, None, :]
     laid = irregular.reshape(len(irregular), -1)
-    envelope = squared_envelope(laid, (cut.share(band[0]), cut.share(band[1]))).reshape(cut.values.shape)
+    low, high = cut.share(band[0]), cut.share(band[1])
+    width = min((gear.teeth / cut.values.shape[2] for gear in gears), default=2.0 * low)
+    white = whitened(laid, (low, high), WHITE * width).reshape(cut.values.shape)
+    envelope = np.abs(white) ** 2
+    found["whitened_kurtosis"] = kurtosis(white.real.mean(axis=1))
     lines: Lines = {(shaft.name, name): cut.order(order) for name, order in OF_SHAFT.items()}
     if not gears:
         lines |= {(shaft.name, name): found[name] for name in OF_PLAIN_SHAFT}

@@ -48,7 +48,8 @@ def kurtosis(x: np.ndarray) -> np.ndarray:
 
 def _moment_ratio(x: np.ndarray, power: int) -> np.ndarray:
     away = x - x.mean(axis=-1, keepdims=True)
-    return _ratio(np.mean(away**power, axis=-1), np.mean(away**2, axis=-1) ** (power / 2))
+    squared = away * away
+    return _ratio(np.mean(squared * (squared if power == 4 else away), axis=-1), np.mean(squared, axis=-1) ** (power / 2))
 
 
 def _ratio(top: np.ndarray, bottom: np.ndarray) -> np.ndarray:
