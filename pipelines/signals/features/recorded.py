@@ -196,7 +196,8 @@ def _shaft_lines(
         marks[gear.name] = _numbered(marked_tooth(energies), cut.backwards, gear)
     for bearing in kinematics.bearings:
         if bearing.shaft == shaft.name:
-            lines |= {(name, PASSING): level for name, level in pass_levels(envelope, bearing.strikes).items()}
+            levels = pass_levels(envelope, bearing.strikes, [one.ratio / shaft.ratio for one in kinematics.shafts])
+            lines |= {(name, PASSING): level for name, level in levels.items()}
     return lines, marks
 
 
