@@ -182,10 +182,10 @@ def test_the_table_of_the_verdict_lists_every_component(healthy):
 def test_features_as_one_labelled_table(healthy):
     labelled = healthy[0].labelled()
     assert labelled.dims == ("sensor", "axis", "component", "feature")
-    value = labelled.sel(sensor="near", axis="z", component="stage 1 wheel", feature="whitened_kurtosis")
-    column = healthy[0].lines.index(("stage 1 wheel", "whitened_kurtosis"))
+    value = labelled.sel(sensor="near", axis="z", component="stage 1 wheel", feature="fm4")
+    column = healthy[0].lines.index(("stage 1 wheel", "fm4"))
     assert float(value) == healthy[0].value[1, column]
-    assert np.isnan(labelled.sel(component="shaft_1", feature="whitened_kurtosis")).all()
+    assert np.isnan(labelled.sel(component="shaft_1", feature="fm4")).all()
 
 
 def test_the_tooth_is_the_same_backwards(healthy):

@@ -69,5 +69,5 @@ def with_stated_noise(run: xarray.Dataset, sample: int = 0) -> xarray.Dataset:
     name = "acceleration" if "acceleration" in run else "journal_acceleration"
     stream = zlib.crc32(np.ascontiguousarray(run[name].values).tobytes()) + sample
     axes = [str(axis) for axis in run.axis.values]
-    signal = np.stack([noisy_channel(run, sensor, axes, stream) for sensor in channel_names(run)], axis=1)
-    return run.drop_vars(name).assign({name: (("time", *run[name].transpose("time", ...).dims[1:]), signal)})
+    signal = np.stack([noisy_channel(run, sensor, axes, stream).T for sensor in channel_names(run)])
+    return run.drop_vars(name).assign({name: ((*run[name].transpose(..., "time").dims[:-1], "time"), signal)})

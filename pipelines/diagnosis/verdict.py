@@ -33,7 +33,7 @@ from pipelines.diagnosis.prediction import (
     moderated,
     probability,
 )
-from pipelines.signals.features.recorded import OF_SHAFT
+from pipelines.signals.features.recorded import OF_SHAFT, OF_WHITENED
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 
@@ -208,15 +208,17 @@ def damage_p(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> float
 class _Lines:
     """The features of a table, and the groups that are the evidence of a component each.
 
-    A shaft has two of them, since unbalance raises the first order only; any other component has one.
+    A shaft has two of them, since unbalance raises the first order only. A gear has one of its whitened and one of its
+    other features: whitening shows small damage that deviations hide, but it hides a rise of the level.
     """
 
     def __init__(self, table: FeatureTable) -> None:
         self.table = table
-        groups: dict[tuple[str, str], list[int]] = {}
+        groups: dict[tuple[str, str | bool], list[int]] = {}
         for number, (component, feature) in enumerate(table.lines):
             if component != WHOLE:
-                groups.setdefault((component, feature if feature in OF_SHAFT else ""), []).append(number)
+                kind = feature if feature in OF_SHAFT else feature in OF_WHITENED
+                groups.setdefault((component, kind), []).append(number)
         self.groups = [(component, tuple(own)) for (component, _), own in groups.items()]
 
     def features(self, own: Sequence[int]) -> tuple[str, ...]:

@@ -8,7 +8,10 @@ from pipelines.io.grid import Grid
 
 NAMES = {
     "difference_rms": "difference signal",
+    "fm4": "FM4",
     "whitened_kurtosis": "kurtosis of the whitened average",
+    "whitened_contrast": "energy of one tooth, whitened",
+    "average_contrast": "energy of one tooth, whitened average",
     "fm0": "FM0",
     "sideband_ratio": "sideband ratio",
     "envelope_orders": "envelope",
