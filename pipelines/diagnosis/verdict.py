@@ -9,8 +9,8 @@ fault. Nothing here knows of a fault. There are two answers, each for every chan
   probability of at most ALARM that one of all components of a healthy machine is so high.
 
 Features of the whole signal are no evidence of a component. A control is a baseline of the same machine: its
-recordings differ in their sensor noise alone. With fewer than FEWEST_FOR_P healthy recordings there is only the order of
-the components.
+recordings differ in their sensor noise alone. With fewer than FEWEST_FOR_P healthy recordings there is only the order
+of the components.
 """
 
 from __future__ import annotations
@@ -256,9 +256,7 @@ class _Lines:
         return min(2.0 * min(apart, damaged), 1.0), damaged
 
 
-def _findings(
-    lines: _Lines, levels: np.ndarray, healthy: np.ndarray, kinematics: Kinematics
-) -> tuple[Finding, ...]:
+def _findings(lines: _Lines, levels: np.ndarray, healthy: np.ndarray, kinematics: Kinematics) -> tuple[Finding, ...]:
     """All components, the strongest evidence first."""
     table, count = lines.table, len(healthy)
     rises = levels - healthy.mean(axis=0)

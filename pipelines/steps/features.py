@@ -21,7 +21,10 @@ class FeaturesSpec:
 
 
 def build(spec: FeaturesSpec, *, motion: Trajectory) -> dict[str, Any]:
-    """The tables of features by window, one for each sample of noise, under "tables"; where there are none, the reason under "failure"."""
+    """The tables of features by window, one for each sample of noise, under "tables".
+
+    Where there are none, the reason is under "failure".
+    """
     from pipelines.diagnosis.simulated import window_features
     from pipelines.signals.features.recorded import FeatureError
     from pipelines.signals.orders.rotation import RotationError

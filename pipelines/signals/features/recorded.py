@@ -187,10 +187,10 @@ def _shaft_lines(
     lines: Lines = {(shaft.name, name): cut.order(order) for name, order in OF_SHAFT.items()}
     if not gears:
         lines |= {(shaft.name, name): found[name] for name in OF_PLAIN_SHAFT}
-    contrasts = dict(zip(CONTRASTS, (envelope, np.abs(white) ** 2, np.abs(white.mean(axis=1, keepdims=True)) ** 2)))
+    squares = envelope, np.abs(white) ** 2, np.abs(white.mean(axis=1, keepdims=True)) ** 2
     marks = {}
     for gear in gears:
-        energies = {name: tooth_energies(one, gear.teeth) for name, one in contrasts.items()}
+        energies = {name: tooth_energies(one, gear.teeth) for name, one in zip(CONTRASTS, squares, strict=True)}
         lines |= {(gear.name, name): found[name] for name in OF_GEAR}
         lines |= {(gear.name, name): found[f"stage_{gear.stage}_{name}"] for name in OF_STAGE}
         lines |= {(gear.name, name): tooth_contrast(one) for name, one in energies.items()}
