@@ -76,7 +76,7 @@ def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
         if findings:
             case, one = min(findings, key=lambda pair: words.ratio(pair[1].evidence))
             weakest = "Weakest evidence" if len(findings) > 1 else "Evidence"
-            evidence.append(f"{weakest}: {words.standing(one.evidence, case.verdict.exact)}, in {case.name}.")
+            evidence.append(f"{weakest}: {words.standing(one.evidence)}, in {case.name}.")
         if damage.tooth is not None and findings:
             count = sum(one.tooth == damage.tooth for _, one in findings)
             evidence.append(f"Tooth {damage.tooth} has the highest envelope energy in {count}.")

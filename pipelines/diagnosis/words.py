@@ -9,6 +9,9 @@ from pipelines.io.grid import Grid
 NAMES = {
     "difference_rms": "difference signal",
     "fm4": "FM4",
+    "whitened_kurtosis": "kurtosis of the whitened average",
+    "whitened_contrast": "energy of one tooth, whitened",
+    "average_contrast": "energy of one tooth, whitened average",
     "fm0": "FM0",
     "sideband_ratio": "sideband ratio",
     "envelope_orders": "envelope",
@@ -47,8 +50,9 @@ def sentences(verdict: Verdict) -> tuple[str, ...]:
     """The answer, its evidence, what it was compared with, how often it would be wrong, and what was left out."""
     found = [headline(verdict)]
     if verdict.damaged is not False:
-        found.append(f"Evidence: {standing(verdict.first.evidence, verdict.exact)}.")
-        found += [_same_orders(one, verdict) for one in verdict.findings if one.component in verdict.first.alike]
+        found.append(f"Evidence: {standing(verdict.first.evidence)}.")
+        alike = [one for one in verdict.findings if one.component in verdict.first.alike]
+        found += [f"{one.component} has the same orders: {standing(one.evidence)}." for one in alike]
     if verdict.changes:
         named = [
             f"{NAMES.get(one.feature, one.feature)} of {one.component} at {one.sensor} {one.axis} "
@@ -63,28 +67,22 @@ def sentences(verdict: Verdict) -> tuple[str, ...]:
     return tuple(found)
 
 
-def standing(evidence: Evidence, exact: bool) -> str:
+def standing(evidence: Evidence) -> str:
     """The evidence of a component with its limit."""
     count = len(evidence.features)
     what = NAMES.get(evidence.features[0], evidence.features[0]) if count == 1 else f"mean of {count} features"
     text = f"{what} at {evidence.sensor} {evidence.axis} {decibels(evidence.increase)} dB"
     if evidence.limit is None:
         return text
-    if exact:
-        return f"{text} over the control (limit {evidence.limit:g} dB)"
     return f"{text}, {evidence.deviation:.1f} standard deviations (limit {evidence.limit:.1f})"
-
-
-def _same_orders(finding: Finding, verdict: Verdict) -> str:
-    return f"{finding.component} has the same orders: {standing(finding.evidence, verdict.exact)}."
 
 
 def compared(verdict: Verdict) -> list[str]:
     """What the recording was compared with, and the rates of false answers."""
     if verdict.exact:
         return [
-            "Compared with the control: the same machine without the fault, which only a simulation has. Every "
-            "increase is the effect of the fault. Set --baseline 8 for healthy machines of other deviations."
+            "Compared with the control: the same machine without the fault, which only a simulation has, with "
+            f"{verdict.healthy} samples of the sensor noise. Set --baseline 8 for healthy machines of other deviations."
         ]
     many = f"Compared with {verdict.healthy} healthy recording{'s' if verdict.healthy > 1 else ''}."
     found = [many]

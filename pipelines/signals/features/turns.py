@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.fft import next_fast_len
 
 from pipelines.signals.orders.revolutions import HIGHEST, revolutions
 from pipelines.signals.orders.rotation import Rotation
@@ -58,6 +57,8 @@ def cut_turns(
     ratio : turns of the shaft per turn of the first one
     window : start and end, s
     """
+    from scipy.fft import next_fast_len
+
     first, last = np.searchsorted(time, window[0]), np.searchsorted(time, window[1], side="right")
     if last - first < 2:
         return None
@@ -67,6 +68,6 @@ def cut_turns(
     if turned < 1.0:
         return None
     rate = (len(time) - 1) / float(time[-1] - time[0])
-    places = 2 * next_fast_len(math.ceil(0.5 * COLUMNS * rate / frequency))
+    places = next_fast_len(math.ceil(COLUMNS * rate / frequency), real=True)
     values = revolutions(signal, time, rotation, ratio, places, [window])
     return Turns(values=values, frequency=frequency, orders=int(HIGHEST * rate / frequency), backwards=angle < 0.0)
