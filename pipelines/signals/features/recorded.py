@@ -101,7 +101,7 @@ def feature_table(
         whole = statistics(signal[:, inside])
         found: Lines = {(WHOLE, feature): whole[feature] for feature in OF_SIGNAL}
         for shaft, cut in turning:
-            lines, marks = _shaft_lines(cut, bands[name], shaft, kinematics)
+            lines, marks = _shaft_lines(cut, bands[name], shaft, kinematics, rotation.error)
             if rotation.error * cut.count > QUARTER:  # no averages over turns, and pass orders allow slip
                 strikes = {strike for bearing in kinematics.bearings for strike in bearing.strikes}
                 lines, marks = {line: value for line, value in lines.items() if line[0] in strikes}, {}
@@ -171,16 +171,18 @@ def envelope_band(kinematics: Kinematics, time: np.ndarray, frequency: float) ->
 
 
 def _shaft_lines(
-    cut: Turns, band: tuple[float, float], shaft: Shaft, kinematics: Kinematics
+    cut: Turns, band: tuple[float, float], shaft: Shaft, kinematics: Kinematics, error: float
 ) -> tuple[Lines, dict[str, int]]:
-    """Features of a shaft and what sits on it, and the marked tooth of its gears."""
+    """Features of a shaft and what sits on it, and the marked tooth of its gears; `error` of the speed, relative."""
     gears = kinematics.gears_on(shaft.name)
     averaged = average(cut.values, cut.orders, {gear.stage: gear.teeth for gear in gears})
     found = synchronous(averaged)
     irregular = cut.values - averaged.regular[:, None, :]
     laid = irregular.reshape(len(irregular), -1)
     ends = cut.share(band[0]), cut.share(band[1])
-    width = WHITE * min((gear.teeth for gear in gears), default=1) / cut.values.shape[2]
+    orders = WHITE * min(gear.teeth for gear in gears) if gears else GUARD_ORDER
+    width = orders / cut.values.shape[2]
+    ratios = [other.ratio / shaft.ratio for other in kinematics.shafts]
     plain, white = (one.reshape(cut.values.shape) for one in banded(laid, ends, width))
     envelope = np.abs(plain) ** 2
     found |= {"envelope_orders": envelope_orders(envelope), "whitened_kurtosis": kurtosis(white.mean(axis=1).real)}
@@ -197,7 +199,8 @@ def _shaft_lines(
         marks[gear.name] = _numbered(marked_tooth(energies["tooth_contrast"]), cut.backwards, gear)
     for bearing in kinematics.bearings:
         if bearing.shaft == shaft.name:
-            lines |= {(name, PASSING): level for name, level in pass_levels(envelope, bearing.strikes).items()}
+            levels = pass_levels(squares[1], bearing.strikes, ratios, error)
+            lines |= {(name, PASSING): level for name, level in levels.items()}
     return lines, marks
 
 
