@@ -51,8 +51,9 @@ def impact_words(found: tuple[Impacts, ...]) -> str:
     if not found:
         return f"There is no verdict without healthy recordings to compare with. {more}"
     first = found[0]
+    named = " or ".join(one.component for one in found if one.level == first.level)  # equal bearings on one shaft
     answer = "Damaged:" if first.clear else "No damage of a bearing is clear. The highest level:"
     return (
-        f"{answer} {first.component}, impacts at its pass order {first.level:.0f} dB over the envelope spectrum around "
+        f"{answer} {named}, impacts at its pass order {first.level:.0f} dB over the envelope spectrum around "
         f"it at {first.sensor} {first.axis} (limit {CLEAR:g} dB). {more}"
     )
