@@ -17,7 +17,7 @@ def casing(
     processes: int | None = None,
     progress: ProgressFunction | None = None,
 ) -> Casing:
-    """Compute the casing of a scene: reduced matrices, and natural frequencies on its mounts.
+    """Compute the casing of a scene: reduced matrices, and natural modes on its mounts.
 
     Parameters
     ----------

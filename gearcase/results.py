@@ -127,8 +127,8 @@ def error_bars(
 
     Returns
     -------
-    error bars of all lines at least 10 dB over their floor: a `numerical` band (None if the error of the mesh of
-    the casing is unknown) and a band of the `inputs`, in dB relative to the `level`; `notes` list their contents
+    `LineBars`: error bars of all lines at least 10 dB over their floor. Each has a `numerical` band (None if the error
+    of the mesh of the casing is unknown) and one of the `inputs`, in dB relative to its `level`; `notes` describe them
 
     Raises
     ------

@@ -37,7 +37,7 @@ def converge(
 
     Raises
     ------
-    SceneError, InputError, WorkError : the scene does not depend on `over`, a level is out of range, a step failed
+    SceneError, InputError, WorkError : `over` does not apply to the scene, a level is out of range, a step failed
 
     >>> import gearcase
     >>> found = gearcase.converge(gearcase.Scene.from_file("minimal"), "slices")

@@ -51,7 +51,7 @@ class Component:
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        """Names of additional coordinates; they follow those of the shafts and the casing."""
+        """Names of additional coordinates, which come last among those of the machine."""
         return ()
 
     @property

@@ -4,15 +4,15 @@ With the predictions u_p, v_p without the new forces and the constant matrices G
 
     lambda = Lambda(u, v),   u = u_p + G_u lambda,   v = v_p + G_v lambda.
 
-The flank potentials are convex and G_u is positive, so without damping the solution is unique. An iteration that
+The flank potentials are convex and G_u is positive, so without damping the solution is unique. A change of lambda that
 raises the residual is halved, because the force has kinks where a contact opens. The damping tau k_t u' jumps where a
 pair of teeth touches, because k_t does; a time step may then have no solution, with the flank neither in nor out of
 contact. Such a step is solved with k_t held at its value for the guess, which makes the force monotone again.
 
 An iteration reduces the residual r to 0.05 r^2 to r^2 (measured on the rig). With forces extrapolated in time, r falls
-with a power of the time step, so that one iteration leaves a residual far below the error of the step. From a residual
-below ``near`` the iteration is therefore done without evaluating the forces again, and the answers of the elements are
-updated by their tangents. A time step then costs one evaluation.
+with a power of the time step, so that one iteration leaves a residual far below the error of the step. At a residual
+below ``near`` the iteration is therefore the last: the forces are not evaluated again, and the answers of the elements
+are updated by their tangents. A time step then costs one evaluation.
 """
 
 from __future__ import annotations

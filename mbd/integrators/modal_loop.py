@@ -2,7 +2,7 @@
 
 Refinement: the forces extrapolated to the end of a step are compared with the forces at the motion that they cause.
 A step is repeated in quarters if they differ by more than ROUGH of their scale, if a contact opens or closes, or if it
-does not converge, and so on down to the shortest length (level), at which every step is accepted. Lengths increase
+does not converge, and so on down to the shortest length (level), which is not cut further. Lengths increase
 again, where a step of the longer length may begin, once the difference is below SMOOTH. Exact coefficients are stored
 for every length, so that a cut costs only its evaluations. A motion that is compared with another one takes the lengths
 of that one: different cuts would separate them by the error of a step.

@@ -55,7 +55,7 @@ class EnergyBalance:
         self._speeds = (block.clock[0, SPEED] if first == 0 else self._speeds[0], block.clock[-1, SPEED])
 
     def events(self) -> dict[str, int]:
-        """Contacts lost and made on the coast flank of every mesh, slack events of the ropes."""
+        """Contacts lost by every mesh and made on its coast flank, slack events of the ropes."""
         return self._elements.events()
 
     def table(self) -> tuple[tuple[str, ...], np.ndarray]:

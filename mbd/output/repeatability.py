@@ -11,8 +11,8 @@ or a container that touches the ground. A neighbour is followed while its distan
 reach the size of the signal before the run ends, else dropped; the next one starts when the share of steps followed is
 below SHARE again. The motion is unrepeatable if the distance, RMS over a window, has grown 100-fold and to half
 the signal: this is observed, never extrapolated. Example, one stage in bearings 6205 with 20 um clearance and 2 kg at
-3000 rpm: the distance grows by e in 7 ms. Contacts that open and close without rattle (plain bearings, 5 kg) let it
-grow by 10 and then fall by 1000, hence the limit of 100.
+3000 rpm: the distance grows by e in 7 ms. With plain bearings and 5 kg contacts also open and close, but the distance
+grows by 10 only and then falls by 1000.
 
 References
 ----------

@@ -1,7 +1,7 @@
 """Blocked forces of gears and shafts on a casing, independent of the casing that receives them.
 
 At one frequency a casing with the receptance Y moves under the forces F of the bearings by u = Y F. The forces of the
-machine are its blocked forces f, on a casing that does not move, minus the part by its dynamic stiffness P:
+machine are its blocked forces f, on a casing that does not move, minus the forces of its dynamic stiffness P:
 F = f - P u. So
 
     f = (I + P Y) F,    F' = (I + P Y')^-1 f

@@ -4,7 +4,7 @@
 energy is convex, and along a Newton step d of the forces its slope is d^T G (lambda - lambda(u)). A line search ends
 each step where this slope is nearly 0, which finds the equilibrium from any start, through any contact that opens or
 closes. A shaft whose bearings are all open has no stiffness: K times the residual is added to it (Yamashita & Fukushima
-2001, Computing Suppl. 15), which does not change the last Newton steps.
+2001, Computing Suppl. 15), so that the last steps are still Newton steps.
 
 Without a load the gears could rest anywhere in the backlash. Contacts without a load are set to just touch,
 K q = f + B^T mu with delta = delta_0(c, psi) of a flank. A swinging container is held at its angle by a force

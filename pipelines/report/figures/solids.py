@@ -89,7 +89,7 @@ def prism_surface(
     outline, twist, face_width, layers : those of `gear_surface`
     """
     count = len(outline)
-    centre = outline[[0, -1]].mean(axis=0, keepdims=True)  # sees every point of a tooth: middle of its base
+    centre = outline[[0, -1]].mean(axis=0, keepdims=True)  # a fan about the middle of the base covers a tooth
     points = np.concatenate(
         [_drawn(outline, twist, face_width, layers), _drawn(centre, twist, face_width, layers)[[0, -1]]]
     )

@@ -193,7 +193,7 @@ def comparison_figure(
     rope = settings.rope_mode.get(window, 0.0) if window else 0.0
     low, high = traces[0].envelope.band_low, traces[0].envelope.band_high
     spans = ((0.3 * f_r, 8.4 * f_r), (f_m - 6.4 * f_r, f_m + 6.4 * f_r), (2 * f_m - 6.4 * f_r, 2 * f_m + 6.4 * f_r))
-    for trace, colour, thickness in zip(traces, colours, (2.0, 1.0), strict=False):  # thin over thick: equal curves show
+    for trace, colour, thickness in zip(traces, colours, (2.0, 1.0), strict=False):  # thin over thick: equal lines show
         for axes, span in zip((top, left, right), spans, strict=True):
             spectrum = trace.envelope if axes is top else trace.spectrum
             _draw_spectrum(axes, spectrum, span, colour, trace.name, thickness)

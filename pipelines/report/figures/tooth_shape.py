@@ -136,8 +136,7 @@ def cut_down(section: Section, height: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def turned_in(points: np.ndarray, angle: float, centre: float) -> np.ndarray:
-    """Points (..., 3) of a tooth after its centre line has turned to a polar angle about the axis through (centre,
-    0)."""
+    """Points (..., 3) of a tooth whose centre line has turned to a polar angle about the axis through (centre, 0)."""
     cosine, sine = math.cos(angle), math.sin(angle)
     matrix = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
     return points @ matrix.T + [centre, 0.0, 0.0]
