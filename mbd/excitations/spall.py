@@ -1,4 +1,4 @@
-"""Spall: a pit in a race or in an element of a rolling bearing; its path is in `mbd.excitations.spall_drop`."""
+"""Spall: a pit in a race or an element of a rolling bearing; `mbd.excitations.spall_drop` computes the path over it."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Spall:
         check_options(self, MachineError)
 
     def check(self, elements: RollingElements) -> None:
-        """Raise MachineError for a spall that does not fit into the bearing."""
+        """Raise MachineError if the spall does not fit into the bearing."""
         widest = WIDEST * 2 * math.pi * self.surface(elements)
         if self.width > widest:
             raise MachineError(
@@ -52,21 +52,21 @@ class Spall:
 
     @property
     def place(self) -> str:
-        """In words: "outer ring", "inner ring", "rolling element"."""
+        """Damaged part in words: "outer ring", "inner ring", "rolling element"."""
         return "rolling element" if self.on == "element" else self.on.replace("-", " ")
 
     def surface(self, elements: RollingElements) -> float:
-        """Radius (m), in the rolling plane, of the surface that has the spall."""
+        """Radius (m), in the rolling plane, of the damaged surface."""
         return elements.diameter / 2 if self.on == "element" else abs(race_radius(elements, self.on))
 
     def drop(self, elements: RollingElements, place: float, race: str = "outer-ring") -> float:
-        """Drop (m) of an element whose contact lies ``place`` (m) along the surface from the middle of the spall.
+        """Drop (m) of an element whose contact is ``place`` (m) along the surface from the middle of the spall.
 
         Parameters
         ----------
-        elements : the inside of the bearing
+        elements : geometry of the rolling elements
         place : m, positive or negative
-        race : that a spall in the element rolls over, "outer-ring" or "inner-ring"; of no effect for a ring
+        race : race on which a spall in the element rolls, "outer-ring" or "inner-ring"; no effect for a ring
         """
         from mbd.excitations.spall_drop import drop_at
 
@@ -83,7 +83,7 @@ def race_radius(elements: RollingElements, race: str) -> float:
 
 
 def check_apart(spalls: Iterable[Spall], elements: RollingElements) -> None:
-    """Raise MachineError where two spalls of one surface overlap: each has edges of its own."""
+    """Raise MachineError where two spalls of one surface overlap: the path over a spall assumes separate edges."""
     known = list(spalls)
     for i, one in enumerate(known):
         for other in known[:i]:

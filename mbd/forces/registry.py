@@ -1,7 +1,7 @@
-"""SOURCES_OF_FORCE: everything in a machine that makes a force, in the order of their rows.
+"""SOURCES_OF_FORCE: all sources of nonlinear forces in a machine, in the order of their rows.
 
 A kind of element is a file of this folder (see `mbd.elements.element`) and a line here. Loads, nonlinear bearings,
-couplings and outside forces are objects of the machine that bring their own elements: a new one of these needs no line.
+couplings and outside forces are objects of the machine that make their elements: a new one of these needs no line.
 """
 
 from __future__ import annotations
@@ -14,19 +14,19 @@ from mbd.parts.assembly import Assembly
 
 
 def load(assembly: Assembly) -> Iterable[Element]:
-    """What hangs on the drums."""
+    """Load on the drums."""
     load = assembly.machine.load
     return () if load is None else load.elements(assembly.layout)
 
 
 def bearings(assembly: Assembly) -> Iterator[Element]:
-    """Bearings that are no linear springs."""
+    """Nonlinear bearings."""
     for bearing in assembly.machine.bearings:
         yield from bearing.elements(assembly.layout)
 
 
 def couplings(assembly: Assembly) -> Iterator[Element]:
-    """Couplings that are no linear springs."""
+    """Nonlinear couplings."""
     for coupling in assembly.machine.shaft_couplings:
         yield from coupling.elements(assembly.layout)
 
@@ -47,6 +47,6 @@ SOURCES_OF_FORCE: dict[str, Callable[[Assembly], Iterable[Element]]] = {
     "tooth friction": sliding.elements,
     "brake": drag.brakes,
     "outside forces": outside,
-    "bearing drag": drag.bearing_drags,  # needs the linear reference of all above
-    "gyroscopic moments": gyroscopic_plane.elements,  # needs the modes with all above
+    "bearing drag": drag.bearing_drags,  # needs the linear reference of all kinds above
+    "gyroscopic moments": gyroscopic_plane.elements,  # needs the modes with all kinds above
 }

@@ -3,8 +3,8 @@
 A node has six displacements (ux, uy, uz, rx, ry, rz) in global axes. The matrices of sections and disks are those of
 `mbd.parts.beam`.
 
-`torsion` keeps the twist of the same elements but moves otherwise as a rigid body (five displacements per shaft), so
-that bearings, casing and sensors are still excited: its matrices are T^T M T and T^T K T of the beam.
+`torsion` keeps the twist of the same elements but otherwise moves as a rigid body (five displacements per shaft), so
+that it still excites bearings, casing and sensors: its matrices are T^T M T and T^T K T of the beam.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ MOST_NODES = 333  # of a shaft: just below 2000 coordinates, whose matrices take
 
 
 def shaft_channels(shaft: str) -> tuple[str, str]:
-    """Angle (rad) and speed (rad/s) in the lifting sense, at the shaft's first gear (else its first end)."""
+    """Channels of angle (rad) and speed (rad/s) in the lifting sense, at the shaft's first gear or its first end."""
     return f"{shaft}:angle", f"{shaft}:speed"
 
 
@@ -42,7 +42,7 @@ def shaft_channels(shaft: str) -> tuple[str, str]:
 class Section:
     """A stretch of a shaft with constant diameters.
 
-    In m. MachineError if they do not fit together.
+    In m. MachineError if the dimensions contradict one another.
     """
 
     y_start: float = option(text="y of the -y end", unit="mm", key="start_mm", ge=-1e5, le=1e5)
@@ -67,7 +67,7 @@ class Section:
 class Disk:
     """A rigid disk on a shaft, besides gears and drums: half of a coupling, brake disk, flywheel.
 
-    In m, kg and kg m2. The bodies of gears and drums are disks, too, which the program makes.
+    In m, kg and kg m2. The bodies of gears and drums are also disks, which the program creates.
     """
 
     name: str
@@ -82,7 +82,7 @@ class Disk:
 
 @dataclass(frozen=True, kw_only=True)
 class ShaftModel:
-    """How shafts are modelled."""
+    """Model of all shafts."""
 
     model: Literal["torsion", "timoshenko"] = option(
         "timoshenko", text="torsion: only torsion is elastic; timoshenko: Timoshenko beam elements"
@@ -143,7 +143,7 @@ class ShaftSpec(ShaftModel, Component):
         return self.sections[-1].y_end
 
     def check_station(self, what: str, y: float) -> None:
-        """Raise MachineError if ``y`` is off the shaft."""
+        """Raise MachineError if ``y`` is not on the shaft."""
         if not self.y_start - 1e-9 <= y <= self.y_end + 1e-9:
             raise MachineError(
                 f"{what}: y = {1000 * y:g} mm is not on {self.name}, which extends from {1000 * self.y_start:g} to "
@@ -190,7 +190,7 @@ class ShaftSpec(ShaftModel, Component):
 
 
 def torsional_stiffness(spec: ShaftSpec) -> float:
-    """Torque over twist (N m/rad) of the whole shaft."""
+    """Torque divided by twist (N m/rad) of the whole shaft."""
     modulus = spec.elastic_modulus / (2 * (1 + spec.poisson_ratio))
     twist = sum(
         (s.y_end - s.y_start) / max(s.outer_diameter**4 - s.inner_diameter**4, np.finfo(float).tiny)
@@ -200,7 +200,7 @@ def torsional_stiffness(spec: ShaftSpec) -> float:
 
 
 def flexibility(spec: ShaftSpec, nodes: np.ndarray, y: float, supports: tuple[float, float]) -> float:
-    """Deflection over force (m/N) across the shaft alone, simply supported.
+    """Deflection per force (m/N) across the simply supported shaft alone.
 
     Parameters
     ----------
@@ -209,7 +209,7 @@ def flexibility(spec: ShaftSpec, nodes: np.ndarray, y: float, supports: tuple[fl
 
     Raises
     ------
-    MachineError : the shaft does not bend
+    MachineError : the model of the shaft does not bend
     """
     if spec.model != "timoshenko":
         raise MachineError(f"shaft {spec.name}: a shaft of model {spec.model} does not bend; take timoshenko.")

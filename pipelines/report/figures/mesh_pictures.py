@@ -1,4 +1,6 @@
-"""Pictures of the mesh of a stage: contact lines in three dimensions, stiffness and load share, healthy over faulty."""
+"""Pictures of the mesh of a stage: contact lines in three dimensions, stiffness and load share, healthy above
+faulty.
+"""
 
 from __future__ import annotations
 
@@ -20,13 +22,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MILLISECONDS = 160  # per frame of a film
+MILLISECONDS = 160  # per frame of an animation
 STILL_SIZE, FILM_SIZE = (1000, 690), (600, 414)  # pixels of a rendered state
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MeshView(PairStates):
-    """What is shown: the gears, the cycles of the frames, and one or two states of the teeth, the healthy one first.
+    """The gears, the mesh cycles of the frames, and one or two states of the teeth, the healthy one first.
 
     `marked` names the damaged tooth of the second state, "" without one.
     """
@@ -36,7 +38,7 @@ class MeshView(PairStates):
 
 
 def write_still(view: MeshView, stem: Path) -> Path | LeftOut:
-    """<stem>.png of the middle frame; the reason if it cannot be rendered."""
+    """Write <stem>.png of the middle frame; the reason if it cannot be rendered."""
     pictures = _rendered(view)
     if isinstance(pictures, LeftOut):
         return pictures
@@ -46,13 +48,13 @@ def write_still(view: MeshView, stem: Path) -> Path | LeftOut:
 
 
 def write_film(view: MeshView, stem: Path, progress: Callable[[float], None]) -> list[Path] | LeftOut:
-    """<stem>.gif and .html with all frames; the reason if they cannot be rendered.
+    """Write <stem>.gif and .html with all frames; the reason if they cannot be rendered.
 
     Parameters
     ----------
-    view : what is shown
+    view : gears and states
     stem : of the files
-    progress : is told the part that is done, from 0 to 1
+    progress : function called with the finished part, from 0 to 1
     """
     progress(0.0)
     pictures = _rendered(view, FILM_SIZE)
@@ -71,7 +73,7 @@ def write_film(view: MeshView, stem: Path, progress: Callable[[float], None]) ->
 
 
 def _rendered(view: MeshView, size: tuple[int, int] = STILL_SIZE) -> list[list[Picture]] | LeftOut:
-    """All frames of every state, the states side by side: rendering takes a processor each."""
+    """All frames of every state; the states are rendered in parallel, because each takes one processor."""
     gears = [view.of_state(n) for n in range(len(view.states))]
     with ThreadPoolExecutor(len(gears)) as pool:
         found = list(pool.map(lambda g, s: render_mesh(g, view.cycles, s, _most(view), size), gears, view.states))
@@ -84,12 +86,12 @@ def _rendered(view: MeshView, size: tuple[int, int] = STILL_SIZE) -> list[list[P
 
 
 def _most(view: MeshView) -> float:
-    """The greatest line load of all states, N/m."""
+    """Highest line load of all states, N/m."""
     return max(float(np.nanmax(state.load)) for state in view.states)
 
 
 def show_mesh(view: MeshView, image: Path | None = None) -> None:
-    """The same in a window with a slider for the position, until it is closed; with `image` only until it is written.
+    """Show the states in a window with a slider for the position, until it is closed; with `image` until it is written.
 
     Raises
     ------
@@ -102,14 +104,14 @@ def show_mesh(view: MeshView, image: Path | None = None) -> None:
 
 
 def mesh_figure(view: MeshView, pictures: Sequence[Picture], frame: int, most: float) -> Figure:
-    """One frame: a row per state of the teeth, and both curves with the position marked.
+    """One frame: a row for each state of the teeth, and both curves with the position marked.
 
     Parameters
     ----------
-    view : what is shown
+    view : gears and states
     pictures : the rendered frame of every state
     frame : its number, from 0
-    most : N/m, line load at the end of the colours
+    most : N/m, line load at the end of the colour scale
     """
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
@@ -157,7 +159,7 @@ def _draw_picture(axes: Axes, picture: Picture, view: MeshView, state: MeshFrame
         handles.append(
             Patch(color=GONE, alpha=0.5 if view.damaged and view.damaged.missing else 1.0, label=view.marked)
         )
-    # below the picture: over it a legend would hide contact lines
+    # below the picture, because a legend over it would hide contact lines
     axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=2, fontsize=8, frameon=False)
 
 
