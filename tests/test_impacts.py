@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from pipelines.cli.main import main
 from pipelines.diagnosis.impacts import CLEAR
 from pipelines.runs.recorded import file_words, judge_file
 from pipelines.signals.features.passing import pass_levels
@@ -51,6 +52,15 @@ def test_impacts_at_a_pass_order_name_the_race_whatever_the_slip(tmp_path, order
     assert found.impacts[0].clear
     assert not any(one.clear for one in found.impacts[1:])
     assert file_words(found).startswith(f"Damaged: {name}, impacts at its pass order ")
+
+
+def test_the_page_of_a_recording_of_bearings_alone_begins_with_the_race(tmp_path, capsys):
+    random = np.random.default_rng(1)
+    judged(tmp_path, unbalanced(random) + 2.0 * impacts(OUTER, 0.0, random))
+    files = [str(tmp_path / name) for name in ("record.npy", "machine.toml")]
+    assert main(["diagnose", files[0], "--machine", files[1], "--out", str(tmp_path / "seen")]) == 0
+    page = (tmp_path / "seen" / "report.html").read_text(encoding="utf-8")
+    assert '<div class="verdict fault" id="verdict"><p>Damaged: DE BPFO' in page
 
 
 @pytest.mark.parametrize("seed", range(5))
