@@ -71,7 +71,7 @@ class Profiles:
 
 
 def plane_section(topology: Topology, fan: Fan, closed: np.ndarray, clamped: np.ndarray) -> PlaneSection:
-    """The section of a fan and its ring at s = 1/2.
+    """The section across a fan and its ring, half-way along the edge.
 
     Parameters
     ----------
