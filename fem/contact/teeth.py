@@ -10,8 +10,9 @@ pinion, the same on both flanks), the face coordinate y from mid face and the fa
 base pitch, a2 in m per base pitch squared. b1 is the difference between the ends of the face. A positive gap is missing
 material, so that the flank touches later; h = inf is a missing tooth. The slopes represent the slope deviations
 f_Halpha and f_Hbeta of ISO 1328-1:2013, the curvatures the long-wave part of the form deviations. `variant` is 0 for a
-healthy tooth, else the number of a variant in the law (`MeshLaw.pinion_variant_gap` and related fields). Terms are
-selected by tooth counters, so that no table over the hunting cycle is needed.
+healthy tooth, else the number of a variant in the law (`MeshLaw.pinion_variant_gap` and related fields).
+
+Terms are selected by tooth counters, so that no table over the hunting cycle is needed.
 """
 
 from __future__ import annotations

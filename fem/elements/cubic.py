@@ -60,7 +60,7 @@ class CubicFunctions:
         return out
 
     def products(self, elements: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """Products as in `fem.elements.solids`, of all functions of some elements; 0 for pairs of nodes."""
+        """Products as in `fem.elements.solids`, for all functions of some elements; 0 for pairs of nodes."""
         k = self.elements.shape[1]
         for part, products, mass in _products(self.kind, self.points, self.elements[elements]):
             sign = np.column_stack([np.ones((len(part), k)), self.signs(elements[part])])

@@ -8,9 +8,11 @@ assembled from its halves, and its inner unknowns are eliminated by a dense Chol
 Unknowns marked as kept remain at the root. The result is their Schur complement, from one factorisation without
 right-hand sides, by the multifrontal method (Duff & Reid, 1983, ACM TOMS 9, 302-325). To order loaded nodes last is far
 less expensive than one solution for every load. Unknowns of a box are in the order of their elimination, so that those
-eliminated in it come first and blocks are added without permutation. Nodes on a side may be tied to few shape
-functions, u = W q (`Ties`); the rows q are kept instead. Parts of the prism may be empty (`Prism.filled`): they have no
-elements, and nodes without elements have no unknowns.
+eliminated in it come first and blocks are added without permutation.
+
+Nodes on a side may be tied to few shape functions, u = W q (`Ties`); the rows q are kept instead.
+
+Parts of the prism may be empty (`Prism.filled`): they have no elements, and nodes without elements have no unknowns.
 """
 
 from __future__ import annotations

@@ -2,8 +2,10 @@
 
 A mesh consists of nodes (n, 3) and elements (e, k); k identifies the element. Within an element the nodes are in the
 order of scikit-fem (that of VTK for tetrahedra): corners, edges, faces, interior. `SolidElement.in_vtk` reorders
-hexahedra. Every element is isoparametric: the same shape functions describe displacement and geometry, so that a body
-may be curved. Tetrahedra with straight sides have an affine map, which is exact and several times faster.
+hexahedra.
+
+Every element is isoparametric: the same shape functions describe displacement and geometry, so that a body may be
+curved. Tetrahedra with straight sides have an affine map, which is exact and several times faster.
 
 Quadrature rules are exact up to degree 2 on straight tetrahedra (exact stiffness of ten nodes), up to degree 8 on
 curved ones, and up to degree 5 in each direction on hexahedra (three Gauss points). On curved tetrahedra the mass is

@@ -2,8 +2,9 @@
 
 OpenCASCADE, gmsh and the HDF5 library end the process on some damaged files, and print to the terminal directly. A file
 of the user is therefore opened by a child, so that no session, run or notebook is lost. The child does the whole work
-and returns its result; its output goes to the log. It imports the libraries that it needs (1 s of processor time) and
-ends with its parent.
+and returns its result; its output goes to the log.
+
+It imports the libraries that it needs (1 s of processor time) and ends with its parent.
 """
 
 from __future__ import annotations

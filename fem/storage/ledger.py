@@ -15,7 +15,7 @@ _OPEN: ContextVar[tuple[Counter[str], ...]] = ContextVar("open build ledgers", d
 
 
 def count(name: str, number: int = 1) -> None:
-    """Add to every open count."""
+    """Add a number to every open count."""
     for counts in _OPEN.get():
         counts[name] += number
 

@@ -1,4 +1,4 @@
-"""Dimensions of a parametric gearbox housing: a closed box with bearing bosses in its walls, feet and sensor places.
+"""Dimensions of a parametric gearbox housing: a closed box with bearing bosses in its walls, feet and sensors.
 
 Axes: x across the shafts, y along them (0 at mid width of the box), z up; the origin lies on the axis of shaft 1.
 Four walls, floor and cover, each with its thickness. Each boss is a cylinder along y, flush with the outer face of its
@@ -77,7 +77,7 @@ def orthonormal(axes: Axes) -> Axes:
 
 @dataclass(frozen=True, kw_only=True)
 class Dimensions:
-    """The dimensions of a parametric housing (m) and the places that follow from them."""
+    """The dimensions of a parametric housing (m) and the positions that follow from them."""
 
     length: float = option(unit="mm", gt=0, le=LARGEST, text="outer length along x")
     width: float = option(unit="mm", gt=0, le=LARGEST, text="outer width along y; the middle is y = 0")

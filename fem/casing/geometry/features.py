@@ -84,7 +84,7 @@ class Ribs:
     """Ribs on the outside of the housing, all of one thickness and height.
 
     Below every boss `per_boss` vertical ribs reach from the underside of the floor up to the boss; each end wall has
-    `end_wall` vertical ribs over its height, the cover has `cover` ribs across its width, evenly spread.
+    `end_wall` vertical ribs over its height, the cover has `cover` ribs across its width, uniformly spaced.
     """
 
     thickness: float = option(unit="mm", gt=0, le=LARGEST, text="thickness of the plates")

@@ -230,7 +230,7 @@ def _hdf5(path: Path) -> Found:
 
 
 def _complete(dataset: h5py.Dataset, path: Path) -> np.ndarray:
-    """The values of a dataset of HDF5. ForeignError if the file does not hold all of them."""
+    """The values of a dataset of HDF5. ForeignError if the file is incomplete."""
     if problem := blocks_missing(dataset):
         raise ForeignError(f"{path.name}: {str(dataset.name).strip('/')} {problem}; {DAMAGED}")
     return dataset[:]

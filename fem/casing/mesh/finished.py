@@ -55,7 +55,7 @@ def finished_mesh(
     name : of the mesh, in messages
     element : one of `fem.elements.solid_elements.SOLIDS`, of the same shape
     element_size : m, as requested; None: the mean edge length
-    remedy : what to do about a bad element
+    remedy : remedy for a bad element, in messages
 
     Raises
     ------

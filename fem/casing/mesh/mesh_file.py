@@ -147,7 +147,7 @@ def _read(path: Path) -> Any:
 
 
 def _reason(error: BaseException, said: str) -> str:
-    """The own message of a reader, in brackets; empty for exceptions of Python, which do not help a user."""
+    """Message of a reader, in brackets; "" for Python exceptions, which do not help a user."""
     import meshio
 
     if not isinstance(error, (MeshError, meshio.ReadError, SystemExit)):

@@ -2,8 +2,9 @@
 
     ((box - cavity) + bosses + feet, foot edges rounded) + pads + flange + ribs - bores - bolt holes
 
-A bolted cover is cut off at the split plane. Functions take the gmsh module of an open session
-(`fem.casing.mesh.mesher`) and work on its current model.
+A bolted cover is cut off where it begins (`Dimensions.cover_start`).
+
+Functions take the gmsh module of an open session (`fem.casing.mesh.mesher`) and work on its current model.
 """
 
 from __future__ import annotations

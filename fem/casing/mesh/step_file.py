@@ -182,7 +182,7 @@ def same_bodies(gmsh: Any, solids: Sequence[int]) -> list[tuple[int, int]]:
 def small_edges(gmsh: Any) -> list[tuple[float, np.ndarray]]:
     """Extent and middle (3,) in mm of the edges of the current solids below `SMALL_EDGE`, the smallest first.
 
-    The tip of a cone and the poles of a sphere are edges without extent and do not count.
+    The tip of a cone and the poles of a sphere are edges without extent and are ignored.
     """
     found = []
     for _, tag in gmsh.model.getEntities(1):

@@ -67,7 +67,7 @@ class Casing(ABC):
 
     model: str
     added_modes: ClassVar[int]  # approximate number of modes added to those of the machine
-    remedy: ClassVar[str] = 'it has no finite elements; set casing.model = "craig-bampton"'  # of an unknown error
+    remedy: ClassVar[str] = 'it has no finite elements; set casing.model = "craig-bampton"'  # for an unknown error
 
     @property
     def limit(self) -> float | None:

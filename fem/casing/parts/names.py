@@ -7,7 +7,7 @@ from typing import Literal
 
 Ground = Literal["fixed", "springs"]
 Attachment = Literal["mean", "rigid"]
-DampingRatio = float | Sequence[Sequence[float]]  # zeta, or rows (Hz, zeta) with rising frequencies
+DampingRatio = float | Sequence[Sequence[float]]  # zeta, or rows (Hz, zeta) with ascending frequencies
 MODES_OVER_BAND = 1.5  # fixed-interface modes are kept up to this multiple of the required band
 COVER, FEET = "cover", "feet"
 

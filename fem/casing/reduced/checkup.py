@@ -2,10 +2,11 @@
 
 Before grounding (free body): symmetry, K R = 0, mass, centre of gravity and inertia from R^T M R against the mesh
 integral, and the six rigid body modes in three ways: from geometry (R itself), from the stiffness (u_i = -K_ii^-1 K_ig
-R_g for given motions of the feet), and from the eigenvalues of the body condensed to its six feet. After grounding (for
-a casing on mounts: on the reference springs, which are stiffer than any mount): the reaction to gravity, definiteness,
-block forms of the reduced matrices, the static response of the interface against the full model, modal effective
-masses, optionally the frequencies of the full grounded model.
+R_g for given motions of the feet), and from the eigenvalues of the body condensed to its six feet.
+
+After grounding (for a casing on mounts: on the reference springs, which are stiffer than any mount): the reaction to
+gravity, definiteness, block forms of the reduced matrices, the static response of the interface against the full model,
+modal effective masses, optionally the frequencies of the full grounded model.
 
 The list follows the practice of NASTRAN-based Craig-Bampton checks (Young, Primer on the Craig-Bampton method, 2000).
 """

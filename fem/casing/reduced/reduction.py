@@ -6,8 +6,8 @@ freedom and cannot be partitioned. With A = K + B^T D B (D = 0 if K is already d
     Psi = A^-1 B^T S^-1                      constraint modes, B Psi = 1
     P = A^-1 - Psi B A^-1                    inverse of K on B u = 0
     P M phi = phi / omega^2                  fixed-interface modes, B phi = 0
-    E = P M Psi                              inertia correction of the constraint modes, first order u = Psi u_b + Phi
-    eta,   K_r = diag(S^-1 - D, omega^2),   M_r = [[Psi^T M Psi, Psi^T M Phi], [., 1]]
+    E = P M Psi                              inertia correction of the constraint modes, first order
+    u = Psi u_b + Phi eta,   K_r = diag(S^-1 - D, omega^2),   M_r = [[Psi^T M Psi, Psi^T M Phi], [., 1]]
 
 E is orthonormalised against Phi and appended to its columns.
 

@@ -80,7 +80,7 @@ def natural_frequencies(modes: ModeSet, springs: np.ndarray) -> np.ndarray:
 def fewest_modes(whole: ModeSet, springs: np.ndarray, *, band: float, frequency_error: float) -> int:
     """Least number of fixed-interface modes with which every frequency up to `band` is within `frequency_error`.
 
-    Found by bisection (the error falls with more modes: Rayleigh-Ritz).
+    The number is found by bisection, as the error decreases with more modes (Rayleigh-Ritz).
 
     Parameters
     ----------

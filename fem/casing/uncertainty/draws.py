@@ -11,8 +11,9 @@ Matrices, 2.5).
 
 Modes are close where their bands (two standard deviations) overlap; their part of the matrix is solved for frequencies
 and shapes. Other modes mix by the first-order angle E_ij omega_i omega_j / (omega_j^2 - omega_i^2); the extrapolated
-frequencies already contain its effect on the frequencies. Modes far above the evaluated frequencies contribute only
-their flexibility; a sample scales it by one factor.
+frequencies already contain its effect on the frequencies.
+
+Modes far above the evaluated frequencies contribute only their flexibility; a sample scales it by one factor.
 """
 
 from __future__ import annotations

@@ -11,17 +11,18 @@ Two functions g fit the median of e_2/e_3, and hence the three frequencies, with
 - one power, g = h^p, with p between that of a re-entrant edge (1.09 at a right angle: Szabo & Babuska 1991, Finite
   Element Analysis, section 10.1) and that of smooth bodies;
 - these two orders together, g = theta h^1.09 + (1 - theta) h^4. The slowly decreasing term is small on the coarse
-meshes but dominates on fine ones, so this extrapolated frequency is lower.
+  meshes but dominates on fine ones, so this extrapolated frequency is lower.
 
 Three frequencies cannot distinguish them. The lower one is used, as its orders are those of theory. The band extends
 upwards to the other, and downwards to that of a mode with errors from edges alone, h^1.09, because not all modes have
-the same sources of error (for example bending of a tube and motions of the rails under it). On a small housing with
-walls of 10 mm (tetrahedra of 17.6, 22.9 and 29.9 mm, 60 modes to 9 kHz, against hexahedra of 16 mm with three layers at
-the edges) the error is 1.08 +- 0.34 % with one power and 0.25 +- 0.39 % with both orders. The deviation of a mode from
-the common g, d = e_2 - rho e_3, is mesh scatter. The band includes twice its standard deviation in the extrapolated
-frequency: the larger value for equal scatter on all meshes, or for scatter in proportion to their errors. The order of
-a single mode is given where its values are monotone, but not used: its extrapolated frequency scatters four times as
-much.
+the same sources of error (for example bending of a tube and motions of the rails under it).
+
+On a small housing with walls of 10 mm (tetrahedra of 17.6, 22.9 and 29.9 mm, 60 modes to 9 kHz, against hexahedra of 16
+mm with three layers at the edges) the error is 1.08 +- 0.34 % with one power and 0.25 +- 0.39 % with both orders. The
+deviation of a mode from the common g, d = e_2 - rho e_3, is mesh scatter. The band includes twice its standard
+deviation in the extrapolated frequency: the larger value for equal scatter on all meshes, or for scatter in proportion
+to their errors. The order of a single mode is given where its values are monotone, but not used: its extrapolated
+frequency scatters four times as much.
 """
 
 from __future__ import annotations

@@ -1,5 +1,4 @@
-"""A tooth broken off at the root: no contact; its effect on the compliance of its neighbours, about 1 %, is
-neglected."""
+"""A tooth broken off at the root: no contact; the change of its neighbours' compliance (about 1 %) is neglected."""
 
 from __future__ import annotations
 

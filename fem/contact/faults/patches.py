@@ -46,8 +46,9 @@ class FlankDamage(ToothFault):
 
 @dataclass(frozen=True, kw_only=True)
 class Patch:
-    """A patch about the point at `radius` of the flank and `face` from mid face: height along the flank, length along
-    the face and depth, m.
+    """A patch around the point at `radius` of the flank and `face` from mid face.
+
+    height along the flank, length along the face and depth, m
 
     shape : "ellipse", or "rectangle"
     """

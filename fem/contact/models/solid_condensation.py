@@ -9,10 +9,10 @@ mesh position. A law with slices coupled along the face (`fem.contact.law`) appr
 with N the influence function of 1 - a^2 d^2/dy^2 with free ends. The terms are fitted to C itself, not to a load case,
 on the slices of the record; they do not depend on the slices of the law:
 
-1. E_0, E_01, E_1 by least squares to the blocks of different pairs: wind-up and tilt common to all pairs; 2. a and the
-parabola g(xi) by least squares to the residual of each pair's own block, off the diagonal; 3. C(xi) so that a load
-uniform along the face gives the displacement of the record, on average over the slices at that position (Galerkin
-projection on uniform loads), and c_n, >= 0, likewise.
+1. E_0, E_01, E_1 by least squares to the blocks of different pairs: wind-up and tilt common to all pairs;
+2. a and the parabola g(xi) by least squares to the residual of each pair's own block, off the diagonal;
+3. C(xi) so that a load uniform along the face gives the displacement of the record, on average over the slices at that
+   position (Galerkin projection on uniform loads), and c_n, >= 0, likewise.
 
 All terms are positive semidefinite, so that the law is convex for any record; g^2 is reduced where C(xi) would be too
 small for the chain of coupled pairs.

@@ -35,9 +35,9 @@ from fem.storage.ledger import count
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CrackedRing:
-    """Stiffness K (g, g) against opening, N/m, and forces F_n (g, load) by unit loads on tooth n, for n = -reach ..
+    """Stiffness K (g, g) against opening, N/m, and forces F_n (g, load) by unit loads on tooth n.
 
-    reach; in the plane both are per unit face width. Tooth numbers are those of `ring_response`.
+    n is -reach .. reach. In the plane both are per unit face width. Tooth numbers are those of `ring_response`.
     """
 
     stiffness: np.ndarray
