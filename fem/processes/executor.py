@@ -137,7 +137,7 @@ class Processes(Executor):
         self.end_idle()
 
     def _end(self, child: subprocess.Popen) -> int:
-        """End a child that is still running; returns its exit code."""
+        """Kill a child that is still running and close its pipes; returns its exit code."""
         child.kill()
         code = child.wait()
         cast("IO[bytes]", child.stdout).close()

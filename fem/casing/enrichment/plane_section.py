@@ -202,7 +202,7 @@ def _on_sides(numbers: np.ndarray) -> np.ndarray:
 
 
 def _largest(energy: np.ndarray, least: float, count: int | None) -> np.ndarray:
-    """Combinations (case, m) by descending energy, scaled to energy 1; at most `count`, all above `least`."""
+    """Combinations (case, m) above `least` by descending energy: the first `count`, or all, scaled to energy 1."""
     value, vector = la.eigh(0.5 * (energy + energy.T))
     order = np.argsort(-value)
     order = order[value[order] > least * max(value[-1], 0.0)][:count]

@@ -195,7 +195,7 @@ def _abaqus(path: Path) -> Any:
 
 
 def _med(path: Path) -> Any:
-    """A MED file, through gmsh: meshio reads no files without groups and no 27-node hexahedra."""
+    """A MED file, by gmsh if meshio cannot read it: without groups, or with 27-node hexahedra."""
     import meshio
 
     try:

@@ -100,7 +100,7 @@ class Bolt:
 
     @property
     def cone_slope(self) -> float:
-        """tan phi; 0 (no cone) if the parts are not wider than the head."""
+        """tan phi; parts that are not wider than the head have no cone."""
         long, wide = self.length / self.head, max(self.outer_diameter / self.head, 1.0)
         if self.tapped:
             return 0.348 + 0.013 * math.log(long) + 0.193 * math.log(wide)

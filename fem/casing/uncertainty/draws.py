@@ -110,7 +110,7 @@ NORMAL_95 = 1.6448536269514722  # standard deviations below which 95 % of a norm
 
 
 def _moments(near: int, errors: FrequencyErrors) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Mean, own and common standard deviation (near,) of the errors of the modes."""
+    """Mean, individual and common standard deviation (near,) of the errors of the modes."""
     means, spreads, common = np.zeros(near), np.full(near, errors.rest_spread), np.full(near, errors.rest)
     known = slice(errors.first, min(near, errors.first + len(errors.means)))
     count = max(0, known.stop - known.start)

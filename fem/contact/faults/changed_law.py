@@ -78,6 +78,6 @@ def evenly_damaged_law(law: MeshLaw, pair: GearPair, gear: str, fault: ToothFaul
     Parameters
     ----------
     law, pair, gear : those of `damaged_law`
-    fault : with a gap (position,); its compliance is not used
+    fault : with a gap (position,); only the gap is used
     """
     return law.replaced(gap=law.gap + fault.gap(law, pair, gear))
