@@ -5,6 +5,7 @@ import json
 import math
 import re
 import tomllib
+from itertools import permutations, product
 from types import SimpleNamespace
 
 import numpy as np
@@ -18,6 +19,7 @@ from fem.casing.mesh.gmsh_session import session
 from fem.casing.mesh.mesher import mesh_housing, write_step
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.mesh.step_file import import_solids
+from fem.casing.recognition.contents import Bore
 from fem.casing.recognition.features import bolt_patterns
 from fem.casing.recognition.read import survey
 from fem.casing.recognition.shaft_fit import ShaftPlace, fit_shafts
@@ -118,6 +120,31 @@ def test_a_bore_a_little_off_its_shaft_is_offered_with_the_distance(small, step)
     assert len(fit.seats) == 4
     assert fit.off == pytest.approx(0.00065 / 2, rel=1e-3)
     assert fit_shafts(survey(step).bores, shafts(small, x={"bearing_3": 0.03})) is None
+
+
+def test_the_wider_bores_are_taken_for_the_thicker_shaft_of_a_file_whose_shafts_run_along_x():
+    """Turned by 90 degrees to either side the file fits equally well: only the diameters differ."""
+    along, places = np.array([1.0, 0.0, 0.0]), {0.055: (0.0, 0.1, 0.0), 0.068: (0.0, 0.19, 0.0)}
+    bores = [
+        Bore(
+            number=n,
+            solid=1,
+            centre=np.array(places[d]) + x * along,
+            axis=along,
+            diameter=d,
+            length=0.02,
+            angle=2 * np.pi,
+        )
+        for n, (d, x) in enumerate(product(places, (0.0, 0.2)), 1)
+    ]
+    for thick, thin in permutations((0.03, 0.04)):
+        diameters = (thick, thin)
+        machine = [
+            ShaftPlace(x=0.09 * i, z=0.0, bearings=((f"{i}a", -0.1), (f"{i}b", 0.1)), diameter=d)
+            for i, d in enumerate(diameters)
+        ]
+        for seat in fit_shafts(bores, machine).seats:
+            assert seat.bore.diameter == (0.068 if diameters[seat.shaft] == 0.04 else 0.055)
 
 
 def test_a_short_wide_bore_and_a_void_are_known(tmp_path):

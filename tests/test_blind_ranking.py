@@ -13,8 +13,9 @@ from pipelines.diagnosis.cases import sentences as case_sentences
 from pipelines.diagnosis.simulated import FeatureSettings, run_features, window_features
 from pipelines.diagnosis.verdict import judge
 from pipelines.diagnosis.words import headline, ranking_grid, sentences
-from pipelines.signals.features.recorded import FeatureError
+from pipelines.signals.features.recorded import FeatureError, feature_table
 from pipelines.signals.orders.kinematics import Gear, Shaft
+from pipelines.signals.orders.rotation import Rotation
 
 SETTINGS = FeatureSettings(kinematics=MACHINE, windows={})
 
@@ -106,10 +107,12 @@ def test_against_a_control_known_damage_is_found_with_its_evidence_and_tooth():
     ]
     text = " ".join(case_sentences(cases, [damage]))
     assert text.startswith(
-        "Missing tooth 7 of the stage 1 pinion: found in 1 of 2. Evidence: mean of 6 features at near "
+        "Missing tooth 7 of the stage 1 pinion: found in 1 of 2 cases. Evidence (up, torque on the shaft, deviations "
+        "of seed 1): mean of 6 features at near "
     )
-    assert "), in up, torque on the shaft, deviations of seed 1." in text
-    assert "Tooth 7 has the highest envelope energy in 1." in text
+    assert "). Tooth 7 has the highest envelope energy in 1 of 1. The control" in text
+    alone = " ".join(case_sentences(cases[1:], [damage]))
+    assert alone.startswith("Missing tooth 7 of the stage 1 pinion: not found. The control is")
     assert [row[4] for row in cases_grid(cases, [damage]).rows] == ["found", "not found"]
     assert cases[1].verdict.damaged is False
     assert any_found(cases, [damage]) is True
@@ -156,8 +159,14 @@ def test_what_turns_too_seldom_is_named_with_the_time_it_takes(healthy):
     assert "shaft_3" not in found.component
     (words,) = found.left_out
     assert words.startswith("shaft_3 (stage 2 wheel): 2.9 turns")
-    with pytest.raises(FeatureError, match="no shaft of known speed makes 3 revolutions"):
+    known = r"no shaft of known speed makes 3 revolutions between 1 and 1.1 s\. Set a longer window or one at a higher"
+    with pytest.raises(FeatureError, match=known):
         run_features(recording(105), FeatureSettings(kinematics=MACHINE, windows={"none": (1.0, 1.1)}))
+    one = recording(105)
+    angle = 2 * np.pi * 20.0 * one.time.values
+    unsure = Rotation(angle=angle, source="", error=0.0, absolute=False, conditional={"shaft_1": "no sidebands"})
+    with pytest.raises(FeatureError, match=r"shaft_1: no sidebands\. Set a longer window, correct teeth, or record a"):
+        feature_table(one, MACHINE, unsure, {"none": (1.0, 1.1)})
     with pytest.raises(FeatureError, match="none: 900 to 910 s is outside the recording, which lasts from 0 to "):
         run_features(recording(105), FeatureSettings(kinematics=MACHINE, windows={"none": (900.0, 910.0)}))
 

@@ -111,7 +111,7 @@ def test_a_folder_of_another_purpose_is_refused(capsys, own_cache, action, stran
     path.write_text("Signature: 8a477f597d28d172789f06886806bc55\n# This one is another program's.", encoding="utf-8")
     assert main(["cache", action]) == 2
     assert path.name in capsys.readouterr().err
-    with pytest.warns(CacheWarning, match="not of gearcase"):
+    with pytest.warns(CacheWarning, match="not a file of gearcase"):
         assert Cache().store("law", KEY, fill) is None
     assert [p for p in own_cache.rglob("*") if p.is_file()] == [path]
 
@@ -146,7 +146,7 @@ def test_the_root_is_absolute_or_absent(tmp_path, monkeypatch):
     assert cache_root() == tmp_path / "here"
     monkeypatch.delenv("GEARCASE_CACHE")
     monkeypatch.setattr("platformdirs.user_cache_dir", lambda *_, **__: "~/.cache/gearcase")
-    with pytest.raises(UnusableFolder, match="no home folder is known"):
+    with pytest.raises(UnusableFolder, match="there is no home folder"):
         claim(cache_root(), make=True)
     assert not any(tmp_path.iterdir())
 

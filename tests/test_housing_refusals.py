@@ -74,8 +74,12 @@ def meshed(path, **changes):
     [
         (a_groove_of_50_um, False, r"2 edges .* smaller than 0.1 mm, .* 0.05 mm at \(20.025, .* remove"),
         (a_hole_of_80_um, False, r"2 edges .* smaller than 0.1 mm, .* of 0.08 mm at \(10, 10, .* remove"),
-        (one_body_twice, False, r"solids 1 and 2 are one body twice, both around \(30, 15, 10\) mm .* leave one out"),
-        (one_body_twice, True, r"solids 1 and 2 are one body twice"),
+        (
+            one_body_twice,
+            False,
+            r"solids 1 and 2 are duplicates of one body, both at \(30, 15, 10\) mm .* leave",
+        ),
+        (one_body_twice, True, r"solids 1 and 2 are duplicates of one body"),
         (a_neighbour, False, r"has 2 solids .* set glue = true .* or choose some by solids = \[1\]"),
         (a_neighbour_at_an_edge, True, r"share only an edge or a vertex with the others, around \(60, 15, 20\) mm"),
         (a_neighbour_at_a_corner, True, r"share only an edge or a vertex with the others, around \(60, 30, 20\) mm"),

@@ -259,7 +259,7 @@ def test_a_bore_that_is_not_there_is_answered_with_the_nearest(step, small):
 def test_a_bore_off_its_shaft_is_refused(step, small):
     housing = imported(step, small)
     for point, message in (
-        ((0.002, -0.065, 0.0), "2 mm off the axis of its shaft"),
+        ((0.002, -0.065, 0.0), "2 mm from the axis of its shaft"),
         ((0.0, -0.03, 0.0), "the bearing at y = -30 mm is outside its seat"),
     ):
         seat = replace(housing.seats[0], shaft_point=point)

@@ -65,7 +65,7 @@ def test_equations_in_frames_of_the_nodes_become_those_along_x_y_and_z(tmp_path)
 
 def test_without_the_frames_the_same_matrices_seem_grounded(tmp_path):
     body = read_body(written(tmp_path, [0, 0, 0, 0]))
-    assert any("a rigid motion needs force" in words for words in check_foreign(body).wrong)
+    assert any("a rigid-body motion needs force" in words for words in check_foreign(body).wrong)
 
 
 def test_a_frame_that_the_file_does_not_define_is_refused(tmp_path):

@@ -93,4 +93,4 @@ def test_a_full_disk_ends_the_log_and_not_the_work(tmp_path, caplog):
         handler._file.close()
         handler._file = Full()
         logger.info("made")
-    assert "is cut short" in caplog.text
+    assert "is incomplete" in caplog.text

@@ -60,7 +60,7 @@ UNFIT = {  # a document, and the words that refuse it
         unit().changed("shaft", {"u_axis_vector": ([0.0, 1.0, 0.0], "mm")}, 1),
         "shaft 2 .*not parallel to that of the first shaft",
     ),
-    "skew frame": (unit().changed("shaft", {"w_axis_vector": ([1.0, 0.0, 1.0], "mm")}), "no right angle"),
+    "skew frame": (unit().changed("shaft", {"w_axis_vector": ([1.0, 0.0, 1.0], "mm")}), "not perpendicular"),
     "no place": (unit().changed("shaft", {"support_vector": None}, 2), "shaft 3 .*has no place"),
     "short vector": (
         unit().changed("shaft", {"support_vector": ([0.0, 1.0], "mm")}),
@@ -146,7 +146,7 @@ def test_a_document_type_is_refused_before_an_entity_grows(tmp_path):
             "have the same id",
         ),
         ("a.rexsj", b"{", "not valid JSON"),
-        ("a.rexsj", b"[]", "is in a place of an object of REXS"),
+        ("a.rexsj", b"[]", "is in the place of a REXS object"),
         ("a.rexsj", b'{"model": {"version": "1.4", "components": 3}}', "components is 3, and must be a list"),
         ("a.rexsj", b'{"model":' * 100_000, "not valid JSON"),
         ("a.rexsz", b"no archive", "not a ZIP archive"),

@@ -52,7 +52,7 @@ def test_a_failing_diagnosis_leaves_the_signals_and_can_be_repeated(here, monkey
     log = [json.loads(line) for line in (folder / "log.jsonl").read_text(encoding="utf-8").splitlines()]
     assert any("boolean index" in "".join(line.get("traceback", [])) for line in log)
     assert main(["diagnose", "mine.toml"]) == 0
-    assert "of the stage 1 pinion: found in 1 of 1." in capsys.readouterr().out
+    assert "of the stage 1 pinion: found." in capsys.readouterr().out
 
 
 def test_a_failing_report_leaves_signals_and_diagnosis(here, monkeypatch, capsys):

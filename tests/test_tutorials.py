@@ -83,7 +83,7 @@ def trimmed(output, text):
     """As many lines of an output as each part of a text has, from where it begins with the same two words, or one."""
     parts, rest = [], output.splitlines()
     for part in text.split("...\n"):
-        lines = part.splitlines()
+        lines = part.splitlines() or ["..."]  # a text may end in dots
         places = ([n for n, line in enumerate(rest) if line.split()[:k] == lines[0].split()[:k]] for k in (2, 1))
         start = next((found[0] for found in places if found), len(rest))
         parts.append("".join(f"{line.rstrip()}\n" for line in rest[start : start + len(lines)]))

@@ -58,7 +58,7 @@ def claim(root: Path, *, make: bool) -> None:
     OSError : it cannot be created or read
     """
     if not root.is_absolute():
-        raise UnusableFolder(f"no home folder is known in which {root} could stand")
+        raise UnusableFolder(f"there is no home folder for {root}")
     if make and not root.exists():
         make_private(root)
     if _marked(root):
@@ -69,7 +69,7 @@ def claim(root: Path, *, make: bool) -> None:
     check_private(root)
     strangers = _strangers(root)
     if strangers and not _marked(root):  # not marked by another process in between
-        raise UnusableFolder(f"it holds {strangers[0]}, which is not of gearcase; name a new or an empty folder")
+        raise UnusableFolder(f"it holds {strangers[0]}, which is not a file of gearcase; set a new or an empty folder")
     try:
         _mark(root)
     except OSError:

@@ -81,7 +81,7 @@ class Trajectory(Record):
         worst = max(parts, key=lambda part: abs(self.energy(part, "residual")))
         left = f"energy balance: {abs(self.energy(worst, 'residual')):.2g} J of {worst} are unaccounted for"
         if worst == "total":
-            limit = f"{TOTAL_LIMIT:g} of the {self.energy('total', 'scale'):.2g} J that the sources turn over"
+            limit = f"{TOTAL_LIMIT:g} of the {self.energy('total', 'scale'):.2g} J of work of the sources"
         else:
             name, flow = self._largest_flow()
             limit = f"{PART_LIMIT:g} of the {flow:.2g} J that flow through {name}"

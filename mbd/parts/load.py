@@ -92,7 +92,7 @@ class StaticTorque(Load):
         finite("load torque", self.torque)
         if self.direction is not None:
             finite("load direction", self.direction)
-            positive("load drum_radius", self.drum_radius, "A rope that pulls the drum leaves it at some radius.")
+            positive("load drum_radius", self.drum_radius, "Set a radius, or no direction.")
 
     @property
     def idle(self) -> bool:

@@ -16,7 +16,7 @@ scenes      240
 labels      80 chipped-tooth, 80 cracked-tooth, 80 healthy
 ...
 time        about 4 minutes on 2 cores: ...
-disk        about 144 MB in 240 files, one for each simulation"""
+disk        about 144 MB in 1200 files, 5 for each simulation"""
 
 
 def arguments(sub: argparse.ArgumentParser) -> None:

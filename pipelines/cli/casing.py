@@ -142,7 +142,7 @@ def _texts(casing: Casing, count: int) -> Iterator[str]:
     if casing.mesh is not None and casing.mesh.straightened:
         yield (
             f"{casing.mesh.straightened} of {len(casing.mesh.elements)} curved elements of the file were folded or "
-            "nearly so and have lost curvature, with those that share their mid-side nodes"
+            "nearly so. These, and elements that share their mid-side nodes, were made less curved"
         )
     if casing.error is not None:
         yield casing.error.report()
@@ -231,10 +231,10 @@ def band_words(limits: FrequencyLimits, factor: float, relative: np.ndarray) -> 
     by_sizes = bool(np.isfinite(limits.orders).any())  # meshes of one size give no order
     how = f"three element sizes, common order {limits.order:.2f}" if by_sizes else "cubic and quadratic elements"
     return (
-        f"Hz: stiffness times {factor:.4f}, extrapolated to zero element size from {how}.\n"
+        f"Hz: with the stiffness times {factor:.4f}, the factor extrapolated to zero element size from {how}.\n"
         f"+-: uncertainty band, {100 * np.nanmedian(relative):.2f} % in the median, "
         f"{100 * np.nanmax(relative):.2f} % at most.\n"
-        "On the mesh without extrapolation, and extrapolated mode by mode: --json."
+        "--json also prints the frequencies without extrapolation, and those extrapolated mode by mode."
     )
 
 

@@ -163,7 +163,8 @@ def _show_warning(
 def _log_to_terminal(verbose: bool) -> None:
     handler = logging.StreamHandler(sys.stderr)
     handler.setLevel(logging.INFO if verbose else logging.WARNING)
-    handler.setFormatter(logging.Formatter("%(levelname)s %(name)s: %(message)s"))
+    form = "%(levelname)s %(name)s: %(message)s" if verbose else "warning: %(message)s"
+    handler.setFormatter(logging.Formatter(form))
     logging.basicConfig(handlers=[handler], level=handler.level)
 
 

@@ -12,7 +12,7 @@ from pipelines.scene.presets import PRESETS
 HELP = """\
 Check the claims of a published study of a quay-crane hoist with a missing tooth. Print each claim with its limit,
 simulate the 8 scenes of the study with each seed, and print whether each claim holds.
-With --out, write claims.md and claims.json. Takes about 5 minutes on two cores, and longer with an empty cache."""
+With --out, write claims.md and claims.json. Takes about 2 minutes on two cores, and longer with an empty cache."""
 EXAMPLE = """\
 gearcase verify rig --out claims
 ...

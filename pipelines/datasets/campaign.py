@@ -80,8 +80,8 @@ class Finished:
         out = [f"{counted}{failed}"]
         if self.simulated:
             out.append(
-                f"{self.per_hour:.0f} scenes per hour with {self.workers} workers; {self.share:.3f} of their time in "
-                "the time loop"
+                f"{self.per_hour:.0f} scenes per hour with {self.workers} workers; {100 * self.share:.0f} % of their "
+                "time is time integration"
             )
         return [*out, *(f"warning: {text}" for text in self.warnings), f"data set: {self.folder}"]
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from pipelines.datasets.expressions import ExpressionError
 from pipelines.datasets.labels import labels
+from pipelines.datasets.layout import CASING_SIGNALS
 from pipelines.datasets.plan import Plan
 from pipelines.datasets.scenes import Draw, group_variables, scene_of
 from pipelines.engine.cache import Cache
@@ -44,6 +45,7 @@ class Estimate:
     missing_seconds: float  # what it takes to build those that the cache lacks
     motion_seconds: float
     bytes: float
+    files: int  # of a simulation
 
     def to_text(self) -> str:
         """What `gearcase campaign --dry-run` prints."""
@@ -58,7 +60,8 @@ class Estimate:
             f"distinct    {_counted(self.kinds)}{part}",
             f"time        about {duration(total)} on {cores} cores: {duration(self.motion_seconds)} of processor time "
             f"for motions, {duration(self.missing_seconds)} for mesh laws and casings that are not in the cache",
-            f"disk        about {size_words(self.bytes)} in {self.runs} files, one for each simulation",
+            f"disk        about {size_words(self.bytes)} in {self.runs * self.files} files, {self.files} for each "
+            "simulation",
         ]
         if self.refused:
             lines.append(f"refused     {self.refused}{part}; the first: {self.first_refusal}")
@@ -108,6 +111,7 @@ def estimate(plan: Plan, draws: Sequence[Draw]) -> Estimate:
         missing_seconds=sum(step.seconds for step in distinct.values() if not _stored(step, cache)),
         motion_seconds=share * seconds,
         bytes=share * size,
+        files=1 + len(plan.table.signals or CASING_SIGNALS),  # its row, and one of every signal
     )
 
 

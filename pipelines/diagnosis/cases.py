@@ -72,14 +72,18 @@ def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
     answers, evidence = [], []
     for damage in damages:
         findings = [(case, one) for case in cases if (one := found(case, damage, damages)) is not None]
-        answers.append(f"{damage.words[0].upper()}{damage.words[1:]}: found in {len(findings)} of {len(cases)}.")
+        answer = f"found in {len(findings)} of {len(cases)} cases"
+        if len(cases) == 1:
+            answer = "found" if findings else "not found"
+        answers.append(f"{damage.words[0].upper()}{damage.words[1:]}: {answer}.")
         if findings:
             case, one = min(findings, key=lambda pair: words.ratio(pair[1].evidence))
             weakest = "Weakest evidence" if len(findings) > 1 else "Evidence"
-            evidence.append(f"{weakest}: {words.standing(one.evidence)}, in {case.name}.")
+            evidence.append(f"{weakest} ({case.name}): {words.standing(one.evidence)}.")
         if damage.tooth is not None and findings:
-            count = sum(one.tooth == damage.tooth for _, one in findings)
-            evidence.append(f"Tooth {damage.tooth} has the highest envelope energy in {count}.")
+            highest = sum(one.tooth == damage.tooth for _, one in findings)
+            where = "" if highest == len(cases) == 1 else f" in {highest} of {len(findings)}"
+            evidence.append(f"Tooth {damage.tooth} has the highest envelope energy{where}.")
     return [" ".join(answers), *evidence, *words.compared(cases[0].verdict)]
 
 
@@ -100,7 +104,8 @@ def cases_grid(cases: Sequence[Case], damages: Sequence[Damage]) -> Grid:
             tooth = "" if one.tooth is None else str(one.tooth)
             strength = words.strength(one.evidence)
             rows.append((*start, answer, decibels(one.evidence.increase), strength, channel, str(place + 1), tooth))
-    head = ("load", "deviations", "window", "damaged", "answer", "increase dB", "evidence", "channel", "rank", "tooth")
+    known = ("load", "deviations", "window", "damaged", "answer")
+    head = (*known, "increase dB", words.STRENGTH, "channel", "rank", "tooth")
     return Grid(title="Known damage, not used for the diagnosis", headers=head, rows=tuple(rows))
 
 

@@ -83,7 +83,7 @@ def lines_grid(diagnosis: Diagnosis, window: str) -> Grid:
         )
     place = f"{diagnosis.settings.sensor} {diagnosis.settings.axis}"
     title = f"{_capital(window)}, {case_name(diagnosis)}, {place}; envelope of {low:.4g} to {high:.4g} Hz"
-    last = ("verdict", "rope mode Hz") if rope else ("verdict",)
+    last = ("mark", "rope mode Hz") if rope else ("mark",)
     return Grid(title=title, headers=(*headers, *last), rows=tuple(rows), marked=frozenset(marked))
 
 

@@ -26,11 +26,12 @@ NAMES = {
     "kurtosis": "kurtosis",
 }
 
+STRENGTH = "evidence / limit"  # heading
 EVIDENCE = (
-    "Evidence: the mean of all features of a component at the channel where it is highest, divided by its limit. "
-    "A component is damaged if its evidence is 1 or more."
+    "Increase: mean of the features of a component at the channel of its strongest evidence. A component is damaged if "
+    f"{STRENGTH} is 1 or more."
 )
-NO_LIMIT = "Increase: the mean of all features of a component at the channel where it is highest."
+NO_LIMIT = "Increase: mean of the features of a component at the channel where it is highest."
 _NAMED = 3  # features that differ
 
 
@@ -71,7 +72,7 @@ def standing(evidence: Evidence) -> str:
     """The evidence of a component with its limit."""
     count = len(evidence.features)
     what = NAMES.get(evidence.features[0], evidence.features[0]) if count == 1 else f"mean of {count} features"
-    text = f"{what} at {evidence.sensor} {evidence.axis} {decibels(evidence.increase)} dB"
+    text = f"{what} at {evidence.sensor} {evidence.axis} is {decibels(evidence.increase)} dB"
     if evidence.limit is None:
         return text
     return f"{text}, {evidence.deviation:.1f} standard deviations (limit {evidence.limit:.1f})"
@@ -81,8 +82,9 @@ def compared(verdict: Verdict) -> list[str]:
     """What the recording was compared with, and the rates of false answers."""
     if verdict.exact:
         return [
-            "Compared with the control: the same machine without the fault, which only a simulation has, with "
-            f"{verdict.healthy} samples of the sensor noise. Set --baseline 8 for healthy machines of other deviations."
+            "The control is the same machine without the fault, which only a simulation has: every increase is an "
+            f"effect of the fault. Limits follow from {verdict.healthy} samples of the sensor noise. Add --baseline 8 "
+            "to compare with healthy machines of other deviations."
         ]
     many = f"Compared with {verdict.healthy} healthy recording{'s' if verdict.healthy > 1 else ''}."
     found = [many]
@@ -92,15 +94,16 @@ def compared(verdict: Verdict) -> list[str]:
     if verdict.damaged is None:
         return [*found, f"Give {FEWEST_FOR_P} or more for limits."]
     found.append(
-        f"Of healthy machines, at most {100 * ALARM:g} % are called damaged and {100 * DIFFERENT:g} % different."
+        f"At these limits at most {100 * ALARM:g} % of healthy machines are called damaged and {100 * DIFFERENT:g} % "
+        "different."
     )
     if verdict.tested:
-        counts = [
-            f"{count} of {verdict.tested} {word} ({100 * low:.2g} to {100 * high:.2g} %)"
-            for count, word in ((verdict.false_alarms, "damaged"), (verdict.false_differences, "different"))
-            for low, high in [verdict.interval(count)]
-        ]
-        found.append(f"Each of these recordings against the others: {', '.join(counts)} with 95 % confidence.")
+        counts = (verdict.false_alarms, verdict.false_differences)
+        rates = (f"{100 * low:.2g} to {100 * high:.2g} %" for low, high in map(verdict.interval, counts))
+        found.append(
+            f"Of the {verdict.tested} healthy recordings, each compared with the others, {counts[0]} are called "
+            f"damaged and {counts[1]} different. With 95 % confidence these rates are {' and '.join(rates)}."
+        )
     return found
 
 
@@ -117,7 +120,7 @@ def ranking_grid(verdict: Verdict) -> Grid:
         )
         for one in verdict.findings
     )
-    headers = ("component", "increase dB", "evidence", "channel", "tooth", "same orders as")
+    headers = ("component", "increase dB", STRENGTH, "channel", "tooth", "same orders as")
     return Grid(title="Components by their evidence", headers=headers, rows=rows)
 
 

@@ -132,7 +132,7 @@ def _record(lines: Iterator[str]) -> Iterator[Record]:
     raw = text.encode("ascii", errors="replace")
     rows = np.frombuffer(raw, row, count=len(raw) // row.itemsize)
     if len(rows) != found.size or len(raw) % row.itemsize:
-        raise UniversalFileError(f"{found.lines[0]!r} says {found.size} values and has {len(rows)}")
+        raise UniversalFileError(f"{found.lines[0]!r} states {found.size} values and has {len(rows)}")
     try:
         values = {name: rows[name].astype(float) for name, _ in columns}
     except ValueError as error:

@@ -42,7 +42,7 @@ def checked_path(name: str | Path) -> Path:
     if not text:
         wrong = "a file name must not be empty"
     elif any(ord(c) < 0x20 or 0x7F <= ord(c) < 0xA0 for c in text):
-        wrong = "a file name with control characters is not taken"
+        wrong = "a file name must not have control characters"
     elif any(0xD800 <= ord(c) < 0xE000 for c in text):
         wrong = "a file name must be UTF-8 text"
     if wrong:

@@ -195,7 +195,7 @@ class MachineTable(Table):
         if self.ratios and self.ratios[0] != 1.0:
             yield f"ratios: the first is {self.ratios[0]:g} and must be 1; give the speeds over that of the first shaft"
         if self.shafts is not None and len(self.shafts) != len(self.teeth):
-            yield f"shafts has {len(self.shafts)} pairs of numbers, teeth has {len(self.teeth)}; give as many"
+            yield f"shafts has {len(self.shafts)} pairs of numbers, teeth has {len(self.teeth)}; give one for each"
         if self.speed_rpm is None and self.tachometer is None and self.speed is None:
             yield "speed_rpm is missing. Set the speed of the first shaft, a tachometer, or speed"
         if self.tachometer is not None and self.speed is not None:

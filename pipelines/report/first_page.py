@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from pipelines.diagnosis.verdict import decibels
+from pipelines.diagnosis.words import STRENGTH
 from pipelines.io.grid import Grid
 from pipelines.report import page
 from pipelines.report.first_figures import Average, Envelope, average_figure, envelope_figure
@@ -71,17 +72,9 @@ def _ranking(ranking: Sequence[tuple[str, float, str, str]], note: str) -> list[
     if not ranking:
         return []
     rows = [(component, decibels(evidence), *others) for component, evidence, *others in ranking]
-    headers = ("component", "increase dB", "evidence", "remark")
+    headers = ("component", "increase dB", STRENGTH, "remark")
     first, more = rows[:RANKED_AT_ONCE], rows[RANKED_AT_ONCE:]
-    parts = [
-        page.table(
-            Grid(
-                title="Components by their evidence, the mean increase of their features over the healthy machine",
-                headers=headers,
-                rows=tuple(first),
-            )
-        )
-    ]
+    parts = [page.table(Grid(title="Components by their evidence", headers=headers, rows=tuple(first)))]
     if more:
         rest = Grid(title="", headers=headers, rows=tuple(more))
         parts.append(page.folded(f"{len(more)} more components", page.table(rest)))

@@ -63,15 +63,15 @@ def first_screen(
 
 
 def _ranked(finding: Finding) -> tuple[str, float, str, str]:
-    remarks = [] if finding.tooth is None else [f"highest envelope energy at tooth {finding.tooth}"]
-    remarks += [f"has the same orders as {', '.join(finding.alike)}"] if finding.alike else []
+    remarks = [] if finding.tooth is None else [f"tooth {finding.tooth} has the highest envelope energy"]
+    remarks += [f"same orders as {', '.join(finding.alike)}"] if finding.alike else []
     return finding.component, finding.evidence.increase, words.strength(finding.evidence), "; ".join(remarks)
 
 
 def _ranking_note(verdict: Verdict) -> str:
     texts = [words.note(verdict)]
     if any(finding.alike for finding in verdict.findings):
-        texts.append("Components with the same orders, or integer multiples of them, cannot be distinguished.")
+        texts.append("Components with equal orders, or integer multiples of them, cannot be distinguished.")
     return " ".join(texts)
 
 
@@ -151,8 +151,7 @@ def _average(
     across = f"teeth of the {gear.name}"
     caption = (
         f"Time-synchronous average of the acceleration at {_channel(plant.looked_for)} over {turns} revolutions of "
-        f"{gear.shaft.replace('_', ' ')} from its zero angle in the window {window}. The mesh "
-        "orders are removed (residual signal)."
+        f"{gear.shaft.replace('_', ' ')} in the window {window}, without the mesh orders (residual signal)."
     )
     if reference is not None:
         caption += " Below: this run minus the healthy run, the effect of the fault alone."

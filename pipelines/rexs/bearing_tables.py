@@ -40,7 +40,7 @@ def bearing_table(bearing: Bearing, shaft: Shaft, path: str) -> tuple[dict[str, 
     wanted = bearing.designation.replace(" ", "").upper().split("-")[0].split("/")[0]
     if wanted in known:
         value = f'designation "{wanted}"'
-        reason = f"the catalogue's inside of {bearing.label}, of which the file has none; no clearance"
+        reason = f"rolling elements of the catalogue for {bearing.label}; the file gives none; no clearance"
         return {"model": "hertz", "designation": wanted}, [
             _assumed(path, value, reason),
             *_one_way(bearing, path, BOTH),

@@ -85,13 +85,13 @@ def _relation(table: Mapping[str, Any], source: str) -> Relation:
 def _list(table: Mapping[str, Any], key: str, source: str) -> Sequence[Any]:
     value = table.get(key, [])
     if not isinstance(value, list):
-        raise RexsError(f"{source}: {key} is {shown_value(value)}, and must be a list. Set a REXS file.")
+        raise RexsError(f"{source}: {key} is {shown_value(value)}, and must be a list. Give a REXS file.")
     return value
 
 
 def _table(value: Any, source: str) -> Mapping[str, Any]:
     if not isinstance(value, Mapping):
-        raise RexsError(f"{source}: {shown_value(value)} is in a place of an object of REXS. Set a REXS file.")
+        raise RexsError(f"{source}: {shown_value(value)} is in the place of a REXS object. Give a REXS file.")
     return value
 
 

@@ -59,7 +59,7 @@ def _frame(document: Document, component: Component, seen: tuple[int, ...]) -> F
 def _axes(component: Component, u: Vector, w: Vector) -> np.ndarray:
     lengths = np.linalg.norm(u), np.linalg.norm(w)
     if min(lengths) < 1e-9 or abs(u @ w) > PARALLEL * lengths[0] * lengths[1]:
-        raise component.error("its u and w axes are no right angle. Correct u_axis_vector and w_axis_vector.")
+        raise component.error("its u and w axes are not perpendicular. Correct u_axis_vector and w_axis_vector.")
     u, w = u / lengths[0], w / lengths[1]
     return np.column_stack([u, np.cross(w, u), w])
 

@@ -12,7 +12,7 @@ from pipelines.rexs.json_form import document_of_model
 
 class _Builder(ET.TreeBuilder):
     def doctype(self, name: str, public: str | None, system: str | None) -> None:
-        raise RexsError(f"it has a document type ({shown(name)}), which REXS has not. Remove the line <!DOCTYPE ...>.")
+        raise RexsError(f"it has a document type ({shown(name)}), and must have none. Remove the line <!DOCTYPE ...>.")
 
 
 def document_of_xml(content: bytes, source: str) -> Document:
@@ -29,7 +29,7 @@ def document_of_xml(content: bytes, source: str) -> Document:
     except (ET.ParseError, LookupError, ValueError) as error:  # the last two: encodings that are not known
         raise RexsError(f"{source}: not valid XML: {shown(str(error))}. Correct that line.") from error
     if root.tag != "model":
-        raise RexsError(f"{source}: its root is <{shown(root.tag)}>, that of REXS is <model>. Set a REXS file.")
+        raise RexsError(f"{source}: its root is <{shown(root.tag)}>, that of REXS is <model>. Give a REXS file.")
     return document_of_model(
         {
             **root.attrib,

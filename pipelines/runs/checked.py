@@ -74,7 +74,7 @@ def check_scene(loaded: LoadedScene) -> Checked:
         plant=study.plant,
         facts=study.plant.facts,
         control=loaded.scene.control or "none",
-        cost=str(estimate(study.plant, len(study.motions))),
+        cost=estimate(tuple(study.machines.values())),
         warnings=tuple(warnings),
     )
 

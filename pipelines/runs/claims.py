@@ -154,7 +154,7 @@ def _publish(claim: Claim) -> None:
             f"{claim.final}: the results cannot be moved there ({error.strerror}). They are in {claim.folder}."
         ) from error
     if found != claim.final:
-        _LOG.warning("%s was made by someone else meanwhile; the results are in %s", claim.final, found)
+        _LOG.warning("%s was created by another process; the results are in %s", claim.final, found)
         claim.final = found
 
 

@@ -25,6 +25,7 @@ from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, Pass
 if TYPE_CHECKING:
     import xarray
 
+    from fem.gears.geometry import GearPair
     from pipelines.engine.run_graph import Work
     from pipelines.scene.file import LoadedScene
 
@@ -99,7 +100,8 @@ def gear_curves(pairs: Sequence[PairLaws], states: Sequence[MeshState]) -> xarra
     Returns
     -------
     secant, tangent (N/m), transmission_error, no_load_error (m), tilt (rad): (case, position); share (1), pressure
-    (Pa, on the active flanks): (case, position, pair); greatest_pressure (Pa, of the contact pattern): (case,).
+    (Pa, on the active flanks): (case, position, pair); greatest_pressure (Pa, of the contact pattern), peak_to_peak
+    (m, of the transmission error in the mesh cycles with the tooth in contact, within 1 %): (case,).
     Coordinates of a case: stage, state, cycle (mesh cycle at position 0), force (N), torque (N m, on the pinion).
 
     Raises
@@ -110,7 +112,7 @@ def gear_curves(pairs: Sequence[PairLaws], states: Sequence[MeshState]) -> xarra
 
     reach = round(max(PITCHES_SHOWN, *(np.ceil(max(np.abs(engagement(p.pair)))) + 1 for p in pairs)) * PER_CYCLE)
     position = np.arange(-reach, reach + 1) / PER_CYCLE
-    cases, curves, by_pair, greatest = [], [], [], []
+    cases, curves, by_pair, greatest, ranges = [], [], [], [], []
     for found, state in zip(pairs, states, strict=True):
         for case in _cases(found):
             cycle = case.passage.cycle + position
@@ -121,6 +123,7 @@ def gear_curves(pairs: Sequence[PairLaws], states: Sequence[MeshState]) -> xarra
             curves.append(curve)
             by_pair.append(_pressures(case, curve))
             greatest.append(_greatest_pressure(case, state))
+            ranges.append(_peak_to_peak(case, state, position, curve.transmission_error))
     numbers = np.unique(np.concatenate([pair for pair, _, _ in by_pair]))
     spread = np.zeros((2, len(cases), position.size, numbers.size))
     for i, (pair, share, pressure) in enumerate(by_pair):
@@ -143,6 +146,7 @@ def gear_curves(pairs: Sequence[PairLaws], states: Sequence[MeshState]) -> xarra
         ),
     }
     data["greatest_pressure"] = ("case", greatest)
+    data["peak_to_peak"] = ("case", ranges)
     found_set = xarray.Dataset(data, coords=coords)
     for name, (units, words) in (_CURVES | _BY_PAIR).items():
         found_set[name].attrs.update(units=units, long_name=words)
@@ -151,6 +155,7 @@ def gear_curves(pairs: Sequence[PairLaws], states: Sequence[MeshState]) -> xarra
     found_set["force"].attrs.update(units="N", long_name="on the transverse line of action")
     found_set["torque"].attrs.update(units="N m", long_name="on the pinion")
     found_set["greatest_pressure"].attrs.update(units="Pa", long_name="greatest Hertz pressure of the contact pattern")
+    found_set["peak_to_peak"].attrs.update(units="m", long_name="peak-to-peak transmission error")
     return found_set
 
 
@@ -193,6 +198,37 @@ def _greatest_pressure(case: _Case, state: MeshState) -> float:
     return float(np.nanmax(pattern.values, initial=0.0))
 
 
+def _in_contact(pair: GearPair, position: np.ndarray) -> slice:
+    """The positions of the whole mesh cycles in which one tooth is in mesh."""
+    first, last = engagement(pair)
+    at = int(np.searchsorted(position, first - 1e-9))
+    return slice(at, at + round((last - first) * PER_CYCLE))
+
+
+def _peak_to_peak(case: _Case, state: MeshState, position: np.ndarray, error: np.ndarray) -> float:
+    """Greatest less least transmission error (m) while the tooth is in contact.
+
+    The curve has corners where a tooth pair gains or loses contact: of 40 positions a mesh cycle none may be near. So
+    the neighbourhood of either extremum is evaluated twice, each time at a tenth of the distances.
+    """
+    at = _in_contact(case.laws.pair, position)
+    extrema = []
+    for sign in (1.0, -1.0):
+        places, peak = position, at.start + int((sign * error[at]).argmax())
+        for _ in range(2):
+            places = np.linspace(places[max(peak - 1, 0)], places[min(peak + 1, places.size - 1)], 21)
+            curve = case.laws.stiffness(
+                case.passage.cycle + places,
+                faulty=case.faulty,
+                modified=case.modified,
+                force=state.force,
+                tilt=state.tilt,
+            )
+            peak = int((sign * curve.transmission_error).argmax())
+        extrema.append(float(curve.transmission_error[peak]))
+    return extrema[0] - extrema[1]
+
+
 def gear_rows(pairs: Sequence[PairLaws], curves: xarray.Dataset) -> list[dict[str, Any]]:
     """The summary: one row per case; means over the whole pitches in which the tooth is in mesh.
 
@@ -205,9 +241,7 @@ def gear_rows(pairs: Sequence[PairLaws], curves: xarray.Dataset) -> list[dict[st
         one = curves.isel(case=case)
         found = by_stage[int(one.stage)]
         own = one.sel(pair=0)
-        first, last = engagement(found.pair)
-        at = np.searchsorted(one.position.values, first - 1e-9)
-        one = one.isel(position=slice(at, at + round((last - first) * PER_CYCLE)))
+        one = one.isel(position=_in_contact(found.pair, one.position.values))
         soft = np.flatnonzero(one.secant.values <= float(one.secant.min()) * (1.0 + EQUAL))
         softest = min(soft, key=lambda i: abs(float(one.position[i])))  # a healthy pair is as soft in every cycle
         rows.append(
@@ -222,7 +256,7 @@ def gear_rows(pairs: Sequence[PairLaws], curves: xarray.Dataset) -> list[dict[st
                 "least N/um": float(one.secant[softest]) / 1e6,
                 "at": f"{float(one.position[softest]):+.2f}",
                 "TE um": float(one.transmission_error.mean()) * 1e6,
-                "TE p-p um": float(np.ptp(one.transmission_error.values)) * 1e6,
+                "TE p-p um": float(one.peak_to_peak) * 1e6,
                 "share %": 100 * float(own.share.max()),
                 "pressure MPa": float(one.greatest_pressure) / 1e6,
             }

@@ -35,7 +35,7 @@ def note_latest(folder: Path) -> None:
         write_whole(latest, f"{folder.name}\n")
     except OSError as error:
         raise WorkError(
-            f"{latest}: cannot be written ({error.strerror}). The results are whole: name their folder, {folder}."
+            f"{latest}: cannot be written ({error.strerror}). The results are complete; use their folder, {folder}."
         ) from error
 
 
@@ -66,7 +66,7 @@ def find_run(name: str | Path, root: Path = ROOT) -> Path:
                 return found
             raise InputError(
                 f"{shown(found)}: no {RESPONSE} here, though {shown(latest)} names it. "
-                f"Again: gearcase run {shown(name)}"
+                f"Repeat: gearcase run {shown(name)}"
             )
     if text.isdecimal() and len(text) < 10:
         known = finished_runs(root)
@@ -170,4 +170,4 @@ def logged_to(path: Path) -> Iterator[None]:
             logger.setLevel(level)
         handler.close()
         if handler.failure is not None:
-            _LOG.warning("%s is cut short: %s", path, handler.failure)
+            _LOG.warning("%s is incomplete: %s", path, handler.failure)

@@ -60,10 +60,19 @@ class Study:
         return self.cases[0].plant
 
     @property
+    def machines(self) -> dict[str, Plant]:
+        """The machine of every motion by the name of its step, the scene's own first, then that of its control."""
+        found = {}
+        for case in self.cases:
+            found[case.faulty] = case.plant
+            if case.healthy is not None and case.control is not None:
+                found[case.healthy] = case.control
+        return found | {healthy.motion: healthy.plant for healthy in self.baseline}
+
+    @property
     def motions(self) -> tuple[str, ...]:
-        """Names of all steps that hold motions, the scene's own first."""
-        names = [name for case in self.cases for name in (case.faulty, case.healthy) if name]
-        return tuple(dict.fromkeys([*names, *(healthy.motion for healthy in self.baseline)]))
+        """Names of all steps that hold motions."""
+        return tuple(self.machines)
 
 
 def plan_study(
@@ -100,7 +109,7 @@ def plan_study(
         for seed, plant in _baseline(loaded, control, baseline)
     ]
     study = Study(graph=Graph(steps), cases=tuple(cases), control=control, baseline=tuple(others))
-    check_room(study.plant, source, len(study.motions))
+    check_room(tuple(study.machines.values()), source)
     return study
 
 

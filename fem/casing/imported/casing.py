@@ -81,7 +81,7 @@ def foreign_casing(
     body = replace(body, places=body.places + np.array(housing.origin))
     check = check_foreign(body)
     if not body.located:
-        raise ForeignError(f"{body.name} holds no places of its nodes; set nodes_file")
+        raise ForeignError(f"{body.name} holds no node coordinates; set nodes_file")
     if check.wrong:
         raise ForeignError(f"{body.name}: {'; '.join(check.wrong)}")
     points = {name: Point(nodes=nodes, axes=GROUND_AXES) for name, nodes in _feet(housing) if ground == "springs"}
@@ -107,7 +107,7 @@ def _check_place(body: ForeignBody, name: str, nodes: tuple[int, ...], wanted: t
         x, y, z = 1000 * places.mean(axis=0)
         raise ForeignError(
             f"{name}: the middle of its {len(nodes)} nodes at ({x:.5g}, {y:.5g}, {z:.5g}) mm is "
-            f"{1000 * off:.4g} mm off the bearing at ({', '.join(f'{1000 * v:.5g}' for v in wanted)}) mm "
+            f"{1000 * off:.4g} mm from the bearing at ({', '.join(f'{1000 * v:.5g}' for v in wanted)}) mm "
             f"(limit {1000 * limit:.3g} mm). Correct the nodes, origin_mm or units"
         )
 

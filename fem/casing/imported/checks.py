@@ -41,20 +41,20 @@ class ForeignCheck:
 
     def report(self, count: int = 20) -> str:
         """The check-up as text."""
-        lines = [f"Check-up of the matrices: {self.equations} equations of {self.nodes} nodes"]
+        lines = [f"Checks of the matrices: {self.equations} equations of {self.nodes} nodes"]
         if self.dropped:
             lines.append(f"  {self.dropped} equations without stiffness and mass were left out")
         lines.append(f"  asymmetry of stiffness {self.stiffness_asymmetry:.1e}, of mass {self.mass_asymmetry:.1e}")
         if np.isfinite(self.mass):
             x, y, z = 1000 * self.centre
-            lines.append(f"  a rigid motion leaves {self.grounding:.1e} of the largest stiffness as force")
+            lines.append(f"  force in a rigid-body motion: {self.grounding:.1e} of the largest stiffness")
             lines.append(f"  mass {self.mass:.6g} kg, centre of gravity ({x:.6g}, {y:.6g}, {z:.6g}) mm")
         else:
-            lines.append("  places of the nodes are not known: no mass, no test of the ground")
+            lines.append("  node coordinates are not known: mass and supports are not checked")
         lines.append(f"  {self.rigid_modes} modes without stiffness; frequencies as exported, Hz:")
         lines += frequency_lines(self.frequencies[:count])
         lines += [f"  WRONG: {words}" for words in self.wrong] + [f"  doubtful: {words}" for words in self.doubtful]
-        lines += [] if self.wrong or self.doubtful else ["  nothing is wrong"]
+        lines += [] if self.wrong or self.doubtful else ["  all checks passed"]
         return "\n".join(lines)
 
 
@@ -185,11 +185,11 @@ def _wrong(asymmetry: list[float], mass: float, grounding: float, rigid: int, ne
         )
     if np.isfinite(grounding) and grounding > _FREE:
         yield (
-            f"a rigid motion needs force ({grounding:.1e} of the largest stiffness, limit {_FREE:.0e}): the body is "
-            "grounded in its own program, or the places of the nodes are wrong. Export it free, and name its feet here"
+            f"a rigid-body motion needs force ({grounding:.1e} of the largest stiffness, limit {_FREE:.0e}): the body "
+            "is held, or the node coordinates are wrong. Export the free body, and state its feet in the scene"
         )
     elif np.isfinite(grounding) and rigid > 6:
-        yield f"{rigid} modes have no stiffness, 6 are those of a free body: a part hangs loose"
+        yield f"{rigid} modes have no stiffness, 6 are those of a free body: a part is not connected"
     if np.isfinite(mass) and not mass > 0.0:
         yield "its mass is zero: no densities in the model, or a mass matrix of other equations"
 

@@ -47,7 +47,7 @@ _STIFFNESS, _MASS = (
 
 _UNUSED = {  # matrices that are not read, and the remedy
     **dict.fromkeys(("damping", "baa", "baax"), "Set casing.damping_ratio in the scene instead."),
-    "rows": "A sensor is read at the nearest node: add a node at every sensor.",
+    "rows": "Each sensor measures at the nearest node: add a node at each sensor.",
 }
 
 

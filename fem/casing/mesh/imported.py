@@ -240,14 +240,16 @@ def seat_point(surface: Surface, seat: Seat, facets: np.ndarray) -> np.ndarray:
     if off > allowed or tilt < ALONG_Y:
         raise MeshError(
             f"{seat.name}: its seat has its middle at ({_mm(point)}) mm and its axis along {tuple(axis.tolist())}, "
-            f"{1000 * off:.4g} mm off the axis of its shaft at x {1000 * wanted[0]:.5g}, z {1000 * wanted[2]:.5g} mm "
-            f"(limit {1000 * allowed:.3g} mm, along y). Correct the locator, or origin, axes or unit of the file"
+            f"{1000 * off:.4g} mm from the axis of its shaft at x {1000 * wanted[0]:.5g}, z {1000 * wanted[2]:.5g} mm "
+            f"(limit {1000 * allowed:.3g} mm, along y). Correct through_mm of the seat, or origin_mm, axes or unit of "
+            "the file"
         )
     along = surface.corners[facets][..., 1]
     if not along.min() <= wanted[1] <= along.max():
         raise MeshError(
             f"{seat.name}: the bearing at y = {1000 * wanted[1]:.5g} mm is outside its seat "
-            f"({1000 * along.min():.5g} to {1000 * along.max():.5g} mm). Move the bearing, or correct the locator"
+            f"({1000 * along.min():.5g} to {1000 * along.max():.5g} mm). Set bearing_positions_mm of its shaft, "
+            "or correct through_mm of the seat"
         )
     return np.array([wanted[0], point[1], wanted[2]])
 

@@ -258,7 +258,7 @@ def _ordered(name: str, nodes: np.ndarray, elements: np.ndarray, scale: float) -
         off = np.linalg.norm(nodes[trial[:, middles]] - ends.mean(axis=2), axis=2)
         if (off < OFF_MIDDLE * length).all():
             if order is _SWAPPED:
-                _log.info("%s: mid-side nodes 13 and 23 stand in swapped order; put right", name)
+                _log.info("%s: mid-side nodes 13 and 23 are in swapped order; corrected", name)
             return trial
     far = int((off / np.maximum(length, 1e-300)).max(axis=1).argmax())
     x, y, z = scale * nodes[elements[far, : kind.corners]].mean(axis=0)

@@ -95,8 +95,8 @@ def read_step(gmsh: Any, housing: ImportedHousing) -> None:
         one, two = (numbers[place] for place in doubles[0])
         x, y, z = gmsh.model.occ.getCenterOfMass(3, solids[doubles[0][0]])
         raise MeshError(
-            f"{path.name}: solids {one} and {two} are one body twice, both around ({x:.5g}, {y:.5g}, {z:.5g}) mm of "
-            "the file; leave one out by solids = [...]"
+            f"{path.name}: solids {one} and {two} are duplicates of one body, both at ({x:.5g}, {y:.5g}, {z:.5g}) mm "
+            "of the file; leave one out by solids = [...]"
         )
     if not housing.glue:
         raise MeshError(

@@ -85,7 +85,7 @@ class CasingReduction(Stage):
             lower = (quadratic_modes(assembled, reduction, static=self.static),) if self.quadratic else ()
         if found.failures:
             raise CasingError(
-                f"casing: the check-up of the reduced body fails in {', '.join(found.failures)}. Use a finer "
+                f"casing: the reduced body fails the checks {', '.join(found.failures)}. Use a finer "
                 f"casing.element_size_mm, or another casing model.\n{found.report(0)}"
             )
         return modes, found, *lower

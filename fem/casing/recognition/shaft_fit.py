@@ -76,8 +76,8 @@ class _Line:
 def fit_shafts(bores: Sequence[Bore], shafts: Sequence[ShaftPlace]) -> ShaftFit | None:
     """The best position of the file; None if no two bores have the distance of two shafts.
 
-    Fits are ranked by the number of bearings in seats, the least deviation, the fewest incomplete bores, and the least
-    rotation of the file.
+    Fits are ranked by the number of bearings in seats, the least deviation, the fewest incomplete bores, the least
+    rotation of the file, and by wider bores at thicker shafts.
 
     Parameters
     ----------
@@ -88,9 +88,12 @@ def fit_shafts(bores: Sequence[Bore], shafts: Sequence[ShaftPlace]) -> ShaftFit 
     found = [fit for axis in _directions(wide) for fit in _fits(_lines(wide, axis), axis, shafts)]
     found = [fit for fit in found if fit.seats]
 
-    def worth(fit: ShaftFit) -> tuple[int, float, float, float]:
+    def worth(fit: ShaftFit) -> tuple[float, ...]:
         taken = len({(seat.bore.number) for seat in fit.seats})
-        return taken, -round(fit.off, 5), -sum(seat.bore.angle < 6.0 for seat in fit.seats), float(np.trace(fit.axes))
+        open_bores = sum(seat.bore.angle < 6.0 for seat in fit.seats)
+        turned = round(float(np.trace(fit.axes)), 6)
+        alike = sum(shafts[seat.shaft].diameter * seat.bore.diameter for seat in fit.seats)
+        return taken, -round(fit.off, 5), -open_bores, turned, alike
 
     return max(found, key=worth, default=None)
 

@@ -97,7 +97,7 @@ class CheckUp(Record):
 
     def report(self, n_modes: int = 10) -> str:
         """The check-up as text: every item with its limit, then mass properties and the first modes."""
-        lines = ["Check-up of the reduced casing"]
+        lines = ["Checks of the reduced casing"]
         for name in self.limit_names:
             value = getattr(self, name)
             verdict = "ok  " if value < _LIMITS[name] else "FAIL"

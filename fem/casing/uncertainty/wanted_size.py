@@ -38,9 +38,8 @@ def wanted_factor(limits: FrequencyLimits, error: float, trial: LowestModes, coa
     if not enough:
         left = limits.median_band_at(float(_FACTORS[-1]))
         raise ExtrapolationError(
-            f"casing.error: smaller elements do not reach {100 * error:g} %: those of a fifth of "
-            f"{1000 * trial.element_size:.3g} mm leave a median band of {100 * left:.2g} %. Ask for more than "
-            "that"
+            f"casing.error: smaller elements do not reach {100 * error:g} %: with a fifth of "
+            f"{1000 * trial.element_size:.3g} mm the median uncertainty band is {100 * left:.2g} %. Set more than that"
         )
     factor = enough[0]
     unknowns = trial.unknowns * factor**-growth
@@ -48,7 +47,7 @@ def wanted_factor(limits: FrequencyLimits, error: float, trial: LowestModes, coa
         largest = min((trial.unknowns / MOST_UNKNOWNS) ** (1.0 / growth), 1.0)
         raise ExtrapolationError(
             f"casing.error: {100 * error:g} % would need elements of {1000 * factor * trial.element_size:.3g} mm with "
-            f"about {unknowns:,.0f} unknowns (limit {MOST_UNKNOWNS:,}, about 5 GB); that many have an error of "
-            f"{100 * limits.median_band_at(largest):.2g} %"
+            f"about {unknowns:,.0f} unknowns (limit {MOST_UNKNOWNS:,}, about 5 GB). Set "
+            f"{100 * limits.median_band_at(largest):.2g} %, the error with that limit, or more"
         )
     return factor

@@ -68,7 +68,7 @@ class WornTooth(ToothFault):
         require(
             len(self.diameters) == len(self.parts) and (len(self.parts) >= 2) == table,
             f'{label}: place = "{self.place}" with {len(self.diameters)} diameters_mm and {len(self.parts)} parts. '
-            + ("Set two or more of both, as many" if table else 'Delete them, or set place = "profile"'),
+            + ("Set two or more of both, equally many" if table else 'Delete them, or set place = "profile"'),
         )
         require(
             all(low < high for low, high in pairwise(self.diameters)),

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -73,24 +73,28 @@ def too_long(train: Drivetrain) -> Iterator[Problem]:
         )
 
 
-def check_room(train: Drivetrain, source: str, simulations: int) -> None:
+def check_room(trains: Sequence[Drivetrain], source: str) -> None:
     """Compare the signals of a study with the room in the cache and the result folder.
 
     A cache without room is a warning of the run as long as memory can hold the signals instead.
+
+    Parameters
+    ----------
+    trains : of every simulation, the two that are written first
+    source : the scene, for the message
 
     Raises
     ------
     SceneError : they do not fit
     """
-    one, problems = cost(train), []
-    motions, packed = simulations * one.bytes, min(simulations, _WRITTEN) * _PACKED * one.bytes
+    motions, packed, problems = *_bytes(trains), []
     for folder, needed, held in ((cache_root(), motions, _HELD), (Path("runs"), packed, 0.0)):
         free = shutil.disk_usage(_existing(folder)).free
         if needed > max(free, held):
             problems.append(
                 Problem(
                     "simulation",
-                    f"the signals of {simulations} simulations take about {words(needed)} in {folder}, {words(free)} "
+                    f"the signals of {_simulations(len(trains))} take about {words(needed)} in {folder}, {words(free)} "
                     "are free there",
                     "Reduce simulation.output_rate_Hz or end_s, or delete files there",
                 )
@@ -99,15 +103,26 @@ def check_room(train: Drivetrain, source: str, simulations: int) -> None:
         raise SceneError(source, problems)
 
 
-def estimate(train: Drivetrain, simulations: int) -> str:
-    """The cost of a study in words."""
-    one = cost(train)
-    disk = (simulations + min(simulations, _WRITTEN) * _PACKED) * one.bytes
+def estimate(trains: Sequence[Drivetrain]) -> str:
+    """The cost of a study in words; `trains` as `check_room`."""
+    costs = [cost(train) for train in trains]
+    signals = " or ".join(str(count) for count in dict.fromkeys(one.channels for one in costs))
     return (
-        f"{simulations} simulation{'s' if simulations > 1 else ''} of {one.steps:.3g} time steps and {one.samples:.3g} "
-        f"samples of {one.channels} signals: about {duration(simulations * one.seconds)} on one core for the "
-        f"motion (mesh laws and casing not included), {words(_MEMORY)} of memory, {words(disk)} on disk"
+        f"{_simulations(len(costs))} of {costs[0].steps:.3g} time steps and "
+        f"{costs[0].samples:.3g} samples of {signals} signals: about {duration(sum(one.seconds for one in costs))} on "
+        f"one core for the motion (mesh laws and casing not included), {words(_MEMORY)} of memory, "
+        f"{words(sum(_bytes(trains)))} on disk"
     )
+
+
+def _bytes(trains: Sequence[Drivetrain]) -> tuple[float, float]:
+    """Of all signals in the cache, and of those in the result folder."""
+    sizes = [cost(train).bytes for train in trains]
+    return sum(sizes), _PACKED * sum(sizes[:_WRITTEN])
+
+
+def _simulations(count: int) -> str:
+    return f"{count} simulation{'s' if count > 1 else ''}"
 
 
 def words(size: float) -> str:

@@ -95,7 +95,7 @@ class ShaftTable(Table):
         if not (rising and start <= places[0] and places[-1] <= end):
             raise ValueError(
                 f"bearing_positions_mm = {list(places)} must increase, and be on the shaft, {start:g} to {end:g} mm. "
-                "Correct them"
+                "Correct them, or make the shaft longer (sections)"
             )
         for key in ("bearing_supports", "bearings"):
             given = getattr(self, key)

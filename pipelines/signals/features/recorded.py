@@ -93,9 +93,10 @@ def feature_table(
         turning = [(shaft, cut) for shaft, cut in cuts.items() if cut is not None and cut.count >= FEWEST_TURNS]
         if not turning:
             reasons = "".join(f" {shaft}: {reason}." for shaft, reason in rotation.conditional.items())
+            remedy = ", correct teeth, or record a tachometer" if rotation.conditional else " or one at a higher speed"
             raise FeatureError(
-                f"{name}: no shaft of known speed makes {FEWEST_TURNS} revolutions.{reasons} Choose a longer window, "
-                "correct teeth, or record a tachometer."
+                f"{name}: no shaft of known speed makes {FEWEST_TURNS} revolutions between {window[0]:g} and "
+                f"{min(window[1], float(time[-1])):g} s.{reasons} Set a longer window{remedy}."
             )
         bands[name] = envelope_band(kinematics, time, turning[0][1].frequency / turning[0][0].ratio)
         whole = statistics(signal[:, inside])

@@ -53,11 +53,10 @@ def conditions(found: Detectability) -> str:
     """What was damaged, what it was compared with, and what an alarm is."""
     design = found.design
     return (
-        f"Damage: {found.damage}, at the next tooth in each further machine. {design.damaged} damaged machines per "
-        "value "
-        f"are compared with a baseline of {design.baseline} healthy ones; {design.healthy} other healthy ones test "
-        f"for false alarms. No two machines have the same deviations. A machine is called damaged with a corrected "
-        f"p-value of at most {ALARM:g}. Intervals are 95 % confidence intervals."
+        f"Damage: {found.damage}; the number of the tooth increases by one from machine to machine. {design.damaged} "
+        f"damaged machines per value are compared with a baseline of {design.baseline} healthy ones; {design.healthy} "
+        "further healthy machines are tested for false alarms. No two machines have the same deviations. A machine is "
+        f"called damaged if its corrected p-value is at most {ALARM:g}. Intervals have 95 % confidence."
     )
 
 

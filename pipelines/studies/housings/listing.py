@@ -87,7 +87,7 @@ def _tilt(contents: Contents) -> Iterator[str]:
     axis, angle = tilt(contents.bores)
     if np.degrees(angle) > _LEAST_TILT:
         name = "xyz"[int(np.abs(axis).argmax())]
-        yield f"  tilt: the widest bore runs {np.degrees(angle):.3f} deg off the file's {name}"
+        yield f"  tilt: {np.degrees(angle):.3f} deg between the widest bore and the axis {name} of the file"
 
 
 def _flats(contents: Contents) -> str:

@@ -27,8 +27,8 @@ def known_lines(loaded: LoadedScene, work: Work) -> str:
         return ""
     if len(casing_taken(study.graph)) == 1:
         return (
-            "How well the lines of the fault are known is not: the error of the casing's mesh is measured with "
-            "casing.extrapolated = true alone."
+            "The numerical uncertainty of the lines of the fault is not known: only casing.extrapolated = true "
+            "estimates the error of the casing mesh."
         )
     step = bars_step(study)
     bars = work.build(Graph([*study.graph, step]), [step.name]).value(step.name)
@@ -46,7 +46,7 @@ def widths(bars: LineBars) -> str:
     if not found:
         return "No detected line has an error bar."
     return (
-        f"The casing's mesh and the time step leave the {len(found)} detected lines of the fault known to "
-        f"{median(found):.2g} dB in the median, {max(found):.2g} dB at worst (half the error bar, 5 to 95 %): what "
-        "differs by less is equal."
+        f"Casing mesh and time step cause an uncertainty of {median(found):.2g} dB in the median and {max(found):.2g} "
+        f"dB at most of the {len(found)} detected lines of the fault (half the error bar, 5 to 95 %). Choices that "
+        "differ by less cannot be distinguished."
     )

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MESH_MODELS = {  # distance from converged contact in space, docs/choosing-a-model.md
-    "iso": "about 10 % softer than plane, with another shape over the mesh cycle",
+    "iso": "about 10 % softer than plane, and another curve over the mesh cycle",
     "energy": "within 10 % in single contact, up to half too stiff in double contact",
-    "plane": "2 to 14 % too stiff by the pair: 2 to 3 % wide, 5 % narrow spur, 7 to 14 % narrow helical",
+    "plane": "too stiff by 2 to 3 % (wide pairs), 5 % (narrow spur pairs) or 7 to 14 % (narrow helical pairs)",
     "solid": "within 0.6 % of converged contact in space",
 }
 CASINGS = {
@@ -87,8 +87,8 @@ def not_refined(mesh_models: Sequence[str], casing: str, axis: str) -> str:
         known.append(f"casing model {casing}, {CASINGS[casing]}")
     others = [AXES[other].words for other in AXES if other != axis and AXES[other].probe in REACH[probe]]
     if others:
-        known.append(f"the other settings ({', '.join(others)}), each by its --over")
-    return f"Not refined, and in no uncertainty band: {'; '.join(known)}." if known else ""
+        known.append(f"other settings, each with its --over: {', '.join(others)}")
+    return f"Not in the uncertainty bands: {'; '.join(known)}." if known else ""
 
 
 def pairing_words(found: RefinementStudy) -> str:
@@ -169,4 +169,4 @@ def slicing_table(name: str, found: RefinementStudy) -> Grid:
                 value = tone_and_distance(level[stage], finest)[number]
                 row["in use" if fineness == 1.0 else f"x{fineness:.3g}"] = f"{value:.2g}"
             rows.append(row)
-    return grid(f"{name}: tones of the slices (mesh order {LOWEST_ORDER} and above) and error of e", rows)
+    return grid(f"{name}: spurious excitation by slices (mesh order {LOWEST_ORDER} and above), error of TE", rows)

@@ -94,7 +94,7 @@ def trade(loaded: LoadedScene, work: Work) -> Tradeoff:
         if motion > whole:
             del scenes[name]
             refused[name] = (
-                f"its motion alone would take about {motion:.0f} s, the whole reference takes {whole:.0f} s in all"
+                f"its motion alone would take about {motion:.0f} s; all steps of the reference take {whole:.0f} s"
             )
     measured, failed = _measured(scenes, work)
     refused |= failed
