@@ -14,20 +14,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
 from fem.options import check_options, option
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, Signal
 from mbd.excitations.outside_force import force_rule
 from mbd.excitations.waveform import SweepWave, TableWave
 from mbd.parts.bearings import DIRECTIONS
 from mbd.parts.checks import MachineError
 from mbd.parts.load import GROUND_ACCELERATION, Excitation
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 LEAST_SCALE = 1e-9  # m/s2
 

@@ -18,19 +18,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
 from fem.options import check_options, option
 from mbd.elements.component import Place
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import ENERGY, Element, rule
 from mbd.excitations.turning import turned_direction
 from mbd.parts.checks import MachineError, finite
 from mbd.parts.load import TurningForce
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 APART = 1e-6  # m: places closer than that are the same
 START, SENSE, ROLL, FORCE, BOW = range(5)

@@ -8,19 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
 from fem.options import check_options, option
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, Signal, rule
 from mbd.excitations.waveform import SweepWave, TableWave, Waveform, wave_value
 from mbd.parts.bearings import DIRECTIONS
 from mbd.parts.checks import MachineError, finite
 from mbd.parts.load import OUTSIDE_FORCE, Excitation, OutsideForce
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 LEAST_SCALE = 1e-9  # N
 

@@ -9,15 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from fem.options import check_options, option
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import ENERGY, Element, rule
 from mbd.parts.checks import MachineError, finite, positive
 from mbd.parts.load import TurningForce
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 AMPLITUDE, ORDER, PHASE, ROLL = range(4)
 

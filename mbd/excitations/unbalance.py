@@ -24,11 +24,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
 from fem.options import check_options, option
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, rule
 from mbd.elements.linear import LinearElement, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
@@ -36,9 +37,6 @@ from mbd.excitations.turning import turned_direction
 from mbd.parts.checks import MachineError, finite
 from mbd.parts.couplings import CouplingSprings
 from mbd.parts.load import TurningForce
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 WORDS = ModeWords("unbalance", "unbalances")
 SEISMIC_INERTIAS = (1e-10, 1e-6, 1e-6)  # kg m2, kg, kg

@@ -5,18 +5,16 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from fem.named_classes import named_class
 from fem.options import check_options, option
 from mbd.parts.checks import MachineError
+from mbd.parts.drive import SpeedProfile
 from mbd.parts.load import Load, StaticTorque
 from mbd.parts.machine import STANDARD_GRAVITY
-
-if TYPE_CHECKING:
-    from mbd.parts.drive import SpeedProfile
 
 LOADS = {
     "static-torque": ("mbd.forces.load_models", "StaticTorqueLoad"),

@@ -14,10 +14,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import BY_ANGLE, ENERGY, Element, Signal, rule
 from mbd.elements.linear import LinearElement, Part
 from mbd.elements.mode_words import ModeWords
@@ -26,9 +27,6 @@ from mbd.forces.ground import Ground
 from mbd.parts.checks import MachineError, finite, not_negative, positive
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.load import CONTAINER, ROPE_FORCE, Load, pull_axis
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 LIFT = "container:lift"
 PART = "rope"

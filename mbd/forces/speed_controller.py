@@ -23,11 +23,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
 from fem.options import check_options, option
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, Rule, Signal, rule
 from mbd.elements.linear import Part, part_on_rows
 from mbd.elements.lookup import cell_below, interpolated
@@ -35,9 +36,6 @@ from mbd.elements.mode_words import ModeWords
 from mbd.forces.torque_source import Inertia, TorqueSource
 from mbd.parts.checks import MachineError
 from mbd.parts.drive import MotorSpring, SpeedProfile
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 WORDS = ModeWords("controller", "controllers")
 SHARE = 1e-6  # e: so little of the torque drives w

@@ -10,11 +10,11 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem.options import check_options, inline, option
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, Rule, Signal
 from mbd.elements.linear import LinearElement, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
@@ -22,9 +22,6 @@ from mbd.elements.reading import Reading
 from mbd.parts.checks import MachineError, finite
 from mbd.parts.drive import COUPLING_TORQUE, MotorSpring, motor_channels
 from mbd.parts.load import OutsideForce
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 LEAST_SCALE = 1e-6  # N m
 

@@ -14,21 +14,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 
 from fem.casing.reduced.body import BEARING_AXES
 from mbd.elements.component import Component, Place
+from mbd.elements.coordinates import Coordinates
+from mbd.elements.element import Element
 from mbd.elements.linear import LinearElement, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
 from mbd.parts.checks import MachineError, finite, not_negative
 from mbd.parts.shafts import AXES
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
-    from mbd.elements.element import Element
 
 DIRECTIONS = ("x", "y", "z")
 RIGID_STIFFNESS = 1e12  # N/m

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem.casing.reduced.body import ReducedBody
 from mbd.elements.component import Component
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.linear import LinearElement, Part
 from mbd.elements.mode_words import ModeWords
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 NAME = "casing"
 

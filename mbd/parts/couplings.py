@@ -10,19 +10,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import numpy as np
 
 from fem.options import check_options, option
 from mbd.elements.component import Component, Link, Place
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.linear import LinearElement, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
 from mbd.parts.checks import MachineError
 from mbd.parts.shafts import ShaftSpec
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 COAXIAL = 1e-5  # m
 

@@ -10,17 +10,14 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal, Self
+from typing import Literal, Self
 
 import numpy as np
 
 from mbd.elements.component import Component, Place
+from mbd.elements.coordinates import Coordinates
 from mbd.parts.checks import MachineError, finite, positive
 from mbd.parts.drive import SpeedProfile
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
-
 
 ROPE_FORCE = "rope:force"  # N, all falls together; of a swinging container its vertical part
 CONTAINER = ("container:lift", "container:acceleration")  # m from the start, m/s2

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from fem.options import check_options, option
 from mbd.elements.component import Component, Place
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.reading import Reading
 from mbd.parts.bearings import DIRECTIONS
 from mbd.parts.checks import MachineError
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 DISPLACEMENT = ":displacement_"
 

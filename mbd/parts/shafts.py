@@ -12,20 +12,18 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
 from fem.options import check_options, option
 from mbd.elements.component import Component
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.linear import LinearElement, Part
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
 from mbd.parts.beam import BeamSection, RigidDisk
 from mbd.parts.checks import MachineError, finite, positive, unique
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
 RIGID_MOTIONS = 5  # of the model "torsion", its first coordinates

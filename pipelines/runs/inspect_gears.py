@@ -5,11 +5,12 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem.contact.faults.cracked_tooth import CrackedTooth
+from pipelines.machine.flanks import Fault
+from pipelines.machine.plant import Plant
 from pipelines.report.figures.damage import crack_depth
 from pipelines.report.figures.mesh_frames import mesh_frames, passage
 from pipelines.report.figures.mesh_pictures import MeshView
@@ -18,10 +19,6 @@ from pipelines.report.figures.pattern_pictures import PatternView, write_pattern
 from pipelines.report.figures.shapes import PlacedPair, placed_pair, shown_cycle, stage_view
 from pipelines.report.figures.views import LeftOut
 from pipelines.steps.pair_curves import PairLaws, acting
-
-if TYPE_CHECKING:
-    from pipelines.machine.flanks import Fault
-    from pipelines.machine.plant import Plant
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -11,12 +11,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from mbd.excitations.registry import EXCITATIONS, excitation_class
+from mbd.parts.load import Excitation, OutsideForce
 from pipelines.scene.tables.base import Number, Table, Whole
 from pipelines.scene.tables.derived import DerivedTable, choice, table
 from pipelines.scene.tables.torques import TorqueCurve
-
-if TYPE_CHECKING:
-    from mbd.parts.load import Excitation, OutsideForce
 
 
 class PlacedTable(Table):

@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from mbd.parts.couplings import CouplingWithAxes, ShaftCoupling
+from mbd.parts.load import OutsideForce
 from mbd.parts.probe import Probe
 from mbd.parts.shafts import Disk, Section, ShaftModel
 from pipelines.scene.tables.base import Flag, Number, Table, Whole
 from pipelines.scene.tables.bearings import BearingModel
 from pipelines.scene.tables.derived import DerivedTable, table
-
-if TYPE_CHECKING:
-    from mbd.parts.load import OutsideForce
 
 
 class _OnShaft(DerivedTable):

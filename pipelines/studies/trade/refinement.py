@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
+import numpy as np
+
+from fem.casing.uncertainty.laws import Law
 from fem.storage import shown_html
 from pipelines.engine.run_graph import Work
 from pipelines.scene.file import LoadedScene, changed
 from pipelines.studies.trade.axes import AXES
 from pipelines.studies.trade.convergence import Convergence, ConvergenceError, study
 from pipelines.studies.trade.variants import Measured, measure
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from fem.casing.uncertainty.laws import Law
 
 
 @dataclass(frozen=True, kw_only=True)
