@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any, TypeAlias
 
 from pydantic import Field, model_validator
 
@@ -11,12 +11,8 @@ from pipelines.scene.tables.base import Table
 from pipelines.scene.tables.derived import table
 
 EccentricTable: Any = table(Eccentricity)
-if TYPE_CHECKING:
-    WaveTable = Any
-    ToothErrorTable = Any
-else:
-    WaveTable = table(Wave)
-    ToothErrorTable = table(ToothError)
+WaveTable: TypeAlias = table(Wave)
+ToothErrorTable: TypeAlias = table(ToothError)
 
 
 class MeasuredFlanksTable(Table):

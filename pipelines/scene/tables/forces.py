@@ -6,7 +6,7 @@ in `mbd.forces`; nothing else knows the kinds.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
 
@@ -77,13 +77,10 @@ class BentShaftBase(ShaftExcitationBase):
 
 
 _BASES = {"bent-shaft": BentShaftBase, "casing-force": ExcitationBase, "base-acceleration": ExcitationBase}
-if TYPE_CHECKING:
-    ForceModel = Any
-else:
-    ForceModel = choice(
-        (
-            TorqueTable,
-            *(table(excitation_class(name), _BASES.get(name, ShaftExcitationBase)) for name in EXCITATIONS),
-        ),
-        "model",
-    )
+ForceModel: TypeAlias = choice(
+    (
+        TorqueTable,
+        *(table(excitation_class(name), _BASES.get(name, ShaftExcitationBase)) for name in EXCITATIONS),
+    ),
+    "model",
+)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated, Any
 
 from pydantic import Field
 
@@ -37,10 +37,7 @@ class _RackBase(DerivedTable):
     ] = None
 
 
-if TYPE_CHECKING:
-    _Gear = DerivedTable
-else:
-    _Gear = table(FlankModifications, table(GearDetails, _RackBase))
+_Gear: Any = table(FlankModifications, table(GearDetails, _RackBase))
 
 
 class GearTable(_Gear):

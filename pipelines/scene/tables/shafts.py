@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field, model_validator
 
@@ -54,12 +54,9 @@ class EccentricBase(_OnShaft):
             )
 
 
-if TYPE_CHECKING:
-    SectionTable = Any
-    DiskTable = Any
-    ProbeTable = Any
-else:
-    SectionTable, DiskTable, ProbeTable = table(Section), table(Disk, EccentricBase), table(Probe, _OnShaft)
+SectionTable: TypeAlias = table(Section)
+DiskTable: TypeAlias = table(Disk, EccentricBase)
+ProbeTable: TypeAlias = table(Probe, _OnShaft)
 
 
 class ShaftTable(Table):
@@ -141,8 +138,5 @@ class CouplingBase(DerivedTable):
         return turning
 
 
-if TYPE_CHECKING:
-    ShaftModelTable = Any
-    CouplingTable = Any
-else:
-    ShaftModelTable, CouplingTable = table(ShaftModel, _ShaftModelBase), table(CouplingWithAxes, CouplingBase)
+ShaftModelTable: TypeAlias = table(ShaftModel, _ShaftModelBase)
+CouplingTable: TypeAlias = table(CouplingWithAxes, CouplingBase)
