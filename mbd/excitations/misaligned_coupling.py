@@ -30,10 +30,10 @@ import numpy as np
 
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import ENERGY, Element, rule
-from mbd.elements.linear import Part, part_on_rows
+from mbd.elements.linear import Part, part_on_rows, springs
 from mbd.elements.mode_words import ModeWords
 from mbd.excitations.turning import turned_direction
-from mbd.parts.couplings import CouplingSprings, CouplingWithAxes
+from mbd.parts.couplings import CouplingWithAxes
 
 WORDS = ModeWords("coupling", "couplings")
 ROWS = ("angle", "twist", "rx", "rz", "ux", "uz")
@@ -108,9 +108,7 @@ class MisalignedCoupling(CouplingWithAxes):
                 self._relative(lay, 1)[None],
                 name=self.name,
                 words=WORDS,
-                elements=(
-                    CouplingSprings(at=(0,), springs=np.array([self.axial_stiffness]), damping_time=self.damping_time),
-                ),
+                matrices=springs(np.array([self.axial_stiffness]), self.damping_time),
             )
 
     def elements(self, lay: Coordinates) -> Iterator[Element]:

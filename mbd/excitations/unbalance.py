@@ -31,11 +31,10 @@ import numpy as np
 from fem.options import check_options, option
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, rule
-from mbd.elements.linear import LinearElement, Part, part_on_rows
+from mbd.elements.linear import Matrices, Part, part_on_rows, springs
 from mbd.elements.mode_words import ModeWords
 from mbd.excitations.turning import turned_direction
 from mbd.parts.checks import MachineError, finite
-from mbd.parts.couplings import CouplingSprings
 from mbd.parts.load import TurningForce
 
 WORDS = ModeWords("unbalance", "unbalances")
@@ -72,17 +71,6 @@ def unbalance_rule(values, motion, answer):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class SeismicMasses(LinearElement):
-    """Masses (n,), kg or kg m2, on coordinates of their own."""
-
-    inertias: tuple[float, ...]
-
-    def mass(self) -> np.ndarray:
-        """M (n, n)."""
-        return np.diag(self.inertias)
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
 class Unbalance(TurningForce):
     """A rotating unbalance."""
 
@@ -110,23 +98,18 @@ class Unbalance(TurningForce):
     def parts(self, lay: Coordinates) -> Iterator[Part]:
         """The seismic masses."""
         own = self._own(lay)
-        every = tuple(range(len(own)))
         yield part_on_rows(
             own,
             name=f"{self.name}, seismic masses",
             words=WORDS,
-            elements=(SeismicMasses(at=every, inertias=SEISMIC_INERTIAS),),
+            matrices=Matrices(mass=np.diag(SEISMIC_INERTIAS)),
         )
         yield part_on_rows(
             self._forced(lay) - own,
             name=f"{self.name}, seismic springs",
             words=WORDS,
-            elements=(
-                CouplingSprings(
-                    at=every,
-                    springs=SEISMIC_FREQUENCY**2 * np.array(SEISMIC_INERTIAS),
-                    damping_time=2 * SEISMIC_DAMPING / SEISMIC_FREQUENCY,
-                ),
+            matrices=springs(
+                SEISMIC_FREQUENCY**2 * np.array(SEISMIC_INERTIAS), 2 * SEISMIC_DAMPING / SEISMIC_FREQUENCY
             ),
         )
 

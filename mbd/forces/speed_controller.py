@@ -30,12 +30,12 @@ import numpy as np
 from fem.options import check_options, option
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, Rule, Signal, rule
-from mbd.elements.linear import Part, part_on_rows
+from mbd.elements.linear import Matrices, Part, part_on_rows
 from mbd.elements.lookup import cell_below, interpolated
 from mbd.elements.mode_words import ModeWords
-from mbd.forces.torque_source import Inertia, TorqueSource
+from mbd.forces.torque_source import TorqueSource
 from mbd.parts.checks import MachineError
-from mbd.parts.drive import MotorSpring, SpeedProfile
+from mbd.parts.drive import SpeedProfile
 
 WORDS = ModeWords("controller", "controllers")
 SHARE = 1e-6  # e: so little of the torque drives w
@@ -134,9 +134,8 @@ class SpeedController(TorqueSource):
                 lay.own_row(coordinate)[None],
                 name=f"{self.name} anti-windup",
                 words=WORDS,
-                elements=(
-                    Inertia(at=(0,), inertia=mass),
-                    MotorSpring(at=(0,), spring=HOLD**2 * mass, damper=damper),
+                matrices=Matrices(
+                    mass=np.array([[mass]]), stiffness=np.array([[HOLD**2 * mass]]), damping=np.array([[damper]])
                 ),
             )
 

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mbd.elements.component import Component, Place
-from mbd.elements.linear import LinearElement, Part, part_on_rows
+from mbd.elements.linear import Matrices, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
 from mbd.parts.checks import MachineError, finite, frozen_array, not_negative, positive
@@ -53,22 +53,6 @@ class CouplingSpec:
         not_negative(f"coupling {self.name} damping", self.damping)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class MotorSpring(LinearElement):
-    """The spring (N m/rad) and damper (N m s/rad) of a motor coupling on the twist (1,) of its shaft end."""
-
-    spring: float
-    damper: float
-
-    def stiffness(self) -> np.ndarray:
-        """K (1, 1)."""
-        return np.array([[self.spring]])
-
-    def damping(self) -> np.ndarray:
-        """C (1, 1)."""
-        return np.array([[self.damper]])
-
-
 @dataclass(frozen=True, kw_only=True)
 class Drive(Component):
     """All motors with their couplings: one part of the energy balance."""
@@ -91,8 +75,9 @@ class Drive(Component):
             np.array([lay.angle_row(c.shaft, c.y) for c in self.couplings]),
             name="drive",
             words=ModeWords("drive", "motor coupling", always=True),
-            elements=tuple(
-                MotorSpring(at=(i,), spring=c.stiffness, damper=c.damping) for i, c in enumerate(self.couplings)
+            matrices=Matrices(
+                stiffness=np.diag([c.stiffness for c in self.couplings]),
+                damping=np.diag([c.damping for c in self.couplings]),
             ),
             driven=np.array([lay.ratios[c.shaft] for c in self.couplings]),
         )

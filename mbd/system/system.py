@@ -165,7 +165,7 @@ def _motor_torque(parts: tuple[Part, ...], size: int) -> np.ndarray:
     for part in parts:
         if len(part.driven):
             for row, matrix in zip(rows, ("stiffness", "damping"), strict=True):
-                row -= part.driven @ part.summed(matrix) @ part.rows(size)
+                row -= part.driven @ part.own(matrix) @ part.rows(size)
     return rows
 
 
