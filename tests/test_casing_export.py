@@ -278,7 +278,7 @@ def test_a_sheet_holds_a_still_of_every_mode_at_its_largest_deflection(elastic, 
 def test_pictures_of_a_mode_move(elastic, tmp_path):
     from PIL import Image
 
-    found = drawn(write_mode(mode_view(elastic), tmp_path))
+    found = drawn(write_mode, mode_view(elastic), tmp_path)
     assert [path.suffix for path in found] == [".png", ".gif", ".html"]
     with Image.open(found[1]) as film:
         assert film.n_frames == 16

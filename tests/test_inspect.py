@@ -242,7 +242,7 @@ def saturated(image):
 @pytest.mark.slow
 def test_a_tooth_that_is_damaged_but_there_is_drawn_solid():
     view = gear_view(thick_rimmed_pair(12.0), ("wheel", 3), missing=False)
-    there, gone = (drawn(render_gears(replace(view, missing=missing), (400, 320))) for missing in (False, True))
+    there, gone = (drawn(render_gears, replace(view, missing=missing), (400, 320)) for missing in (False, True))
     assert min(reddish(there.image), reddish(gone.image)) > 20
     assert saturated(there.image) > 1.2 * saturated(gone.image)
     curve = StiffnessPlot(title="Stage 1", cycle=np.array([0.0, 1.0]), healthy=np.array([2e8, 2e8]))
@@ -254,7 +254,7 @@ def test_a_tooth_that_is_damaged_but_there_is_drawn_solid():
 def test_pictures_show_contact_lines_and_the_missing_tooth_in_the_faulty_half_alone(mesh_view):
     most = max(float(np.nanmax(state.load)) for state in mesh_view.states)
     found = [
-        drawn(render_mesh(gears, mesh_view.cycles, state, most, (300, 210)))
+        drawn(render_mesh, gears, mesh_view.cycles, state, most, (300, 210))
         for gears, state in zip((mesh_view.gears, mesh_view.damaged), mesh_view.states, strict=True)
     ]
     healthy, faulty = (pictures[1].image for pictures in found)
@@ -294,7 +294,7 @@ def test_the_stress_picture_is_coloured(solved):
         pytest.skip("drawn for the right hand")
     state = teeth_in_mesh(pair, faulty)
     gears = gear_view(pair, ("wheel", 3), in_mesh=True)
-    picture = drawn(render_stress(gears, 3.0, state, float(state.von_mises.max()), (400, 250)))
+    picture = drawn(render_stress, gears, 3.0, state, float(state.von_mises.max()), (400, 250))
     image = picture.image.astype(int)
     assert (image < 250).any(axis=2).mean() > 0.3
     assert reddish(picture.image) > 20  # the edges of the missing tooth

@@ -22,7 +22,7 @@ from mbd.elements.mode_words import ModeWords
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Matrices:
-    """On d displacements, SI; what is left out is zero."""
+    """On d displacements, SI; one that is not given is zero."""
 
     mass: np.ndarray | None = None  # M (d, d), symmetric, positive semidefinite
     damping: np.ndarray | None = None  # C (d, d), symmetric, positive semidefinite

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipelines.io.errors import SceneWarning
-from pipelines.report.figures.views import LeftOut
 
 if TYPE_CHECKING:
     from fem.contact.models.mesh_model import LawSpec
@@ -25,8 +24,8 @@ _REMEDY = (
 )
 
 
-def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: Work) -> list[Path] | LeftOut:
-    """stress_<n>.png with `--stress` and the mesh file of `--mesh`; the reason if the picture cannot be rendered.
+def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: Work) -> list[Path]:
+    """stress_<n>.png with `--stress` and the mesh file of `--mesh`.
 
     The mesh holds the damaged state where there is one.
 
@@ -39,6 +38,7 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
     Raises
     ------
     InputError : unknown ending of the mesh file
+    LeftOut : the picture cannot be rendered
 
     Warns
     -----
@@ -96,8 +96,7 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
         names=("healthy", ", ".join(kind.replace("-", " ") for kind in kinds))[: len(states)],
         states=states,
     )
-    picture = write_stress(view, folder / f"stress_{stage}.png")
-    return picture if isinstance(picture, LeftOut) else [picture, *written]
+    return [write_stress(view, folder / f"stress_{stage}.png"), *written]
 
 
 def stress_model(law: LawSpec) -> Solid:

@@ -18,7 +18,7 @@ from pipelines.report.figures.film import save_figure
 from pipelines.report.figures.mesh_frames import contact_places
 from pipelines.report.figures.render import render_stress
 from pipelines.report.figures.scene_frame import placed, turned_away
-from pipelines.report.figures.views import LeftOut, PairStates, Picture, Teeth
+from pipelines.report.figures.views import PairStates, Picture, Teeth
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -103,15 +103,10 @@ def write_teeth(teeth: Teeth, path: Path, frame: np.ndarray) -> None:
         write_hexahedra(placed(teeth.points[used], frame), cells.reshape(teeth.cells.shape), fields, groups, partial)
 
 
-def write_stress(view: StressView, path: Path) -> Path | LeftOut:
-    """The picture; the reason if it cannot be rendered."""
+def write_stress(view: StressView, path: Path) -> Path:
+    """The picture."""
     most = max(float(state.von_mises[np.unique(state.cells)].max()) for state in view.states)
-    pictures = []
-    for number, state in enumerate(view.states):
-        picture = render_stress(view.of_state(number), view.cycle, state, most)
-        if isinstance(picture, LeftOut):
-            return picture
-        pictures.append(picture)
+    pictures = [render_stress(view.of_state(n), view.cycle, state, most) for n, state in enumerate(view.states)]
     save_figure(stress_figure(view, pictures, most), path, dpi=115)
     return path
 

@@ -95,8 +95,5 @@ class Picture:
     places: Mapping[str, tuple[float, float]]
 
 
-@dataclass(frozen=True, kw_only=True)
-class LeftOut:
-    """A picture that could not be made: what is missing and what to install."""
-
-    reason: str
+class LeftOut(Exception):
+    """A picture could not be made: what is missing and what to install."""
