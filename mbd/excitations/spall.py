@@ -59,21 +59,6 @@ class Spall:
         """Radius (m), in the rolling plane, of the surface that has the spall."""
         return elements.diameter / 2 if self.on == "element" else abs(race_radius(elements, self.on))
 
-    def drop(self, elements: RollingElements, place: float, race: str = "outer-ring") -> float:
-        """Drop (m) of an element whose contact lies ``place`` (m) along the surface from the middle of the spall.
-
-        Parameters
-        ----------
-        elements : the inside of the bearing
-        place : m, positive or negative
-        race : that a spall in the element rolls over, "outer-ring" or "inner-ring"; of no effect for a ring
-        """
-        from mbd.excitations.spall_drop import drop_at
-
-        own = race if self.on == "element" else self.on
-        shape = self.width, self.depth, self.surface(elements)
-        return float(drop_at(place, *shape, elements.diameter / 2, race_radius(elements, own)))
-
 
 def race_radius(elements: RollingElements, race: str) -> float:
     """Radius (m) of a race in the rolling plane: positive for the outer one, which is hollow, else negative."""
