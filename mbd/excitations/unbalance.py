@@ -28,13 +28,12 @@ from typing import Literal
 
 import numpy as np
 
-from fem.options import check_options, option
+from fem.options import option
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, rule
 from mbd.elements.linear import Matrices, Part, part_on_rows, springs
 from mbd.elements.mode_words import ModeWords
 from mbd.excitations.turning import turned_direction
-from mbd.parts.checks import MachineError, finite
 from mbd.parts.load import TurningForce
 
 WORDS = ModeWords("unbalance", "unbalances")
@@ -77,10 +76,6 @@ class Unbalance(TurningForce):
     model: Literal["unbalance"] = "unbalance"
     size: float = option(unit="g mm", key="unbalance_g_mm", gt=0, text="mass times radius")
     angle: float = option(0.0, unit="deg", text="angle of the heavy spot at t = 0, from +x towards +z")
-
-    def __post_init__(self) -> None:
-        finite(f"{self.name} y", self.y)
-        check_options(self, MachineError, self.name)
 
     @property
     def coordinates(self) -> tuple[str, ...]:

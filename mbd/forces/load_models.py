@@ -10,8 +10,8 @@ from typing import Any, Literal
 import numpy as np
 
 from fem.named_classes import named_class
-from fem.options import check_options, option
-from mbd.parts.checks import MachineError
+from fem.options import option
+from mbd.parts.checks import MachineError, Options
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.load import Load, StaticTorque
 from mbd.parts.machine import STANDARD_GRAVITY
@@ -30,7 +30,7 @@ def load_model(name: str) -> type[HangingLoad]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class HangingLoad(ABC):
+class HangingLoad(Options, ABC):
     """A weight on drums."""
 
     container_mass: float = option(unit="kg", key="container_kg", ge=0, text="hanging mass")
@@ -46,9 +46,6 @@ class HangingLoad(ABC):
         text="direction of the rope force on the drums: 0 is +x, 90 is up; without it: the drums load "
         "the shaft by torque only",
     )
-
-    def __post_init__(self) -> None:
-        check_options(self, MachineError)
 
     @property
     def torque(self) -> float:

@@ -27,14 +27,13 @@ from typing import Literal
 
 import numpy as np
 
-from fem.options import check_options, option
+from fem.options import option
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, Rule, Signal, rule
 from mbd.elements.linear import Matrices, Part, part_on_rows
 from mbd.elements.lookup import cell_below, interpolated
 from mbd.elements.mode_words import ModeWords
 from mbd.forces.torque_source import TorqueSource
-from mbd.parts.checks import MachineError
 from mbd.parts.drive import SpeedProfile
 
 WORDS = ModeWords("controller", "controllers")
@@ -95,7 +94,6 @@ class SpeedController(TorqueSource):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_options(self, MachineError, self.name)
         for name in ("times", "speeds"):
             object.__setattr__(self, name, getattr(self.reference, name))
 

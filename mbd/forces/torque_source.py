@@ -13,13 +13,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.options import check_options, inline, option
+from fem.options import inline, option
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, Rule, Signal
 from mbd.elements.linear import Matrices, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
-from mbd.parts.checks import MachineError, finite
+from mbd.parts.checks import Options
 from mbd.parts.drive import COUPLING_TORQUE, motor_channels
 from mbd.parts.load import OutsideForce
 
@@ -27,7 +27,7 @@ LEAST_SCALE = 1e-6  # N m
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rotor:
+class Rotor(Options):
     """The rotor that a torque acts on."""
 
     inertia: float = option(0.0, unit="kg m2", ge=0, text="moment of inertia of the rotor; 0: none")
@@ -43,9 +43,6 @@ class Rotor:
         0.0, unit="N m s/rad", key="coupling_damping_N_m_s_per_rad", ge=0, text="torsional damping of that coupling"
     )
 
-    def __post_init__(self) -> None:
-        check_options(self, MachineError)
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TorqueSource(OutsideForce):
@@ -53,9 +50,6 @@ class TorqueSource(OutsideForce):
 
     rotor: Rotor = inline(Rotor())
     drives: bool = False  # a motor, in whose sense the machine runs
-
-    def __post_init__(self) -> None:
-        finite(f"{self.name} y", self.y)
 
     @property
     @abstractmethod

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fem.options import check_options
+
 
 class MachineError(ValueError):
     """A part of the machine is described by impossible or contradictory values."""
@@ -18,6 +20,13 @@ class EquilibriumError(RuntimeError):
 
 class StepError(RuntimeError):
     """A time step did not converge, or the step size is outside the range of the method."""
+
+
+class Options:
+    """Base of options, see `fem.options.option`; MachineError if one is outside its limits."""
+
+    def __post_init__(self) -> None:
+        check_options(self, MachineError)
 
 
 def positive(where: str, value: float, remedy: str = "") -> None:

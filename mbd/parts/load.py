@@ -14,6 +14,7 @@ from typing import Literal, Self
 
 import numpy as np
 
+from fem.options import check_options
 from mbd.elements.component import Component, Place
 from mbd.elements.coordinates import Coordinates
 from mbd.parts.checks import MachineError, finite, positive
@@ -123,6 +124,9 @@ class Excitation(Component):
 
     name: str
 
+    def __post_init__(self) -> None:
+        check_options(self, MachineError, self.name)
+
     @property
     def casing_rows(self) -> tuple[str, ...]:
         """Rows of the casing that it pulls, e.g. ``sensor_1:uz``."""
@@ -139,6 +143,10 @@ class OutsideForce(Excitation):
 
     shaft: str
     y: float
+
+    def __post_init__(self) -> None:
+        finite(f"{self.name} y", self.y)
+        super().__post_init__()
 
     @property
     def highest_speed(self) -> float:

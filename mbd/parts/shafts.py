@@ -23,7 +23,7 @@ from mbd.elements.linear import Matrices, Part
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
 from mbd.parts.beam import beam_matrices, disk_matrices
-from mbd.parts.checks import MachineError, finite, positive, unique
+from mbd.parts.checks import MachineError, Options, finite, positive, unique
 
 AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
 RIGID_MOTIONS = 5  # of the model "torsion", its first coordinates
@@ -62,7 +62,7 @@ class Section:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Disk:
+class Disk(Options):
     """A rigid disk on a shaft, besides gears and drums: half of a coupling, brake disk, flywheel.
 
     In m, kg and kg m2. The bodies of gears and drums are disks, too, which the program makes.
@@ -73,9 +73,6 @@ class Disk:
     mass: float = option(text="mass of the disk", unit="kg", ge=0)
     polar_inertia: float = option(text="moment of inertia about the shaft", unit="kg m2", ge=0)
     diametral_inertia: float = option(text="moment of inertia about a diameter", unit="kg m2", ge=0)
-
-    def __post_init__(self) -> None:
-        check_options(self, MachineError)
 
 
 @dataclass(frozen=True, kw_only=True)
