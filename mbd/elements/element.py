@@ -1,8 +1,8 @@
 """What an element kind is: everything that makes a nonlinear force, a file of `mbd.forces` each.
 
-A kind has a compiled rule and a function that finds its elements in a machine (see `mbd.forces.registry`). An element
-acts on rows: u (n,) are linear readings of the coordinates, and a force F on a row pulls the coordinates back by
-row^T F. It is the sum
+A kind has a compiled rule. A component brings its elements, or a function finds them in a machine (a line in
+`mbd.system.system.SOURCES_OF_FORCE`). An element acts on rows: u (n,) are linear readings of the coordinates, and a
+force F on a row pulls the coordinates back by row^T F. It is the sum
 
     F = dU/du (elastic) + the rest (lost), dissipated power = lost . u'
 
