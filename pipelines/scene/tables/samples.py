@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import io
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any
@@ -14,10 +15,9 @@ import numpy as np
 from pydantic import Discriminator, Field, Tag
 
 from fem.storage.hdf5 import blocks_missing
-from pipelines.io.errors import SceneError
+from pipelines.io.errors import InputError, Problem, SceneError
 from pipelines.io.shown import nearest_name, shown
-from pipelines.io.user_files import read_text
-from pipelines.scene.named_file import reading, refused
+from pipelines.io.user_files import read_text, regular_file
 from pipelines.scene.tables.base import Number, Table
 
 MOST_BYTES = 200_000_000
@@ -175,3 +175,34 @@ def _dataset(file: Path, name: str, path: str) -> np.ndarray:
 
 def _at(line: int | None, number: int) -> str:
     return "" if line is None else f" (value {number + 1}, about line {line + number})"
+
+
+def refused(path: str, message: str, remedy: str, value: str | None = None) -> SceneError:
+    """What to raise for a key of the scene at ``path``, with the value that it has there."""
+    return SceneError("scene", [Problem(path, message, remedy, None if value is None else f'"{value}"')])
+
+
+@contextlib.contextmanager
+def reading(file: Path, name: str, path: str, most_bytes: int) -> Iterator[None]:
+    """While a file is read.
+
+    Parameters
+    ----------
+    file, name : where it is, and its name in the scene
+    path : of the table in the scene, for messages
+    most_bytes : its greatest size
+
+    Raises
+    ------
+    SceneError : no such file, no regular one, too large a one, or it cannot be read
+    """
+    try:
+        regular_file(file, most_bytes)
+        yield
+    except FileNotFoundError:
+        remedy = "Correct the path; it starts at the folder of the scene"
+        raise refused(f"{path}.file", "there is no such file", remedy, name) from None
+    except SceneError:
+        raise
+    except InputError as error:
+        raise refused(f"{path}.file", str(error), "") from error
