@@ -24,8 +24,7 @@ Station = tuple[str, float]  # name of a shaft, and y on it (m)
 
 def bearing_model(name: str) -> type[BearingModel]:
     """The class of that name. MachineError if there is none."""
-    found: type[BearingModel] = named_class(BEARINGS, name, "bearing model", MachineError)
-    return found
+    return named_class(BEARINGS, name, "bearing model", MachineError)
 
 
 @dataclass(frozen=True, kw_only=True)

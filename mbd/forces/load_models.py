@@ -25,8 +25,7 @@ LOADS = {
 
 def load_model(name: str) -> type[HangingLoad]:
     """The class of that name. MachineError if there is none."""
-    found: type[HangingLoad] = named_class(LOADS, name, "load model", MachineError)
-    return found
+    return named_class(LOADS, name, "load model", MachineError)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,7 +147,7 @@ class RopeLoad(HangingLoad):
             ground = Ground(
                 level=self.ground_level, stiffness=self.ground_stiffness, damping_ratio=self.ground_damping_ratio
             )
-        made: Load = kind(
+        return kind(
             shaft=shaft,
             drums=drums,
             container_mass=self.container_mass,
@@ -162,7 +161,6 @@ class RopeLoad(HangingLoad):
             ground=ground,
             **others,
         )
-        return made
 
 
 @dataclass(frozen=True, kw_only=True)

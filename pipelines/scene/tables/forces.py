@@ -59,8 +59,7 @@ class ExcitationBase(DerivedTable):
 
     def spec(self, number: int) -> Excitation:
         """The excitation in SI."""
-        made: Excitation = self.made(f"forces.{number}", **self.place(number))
-        return made
+        return self.made(f"forces.{number}", **self.place(number))
 
 
 class ShaftExcitationBase(PlacedTable, ExcitationBase):

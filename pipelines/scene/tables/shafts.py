@@ -130,12 +130,10 @@ class CouplingBase(DerivedTable):
         placed = {"name": f"coupling_{number}", "shafts": tuple(f"shaft_{shaft}" for shaft in self.shafts)}
         across = self.radial_stiffness_across_N_per_um, self.tilt_stiffness_across_N_m_per_rad
         if not (self.universal_joint or across != (None, None) or any((*self.offset_um, *self.tilt_mrad))):
-            plain: ShaftCoupling = self.made_part(ShaftCoupling, **placed)
-            return plain
+            return self.made_part(ShaftCoupling, **placed)
         from mbd.excitations.misaligned_coupling import MisalignedCoupling
 
-        turning: MisalignedCoupling = self.made_part(MisalignedCoupling, **placed)
-        return turning
+        return self.made_part(MisalignedCoupling, **placed)
 
 
 ShaftModelTable: TypeAlias = table(ShaftModel, _ShaftModelBase)
