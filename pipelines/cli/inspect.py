@@ -114,7 +114,9 @@ def main(options: argparse.Namespace) -> Iterator[str]:
 def _cycles(shown: InspectedStage, options: argparse.Namespace) -> np.ndarray:
     import numpy as np
 
-    return shown.film_cycles(options.frames) if options.position is None else np.array([options.position])
+    from pipelines.report.figures.mesh_frames import passage
+
+    return passage(shown.laws.cycle, options.frames) if options.position is None else np.array([options.position])
 
 
 def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, frames: int) -> Iterator[str]:
@@ -122,8 +124,9 @@ def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, 
     import numpy as np
 
     from pipelines.report.figures.mesh_pictures import write_film, write_still
+    from pipelines.steps.pair_curves import acting
 
-    cycle = shown.still_cycle() if options.position is None else options.position
+    cycle = acting(shown.laws) if options.position is None else options.position
     yield from _listed(write_still, shown.mesh_view(np.array([cycle])), stem)
     if frames == 1:
         return

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -193,7 +194,9 @@ def _cost(cost: RunCost) -> list[str]:
         )
         parts = [page.table(grid("Computing time and memory of each step", steps)), page.note(note)]
     if cost.ledger:
-        rows = tuple((_count_words(name), cell(value)) for name, value in cost.ledger.items() if value)
+        rows = tuple(
+            (_COUNTS.get(name, name.replace("_", " ")), cell(value)) for name, value in cost.ledger.items() if value
+        )
         parts.append(page.table(Grid(title="Size of the computation", headers=("quantity", "count"), rows=rows)))
     return parts
 
@@ -208,7 +211,9 @@ def _provenance(cost: RunCost) -> list[str]:
     for name, value in nested.items():
         title = "keys of the results in the cache" if name == "keys" else name
         parts.append(
-            page.folded(title, page.preformatted(json.dumps(value, indent=1, default=str, ensure_ascii=False)))
+            page.folded(
+                title, f"<pre>{html.escape(json.dumps(value, indent=1, default=str, ensure_ascii=False))}</pre>"
+            )
         )
     return parts
 
@@ -253,8 +258,3 @@ def _step_words(name: str) -> str:
     """What a step computes."""
     found = [text + name[len(start) :] for start, text in _STARTS.items() if name.startswith(start)]
     return found[0] if found else _STEPS.get(name) or step_words(name)
-
-
-def _count_words(name: str) -> str:
-    """What is counted."""
-    return _COUNTS.get(name, name.replace("_", " "))

@@ -12,12 +12,12 @@ from fem.contact.faults.cracked_tooth import CrackedTooth
 from pipelines.machine.flanks import Fault
 from pipelines.machine.plant import Plant
 from pipelines.report.figures.damage import crack_depth
-from pipelines.report.figures.mesh_frames import mesh_frames, passage
+from pipelines.report.figures.mesh_frames import mesh_frames
 from pipelines.report.figures.mesh_pictures import MeshView
 from pipelines.report.figures.pattern import contact_pattern, damaged_part
 from pipelines.report.figures.pattern_pictures import PatternView, write_pattern
 from pipelines.report.figures.shapes import PlacedPair, placed_pair, shown_cycle, stage_view
-from pipelines.steps.pair_curves import PairLaws, acting
+from pipelines.steps.pair_curves import PairLaws
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -67,14 +67,6 @@ class InspectedStage:
             cycles=cycles,
             states=tuple(states),
         )
-
-    def still_cycle(self) -> float:
-        """Where the damage acts."""
-        return acting(self.laws)
-
-    def film_cycles(self, frames: int) -> np.ndarray:
-        """Mesh cycles (frame,) around the passage of the damaged tooth."""
-        return passage(self.laws.cycle, frames)
 
     def gears_title(self) -> str:
         """Title of the overview: scene, position, load and size."""

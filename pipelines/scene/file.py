@@ -66,7 +66,8 @@ class LoadedScene:
             return text
         if self.source.folder is None:
             return text + "\n" + format_document(self.settings)
-        shown = "".join(f"# --set {line}\n" for line in _setting_lines(self.settings))
+        lines = (line.replace(": (none) -> ", "=") for line in differences({}, self.settings))
+        shown = "".join(f"# --set {line}\n" for line in lines)
         return f"{shown}{text}"
 
 
@@ -314,10 +315,6 @@ def _shipped_source(name: str) -> Source:
     raise InputError(
         f"{shown(name)}: {what}. {hint}Give the path of a file that ends in .toml, or one of {', '.join(names)}."
     )
-
-
-def _setting_lines(settings: Mapping[str, Any]) -> list[str]:
-    return [line.replace(": (none) -> ", "=") for line in differences({}, settings)]
 
 
 _WINDOWS = ("diagnosis", "windows_s")
