@@ -19,6 +19,7 @@ from fem.contact.models.iso import Iso
 from fem.contact.models.solid import Solid
 from fem.gears.modifications import PairModifications
 from pipelines.io.errors import InputError
+from pipelines.io.user_files import writable_file
 from pipelines.machine.flanks_spec import FlanksSpec
 from pipelines.report.figures import mesh_pictures
 from pipelines.report.figures.callouts import casing_figure, gear_figure
@@ -30,8 +31,8 @@ from pipelines.report.figures.render import render_gears, render_mesh, render_st
 from pipelines.report.figures.scene_frame import placed, scene_frame
 from pipelines.report.figures.shapes import gear_view
 from pipelines.report.figures.stress_pictures import (
+    FORMATS,
     StressView,
-    checked_mesh_file,
     stress_figure,
     teeth_in_mesh,
     write_teeth,
@@ -120,7 +121,7 @@ def test_files_of_teeth_are_read_back(solved, tmp_path, ending):
     if faulty is None:
         pytest.skip("written for the right hand")
     teeth = teeth_in_mesh(pair, faulty)
-    path = checked_mesh_file(str(tmp_path / f"teeth{ending}"))
+    path = tmp_path / f"teeth{ending}"
     frame = scene_frame((0.1, 0.2), (0.1, 0.1), 0.03, -1)  # a wheel below the pinion, which turns about -y
     write_teeth(teeth, path, frame)
     found = meshio.read(path)
@@ -143,7 +144,7 @@ def test_files_of_teeth_are_read_back(solved, tmp_path, ending):
 
 def test_an_unknown_ending_is_refused():
     with pytest.raises(InputError, match=r"ending must be one of \.vtu, \.inp, \.msh, \.bdf"):
-        checked_mesh_file("teeth.stl")
+        writable_file("teeth.stl", "--mesh", FORMATS)
 
 
 def words(figure):

@@ -21,7 +21,7 @@ from mbd.elements.component import Component, Place
 from mbd.elements.linear import Matrices, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
-from mbd.parts.checks import MachineError, finite, frozen_array, not_negative, positive
+from mbd.parts.checks import finite, freeze_pairs, not_negative, positive
 
 if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator
@@ -107,19 +107,7 @@ class SpeedProfile:
     smooth: bool = False
 
     def __post_init__(self) -> None:
-        times, speeds = frozen_array(self.times), frozen_array(self.speeds)
-        object.__setattr__(self, "times", times)
-        object.__setattr__(self, "speeds", speeds)
-        if len(times) != len(speeds) or len(times) == 0:
-            raise MachineError(f"speed profile: {len(times)} times for {len(speeds)} speeds; give pairs.")
-        if not (np.isfinite(times).all() and np.isfinite(speeds).all()):
-            raise MachineError("speed profile: times and speeds must be finite.")
-        if (np.diff(times) <= 0).any():
-            i = int(np.argmax(np.diff(times) <= 0))
-            raise MachineError(
-                f"speed profile: time {times[i + 1]} s follows {times[i]} s; times must increase strictly. "
-                "Spread a jump over at least one sample."
-            )
+        freeze_pairs(self, "speed profile", "times", "speeds")
 
     @property
     def highest(self) -> float:

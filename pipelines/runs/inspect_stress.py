@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipelines.io.errors import SceneWarning
+from pipelines.io.user_files import writable_file
 
 if TYPE_CHECKING:
     from fem.contact.models.mesh_model import LawSpec
@@ -47,8 +48,8 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
     from pipelines.engine.step import Graph
     from pipelines.report.figures.shapes import placed_pair, stage_view
     from pipelines.report.figures.stress_pictures import (
+        FORMATS,
         StressView,
-        checked_mesh_file,
         teeth_in_mesh,
         write_stress,
         write_teeth,
@@ -56,7 +57,7 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
     from pipelines.steps.pair_curves import acting, law_names, pair_laws
 
     stage = options.stage
-    target = None if options.mesh is None else checked_mesh_file(options.mesh)
+    target = None if options.mesh is None else writable_file(options.mesh, "--mesh", FORMATS)
     pair, model = plant.layout.pairs[stage - 1], stress_model(plant.laws[stage - 1])
     outcome = work.build(graph, law_names(plant))
     found = pair_laws(plant, outcome.value)[stage - 1]

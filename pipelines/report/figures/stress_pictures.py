@@ -11,9 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.contact.models.solid_stress import LoadedTeeth
-from pipelines.io.errors import InputError
-from pipelines.io.shown import shown
-from pipelines.io.user_files import whole_file, writable_file
+from pipelines.io.user_files import whole_file
 from pipelines.report.figures.film import save_figure
 from pipelines.report.figures.mesh_frames import contact_places
 from pipelines.report.figures.render import render_stress
@@ -76,16 +74,6 @@ def teeth_in_mesh(pair: GearPair, found: LoadedTeeth) -> Teeth:
         line_points=contact_places(pair, found.xi, found.hand * found.face),
         line_load=np.where(found.line_load > 0.0, found.line_load, np.nan),
     )
-
-
-def checked_mesh_file(name: str) -> Path:
-    """The path of an export of teeth; InputError for an ending that is not known."""
-    path = writable_file(name, "--mesh")
-    if path.suffix.lower() not in FORMATS:
-        raise InputError(
-            f"--mesh {shown(name)}: the ending must be one of {', '.join(FORMATS)}. Correct the file name."
-        )
-    return path
 
 
 def write_teeth(teeth: Teeth, path: Path, frame: np.ndarray) -> None:
