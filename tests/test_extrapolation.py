@@ -24,6 +24,7 @@ from fem.casing.uncertainty.extrapolation import (
     limits_from,
     lowest_modes,
     measured_limits,
+    quadratic_modes,
     stiffness_factor,
 )
 from fem.casing.uncertainty.frequency_limits import EDGE_ORDER
@@ -223,6 +224,20 @@ def test_what_is_taken_off_tetrahedra_follows_from_quadratic_ones_on_their_mesh(
     apart = abs(limits.limits / other.limits - 1.0)
     assert (apart <= (limits.bands + other.bands) / other.limits).mean() > 0.9
     assert np.median(apart) < 0.5 * np.median(tetrahedra[0].frequencies[:COUNT] / other.limits - 1.0)
+
+
+@pytest.mark.parametrize("ground", ["fixed", "springs"])
+def test_one_inverse_iteration_from_the_cubic_modes_finds_the_quadratic_ones(hexahedra, ground):
+    mesh = mesh_geometry(short_housing(), Sizes(element=0.024, bore=0.024), "hexahedron-32")
+    cubic = assembled_casing(mesh, CAST_IRON, ground=ground)
+    casing = cubic.held()
+    reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, highest=4.0 * BAND)
+    found = quadratic_modes(cubic, reduction, static=False)
+    exact = hexahedra[1] if ground == "fixed" else lowest_modes(cubic.quadratic(), static=False)
+    assert found.frequencies[:COUNT] == pytest.approx(exact.frequencies[:COUNT], rel=1e-5)
+    norms = (np.linalg.norm(one.shapes[:, :COUNT], axis=0) for one in (found, exact))
+    alike = np.abs(np.einsum("ij,ij->j", found.shapes[:, :COUNT], exact.shapes[:, :COUNT])) / np.prod([*norms], axis=0)
+    assert alike.min() > 0.999
 
 
 @pytest.mark.parametrize("modes", ["tetrahedra", "hexahedra"])

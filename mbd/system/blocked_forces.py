@@ -26,7 +26,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg as la
 
 from mbd.parts.casing import NAME
 from mbd.system.linearised import tangent
@@ -53,7 +52,7 @@ class MachineAtSeats:
             stiffness + 1j * omega * damping - omega**2 * mass
             for stiffness, damping, mass in (self.own, self.across, self.back, self.rest)
         )
-        moved = la.solve(rest, np.hstack([back, self.flanks]))
+        moved = np.linalg.solve(rest, np.hstack([back, self.flanks]))
         return own - across @ moved[:, : len(own)], -across @ moved[:, len(own) :]
 
 
@@ -110,9 +109,9 @@ def blocked_forces(
     coupled = np.eye(len(forces)) + stiffness @ receptance
     if known.all():
         return coupled @ forces
-    pushed = la.solve(coupled, flanks)
+    pushed = np.linalg.solve(coupled, flanks)
     size = np.linalg.norm(pushed[known], axis=0)
     fit = np.linalg.lstsq(pushed[known] / size, forces[known])[0] / size
     left, missing = np.where(known, forces - pushed @ fit, 0.0), np.flatnonzero(~known)
-    left[missing] = la.solve(coupled[np.ix_(missing, missing)], -(coupled @ left)[missing])
+    left[missing] = np.linalg.solve(coupled[np.ix_(missing, missing)], -(coupled @ left)[missing])
     return flanks @ fit + coupled @ left

@@ -261,17 +261,29 @@ def amplitudes(signal: np.ndarray, window: str) -> np.ndarray:
 def complex_amplitudes(signal: np.ndarray, window: str) -> np.ndarray:
     """Those of `amplitudes` with their phases: a tone Re(A exp(2 pi i f t)) on a bin reads A."""
     samples = signal.shape[0]
-    if window == "hann":
-        weight = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(samples) / samples)
-    elif window == "boxcar":
-        weight = np.ones(samples)
-    else:
-        raise SpectrumError(f"window {window!r}: known are {', '.join(WINDOWS)}")
+    weight = _weights(samples, window)
     amplitude = 2 * np.fft.rfft(signal * weight[:, None], axis=0) / weight.sum()
     amplitude[0] /= 2
     if samples % 2 == 0:
         amplitude[-1] /= 2
     return amplitude
+
+
+def bin_kernel(samples: int, bins: Sequence[int], window: str) -> np.ndarray:
+    """Matrix (samples, bin) with which signal @ matrix are the `complex_amplitudes` at a few bins, neither first nor
+    last of all."""
+    weight = _weights(samples, window)
+    phase = -2j * np.pi / samples * (np.outer(np.arange(samples), bins) % samples)
+    kernel: np.ndarray = (2.0 / weight.sum()) * weight[:, None] * np.exp(phase)
+    return kernel
+
+
+def _weights(samples: int, window: str) -> np.ndarray:
+    if window == "hann":
+        return 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(samples) / samples)
+    if window == "boxcar":
+        return np.ones(samples)
+    raise SpectrumError(f"window {window!r}: known are {', '.join(WINDOWS)}")
 
 
 def _spectrum(kind: str, amplitude: np.ndarray, segment: Segment, window: str, band: tuple[float, float]) -> Spectrum:

@@ -71,15 +71,16 @@ class CasingReduction(Stage):
         from threadpoolctl import threadpool_limits
 
         from fem.casing.reduced.checkup import check_up
-        from fem.casing.uncertainty.extrapolation import lowest_modes
+        from fem.casing.uncertainty.extrapolation import quadratic_modes
 
         with threadpool_limits(1):  # the heavy steps run in two halves side by side
             assembled = self.assembled(mesh)
-            lower = (lowest_modes(assembled.quadratic(), static=self.static),) if self.quadratic else ()
             casing = assembled.held()
             modes, reduction = self.reduced(casing)
             casing = replace(casing, interface=casing.interface.whole)
             found = check_up(casing, reduction)
+            del casing  # its factor
+            lower = (quadratic_modes(assembled, reduction, static=self.static),) if self.quadratic else ()
         if found.failures:
             raise CasingError(
                 f"casing: the check-up of the reduced body fails in {', '.join(found.failures)}. Use a finer "

@@ -86,12 +86,18 @@ class AssembledCasing:
         out[: 3 * len(self.mesh.nodes)] = rigid_body_modes(self.mesh.nodes, centre)
         return out
 
+    @property
+    def not_cubic(self) -> np.ndarray:
+        """Whether an unknown q (n,) is anything but a cubic displacement of an element."""
+        left = np.ones(self.unknowns, bool)
+        left[self.unknowns - len(self.added.numbers) :] = self.added.numbers >= KINDS_APART
+        return left
+
     def quadratic(self) -> AssembledCasing:
         """The same casing without the cubic displacements of its elements, which are hierarchic."""
-        cubic = self.added.numbers < KINDS_APART
-        size, first = self.K.shape[0], 3 * len(self.mesh.nodes)
-        kept, left = np.ones(size, bool), np.ones(self.unknowns, bool)
-        kept[first:], left[self.unknowns - len(cubic) :] = ~cubic, ~cubic
+        cubic, left = self.added.numbers < KINDS_APART, self.not_cubic
+        kept = np.ones(self.K.shape[0], bool)
+        kept[3 * len(self.mesh.nodes) :] = ~cubic
         return replace(
             self,
             mesh=replace(self.mesh, cubic=0),

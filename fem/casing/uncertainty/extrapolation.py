@@ -20,10 +20,10 @@ from threadpoolctl import threadpool_limits
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.parts.names import Ground
 from fem.casing.reduced.body import MODES_OVER_BAND
-from fem.casing.reduced.grounded import AssembledCasing
+from fem.casing.reduced.grounded import AssembledCasing, GroundedCasing
 from fem.casing.reduced.halves import lowest
 from fem.casing.reduced.modes import CasingModes
-from fem.casing.reduced.reduction import reduce_body
+from fem.casing.reduced.reduction import Reduction, reduce_body
 from fem.casing.uncertainty.cubic_limits import cubic_limits
 from fem.casing.uncertainty.frequency_limits import LEAST_MODES, FrequencyLimits, LimitError
 from fem.casing.uncertainty.laws import RATIOS, law_of
@@ -33,6 +33,7 @@ from fem.storage.records import Record, array, integer, scalar, text
 
 MODES = 60  # lowest natural modes that are compared
 LARGEST = 0.25  # change of a frequency from mesh to mesh that is extrapolated
+_GUARD = 12  # further modes that are iterated along: the last ones of a block converge least
 RIGID_MOTIONS = 6  # motions of a casing on springs, which stand outside its own stiffness
 
 
@@ -79,10 +80,50 @@ def lowest_modes(assembled: AssembledCasing, *, static: bool) -> LowestModes:
             reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=count, enrich=not static)
             frequencies, vectors = _elastic(reduction.stiffness, reduction.mass, ground)
             phi = reduction.basis @ vectors
+    return _sampled(casing, frequencies, phi)
+
+
+def quadratic_modes(assembled: AssembledCasing, reduction: Reduction, *, static: bool) -> LowestModes:
+    """The modes of a casing without the cubic displacements of its elements, from those with them.
+
+    These, X with omega, are so near that one inverse iteration is enough,
+
+        Y = (K + B^T D B)^-1 (M X omega^2 + B^T D B X),
+
+    followed by Rayleigh's method in the span of Y (Bathe 2014, Finite Element Procedures, section 11.6). On the shipped
+    hoist the frequencies are then within 3e-6 of converged ones, which differ from those of X by 2e-3 to 6e-3.
+
+    Parameters
+    ----------
+    assembled : the casing with cubic displacements
+    reduction : of it
+    static : as in `lowest_modes`
+
+    Raises
+    ------
+    as `AssembledCasing.held`
+    """
+    quadratic = assembled.quadratic()
+    if static:
+        return lowest_modes(quadratic, static=True)
+    squares, vectors = (
+        some[..., : RIGID_MOTIONS + MODES + _GUARD] for some in la.eigh(reduction.stiffness, reduction.mass)
+    )
+    X = (reduction.basis @ vectors)[assembled.not_cubic]
+    casing = quadratic.held()
+    M, B, D = casing.M_free, casing.rows, casing.springs[:, None]
+    loads = M @ (X * squares) + B.T @ (D * (B @ X))
+    Y = casing.interface.factor.solve(loads)
+    K_small = Y.T @ loads - (B @ Y).T @ (D * (B @ Y))
+    frequencies, small = _elastic(0.5 * (K_small + K_small.T), Y.T @ (M @ Y), casing.ground)
+    return _sampled(casing, frequencies, Y @ small)
+
+
+def _sampled(casing: GroundedCasing, frequencies: np.ndarray, vectors: np.ndarray) -> LowestModes:
     unknowns = (3 * sample_nodes(casing.mesh.nodes)[:, None] + np.arange(3)).ravel()
     return LowestModes(
         frequencies=frequencies,
-        shapes=casing.expanded(phi)[unknowns],
+        shapes=casing.expanded(vectors)[unknowns],
         element_size=casing.mesh.element_size,
         unknowns=casing.unknowns,
         element=casing.mesh.element.name,

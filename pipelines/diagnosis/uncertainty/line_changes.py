@@ -13,10 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy import fft
 
 from fem.casing.uncertainty.draws import CasingDraws
 from pipelines.diagnosis.uncertainty.casing_changes import CasingPath
-from pipelines.signals.spectrum import Segment, amplitudes, complex_amplitudes
+from pipelines.signals.spectrum import Segment, bin_kernel, complex_amplitudes
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -84,22 +85,23 @@ def envelope_changes(
     for i, number in enumerate(carried):
         predicted, other = path.accelerations(number / duration, forces[number], draws)
         changed[:, i] = other - predicted
-    wanted = [run.number(k * revolution_frequency) for k in orders]
-    recorded = _envelope_lines(lines, count, wanted, run.window)
-    levels = np.empty((len(draws), len(wanted)))
+    kernel = bin_kernel(count, [run.number(k * revolution_frequency) for k in orders], run.window)
+    recorded = _envelope_lines(lines, kernel)
+    levels = np.empty((len(draws), len(orders)))
     for draw in range(len(draws)):
         moved = lines.copy()
         moved[carried] += 0.5 * count * changed[draw]
-        levels[draw] = _decibel(_envelope_lines(moved, count, wanted, run.window), recorded)
+        levels[draw] = _decibel(_envelope_lines(moved, kernel), recorded)
     return levels
 
 
-def _envelope_lines(lines: np.ndarray, count: int, wanted: Sequence[int], window: str) -> np.ndarray:
-    """Amplitudes at bins of the envelope of a signal with these positive-frequency `lines` (bin, axis)."""
-    whole = np.zeros((count, lines.shape[1]), dtype=complex)
-    whole[: len(lines)] = 2.0 * lines
-    length = np.sqrt((abs(np.fft.ifft(whole, axis=0)) ** 2).sum(axis=1))
-    return amplitudes((length - length.mean())[:, None], window)[wanted, 0]
+def _envelope_lines(lines: np.ndarray, kernel: np.ndarray) -> np.ndarray:
+    """Amplitudes of the envelope of a signal with these positive-frequency `lines` (bin, axis), see `bin_kernel`."""
+    analytic = np.zeros((lines.shape[1], len(kernel)), dtype=complex)
+    analytic[:, : len(lines)] = 2.0 * lines.T
+    analytic = fft.ifft(analytic, axis=1, overwrite_x=True)
+    length = np.sqrt((np.square(analytic.real) + np.square(analytic.imag)).sum(axis=0))
+    return np.abs((length - length.mean()) @ kernel)
 
 
 def _decibel(amplitude: ArrayLike, reference: ArrayLike) -> np.ndarray:

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.fft import next_fast_len
 
 from pipelines.signals.orders.revolutions import HIGHEST, revolutions
 from pipelines.signals.orders.rotation import Rotation
@@ -66,6 +67,6 @@ def cut_turns(
     if turned < 1.0:
         return None
     rate = (len(time) - 1) / float(time[-1] - time[0])
-    places = 2 * math.ceil(0.5 * COLUMNS * rate / frequency)
+    places = 2 * next_fast_len(math.ceil(0.5 * COLUMNS * rate / frequency))
     values = revolutions(signal, time, rotation, ratio, places, [window])
     return Turns(values=values, frequency=frequency, orders=int(HIGHEST * rate / frequency), backwards=angle < 0.0)
