@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import xarray
 
 from gearcase.given import checked_by_name, checked_file, checked_recording, checked_recordings
 from pipelines.diagnosis.comparison.labelled import labelled_comparison
@@ -12,9 +13,6 @@ from pipelines.diagnosis.verdict import Verdict
 from pipelines.recordings.machine import read_machine
 from pipelines.recordings.recording import read_recording
 from pipelines.runs.recorded import judge_recordings
-
-if TYPE_CHECKING:
-    import xarray
 
 MACHINE = "a machine file, a scene file, or the name of a shipped scene"
 __all__ = ["Verdict", "compare", "judge", "open_recording"]

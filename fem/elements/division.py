@@ -143,8 +143,7 @@ def _places(nodes: np.ndarray, block: np.ndarray, among: np.ndarray, middles: np
     """Local numbers, out of `among`, of the nodes of elements (e, k) nearest to the middles (e, m, 3)."""
     off = np.linalg.norm(nodes[block[:, among]][:, None] - middles[:, :, None], axis=3)  # (e, m, among)
     size = np.maximum(np.ptp(nodes[block], axis=1).max(axis=1), 1e-300)
-    found: np.ndarray = among[np.median(off / size[:, None, None], axis=0).argmin(axis=1)]
-    return found
+    return among[np.median(off / size[:, None, None], axis=0).argmin(axis=1)]
 
 
 def _check_conforming(nodes: np.ndarray, blocks: Sequence[np.ndarray]) -> None:

@@ -239,21 +239,3 @@ def slice_fraction(xi: np.ndarray, start: float, end: float, ramp: float) -> np.
         return ((xi >= start) & (xi <= end)).astype(float)
     covered = np.minimum(xi + ramp / 2, end) - np.maximum(xi - ramp / 2, start)
     return np.clip(covered / ramp, 0.0, 1.0)
-
-
-def line_length(pair: GearPair, cycle: np.ndarray | float, *, missing: bool = False) -> np.ndarray:
-    """Total length of the contact lines at the mesh cycles `cycle` (m), without load and tip-edge contact.
-
-    L(c) = sum_p b phi(c - p) / cos(beta_b), phi the share of the face on the path of contact; the mean over a cycle is
-    eps_alpha b / cos(beta_b). `missing` omits pair 0: the reduction lasts eps_gamma cycles and, while the missing line
-    would be complete, is 1/max(eps_alpha, eps_beta) of the mean.
-    """
-    cycle = np.atleast_1d(np.asarray(cycle, dtype=float))
-    ramp = pair.overlap_ratio
-    reach = ramp / 2 + max(-pair.xi_start, pair.xi_end)
-    around = np.arange(-math.ceil(reach) - 1, math.ceil(reach) + 2)
-    pairs = np.floor(cycle)[:, None] + around[None, :]
-    part = slice_fraction(cycle[:, None] - pairs, pair.xi_start, pair.xi_end, ramp)
-    if missing:
-        part = np.where(pairs == 0, 0.0, part)
-    return part.sum(axis=1) * pair.face_width / math.cos(pair.base_helix_angle)

@@ -217,8 +217,7 @@ def measured_gap(given: MeasuredFlanks, flank: str, radius: np.ndarray, face: np
     """
     along, across = _hats(given.face, face), _hats(given.radius, radius)
     deviation = given.deviation[FLANKS.index(flank)]
-    gap: np.ndarray = -np.einsum("sy,try,pr->tsp", along, deviation, across, optimize=True)
-    return gap
+    return -np.einsum("sy,try,pr->tsp", along, deviation, across, optimize=True)
 
 
 def _hats(nodes: np.ndarray, points: np.ndarray) -> np.ndarray:

@@ -43,11 +43,6 @@ class StoredArray:
             file.truncate(file.tell() + shape[0] * shape[1] * cls.dtype.itemsize)
         return cls(path)
 
-    @property
-    def nbytes(self) -> int:
-        """Bytes of the numbers in the file."""
-        return self.shape[0] * self.shape[1] * self.dtype.itemsize
-
     def __len__(self) -> int:
         return self.shape[0]
 

@@ -7,16 +7,14 @@ components (`mbd.parts.machine.Machine.components`) and contains no code for a p
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from mbd.elements.coordinates import Coordinates
+from mbd.elements.element import Element
 from mbd.elements.linear import Part
 from mbd.elements.reading import Reading
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
-    from mbd.elements.element import Element
 
 
 class Place(NamedTuple):

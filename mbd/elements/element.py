@@ -1,8 +1,8 @@
 """Element kind: the definition of a nonlinear force; each kind is one file of `mbd.forces`.
 
-A kind has a compiled rule and a function that makes its elements for a machine (see `mbd.forces.registry`). An element
-acts on rows: the displacements u (n,) are linear combinations of the coordinates, and a force F on a row pulls the
-coordinates back by row^T F. The force is the sum
+A kind has a compiled rule. A component makes its elements, or a function finds them in a machine (a line in
+`mbd.system.system.SOURCES_OF_FORCE`). An element acts on rows: the displacements u (n,) are linear combinations of the
+coordinates, and a force F on a row pulls the coordinates back by row^T F. The force is the sum
 
     F = dU/du (elastic) + the rest (lost), dissipated power = lost . u'
 

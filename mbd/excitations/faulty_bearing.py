@@ -19,11 +19,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem.numerics.inner import inner
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import ENERGY, FROZEN_ENERGY, WIDTH, Answer, Element, Motion, rule
 from mbd.elements.rule_call import call_rule, rule_number
 from mbd.excitations.cage_slip import CageSlip, lag_at
@@ -33,9 +33,6 @@ from mbd.forces.rolling_bearing import COUNT, FIRST, RATE, START, RollingContact
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.checks import MachineError
 from mbd.parts.rolling_elements import pass_frequencies
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 SOUND, GAP, SENSE, RATIO, CAGE, ROLL, ELEMENT, OUTER, INNER, REACH, SPALLS, KNOTS, REST = range(13)
 ON, WIDTH_OF, DEPTH, ANGLE, SPALL = range(5)  # places of the numbers of a spall; SPALL is how many there are

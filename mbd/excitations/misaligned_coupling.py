@@ -25,18 +25,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import numpy as np
 
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import ENERGY, Element, rule
-from mbd.elements.linear import Part, part_on_rows
+from mbd.elements.linear import Part, part_on_rows, springs
 from mbd.elements.mode_words import ModeWords
 from mbd.excitations.turning import turned_direction
-from mbd.parts.couplings import CouplingSprings, CouplingWithAxes
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
+from mbd.parts.couplings import CouplingWithAxes
 
 WORDS = ModeWords("coupling", "couplings")
 ROWS = ("angle", "twist", "rx", "rz", "ux", "uz")
@@ -111,9 +109,7 @@ class MisalignedCoupling(CouplingWithAxes):
                 self._relative(lay, 1)[None],
                 name=self.name,
                 words=WORDS,
-                elements=(
-                    CouplingSprings(at=(0,), springs=np.array([self.axial_stiffness]), damping_time=self.damping_time),
-                ),
+                matrices=springs(np.array([self.axial_stiffness]), self.damping_time),
             )
 
     def elements(self, lay: Coordinates) -> Iterator[Element]:

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
-from fem.options import check_options, option
-from mbd.parts.checks import MachineError
+from fem.options import option
+from mbd.parts.checks import MachineError, Options
 from mbd.parts.rolling_elements import RollingElements
 
 SURFACES = ("outer-ring", "inner-ring", "element")
@@ -17,7 +17,7 @@ WIDEST = 0.25  # of the circumference
 
 
 @dataclass(frozen=True, kw_only=True)
-class Spall:
+class Spall(Options):
     """A spall of a raceway or rolling element of a bearing of model hertz, across its whole contact width."""
 
     on: Literal["outer-ring", "inner-ring", "element"] = option(text="damaged part; element: the first rolling element")
@@ -31,9 +31,6 @@ class Spall:
         text="angle of its centre at t = 0: on a ring from +x towards +z; on an element from the contact with the "
         "outer race, in the sense in which the element rolls",
     )
-
-    def __post_init__(self) -> None:
-        check_options(self, MachineError)
 
     def check(self, elements: RollingElements) -> None:
         """Raise MachineError if the spall does not fit into the bearing."""
@@ -58,21 +55,6 @@ class Spall:
     def surface(self, elements: RollingElements) -> float:
         """Radius (m), in the rolling plane, of the damaged surface."""
         return elements.diameter / 2 if self.on == "element" else abs(race_radius(elements, self.on))
-
-    def drop(self, elements: RollingElements, place: float, race: str = "outer-ring") -> float:
-        """Drop (m) of an element whose contact is ``place`` (m) along the surface from the middle of the spall.
-
-        Parameters
-        ----------
-        elements : geometry of the rolling elements
-        place : m, positive or negative
-        race : race on which a spall in the element rolls, "outer-ring" or "inner-ring"; no effect for a ring
-        """
-        from mbd.excitations.spall_drop import drop_at
-
-        own = race if self.on == "element" else self.on
-        shape = self.width, self.depth, self.surface(elements)
-        return float(drop_at(place, *shape, elements.diameter / 2, race_radius(elements, own)))
 
 
 def race_radius(elements: RollingElements, race: str) -> float:

@@ -24,21 +24,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
-from fem.options import check_options, option
+from fem.options import option
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, rule
-from mbd.elements.linear import LinearElement, Part, part_on_rows
+from mbd.elements.linear import Matrices, Part, part_on_rows, springs
 from mbd.elements.mode_words import ModeWords
 from mbd.excitations.turning import turned_direction
-from mbd.parts.checks import MachineError, finite
-from mbd.parts.couplings import CouplingSprings
 from mbd.parts.load import TurningForce
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 WORDS = ModeWords("unbalance", "unbalances")
 SEISMIC_INERTIAS = (1e-10, 1e-6, 1e-6)  # kg m2, kg, kg
@@ -74,27 +70,12 @@ def unbalance_rule(values, motion, answer):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class SeismicMasses(LinearElement):
-    """Masses (n,), kg or kg m2, on additional coordinates."""
-
-    inertias: tuple[float, ...]
-
-    def mass(self) -> np.ndarray:
-        """M (n, n)."""
-        return np.diag(self.inertias)
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
 class Unbalance(TurningForce):
     """A rotating unbalance."""
 
     model: Literal["unbalance"] = "unbalance"
     size: float = option(unit="g mm", key="unbalance_g_mm", gt=0, text="mass times radius")
     angle: float = option(0.0, unit="deg", text="angle of the heavy spot at t = 0, from +x towards +z")
-
-    def __post_init__(self) -> None:
-        finite(f"{self.name} y", self.y)
-        check_options(self, MachineError, self.name)
 
     @property
     def coordinates(self) -> tuple[str, ...]:
@@ -112,23 +93,18 @@ class Unbalance(TurningForce):
     def parts(self, lay: Coordinates) -> Iterator[Part]:
         """The seismic masses."""
         own = self._own(lay)
-        every = tuple(range(len(own)))
         yield part_on_rows(
             own,
             name=f"{self.name}, seismic masses",
             words=WORDS,
-            elements=(SeismicMasses(at=every, inertias=SEISMIC_INERTIAS),),
+            matrices=Matrices(mass=np.diag(SEISMIC_INERTIAS)),
         )
         yield part_on_rows(
             self._forced(lay) - own,
             name=f"{self.name}, seismic springs",
             words=WORDS,
-            elements=(
-                CouplingSprings(
-                    at=every,
-                    springs=SEISMIC_FREQUENCY**2 * np.array(SEISMIC_INERTIAS),
-                    damping_time=2 * SEISMIC_DAMPING / SEISMIC_FREQUENCY,
-                ),
+            matrices=springs(
+                SEISMIC_FREQUENCY**2 * np.array(SEISMIC_INERTIAS), 2 * SEISMIC_DAMPING / SEISMIC_FREQUENCY
             ),
         )
 

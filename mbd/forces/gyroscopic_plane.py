@@ -9,15 +9,12 @@ whole matrix in their place.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import linalg
 
 from mbd.elements.element import Element, rule
-
-if TYPE_CHECKING:
-    from mbd.parts.assembly import Assembly
+from mbd.parts.assembly import Assembly
 
 KIND = "gyroscopic"
 KEPT = 0.999

@@ -17,18 +17,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import BY_ANGLE, ENERGY, Element, Signal, rule
 from mbd.elements.reading import Reading
 from mbd.forces.rope import LENGTH, LIFT, LOSS, PART, STIFFNESS_TIMES_LENGTH, TRAVEL, WORDS, Rope
 from mbd.parts.checks import MachineError
 from mbd.parts.load import ROPE_FORCE, SWAY
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 SWAYS = ("container:sway_x", "container:sway_y")  # coordinates
 

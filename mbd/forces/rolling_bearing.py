@@ -28,19 +28,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
 from fem.numerics.inner import UNCOUNTED, inner
 from fem.numerics.root import brentq
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import BY_ANGLE, ENERGY, Element, Rule, Signal, rule
 from mbd.elements.rule_call import evaluated
 from mbd.parts.bearings import BEARING_AXES, BearingSpec, bearing_force
 from mbd.parts.rolling_elements import RollingElements, pass_frequencies, reference_load
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 LAMINAE = 5
 ROLLER_EXPONENT = 10 / 9

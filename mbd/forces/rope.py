@@ -14,21 +14,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import BY_ANGLE, ENERGY, Element, Signal, rule
-from mbd.elements.linear import LinearElement, Part
+from mbd.elements.linear import Matrices, Part
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
 from mbd.forces.ground import Ground
 from mbd.parts.checks import MachineError, finite, not_negative, positive
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.load import CONTAINER, ROPE_FORCE, Load, pull_axis
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 LIFT = "container:lift"
 PART = "rope"
@@ -52,17 +50,6 @@ def rope_rule(values, motion, answer):
         answer.lost[0], answer.lost_by_v[0, 0] = c * motion.v[0], c
     else:
         answer.lost[0], answer.lost_by_u[0, 0] = -elastic, -k
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class HungMass(LinearElement):
-    """The container as a point mass (kg) on its displacements (n,)."""
-
-    container_mass: float
-
-    def mass(self) -> np.ndarray:
-        """M = m 1 (n, n)."""
-        return self.container_mass * np.eye(len(self.at))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,7 +129,7 @@ class Rope(Load):
             name="load",
             modes_of=PART,
             words=WORDS,
-            elements=(HungMass(at=tuple(range(n)), container_mass=self.container_mass),),
+            matrices=Matrices(mass=self.container_mass * np.eye(n)),
             index=np.array([int(np.argmax(lay.own_row(name))) for name in self.coordinates]),
             shape=np.eye(n),
         )

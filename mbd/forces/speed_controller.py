@@ -23,21 +23,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
-from fem.options import check_options, option
+from fem.options import option
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, Rule, Signal, rule
-from mbd.elements.linear import Part, part_on_rows
+from mbd.elements.linear import Matrices, Part, part_on_rows
 from mbd.elements.lookup import cell_below, interpolated
 from mbd.elements.mode_words import ModeWords
-from mbd.forces.torque_source import Inertia, TorqueSource
-from mbd.parts.checks import MachineError
-from mbd.parts.drive import MotorSpring, SpeedProfile
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
+from mbd.forces.torque_source import TorqueSource
+from mbd.parts.drive import SpeedProfile
 
 WORDS = ModeWords("controller", "controllers")
 SHARE = 1e-6  # e: share of the torque that drives w
@@ -97,7 +94,6 @@ class SpeedController(TorqueSource):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_options(self, MachineError, self.name)
         for name in ("times", "speeds"):
             object.__setattr__(self, name, getattr(self.reference, name))
 
@@ -136,9 +132,8 @@ class SpeedController(TorqueSource):
                 lay.own_row(coordinate)[None],
                 name=f"{self.name} anti-windup",
                 words=WORDS,
-                elements=(
-                    Inertia(at=(0,), inertia=mass),
-                    MotorSpring(at=(0,), spring=HOLD**2 * mass, damper=damper),
+                matrices=Matrices(
+                    mass=np.array([[mass]]), stiffness=np.array([[HOLD**2 * mass]]), damping=np.array([[damper]])
                 ),
             )
 

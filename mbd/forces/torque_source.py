@@ -10,38 +10,24 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.options import check_options, inline, option
+from fem.options import inline, option
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, Rule, Signal
-from mbd.elements.linear import LinearElement, Part, part_on_rows
+from mbd.elements.linear import Matrices, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
-from mbd.parts.checks import MachineError, finite
-from mbd.parts.drive import COUPLING_TORQUE, MotorSpring, motor_channels
+from mbd.parts.checks import Options
+from mbd.parts.drive import COUPLING_TORQUE, motor_channels
 from mbd.parts.load import OutsideForce
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 LEAST_SCALE = 1e-6  # N m
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Inertia(LinearElement):
-    """A moment of inertia (kg m2) on one rotation."""
-
-    inertia: float
-
-    def mass(self) -> np.ndarray:
-        """M = J (1, 1)."""
-        return np.array([[self.inertia]])
-
-
 @dataclass(frozen=True, kw_only=True)
-class Rotor:
+class Rotor(Options):
     """The rotor that a torque acts on."""
 
     inertia: float = option(0.0, unit="kg m2", ge=0, text="moment of inertia of the rotor; 0: none")
@@ -57,9 +43,6 @@ class Rotor:
         0.0, unit="N m s/rad", key="coupling_damping_N_m_s_per_rad", ge=0, text="torsional damping of that coupling"
     )
 
-    def __post_init__(self) -> None:
-        check_options(self, MachineError)
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TorqueSource(OutsideForce):
@@ -67,9 +50,6 @@ class TorqueSource(OutsideForce):
 
     rotor: Rotor = inline(Rotor())
     drives: bool = False  # it is a motor, which determines the sense of rotation
-
-    def __post_init__(self) -> None:
-        finite(f"{self.name} y", self.y)
 
     @property
     @abstractmethod
@@ -120,15 +100,14 @@ class TorqueSource(OutsideForce):
         if self.rotor.inertia == 0.0:
             return
         words = ModeWords("rotor", "rotors", group=self.name)
-        inertia = Inertia(at=(0,), inertia=self.rotor.inertia)
-        yield part_on_rows(self.row(lay)[None], name=f"{self.name} rotor", words=words, elements=(inertia,))
+        inertia = Matrices(mass=np.array([[self.rotor.inertia]]))
+        yield part_on_rows(self.row(lay)[None], name=f"{self.name} rotor", words=words, matrices=inertia)
         if self._coupling is not None:
-            spring = MotorSpring(at=(0,), spring=self._coupling, damper=self.rotor.damping)
             yield part_on_rows(
                 (lay.angle_row(self.shaft, self.y) - self.row(lay))[None],
                 name=f"{self.name} coupling",
                 words=ModeWords("coupling", "couplings"),
-                elements=(spring,),
+                matrices=Matrices(stiffness=np.array([[self._coupling]]), damping=np.array([[self.rotor.damping]])),
             )
 
     def elements(self, lay: Coordinates) -> Iterator[Element]:

@@ -10,17 +10,15 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal, Self
+from typing import Literal, Self
 
 import numpy as np
 
+from fem.options import check_options
 from mbd.elements.component import Component, Place
+from mbd.elements.coordinates import Coordinates
 from mbd.parts.checks import MachineError, finite, positive
 from mbd.parts.drive import SpeedProfile
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
-
 
 ROPE_FORCE = "rope:force"  # N, of all falls; for a swinging container the vertical component
 CONTAINER = ("container:lift", "container:acceleration")  # m, from the position at t = 0; m/s2
@@ -125,6 +123,9 @@ class Excitation(Component):
 
     name: str
 
+    def __post_init__(self) -> None:
+        check_options(self, MachineError, self.name)
+
     @property
     def casing_rows(self) -> tuple[str, ...]:
         """Rows of the casing on which it acts, e.g. ``sensor_1:uz``."""
@@ -142,6 +143,10 @@ class OutsideForce(Excitation):
 
     shaft: str
     y: float
+
+    def __post_init__(self) -> None:
+        finite(f"{self.name} y", self.y)
+        super().__post_init__()
 
     @property
     def highest_speed(self) -> float:

@@ -9,6 +9,7 @@ real forces (see `mbd.elements.element`).
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +18,7 @@ from fem.casing.reduced.body import ReducedBody
 from mbd.elements.element import Element
 from mbd.elements.linear import Part
 from mbd.elements.table import Table, element_table
-from mbd.forces.registry import SOURCES_OF_FORCE
+from mbd.forces import drag, efficiency, film, flank, gyroscopic_plane, sliding
 from mbd.parts.assembly import Assembly
 from mbd.parts.channels import ChannelRows, channel_names, channel_rows
 from mbd.parts.checks import MachineError
@@ -27,6 +28,23 @@ from mbd.system.rolling_frame import RollingFrame, rolling_frame
 
 DEFAULT_BAND = 20e3  # Hz
 ROLLS_FREELY = 1e-6  # force by rolling divided by the largest possible with the matrix: round-off
+
+
+def _of_components(assembly: Assembly) -> Iterable[Element]:
+    """What loads, bearings, couplings and outside forces bring themselves."""
+    return (one for component in assembly.machine.components for one in component.elements(assembly.layout))
+
+
+SOURCES_OF_FORCE: tuple[Callable[[Assembly], Iterable[Element]], ...] = (  # in the order of their rows
+    flank.elements,
+    film.elements,
+    _of_components,
+    efficiency.elements,
+    sliding.elements,
+    drag.brakes,
+    drag.bearing_drags,  # needs the linear reference of all above
+    gyroscopic_plane.elements,  # needs the modes with all above
+)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -108,7 +126,7 @@ def assemble(
     parts = tuple(part for component in lay.components for part in component.parts(lay))
     assembly = Assembly(lay, parts, band)
     _check_rolling(parts, assembly.rolling)
-    for elements in SOURCES_OF_FORCE.values():
+    for elements in SOURCES_OF_FORCE:
         assembly.add(elements(assembly))
     rows, (basis, frequencies) = assembly.rows, assembly.modes
     table, observed = element_table(assembly.elements, lay.size)
@@ -165,7 +183,7 @@ def _motor_torque(parts: tuple[Part, ...], size: int) -> np.ndarray:
     for part in parts:
         if len(part.driven):
             for row, matrix in zip(rows, ("stiffness", "damping"), strict=True):
-                row -= part.driven @ part.summed(matrix) @ part.rows(size)
+                row -= part.driven @ part.own(matrix) @ part.rows(size)
     return rows
 
 

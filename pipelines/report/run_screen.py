@@ -167,7 +167,6 @@ def _average(
         value=values[axis],
         reference=reference,
         across=across,
-        unit="m/s²",
         marked=None if marked is None else (-IN_MESH, IN_MESH),
         marked_name="" if marked is None else f"tooth {marked}",
         caption=caption,
@@ -217,8 +216,6 @@ def _envelope(
         line=own.frequency[shown],
         amplitude=own.amplitude[shown],
         reference=healthy[0].amplitude[shown] if healthy else None,
-        across="frequency, Hz",
-        unit="amplitude, m/s²",
         marked=[(k * f_r, "f_r" if k == 1 else f"{k} f_r") for k in range(1, settings.envelope_harmonics + 1)],
         band=f"band {own.band_low:.4g} to {own.band_high:.4g} Hz",
         caption=(

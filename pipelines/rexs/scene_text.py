@@ -61,7 +61,13 @@ def scene_text(unit: GearUnit, name: str) -> SceneText:
         f"title = {format_value(shown(name, 100))}",
         "",
         "[gear_material]",
-        *_keys(_material_keys(material)),
+        *_keys(
+            {
+                "elastic_modulus_GPa": material.elastic_modulus / 1000,
+                "poisson_ratio": material.poisson_ratio,
+                "density_kg_m3": 1000 * material.density,
+            }
+        ),
         *(line for number, stage in enumerate(stages, 1) for line in _stage_lines(unit, number, stage)),
         *shafts,
         *joints,
@@ -116,14 +122,6 @@ def _material(unit: GearUnit) -> tuple[Material, list[Note]]:
         reason = "one material for all, that of the first shaft that names one; the file has several"
         return material, [Note(kind="changed", where="gear_material", value=value, reason=reason)]
     return material, [Note(kind="assumed", where="gear_material", value=value, reason=reason)]
-
-
-def _material_keys(material: Material) -> dict[str, float]:
-    return {
-        "elastic_modulus_GPa": material.elastic_modulus / 1000,
-        "poisson_ratio": material.poisson_ratio,
-        "density_kg_m3": 1000 * material.density,
-    }
 
 
 def _grade(unit: GearUnit) -> tuple[int, list[Note]]:

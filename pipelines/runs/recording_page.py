@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from pipelines.diagnosis import words
 from pipelines.diagnosis.comparison.curves import curves
@@ -15,11 +14,8 @@ from pipelines.diagnosis.impacts import impact_words
 from pipelines.io.user_files import write_whole
 from pipelines.report import page
 from pipelines.report.figures.comparison_plots import comparison_figures
-from pipelines.runs.recorded import features_grid
+from pipelines.runs.recorded import JudgedFile, features_grid
 from pipelines.signals.levels import level_grid
-
-if TYPE_CHECKING:
-    from pipelines.runs.recorded import JudgedFile
 
 _CAPTIONS = {  # by the beginning of the name of a figure
     "orders": "Order spectra. Dashed: mesh orders.",

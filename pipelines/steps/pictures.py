@@ -71,8 +71,10 @@ def build_gears(placed: PlacedPair, *, laws: Laws | None = None) -> Picture | Un
     from pipelines.report.figures.render import render_gears
     from pipelines.report.figures.shapes import stage_view
 
-    picture = render_gears(stage_view(placed, laws[0] if laws else None))
-    return picture if isinstance(picture, Picture) else Unkept(picture)
+    try:
+        return render_gears(stage_view(placed, laws[0] if laws else None))
+    except LeftOut as left_out:
+        return Unkept(left_out)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -116,8 +118,10 @@ def build_casing(spec: CasingPictureSpec, *, mesh: CasingMesh) -> str | Unkept:
     """The casing with its key points as an element of the page, or why it is left out."""
     from pipelines.report import pictures
 
-    picture = rendered_casing(mesh, spec.sensors)
-    return Unkept(picture) if isinstance(picture, LeftOut) else pictures.casing(picture)
+    try:
+        return pictures.casing(rendered_casing(mesh, spec.sensors))
+    except LeftOut as left_out:
+        return Unkept(left_out)
 
 
 def stiffness_plots(pairs: Sequence[PairLaws]) -> list[StiffnessPlot]:
@@ -146,7 +150,7 @@ def gear_names(placed: PlacedPair) -> dict[str, str]:
     return names | ({"marked": fault.name.replace("-", " ")} if fault else {})
 
 
-def rendered_casing(mesh: CasingMesh, sensors: Sequence[Sensor]) -> Picture | LeftOut:
+def rendered_casing(mesh: CasingMesh, sensors: Sequence[Sensor]) -> Picture:
     """The meshed casing with ground, bearing and sensor points."""
     from fem.casing.reduced.attachment import nearest_surface_point
     from pipelines.report.figures.render import render_casing

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
@@ -17,9 +17,6 @@ from pipelines.report.figures.plots import FAULTY, StiffnessPlot, draw_stiffness
 from pipelines.report.figures.render import AXES_PLACES, KINDS, kind_of
 from pipelines.report.figures.tooth_shape import DrawnTooth
 from pipelines.report.figures.views import Picture
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 AXES = ("x", "y", "z")
 LABEL_HEIGHT = 34.0  # rows of the picture for a label

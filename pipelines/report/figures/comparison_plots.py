@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from pipelines.diagnosis.comparison.curves import Curves
+from pipelines.diagnosis.comparison.features import Features
+from pipelines.diagnosis.comparison.part import Part
 from pipelines.report.figures.plots import FIRST, MARK, SECOND, dress, new_figure, plain
 from pipelines.report.figures.spectrum_plots import DECADES
 from pipelines.signals.orders.kinematics import Kinematics
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from pipelines.diagnosis.comparison.features import Features
-    from pipelines.diagnosis.comparison.part import Part
 
 MESH_ORDERS = 3  # of the fastest mesh, in the spectra
 SIDEBANDS = 6  # on either side of a mesh order

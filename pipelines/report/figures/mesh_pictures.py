@@ -16,7 +16,7 @@ from pipelines.io.user_files import write_whole
 from pipelines.report.figures.film import film_page, png, save_figure, write_gif
 from pipelines.report.figures.mesh_frames import MeshFrames
 from pipelines.report.figures.render import render_mesh, show_window
-from pipelines.report.figures.views import LeftOut, PairStates, Picture
+from pipelines.report.figures.views import PairStates, Picture
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,18 +37,16 @@ class MeshView(PairStates):
     states: tuple[MeshFrames, ...]
 
 
-def write_still(view: MeshView, stem: Path) -> Path | LeftOut:
-    """Write <stem>.png of the middle frame; the reason if it cannot be rendered."""
+def write_still(view: MeshView, stem: Path) -> Path:
+    """Write <stem>.png of the middle frame."""
     pictures = _rendered(view)
-    if isinstance(pictures, LeftOut):
-        return pictures
     middle, still = len(view.cycles) // 2, stem.with_suffix(".png")
     save_figure(mesh_figure(view, [frames[middle] for frames in pictures], middle, _most(view)), still, dpi=115)
     return still
 
 
-def write_film(view: MeshView, stem: Path, progress: Callable[[float], None]) -> list[Path] | LeftOut:
-    """Write <stem>.gif and .html with all frames; the reason if they cannot be rendered.
+def write_film(view: MeshView, stem: Path, progress: Callable[[float], None]) -> list[Path]:
+    """Write <stem>.gif and .html with all frames.
 
     Parameters
     ----------
@@ -58,8 +56,6 @@ def write_film(view: MeshView, stem: Path, progress: Callable[[float], None]) ->
     """
     progress(0.0)
     pictures = _rendered(view, FILM_SIZE)
-    if isinstance(pictures, LeftOut):
-        return pictures
     frames, count = [], len(view.cycles)
     for n in range(count):
         progress(0.5 + 0.5 * n / count)
@@ -72,17 +68,11 @@ def write_film(view: MeshView, stem: Path, progress: Callable[[float], None]) ->
     return [film, page]
 
 
-def _rendered(view: MeshView, size: tuple[int, int] = STILL_SIZE) -> list[list[Picture]] | LeftOut:
+def _rendered(view: MeshView, size: tuple[int, int] = STILL_SIZE) -> list[list[Picture]]:
     """All frames of every state; the states are rendered in parallel, because each takes one processor."""
     gears = [view.of_state(n) for n in range(len(view.states))]
     with ThreadPoolExecutor(len(gears)) as pool:
-        found = list(pool.map(lambda g, s: render_mesh(g, view.cycles, s, _most(view), size), gears, view.states))
-    rendered = []
-    for pictures in found:
-        if isinstance(pictures, LeftOut):
-            return pictures
-        rendered.append(pictures)
-    return rendered
+        return list(pool.map(lambda g, s: render_mesh(g, view.cycles, s, _most(view), size), gears, view.states))
 
 
 def _most(view: MeshView) -> float:

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pipelines.report.figures.plots import RPM, dress, legend, new_figure
 from pipelines.signals.orders.order_spectra import Waterfall
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 DECIBELS = 70.0  # range of the colour scale
 NAMED = 6  # number of orders with a line

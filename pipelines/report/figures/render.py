@@ -1,6 +1,6 @@
 """Pictures of a gear pair and of a casing: rendered by a child process, labelled here.
 
-If rendering is not possible, a picture is omitted with the reason and the remedy, and the caller continues.
+If rendering is not possible, every `render_` function raises `LeftOut` with the reason and the remedy.
 """
 
 from __future__ import annotations
@@ -40,14 +40,14 @@ def kind_of(point: str) -> str:
     return next((kind for kind in KINDS if point.startswith(f"{kind}_")), "sensor")
 
 
-def render_gears(view: GearPairView, size: tuple[int, int] = (1100, 900)) -> Picture | LeftOut:
+def render_gears(view: GearPairView, size: tuple[int, int] = (1100, 900)) -> Picture:
     """Render the gear pair in three dimensions, the damaged tooth in red; places "pinion", "wheel", "marked"."""
     arrays, places = _gear_arrays(view)
     direction = (0.25, view.seen_from, 0.4)
-    return _single(_render("gears", "gear pair", arrays, _in_scene(places, view), size, direction, UP, 1.3))
+    return _render("gears", "gear pair", arrays, _in_scene(places, view), size, direction, UP, 1.3)[0]
 
 
-def render_tooth(view: GearPairView, size: tuple[int, int] = (900, 900)) -> Picture | LeftOut:
+def render_tooth(view: GearPairView, size: tuple[int, int] = (900, 900)) -> Picture:
     """Render the damaged tooth on its gear, enlarged, without the mate; places "mesh", "x", "y", "z" at the tooth."""
     arrays, places = _gear_arrays(view)
     gear, tooth = view.marked_gear, view.tooth
@@ -63,9 +63,8 @@ def render_tooth(view: GearPairView, size: tuple[int, int] = (900, 900)) -> Pict
     direction, up = (tuple(turned_away(vector, view.frame).tolist()) for vector in (toward, outward))
     middle = placed(turned_in(np.array([radius, 0.0, 0.0]), view.marked_angle, centre), view.frame)
     named = {"mesh": middle} | _directions(middle, 0.2 * half)
-    return _single(
-        _render("gears", "damaged tooth", arrays, named, size, direction, up, 1.0, focus=(*middle.tolist(), half))
-    )
+    focus = (*middle.tolist(), half)
+    return _render("gears", "damaged tooth", arrays, named, size, direction, up, 1.0, focus=focus)[0]
 
 
 def _in_scene(places: Mapping[str, np.ndarray], view: GearPairView) -> dict[str, np.ndarray]:
@@ -115,7 +114,7 @@ def _tooth_arrays(tooth: DrawnTooth, angle: float, centre: float) -> dict[str, A
     }
 
 
-def render_casing(view: CasingView, size: tuple[int, int] = (1400, 900)) -> Picture | LeftOut:
+def render_casing(view: CasingView, size: tuple[int, int] = (1400, 900)) -> Picture:
     """Render the casing with its key points; places are the points' names and "origin", "x", "y", "z" for the axes."""
     arrays: dict[str, Any] = {
         "nodes": np.asarray(view.nodes, dtype=float),
@@ -128,12 +127,12 @@ def render_casing(view: CasingView, size: tuple[int, int] = (1400, 900)) -> Pict
     length = 0.12 * float(np.linalg.norm(np.ptp(arrays["nodes"], axis=0)))
     places = {name: np.asarray(place, dtype=float) for name, place in view.points.items()}
     places |= {"origin": low} | {axis: low + length * np.eye(3)[i] for i, axis in enumerate("xyz")}
-    return _single(_render("casing", "casing", arrays, places, size, (-0.55, -1.0, 0.75), (0.0, 0.0, 1.0), 1.1))
+    return _render("casing", "casing", arrays, places, size, (-0.55, -1.0, 0.75), (0.0, 0.0, 1.0), 1.1)[0]
 
 
 def render_mode(
     nodes: np.ndarray, triangles: np.ndarray, shape: np.ndarray, frames: int, size: tuple[int, int] = (1100, 750)
-) -> list[Picture] | LeftOut:
+) -> list[Picture]:
     """Render a period of a mode; the largest displacement is 8 % of the body's diagonal.
 
     Parameters
@@ -154,7 +153,7 @@ def render_mode(
 
 def render_mesh(
     view: GearPairView, cycles: np.ndarray, frames: MeshFrames, most_load: float, size: tuple[int, int] = (900, 620)
-) -> list[Picture] | LeftOut:
+) -> list[Picture]:
     """Render the translucent teeth in mesh at every cycle, with their contact lines; places "mesh", "x", "y", "z".
 
     Parameters
@@ -277,7 +276,7 @@ def show_window(
 
 def render_stress(
     view: GearPairView, cycle: float, teeth: Teeth, most: float, size: tuple[int, int] = (1000, 620)
-) -> Picture | LeftOut:
+) -> Picture:
     """Render loaded teeth coloured by von Mises stress; places "mesh", "pinion", "wheel", "x", "y", "z".
 
     Parameters
@@ -295,7 +294,7 @@ def render_stress(
     sides = (("pinion", -1), ("wheel", 1))
     named = {name: np.array([pitch + side * 3.2 * module, 0.0, 0.0]) + _front(view) for name, side in sides}
     places |= _in_scene(named, view)
-    return _single(_render("stress", "stress", arrays, places, size, _mesh_direction(view), UP, 1.0, focus=focus))
+    return _render("stress", "stress", arrays, places, size, _mesh_direction(view), UP, 1.0, focus=focus)[0]
 
 
 def _render(
@@ -309,7 +308,7 @@ def _render(
     zoom: float,
     frames: int = 1,
     focus: tuple[float, float, float, float] | None = None,
-) -> list[Picture] | LeftOut:
+) -> list[Picture]:
     with tempfile.TemporaryDirectory(prefix="gearcase-") as folder:
         job: dict[str, Any] = {
             "kind": kind,
@@ -328,13 +327,9 @@ def _render(
         if failure is not None:
             reason = f"The picture of the {name} is left out: {failure.what}. {failure.remedy}"
             log.warning("%s", reason)
-            return LeftOut(reason=reason)
+            raise LeftOut(reason)
         pixels = json.loads(Path(job["pixels"]).read_text("utf-8"))
         return [Picture(image=_read_image(file), places=pixels) for file in job["images"]]
-
-
-def _single(pictures: list[Picture] | LeftOut) -> Picture | LeftOut:
-    return pictures if isinstance(pictures, LeftOut) else pictures[0]
 
 
 def _run_job(folder: Path, job: Mapping[str, Any], arrays: Mapping[str, Any], timeout: float | None) -> Failure | None:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullLocator
 
+from pipelines.diagnosis.control_diagnosis import Diagnosis, DiagnosisSettings
+from pipelines.diagnosis.uncertainty.line_bars import LineBar
 from pipelines.report.figures.plots import (
     FAULTY,
     FIRST,
@@ -26,12 +28,6 @@ from pipelines.report.figures.plots import (
 from pipelines.signals.lines import LOADS
 from pipelines.signals.pass_lines import HARMONICS, PassLines
 from pipelines.signals.spectrum import Spectrum
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from pipelines.diagnosis.control_diagnosis import Diagnosis, DiagnosisSettings
-    from pipelines.diagnosis.uncertainty.line_bars import LineBar
 
 ROPE = "#7a5195"
 NUMERICAL, INPUTS = "#111111", "#e08e0b"

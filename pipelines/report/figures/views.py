@@ -97,8 +97,5 @@ class Picture:
     places: Mapping[str, tuple[float, float]]
 
 
-@dataclass(frozen=True, kw_only=True)
-class LeftOut:
-    """Omitted picture: the cause and the remedy."""
-
-    reason: str
+class LeftOut(Exception):
+    """A picture cannot be made: the cause and the remedy."""
