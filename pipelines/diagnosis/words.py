@@ -27,10 +27,10 @@ NAMES = {
 }
 
 EVIDENCE = (
-    "Evidence: the mean of all features of a component at the channel where it is highest, divided by its limit. "
+    "Evidence: the mean of a group of features of a component at the channel where it is highest, divided by its limit. "
     "A component is damaged if its evidence is 1 or more."
 )
-NO_LIMIT = "Increase: the mean of all features of a component at the channel where it is highest."
+NO_LIMIT = "Increase: the mean of a group of features of a component at the channel where it is highest."
 _NAMED = 3  # features that differ
 
 
