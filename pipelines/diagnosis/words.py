@@ -28,10 +28,10 @@ NAMES = {
 
 STRENGTH = "evidence / limit"  # heading
 EVIDENCE = (
-    "Increase: mean of the features of a component at the channel of its strongest evidence. A component is damaged if "
-    f"{STRENGTH} is 1 or more."
+    "Increase: mean of a group of features of a component at the channel of its strongest evidence. A component is "
+    f"damaged if {STRENGTH} is 1 or more."
 )
-NO_LIMIT = "Increase: mean of the features of a component at the channel where it is highest."
+NO_LIMIT = "Increase: mean of a group of features of a component at the channel where it is highest."
 _NAMED = 3  # features that differ
 
 

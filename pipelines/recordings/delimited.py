@@ -136,18 +136,18 @@ def _data_lines(file: Iterable[str], layout: Layout) -> Iterator[tuple[int, str]
 
 
 def _seconds() -> Callable[[str], float]:
-    """Function that converts time stamps to seconds since the midnight before the first one."""
-    first: list[int] = []
+    """Function that converts time stamps to seconds since the first one."""
+    first: list[tuple[int, float]] = []
 
     def seconds(cell: str) -> float:
         found = _STAMP.fullmatch(cell.strip())
         if found is None:
             raise ValueError(f"{cell} is no time stamp")
         day = date.fromisoformat(found[1]).toordinal() if found[1] else 0
+        time = 60.0 * (60 * int(found[2]) + int(found[3])) + float(found[4].replace(",", "."))
         if not first:
-            first.append(day)
-        minutes = 60 * int(found[2]) + int(found[3])
-        return 86400.0 * (day - first[0]) + 60.0 * minutes + float(found[4].replace(",", "."))
+            first.append((day, time))
+        return 86400.0 * (day - first[0][0]) + (time - first[0][1])
 
     return seconds
 
@@ -216,7 +216,11 @@ def _titled(
     One title more than columns is that of comments at the ends of lines, as LabVIEW writes them.
     """
     count = len(kinds)
-    titles = [_trimmed(_cells(line, separator)) for line in head[:first]]
+    laid = [_cells(line, separator) for line in head[:first]]
+    titles = [
+        *map(_trimmed, laid[:-1]),
+        *(one if len(one) in (count, count + 1) else _trimmed(one) for one in laid[-1:]),
+    ]
     above = [[cell.strip() for cell in cells[:count]] for cells in titles[-2:] if len(cells) in (count, count + 1)]
     if separator == "," and first and len(titles[-1]) == 1 and count == 2:
         return None
