@@ -95,5 +95,12 @@ class Picture:
     places: Mapping[str, tuple[float, float]]
 
 
-class LeftOut(Exception):
+class NotRendered(Exception):
     """A picture could not be made: what is missing and what to install."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LeftOut:
+    """What stands in a report for a picture that could not be made."""
+
+    reason: str
