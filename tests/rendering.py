@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from pipelines.report.figures.render_failures import PACKAGES
-from pipelines.report.figures.views import LeftOut
+from pipelines.report.figures.views import NotRendered
 
 
 def drawn(render, *given):
     """What it renders; a machine without libraries for off-screen rendering skips the test, other reasons fail it."""
     try:
         return render(*given)
-    except LeftOut as left_out:
+    except NotRendered as left_out:
         if "without EGL" in str(left_out) or any(library in str(left_out) for library in PACKAGES):
             pytest.skip(str(left_out))
         raise

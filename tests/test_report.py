@@ -133,7 +133,7 @@ def full(tmp_path_factory, runs, diagnosis):
         "summary": {"motor speed": "900 rpm", "coordinates": 212},
         "gears": ({"stage": 1, "gear": "pinion", "z": 20}, {"stage": 1, "gear": "wheel", "z": 55}),
         "stiffness": pictures.stiffness([CURVE]),
-        "gear_picture": LeftOut(LEFT_OUT),
+        "gear_picture": LeftOut(reason=LEFT_OUT),
         "runs": runs,
         "windows": WINDOWS,
         "energy": ({"part": "mesh 1", "residual": 1e-4},),

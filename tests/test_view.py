@@ -17,7 +17,7 @@ from pipelines.report.figures.plots import StiffnessPlot
 from pipelines.report.figures.render import render_casing, render_gears
 from pipelines.report.figures.shapes import casing_view, gear_view
 from pipelines.report.figures.solids import gear_surface, prism_surface, without_tooth
-from pipelines.report.figures.views import CasingView, GearPairView, GearView, LeftOut, Picture
+from pipelines.report.figures.views import CasingView, GearPairView, GearView, NotRendered, Picture
 
 
 def area(outline):
@@ -157,7 +157,7 @@ def test_a_dead_renderer_leaves_one_picture_out(monkeypatch, caplog, program, gr
     monkeypatch.setattr(render_failures, "graphics_found", lambda: graphics)
     monkeypatch.setattr(render_failures, "memory_limit", lambda: limit)
     monkeypatch.setitem(sys.modules, "pyvista", None)  # drawing happens in a child: an import in this process fails
-    with caplog.at_level(logging.WARNING), pytest.raises(LeftOut) as found:
+    with caplog.at_level(logging.WARNING), pytest.raises(NotRendered) as found:
         render_gears(pair())
     reason = str(found.value)
     assert reason.startswith("The picture of the gear pair is left out")

@@ -142,7 +142,7 @@ def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, 
 def _write_casing(graph: Graph, plant: Plant, folder: Path, work: Work) -> Iterator[str]:
     from pipelines.report.figures.callouts import casing_figure
     from pipelines.report.figures.film import save_figure
-    from pipelines.report.figures.views import LeftOut
+    from pipelines.report.figures.views import NotRendered
     from pipelines.steps.pictures import rendered_casing
 
     if "casing mesh" not in graph.steps:
@@ -151,7 +151,7 @@ def _write_casing(graph: Graph, plant: Plant, folder: Path, work: Work) -> Itera
     mesh = work.build(graph, ["casing mesh"]).value("casing mesh")
     try:
         picture = rendered_casing(mesh, plant.sensors)
-    except LeftOut as left_out:
+    except NotRendered as left_out:
         yield f"casing.png: {left_out}"
         return
     save_figure(casing_figure(picture, f"Casing and key points of {plant.title}"), folder / "casing.png", dpi=115)
@@ -172,11 +172,11 @@ def _casing_mode(graph: Graph, plant: Plant, number: int | str, folder: Path, wo
 
 def _listed(write: Callable[..., Path | list[Path]], *given: object) -> list[str]:
     """The names of the files that a function writes, or why it writes none."""
-    from pipelines.report.figures.views import LeftOut
+    from pipelines.report.figures.views import NotRendered
 
     try:
         written = write(*given)
-    except LeftOut as left_out:
+    except NotRendered as left_out:
         return [str(left_out)]
     return [str(path) for path in (written if isinstance(written, list) else [written])]
 

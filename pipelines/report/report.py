@@ -168,7 +168,7 @@ def _picture(found: str | LeftOut | None) -> list[str]:
     """A picture, or why it is left out."""
     if found is None:
         return []
-    return [page.paragraph(str(found), "missing") if isinstance(found, LeftOut) else found]
+    return [page.paragraph(found.reason, "missing") if isinstance(found, LeftOut) else found]
 
 
 def _drive(runs: Mapping[str, xarray.Dataset], windows: Mapping[str, tuple[float, float]]) -> list[str]:

@@ -39,7 +39,7 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
     Raises
     ------
     InputError : unknown ending of the mesh file
-    LeftOut : the picture cannot be rendered
+    NotRendered : the picture cannot be rendered
 
     Warns
     -----

@@ -17,7 +17,7 @@ from pipelines.engine.step import Step, Unkept
 from pipelines.machine.plant import Plant
 from pipelines.report.figures.damage import needs_law
 from pipelines.report.figures.shapes import PlacedPair, placed_pair
-from pipelines.report.figures.views import LeftOut, Picture
+from pipelines.report.figures.views import LeftOut, NotRendered, Picture
 from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, PairState, pair_states
 
 if TYPE_CHECKING:
@@ -73,8 +73,8 @@ def build_gears(placed: PlacedPair, *, laws: Laws | None = None) -> Picture | Un
 
     try:
         return render_gears(stage_view(placed, laws[0] if laws else None))
-    except LeftOut as left_out:
-        return Unkept(left_out)
+    except NotRendered as error:
+        return Unkept(LeftOut(reason=str(error)))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -120,8 +120,8 @@ def build_casing(spec: CasingPictureSpec, *, mesh: CasingMesh) -> str | Unkept:
 
     try:
         return pictures.casing(rendered_casing(mesh, spec.sensors))
-    except LeftOut as left_out:
-        return Unkept(left_out)
+    except NotRendered as error:
+        return Unkept(LeftOut(reason=str(error)))
 
 
 def stiffness_plots(pairs: Sequence[PairLaws]) -> list[StiffnessPlot]:

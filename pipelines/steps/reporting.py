@@ -108,7 +108,7 @@ def build(
             cautions=gathered(told(response.attrs) for response in responses),
             warnings=(*spec.warnings, *misread_sensors(body, {one.name: one.position for one in plant.sensors})),
         )
-    left_out = [str(p) for p in (curves["gears"], casing) if isinstance(p, LeftOut)]
+    left_out = [p.reason for p in (curves["gears"], casing) if isinstance(p, LeftOut)]
     made = {"body": page, "left_out": left_out}
     return Unkept(made) if left_out else made
 

@@ -1,6 +1,6 @@
 """Pictures of a gear pair and of a casing: rendered by a child process, labelled here.
 
-If rendering is not possible, every `render_` function raises `LeftOut` with the reason and the remedy.
+If rendering is not possible, every `render_` function raises `NotRendered` with the reason and the remedy.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from pipelines.report.figures.render_failures import Failure, ended, no_picture,
 from pipelines.report.figures.scene_frame import placed, turned_away
 from pipelines.report.figures.solids import gear_surface, prism_surface, without_tooth
 from pipelines.report.figures.tooth_shape import DrawnTooth, turned_in
-from pipelines.report.figures.views import CasingView, GearPairView, LeftOut, Picture, Teeth
+from pipelines.report.figures.views import CasingView, GearPairView, NotRendered, Picture, Teeth
 
 log = logging.getLogger(__name__)
 
@@ -327,7 +327,7 @@ def _render(
         if failure is not None:
             reason = f"The picture of the {name} is left out: {failure.what}. {failure.remedy}"
             log.warning("%s", reason)
-            raise LeftOut(reason)
+            raise NotRendered(reason)
         pixels = json.loads(Path(job["pixels"]).read_text("utf-8"))
         return [Picture(image=_read_image(file), places=pixels) for file in job["images"]]
 

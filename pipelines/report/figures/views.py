@@ -97,5 +97,12 @@ class Picture:
     places: Mapping[str, tuple[float, float]]
 
 
-class LeftOut(Exception):
-    """A picture cannot be made: the cause and the remedy."""
+class NotRendered(Exception):
+    """A picture cannot be rendered: the cause and the remedy."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LeftOut:
+    """Omitted picture: the cause and the remedy, as the report keeps them."""
+
+    reason: str

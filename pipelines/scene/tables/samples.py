@@ -178,7 +178,13 @@ def _at(line: int | None, number: int) -> str:
 
 
 def refused(path: str, message: str, remedy: str, value: str | None = None) -> SceneError:
-    """What to raise for a key of the scene at ``path``, with the value that it has there."""
+    """What to raise for a key of the scene.
+
+    Parameters
+    ----------
+    path, value : of the key in the scene, and what it is set to
+    message, remedy : what is wrong, and how to correct it
+    """
     return SceneError("scene", [Problem(path, message, remedy, None if value is None else f'"{value}"')])
 
 
