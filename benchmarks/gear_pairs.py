@@ -5,7 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
 from fem.gears.geometry import Gear, GearPair
+from fem.gears.path import slice_fraction
 
 Two = tuple[float, float]
 
@@ -79,3 +82,21 @@ def kisssoft_spur() -> GearPair:
 def pair_of_17_and_43() -> GearPair:
     """The helical pair of a published contact solution in space: m_n 1 mm, beta 20 deg, b 10 mm."""
     return gear_pair((17, 43), 1, 20, 10, centre_mm=31.925333, bores_mm=(5.568, 15.450))
+
+
+def line_length(pair: GearPair, cycle: np.ndarray | float, *, missing: bool = False) -> np.ndarray:
+    """Total length of the contact lines at the mesh cycles `cycle` (m), without load and tip-edge contact.
+
+    L(c) = sum_p b phi(c - p) / cos(beta_b), phi the part of the face that lies on the path of contact; the mean over
+    a cycle is eps_alpha b / cos(beta_b). `missing` leaves pair 0 out: the dip lasts eps_gamma cycles and, while the
+    missing line would be complete, is 1/max(eps_alpha, eps_beta) of the mean.
+    """
+    cycle = np.atleast_1d(np.asarray(cycle, dtype=float))
+    ramp = pair.overlap_ratio
+    reach = ramp / 2 + max(-pair.xi_start, pair.xi_end)
+    around = np.arange(-math.ceil(reach) - 1, math.ceil(reach) + 2)
+    pairs = np.floor(cycle)[:, None] + around[None, :]
+    part = slice_fraction(cycle[:, None] - pairs, pair.xi_start, pair.xi_end, ramp)
+    if missing:
+        part = np.where(pairs == 0, 0.0, part)
+    return part.sum(axis=1) * pair.face_width / math.cos(pair.base_helix_angle)

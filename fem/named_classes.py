@@ -1,6 +1,6 @@
-"""Classes named by module and class, imported when they are asked for.
+"""Registry of classes by name: module and class, imported on request.
 
-So a registry imports none of its classes, and what one of them computes does not depend on the code of another.
+A registry therefore imports none of its classes, and results of one do not depend on the code of another.
 """
 
 from __future__ import annotations
@@ -11,18 +11,18 @@ from typing import Any
 
 
 def named_class(known: Mapping[str, tuple[str, str]], name: str, what: str, error: type[Exception]) -> Any:
-    """The class of a name, imported.
+    """Import the class of a name.
 
     Parameters
     ----------
     known : (module, class) by name
-    name : the one asked for
-    what : what it is called in the message, e.g. "casing model"
-    error : what is raised
+    name : requested name
+    what : kind of class in the message, e.g. "casing model"
+    error : type of the error
 
     Raises
     ------
-    error : no such name, with the known ones
+    error : unknown name; the message lists the known ones
     """
     if name not in known:
         raise error(f"{what} {name!r} is unknown; known: {', '.join(known)}")

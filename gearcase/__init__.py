@@ -1,13 +1,13 @@
-"""gearcase in Python: a `Scene`, and functions that compute from it.
+"""Public interface of gearcase in Python: a `Scene`, and functions that compute from it.
 
     scene = gearcase.Scene.from_file("minimal")    check laws casing modes simulate run tradeoff converge
-    gearcase.reduce(K, M, points, nodes=...)       a body of another program; Point
+    gearcase.reduce(K, M, points, nodes=...)       matrices of another program; Point
     gearcase.open_run("minimal")                   a finished run; diagnose error_bars spectrum
-    gearcase.open_recording("r.csv", "bench.toml") a measured one; judge compare
+    gearcase.open_recording("r.csv", "bench.toml") a measured file; judge compare
     gearcase.open_dataset("campaigns/plan")        a data set of many runs; pieces
 
-All numbers are SI unless a name ends in a unit. Nothing is printed; `progress=` takes a function that is told of every
-step of the work. What is not named here is internal and may change.
+All numbers are SI unless a name ends in a unit. No function prints; `progress=` takes a function that is called for
+every step of the work. Other names are internal and may change.
 """
 
 import importlib
@@ -73,11 +73,11 @@ __all__ = sorted(_PLACE_OF)
 
 refuse_hidden()
 for _package in ("fem", "mbd", "pipelines"):
-    logging.getLogger(_package).addHandler(logging.NullHandler())  # who wants the log configures logging
+    logging.getLogger(_package).addHandler(logging.NullHandler())  # silent unless the caller configures logging
 
 
 def __getattr__(name: str) -> Any:
-    """The named thing, imported when it is first used: `import gearcase` itself takes no libraries."""
+    """Import a public name at its first use, so that `import gearcase` itself imports no libraries."""
     if name not in _PLACE_OF:
         raise AttributeError(f"module 'gearcase' has no attribute {name!r}")
     found = getattr(importlib.import_module(f"gearcase.{_PLACE_OF[name]}"), name)

@@ -1,4 +1,4 @@
-"""Campaigns: many scenes drawn from a plan into one labelled data set."""
+"""Campaigns: a labelled data set of many scenes, sampled from a plan."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ def campaign(
     executor: Executor | None = None,
     at_once: int = 1,
 ) -> Finished:
-    """Simulate every scene of a plan that the data set does not hold yet.
+    """Simulate every scene of a plan that is not in the data set yet.
 
     Parameters
     ----------
     plan : file of the campaign, see docs/campaigns.md
-    out : folder of the data set instead of ./campaigns/<plan>
-    processes : scenes at the same time on this machine, all cores by default
-    executor : who simulates instead, any of `concurrent.futures`, or that of a Dask client
-    at_once : scenes that the executor takes at a time
+    out : folder of the data set, ./campaigns/<plan> by default
+    processes : scenes computed in parallel on this machine, all cores by default
+    executor : runs the scenes instead: any of `concurrent.futures`, or that of a Dask client
+    at_once : number of scenes that the executor gets at a time
 
     Returns
     -------
@@ -41,7 +41,7 @@ def campaign(
     Raises
     ------
     SceneError, InputError : the plan or the folder cannot be used
-    WorkError : the disk is full, or the workers are gone; what is finished is kept
+    WorkError : the disk is full, or the workers have ended; finished scenes are kept
 
     >>> import gearcase
     >>> from concurrent.futures import ThreadPoolExecutor

@@ -17,18 +17,18 @@ def casing(
     processes: int | None = None,
     progress: ProgressFunction | None = None,
 ) -> Casing:
-    """The casing of a scene as the machine sees it, with its natural modes in the ground.
+    """Compute the casing of a scene: reduced matrices, and natural modes on its mounts.
 
     Parameters
     ----------
     scene : the scene
-    error_check : compare frequencies and responses with the full model; costs about as much as the reduction
-    processes : long steps built side by side, 2 by default
-    progress : is told of every step
+    error_check : compare frequencies and responses with the full model; takes about as long as the reduction
+    processes : long steps computed in parallel, 2 by default
+    progress : function that is called with a `StepProgress` for every step
 
     Raises
     ------
-    SceneError, InputError, WorkError : the scene cannot be used, it has no full model to compare with, a step failed
+    SceneError, InputError, WorkError : the scene cannot be used, it has no full model for the comparison, a step failed
 
     >>> import gearcase
     >>> found = gearcase.casing(gearcase.Scene.from_file("minimal"))

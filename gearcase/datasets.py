@@ -1,4 +1,4 @@
-"""Data sets that campaigns made, and views on their signals."""
+"""Data sets of campaigns, and pieces of their signals."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ __all__ = ["open_dataset", "pieces"]
 
 
 def open_dataset(folder: str | Path) -> xarray.Dataset:
-    """The signals of a data set that `gearcase campaign` made or is making, read from the disk when they are asked for.
+    """Open the signals of a data set of `gearcase campaign`, finished or not; they are read from the disk when used.
 
     Parameters
     ----------
-    folder : of the data set
+    folder : folder of the data set
 
     Returns
     -------
     signals over `run` and time, float32 or float64, with every variable of the plan and every label as a coordinate
-    along `run`. A run that is not there yet has the status "" and reads as NaN
+    along `run`. A run that is not computed yet has the status "" and the values NaN
 
     Raises
     ------
-    InputError : the folder holds no data set, or a damaged one
+    InputError : the folder contains no data set, or a damaged one
 
     >>> import gearcase
     >>> gearcase.open_dataset("nowhere")
@@ -50,25 +50,25 @@ def pieces(
     seed: int = 0,
     sensors: Sequence[str] | None = None,
 ) -> Iterator[xarray.DataArray]:
-    """Windows of the accelerations with sensor noise, one run at a time, so that no data set is too large.
+    """Cut the accelerations into pieces with sensor noise, run by run, so that data sets may exceed the memory.
 
     Parameters
     ----------
-    dataset : what `open_dataset` returned, or a part of it, such as ``dataset.isel(run=dataset.split == "train")``
-    seconds : length of a piece; the whole run if None
+    dataset : result of `open_dataset`, or a part of it, such as ``dataset.isel(run=dataset.split == "train")``
+    seconds : length of a piece; None: the whole run
     overlap : share of a piece that the next one repeats, from 0 to below 1
-    noise_m_s2 : rms of white noise that is added; a piece has the same noise whatever else is chosen
-    seed : of the noise
-    sensors : names; all if None
+    noise_m_s2 : RMS of added white noise; it does not depend on length, overlap and selected sensors
+    seed : seed of the noise
+    sensors : names; None: all
 
     Returns
     -------
-    per run that is done, float32 (piece, sensor, axis, time) in m/s2 with `start` (s), `run`, `label`, `split` and all
+    for each finished run, float32 (piece, sensor, axis, time) in m/s2 with `start` (s), `run`, `label`, `split` and all
     other columns along `piece`; runs are never mixed
 
     Raises
     ------
-    InputError : a sensor that is not there, a length, overlap or noise that cannot be
+    InputError : an unknown sensor, or an impossible length, overlap or noise
 
     >>> import gearcase, numpy, xarray
     >>> signal = numpy.zeros((2, 1, 3, 1000), dtype="float32")

@@ -1,4 +1,4 @@
-"""The errors of gearcase: each says what is wrong, where, and what to do."""
+"""Errors of gearcase: each message gives the cause, the key or argument, and the remedy."""
 
 from pipelines.io.errors import InputError, SceneError, WorkError
 

@@ -14,14 +14,15 @@ __all__ = ["PairLaws", "laws"]
 def laws(
     scene: Scene, *, processes: int | None = None, progress: ProgressFunction | None = None
 ) -> tuple[PairLaws, ...]:
-    """The mesh laws of every gear pair, in the order of the stages, at the loads of the scene.
+    """Compute the mesh laws of every gear pair, in the order of the stages, at the loads of the scene.
 
-    `PairLaws.curve` gives the stiffness over the mesh cycle k(c), healthy and with the faults of the scene.
+    `PairLaws.curve` returns the mesh stiffness over the mesh cycle k(c), healthy and with the faults of the scene.
 
     Parameters
     ----------
-    processes : long steps built side by side, 2 by default
-    progress : is told of every step
+    scene : the scene
+    processes : long steps computed in parallel, 2 by default
+    progress : function that is called with a `StepProgress` for every step
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The machine: natural modes about its loaded rest, and its motion."""
+"""Machine of a scene: natural modes about its loaded state of rest, and its simulated signals."""
 
 from __future__ import annotations
 
@@ -26,21 +26,21 @@ def modes(
     processes: int | None = None,
     progress: ProgressFunction | None = None,
 ) -> LinearModes:
-    """Natural frequencies, damping and energy shares of small motion about the loaded machine.
+    """Compute natural frequencies, damping and energy shares of small vibrations about the loaded state of rest.
 
     Parameters
     ----------
     scene : the scene
-    up_to : Hz, highest frequency
-    cycle : mesh cycle of stage 1; that of the start by default
-    speed : of the motors in rpm; losses and gyroscopic moments follow it
-    processes : long steps built side by side, 2 by default
-    progress : is told of every step
+    up_to : highest frequency, Hz
+    cycle : position of stage 1 in the mesh cycle; by default that at the start
+    speed : speed of the motors, rpm; losses and gyroscopic moments depend on it
+    processes : long steps computed in parallel, 2 by default
+    progress : function that is called with a `StepProgress` for every step
 
     Raises
     ------
     SceneError, WorkError : the scene cannot be used, a step failed
-    MachineError (a ValueError) : a mesh carries no load, so it has no stiffness to linearise
+    MachineError (a ValueError) : a mesh without load has no tangent stiffness
 
     >>> import gearcase
     >>> found = gearcase.modes(gearcase.Scene.from_file("minimal"), up_to=300)
@@ -55,12 +55,13 @@ def modes(
 
 
 def simulate(scene: Scene, *, processes: int | None = None, progress: ProgressFunction | None = None) -> xarray.Dataset:
-    """The signals of a scene: accelerations, forces, speeds, each with its unit; no file is written.
+    """Simulate a scene and return its signals: accelerations, forces, speeds, each with its unit; writes no file.
 
     Parameters
     ----------
-    processes : long steps built side by side, 2 by default
-    progress : is told of every step
+    scene : the scene
+    processes : long steps computed in parallel, 2 by default
+    progress : function that is called with a `StepProgress` for every step
 
     Raises
     ------

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy.sparse as sp
 
 from fem.casing.imported.reduce import Point as Point
 from fem.storage import shown_html
 from gearcase.errors import InputError
-
-if TYPE_CHECKING:
-    import numpy as np
-    import scipy.sparse as sp
 
 
 @dataclass(frozen=True, eq=False)

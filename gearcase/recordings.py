@@ -1,10 +1,11 @@
-"""Recordings of measured accelerations: opened, judged against healthy ones, laid side by side."""
+"""Recordings of measured accelerations: open, compare with healthy ones, compare with one another."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import xarray
 
 from gearcase.given import checked_by_name, checked_file, checked_recording, checked_recordings
 from pipelines.diagnosis.comparison.labelled import labelled_comparison
@@ -13,29 +14,26 @@ from pipelines.recordings.machine import read_machine
 from pipelines.recordings.recording import read_recording
 from pipelines.runs.recorded import judge_recordings
 
-if TYPE_CHECKING:
-    import xarray
-
 MACHINE = "a machine file, a scene file, or the name of a shipped scene"
 __all__ = ["Verdict", "compare", "judge", "open_recording"]
 
 
 def open_recording(path: str | Path, machine: str | Path) -> xarray.Dataset:
-    """The signals of a recorded file, in the form that those of a run have; samples are read when they are used.
+    """Open the signals of a measured file, in the same form as those of a run; samples are read when they are used.
 
     Parameters
     ----------
-    path : CSV, MATLAB, HDF5, netCDF, UFF, NumPy, WAV or TDMS
+    path : CSV, MATLAB, HDF5, netCDF, UFF, NumPy, WAV or TDMS file
     machine : file with the teeth, the speed and the sensors, a scene file, or the name of a shipped scene
 
     Returns
     -------
-    `acceleration` (time, sensor, axis) in m/s2, and `tachometer` (time) if there is one. Use it in a `with` block, or
-    close it, to let go of the file.
+    `acceleration` (time, sensor, axis) in m/s2, and `tachometer` (time) if there is one. The file stays open until the
+    dataset is closed, for example by a `with` block
 
     Raises
     ------
-    InputError, SceneError : the file cannot be read, or not as the machine says
+    InputError, SceneError : the file cannot be read, or contradicts the machine file
 
     >>> import gearcase, numpy, pathlib
     >>> _ = pathlib.Path("bench.toml").write_text("teeth = [[20, 31]]\\nspeed_rpm = 1500\\nrate_Hz = 5000\\n")
@@ -50,13 +48,13 @@ def open_recording(path: str | Path, machine: str | Path) -> xarray.Dataset:
 
 
 def judge(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset], machine: str | Path) -> Verdict:
-    """The verdict on a recording: whether it differs from healthy ones, and which gear, bearing or shaft is damaged.
+    """Diagnose a recording: whether it differs from healthy ones, and which gear, bearing or shaft is damaged.
 
     Parameters
     ----------
-    recording : what `open_recording`, `simulate`, `run` or `open_run` returned, or a part of it:
+    recording : result of `open_recording`, `simulate`, `run` or `open_run`, or a part of it:
         ``recording.sel(time=slice(0.5, 2.5))``
-    healthy : the same of healthy machines, at about the same speed and load; limits take 5 or more
+    healthy : recordings of healthy machines, at about the same speed and load; limits need 5 or more
     machine : as for `open_recording`
 
     Raises
@@ -84,7 +82,7 @@ def judge(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset], machine:
 
 
 def compare(recordings: Mapping[str, xarray.Dataset], machine: str | Path) -> xarray.Dataset:
-    """The features of recordings side by side, at the channels that all have and the lowest of their rates.
+    """Compare the features of recordings, at their common channels and their lowest sampling rate.
 
     Parameters
     ----------
@@ -93,12 +91,12 @@ def compare(recordings: Mapping[str, xarray.Dataset], machine: str | Path) -> xa
 
     Returns
     -------
-    `value` (recording, component, feature) in the unit of the feature, `difference` over the first recording in dB, and
+    `value` (recording, component, feature) in the unit of the feature, `difference` from the first recording in dB, and
     `speed` (recording,) of the first shaft in rad/s; NaN where a component does not have a feature
 
     Raises
     ------
-    InputError, SceneError : a recording has no features, they have no channel in common, or the machine cannot be read
+    InputError, SceneError : a recording has no features, there is no common channel, or the machine cannot be read
 
     >>> import gearcase, numpy, pathlib, xarray
     >>> _ = pathlib.Path("bench.toml").write_text("teeth = [[20, 31]]\\nspeed_rpm = 1500\\n")

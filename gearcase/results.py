@@ -1,4 +1,4 @@
-"""Whole runs with their result folders, finished runs, and what is read from them."""
+"""Runs with a result folder: simulation, finished runs, diagnosis, error bars and spectra."""
 
 from __future__ import annotations
 
@@ -38,16 +38,16 @@ def run(
     Parameters
     ----------
     scene : the scene
-    out : result folder instead of ./runs/<scene>/<timestamp>
-    control : run the healthy control, too, and diagnose against it
-    both_loads : with a rope, run the equivalent constant torque as well
-    seeds : compare this many further seeds of the deviations, and error-free gears
-    processes : long steps built side by side, 2 by default
-    progress : is told of every step
+    out : result folder, ./runs/<scene>/<timestamp> by default
+    control : also run the healthy control, and compare with it in the diagnosis
+    both_loads : with a rope, also run the equivalent constant torque
+    seeds : number of further seeds of the deviations to compare, together with error-free gears
+    processes : long steps computed in parallel, 2 by default
+    progress : function that is called with a `StepProgress` for every step
 
     Returns
     -------
-    the content of response.nc; `attrs["folder"]` names the result folder
+    the content of response.nc; `attrs["folder"]` is the result folder
 
     Raises
     ------
@@ -68,7 +68,11 @@ def run(
 
 
 def open_run(name: str | Path) -> xarray.Dataset:
-    """The signals of a finished run: its result folder, or the name of a scene for its newest result under ./runs.
+    """Open the signals of a finished run.
+
+    Parameters
+    ----------
+    name : result folder, or the name of a scene for its newest result under ./runs
 
     Raises
     ------
@@ -84,12 +88,12 @@ def open_run(name: str | Path) -> xarray.Dataset:
 
 
 def diagnose(response: xarray.Dataset, settings: Settings = ()) -> Diagnosis:
-    """The lines of a fault in a finished run against its healthy control, with the spectra they were read from.
+    """Compare the lines of the known fault in a finished run with its healthy control; also returns the spectra.
 
     Parameters
     ----------
-    response : what `run` or `open_run` returned
-    settings : look elsewhere, {"diagnosis.sensor": "sensor_5"}
+    response : result of `run` or `open_run`
+    settings : other settings of the diagnosis, such as {"diagnosis.sensor": "sensor_5"}
 
     Raises
     ------
@@ -112,30 +116,30 @@ def error_bars(
     processes: int | None = None,
     progress: ProgressFunction | None = None,
 ) -> LineBars:
-    """How far the levels of the lines of a finished run can be trusted; nothing is simulated.
+    """Estimate the uncertainty of the levels of the lines of a finished run, without another simulation.
 
     Parameters
     ----------
-    response : what `run` or `open_run` returned
-    settings : as those of `diagnose`, {"diagnosis.damping_spread": 0.5}
-    processes : long steps built side by side, 2 by default; only if the casing is no longer in the cache
-    progress : is told of every step
+    response : result of `run` or `open_run`
+    settings : as for `diagnose`, such as {"diagnosis.damping_spread": 0.5}
+    processes : long steps computed in parallel, 2 by default; only if the casing is no longer in the cache
+    progress : function that is called with a `StepProgress` for every step
 
     Returns
     -------
-    `bars` of all lines clearly over their floor, each with its `numerical` band (None where the error of the mesh of
-    the casing is not known) and that of its `inputs`, dB over its `level`; `notes` say what they hold
+    `LineBars`: error bars of all lines at least 10 dB over their floor. Each has a `numerical` band (None if the error
+    of the mesh of the casing is unknown) and one of the `inputs`, in dB relative to its `level`; `notes` describe them
 
     Raises
     ------
-    SceneError, InputError : as `diagnose`
-    WorkError : a step failed, or no bars can be made, with the reason
+    SceneError, InputError : as for `diagnose`
+    WorkError : a step failed, or error bars are impossible, with the reason
 
     >>> import gearcase
     >>> fault = {"kind": "missing-tooth", "stage": 1, "gear": "pinion", "tooth": 0}
     >>> scene = gearcase.Scene.from_file("minimal").changed(faults=[fault], diagnosis={"gear": "pinion"})
-    >>> found = gearcase.error_bars(gearcase.run(scene.changed(control="without-faults"), out="bars"))
-    >>> all(bar.inputs.low < 0 < bar.inputs.high for bar in found.bars if bar.kind == "mesh")
+    >>> found = gearcase.error_bars(gearcase.run(scene.changed(control="without-faults"), out="uncertain"))
+    >>> all(bar.inputs.low < 0 < bar.inputs.high for bar in found.of("lifting") if bar.kind == "mesh")
     True
     """
     folder = Path(_folder(response))
@@ -151,11 +155,12 @@ def spectrum(signal: xarray.DataArray) -> xarray.DataArray:
 
     Parameters
     ----------
-    signal : over `time` (s), equally spaced; further dimensions stay. Cut it with ``signal.sel(time=slice(0.5, 1.5))``
+    signal : over `time` (s), equally spaced; other dimensions are kept. Cut it with
+        ``signal.sel(time=slice(0.5, 1.5))``
 
     Returns
     -------
-    over `frequency` (Hz) in place of time; a tone A cos(2 pi f t) on a line reads A
+    amplitudes over `frequency` (Hz) instead of time; a tone A cos(2 pi f t) at a frequency of the spectrum has A
 
     Raises
     ------

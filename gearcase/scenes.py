@@ -1,4 +1,4 @@
-"""Scene: the input of everything, in engineers' units; `check` says what follows from it."""
+"""Scenes: the input of all functions, in engineers' units, and its check."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ Settings = Mapping[str, Any] | Iterable[str]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Scene:
-    """A valid scene. All keys with their units are in docs/scene-keys.md.
+    """A valid scene: the input of a computation. All keys with their units are in docs/scene-keys.md.
 
-    Make one by `from_file` or `from_dict`, and another one by `changed`; a scene itself never changes.
+    Make one by `from_file` or `from_dict`, and a modified copy by `changed`; a scene itself never changes.
 
     >>> import gearcase
     >>> scene = gearcase.Scene.from_file("minimal")
@@ -38,11 +38,11 @@ class Scene:
 
     @classmethod
     def from_file(cls, source: str | Path) -> Scene:
-        """A scene from a file ending in .toml, or a shipped one by its name.
+        """Read a scene from a file ending in .toml, or a shipped scene by its name.
 
         Raises
         ------
-        SceneError, InputError : everything that is wrong with it
+        SceneError, InputError : all errors of the scene
 
         >>> import gearcase
         >>> gearcase.Scene.from_file("rig-missing-tooth").name
@@ -52,11 +52,11 @@ class Scene:
 
     @classmethod
     def from_dict(cls, tables: Mapping[str, Any], *, name: str = "scene") -> Scene:
-        """A scene from its tables, as they would stand in a file; ``extends`` names a scene to start from.
+        """Make a scene from its tables, as in a scene file; the key ``extends`` names a scene to start from.
 
         Raises
         ------
-        SceneError, InputError : everything that is wrong with it
+        SceneError, InputError : all errors of the scene
 
         >>> import gearcase
         >>> gearcase.Scene.from_dict({"extends": "minimal", "load": {"container_kg": 80}}, name="light").name
@@ -67,17 +67,17 @@ class Scene:
         return cls(scene_of_tree(tables, name))
 
     def changed(self, settings: Settings = (), *, preset: str | None = None, **tables: Any) -> Scene:
-        """This scene with other values.
+        """Return a copy of this scene with changed values.
 
         Parameters
         ----------
         settings : by path, {"stages.1.face_width_mm": 32}, or as on the command line, ["stages.1.face_width_mm=32"]
-        preset : "draft", "standard" or "reference": how finely it is computed; values that are given count more
-        tables : by table, load={"container_kg": 80}; the keys that are not given stay
+        preset : accuracy "draft", "standard" or "reference"; values of the scene override it
+        tables : by table, load={"container_kg": 80}; other keys are unchanged
 
         Raises
         ------
-        SceneError : everything that is wrong with the values
+        SceneError : all errors of the values
 
         >>> import gearcase
         >>> gearcase.Scene.from_file("minimal").changed({"stages.1.face_width_mm": -1})
@@ -93,44 +93,44 @@ class Scene:
 
     @property
     def name(self) -> str:
-        """Of the folder of its results."""
+        """Name of the scene, and of the folder of its results."""
         return self.loaded.name
 
     @property
     def title(self) -> str:
-        """The line that names it in every result."""
+        """Title of the scene in every result."""
         return self.loaded.scene.title
 
     def to_dict(self) -> dict[str, Any]:
-        """The tables that were given, without defaults."""
+        """The given tables, without defaults."""
         return dict(self.loaded.tree)
 
     def to_toml(self) -> str:
-        """The text of a scene file with every default written out."""
+        """The text of a scene file with all defaults."""
         return self.loaded.resolved()
 
     def __repr__(self) -> str:
         return f"<Scene {self.name}: {self.title}>"
 
     def _repr_html_(self) -> str:
-        """The keys that were given with their values, for a notebook."""
+        """The given keys with their values, for a notebook."""
         given = ((".".join(map(str, path)), format_value(value)) for path, value in leaves(self.loaded.tree).items())
         return shown_html.table(f"{self.name}: {self.title}", ("key", "value"), given)
 
 
 def loaded_scene(scene: Scene) -> LoadedScene:
-    """What a scene holds; InputError for anything else than a `Scene`."""
+    """The scene in its internal form; InputError for anything else than a `Scene`."""
     if not isinstance(scene, Scene):
         raise refusal("scene", scene, "a gearcase.Scene", "Give what gearcase.Scene.from_file or from_dict returns.")
     return scene.loaded
 
 
 def check(scene: Scene) -> Checked:
-    """What follows from a scene before anything is computed: ratios, frequencies, forces; cost of a run; warnings.
+    """Check a scene before a run: ratios, frequencies, forces; time and memory of the run; warnings.
 
     Raises
     ------
-    SceneError, InputError : what a run would refuse
+    SceneError, InputError : the scene cannot be run
 
     >>> import gearcase
     >>> found = gearcase.check(gearcase.Scene.from_file("minimal"))

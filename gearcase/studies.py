@@ -21,15 +21,15 @@ def converge(
     processes: int | None = None,
     progress: ProgressFunction | None = None,
 ) -> RefinementStudy:
-    """Refine one thing and see how far the answer is off.
+    """Estimate the error by the size of one mesh, the number of modes or the time step, with Richardson extrapolation.
 
     Parameters
     ----------
     scene : the scene
     over : "gear-mesh", "slices", "positions", "casing-mesh", "modes", "shaft-elements" or "step"
-    levels : one finer than in use, the rest coarser
-    processes : long steps built side by side, 2 by default
-    progress : is told of every step
+    levels : number of sizes: one finer than in the scene, that of the scene, the rest coarser
+    processes : long steps computed in parallel, 2 by default
+    progress : function that is called with a `StepProgress` for every step
 
     Returns
     -------
@@ -37,7 +37,7 @@ def converge(
 
     Raises
     ------
-    SceneError, InputError, WorkError : nothing to refine along `over`, a level is out of range, a step failed
+    SceneError, InputError, WorkError : `over` does not apply to the scene, a level is out of range, a step failed
 
     >>> import gearcase
     >>> found = gearcase.converge(gearcase.Scene.from_file("minimal"), "slices")
@@ -50,16 +50,17 @@ def converge(
 
 
 def tradeoff(scene: Scene, *, processes: int | None = None, progress: ProgressFunction | None = None) -> Tradeoff:
-    """What every model and main setting costs, and how far it is from the reference. Takes minutes.
+    """Measure the time and accuracy of every model and main setting, compared with a reference. Takes minutes.
 
     Parameters
     ----------
-    processes : long steps built side by side, 2 by default
-    progress : is told of every step
+    scene : the scene
+    processes : long steps computed in parallel, 2 by default
+    progress : function that is called with a `StepProgress` for every step
 
     Returns
     -------
-    every choice with its seconds, peak bytes and largest errors (parts of 1, levels in dB)
+    every choice with its seconds, peak memory in bytes and largest errors (relative; of levels in dB)
 
     Raises
     ------
@@ -67,6 +68,6 @@ def tradeoff(scene: Scene, *, processes: int | None = None, progress: ProgressFu
 
     >>> import gearcase
     >>> found = gearcase.tradeoff(gearcase.Scene.from_file("minimal"))  # doctest: +SKIP
-    >>> found.cheapest(error=0.02).choice.name  # doctest: +SKIP
+    >>> found.most_accurate(seconds=10.0).choice.name  # doctest: +SKIP
     """
     return trade(loaded_scene(scene), Work(processes=processes, progress=progress))

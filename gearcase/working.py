@@ -1,4 +1,4 @@
-"""What a progress function is told."""
+"""Progress of the work: the argument of a progress function."""
 
 from pipelines.engine.progress import ProgressFunction, StepProgress
 

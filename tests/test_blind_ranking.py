@@ -10,7 +10,7 @@ from pipelines.diagnosis.alike import alike
 from pipelines.diagnosis.baseline import BaselineError
 from pipelines.diagnosis.cases import Case, Damage, any_found, cases_grid, found
 from pipelines.diagnosis.cases import sentences as case_sentences
-from pipelines.diagnosis.simulated import FeatureSettings, run_features
+from pipelines.diagnosis.simulated import FeatureSettings, run_features, window_features
 from pipelines.diagnosis.verdict import judge
 from pipelines.diagnosis.words import headline, ranking_grid, sentences
 from pipelines.signals.features.recorded import FeatureError, feature_table
@@ -18,6 +18,10 @@ from pipelines.signals.orders.kinematics import Gear, Shaft
 from pipelines.signals.orders.rotation import Rotation
 
 SETTINGS = FeatureSettings(kinematics=MACHINE, windows={})
+
+
+LOCAL = {"fault": "stage 1 pinion", "tooth": 7}
+WHOLE = FeatureSettings(kinematics=MACHINE, windows={"whole": (0.0, 6.0)})
 
 
 def table(seed, settings=SETTINGS, **fault):
@@ -93,25 +97,36 @@ def test_a_recording_twice_or_in_its_own_baseline_is_refused_by_name(healthy):
 
 
 def test_against_a_control_known_damage_is_found_with_its_evidence_and_tooth():
-    """The control has the same deviations and noise of the same rms; an equal run has no increase at all."""
-    control, faulty = table(400), table(400, fault="stage 1 wheel", tooth=7)
-    damage = Damage(component="stage 1 wheel", tooth=7, words="missing tooth 7 of the stage 1 wheel")
+    """The control has the same deviations and noise of the same rms; an equal run is one of its samples."""
+    runs = (recording(400, **fault).assign_attrs(sensor_noise_m_s2=0.02) for fault in (LOCAL, {}))
+    faulty, control = (window_features(run, WHOLE, 5)["whole"] for run in runs)
+    damage = Damage(component="stage 1 pinion", tooth=7, words="missing tooth 7 of the stage 1 pinion")
     cases = [
-        Case(load="torque", deviations="seed 1", window=name, verdict=judge(one, [control], MACHINE, exact=True))
-        for name, one in (("up", faulty), ("down", control))
+        Case(load="torque", deviations="seed 1", window=name, verdict=judge(one, control, MACHINE, exact=True))
+        for name, one in (("up", faulty[0]), ("down", control[0]))
     ]
     text = " ".join(case_sentences(cases, [damage]))
     assert text.startswith(
-        "Missing tooth 7 of the stage 1 wheel: found in 1 of 2 cases. Evidence (up, torque on the shaft, deviations of "
-        "seed 1): mean of 6 features at near "
+        "Missing tooth 7 of the stage 1 pinion: found in 1 of 2 cases. Evidence (up, torque on the shaft, deviations "
+        "of seed 1): mean of 6 features at near "
     )
-    assert "dB over the control (limit 1.5 dB). Tooth 7 has the highest envelope energy in 1 of 1. The control" in text
+    assert "). Tooth 7 has the highest envelope energy in 1 of 1. The control" in text
     alone = " ".join(case_sentences(cases[1:], [damage]))
-    assert alone.startswith("Missing tooth 7 of the stage 1 wheel: not found. The control is")
+    assert alone.startswith("Missing tooth 7 of the stage 1 pinion: not found. The control is")
     assert [row[4] for row in cases_grid(cases, [damage]).rows] == ["found", "not found"]
     assert cases[1].verdict.damaged is False
     assert any_found(cases, [damage]) is True
     assert any_found(cases[1:], [damage]) is False
+
+
+def test_limits_against_a_control_follow_its_sensor_noise():
+    """The more noise, the more its features scatter: two samples differ by 2 dB and more, which is no damage."""
+    noisy = recording(401, noise=0.0).assign_attrs(sensor_noise_m_s2=3.0)
+    *control, other = window_features(noisy, WHOLE, 6)["whole"]
+    verdict = judge(other, control, MACHINE, exact=True)
+    assert max(one.evidence.increase for one in verdict.findings) > 2.0
+    assert verdict.damaged is False
+    assert verdict.different is False
 
 
 def test_a_small_baseline_gives_an_order_and_no_p_value(healthy):

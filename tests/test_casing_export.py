@@ -24,10 +24,11 @@ from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, Step, explain
 from pipelines.io.errors import InputError
+from pipelines.io.user_files import writable_file
 from pipelines.report.figures.film import film_page
 from pipelines.report.figures.mode_pictures import ModeView, mode_figure, write_mode
 from pipelines.runs.single_results import Casing, mode_shapes
-from pipelines.studies.housings.casing_export import checked_target, write_mat, write_uff, write_vtu
+from pipelines.studies.housings.casing_export import FORMATS, write_mat, write_uff, write_vtu
 
 
 @pytest.fixture(scope="module")
@@ -183,7 +184,7 @@ def test_an_error_that_is_not_reached_and_what_the_bands_leave_out_are_stated(el
 
 def test_an_unknown_ending_is_refused():
     with pytest.raises(InputError, match=r"must be one of \.h5, \.mat, \.npz, \.mtx, \.op4, \.pch, \.uff, \.vtu"):
-        checked_target("casing.txt")
+        writable_file("casing.txt", "--export", FORMATS)
 
 
 def mode_view(elastic):
@@ -278,7 +279,7 @@ def test_a_sheet_holds_a_still_of_every_mode_at_its_largest_deflection(elastic, 
 def test_pictures_of_a_mode_move(elastic, tmp_path):
     from PIL import Image
 
-    found = drawn(write_mode(mode_view(elastic), tmp_path))
+    found = drawn(write_mode, mode_view(elastic), tmp_path)
     assert [path.suffix for path in found] == [".png", ".gif", ".html"]
     with Image.open(found[1]) as film:
         assert film.n_frames == 16

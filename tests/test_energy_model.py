@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from benchmarks.gear_pairs import gear_pair
+from benchmarks.gear_pairs import gear_pair, line_length
 from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.faults.cracked_tooth import CrackedTooth
@@ -15,7 +15,7 @@ from fem.contact.models.energy import Energy, foundation_factors, tooth_parts
 from fem.contact.models.plane import Plane
 from fem.contact.wheels.cantilever import cantilever
 from fem.elements.materials import Material
-from fem.gears.path import line_length, path_points
+from fem.gears.path import path_points
 
 
 def test_cantilever_of_constant_section():

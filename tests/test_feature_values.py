@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from pipelines.signals.features.average import average
-from pipelines.signals.features.band import squared_envelope
+from pipelines.signals.features.band import banded
 from pipelines.signals.features.envelope import envelope_orders, marked_tooth, tooth_contrast, tooth_energies
 from pipelines.signals.features.passing import pass_levels
+from pipelines.signals.features.statistics import kurtosis
 from pipelines.signals.features.synchronous import synchronous
 
 PLACES, TURNS = 1024, 30
@@ -52,9 +53,29 @@ def test_fm0_is_the_range_over_the_mesh_amplitudes():
 def test_the_envelope_of_a_modulated_mesh_has_the_orders_of_its_square():
     depth = 0.4
     turn = (1 + depth * np.cos(THETA)) * np.cos(100 * THETA)
-    envelope = squared_envelope(repeated(turn).reshape(1, -1), (50 / PLACES, 150 / PLACES)).reshape(1, TURNS, PLACES)
+    band, _ = banded(repeated(turn).reshape(1, -1), (50 / PLACES, 150 / PLACES), 1.0)
+    envelope = np.abs(band.reshape(1, TURNS, PLACES)) ** 2
     expected = np.hypot(2 * depth, depth**2 / 2) / (1 + depth**2 / 2)
     assert envelope_orders(envelope)[0] == pytest.approx(expected, rel=1e-6)
+
+
+def test_a_whitened_impact_stands_out_of_a_resonance_that_hides_it():
+    random = np.random.default_rng(6)
+    lines = np.fft.rfft(random.standard_normal(TURNS * PLACES))
+    order = np.arange(len(lines)) / TURNS
+    strong = np.fft.irfft(lines * (1.0 + 100.0 / (1.0 + ((order - 200.0) / 10.0) ** 2)))
+    impact = np.zeros(PLACES)
+    impact[333] = 15.0
+    signal = (strong.reshape(1, TURNS, PLACES) + impact).reshape(1, -1)
+    assert kurtosis(signal.reshape(TURNS, PLACES).mean(axis=0)) < 4.0
+    _, white = banded(signal, (20.0 / PLACES, 450.0 / PLACES), 5.0 / PLACES)
+    white = white.reshape(TURNS, PLACES).mean(axis=0).real
+    assert kurtosis(white) > 10.0
+    assert abs(int(np.argmax(white)) - 333) <= 1
+
+
+def test_a_band_without_power_stays_without():
+    assert not np.any(banded(np.zeros((2, 64)), (0.1, 0.4), 0.1))
 
 
 def test_the_tooth_that_rings_is_marked():
@@ -74,7 +95,7 @@ def test_impulses_that_pass_stand_above_the_floor_and_others_do_not():
     places = np.round(np.arange(0, TURNS * 3.58) / 3.58 * PLACES).astype(int)
     signal = 0.1 * random.standard_normal(length)
     signal[places[places < length]] += 3.0
-    envelope = squared_envelope(signal[None], (0.1, 0.45)).reshape(1, TURNS, PLACES)
+    envelope = np.abs(banded(signal[None], (0.1, 0.45), 0.05)[0].reshape(1, TURNS, PLACES)) ** 2
     found = pass_levels(envelope, {"BPFO": 3.58, "BPFI": 4.6})
     assert found["BPFO"][0] > 20.0
     assert found["BPFI"][0] < 5.0

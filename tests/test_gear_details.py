@@ -11,7 +11,7 @@ from fem.contact.models.iso import Iso, blank_factor
 from fem.contact.wheels import ring
 from fem.elements.sections import stiffness
 from fem.gears.gear import GeometryError
-from fem.gears.interference import root_penetration
+from fem.gears.geometry import root_penetration
 from fem.gears.path import path_points
 from fem.gears.profile import form_radius
 from fem.gears.sector import sector_mesh

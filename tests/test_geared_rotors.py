@@ -167,7 +167,7 @@ def test_distributed_gyroscopic_moments_are_those_of_the_whole_body():
     spec = ShaftSpec(name="s", x=0.0, z=0.0, sense=1, sections=section, element_length=0.05)
     nodes = shaft_nodes(spec)
     shaft = free_shaft(spec, nodes)
-    matrix = shaft.summed("gyroscopic")
+    matrix = shaft.own("gyroscopic")
     tilt = np.zeros((len(nodes), 6, 2))
     tilt[:, 3, 0] = tilt[:, 5, 1] = 1.0
     tilt[:, 2, 0], tilt[:, 0, 1] = nodes, -nodes

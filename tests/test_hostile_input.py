@@ -349,7 +349,7 @@ def test_markup_in_a_title_stays_text(tmp_path):
     from pipelines.report.report import report_body, write_report
 
     title = "<script>alert(1)</script> [bold]$\\frac$ & $x"
-    first = first_screen(sentences=[title], figures=[(title, title)], label=title)
+    first = first_screen(sentences=[title], figures=[(title, title)])
     page = write_report(
         tmp_path / "report.html",
         title,

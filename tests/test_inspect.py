@@ -19,6 +19,7 @@ from fem.contact.models.iso import Iso
 from fem.contact.models.solid import Solid
 from fem.gears.modifications import PairModifications
 from pipelines.io.errors import InputError
+from pipelines.io.user_files import writable_file
 from pipelines.machine.flanks_spec import FlanksSpec
 from pipelines.report.figures import mesh_pictures
 from pipelines.report.figures.callouts import casing_figure, gear_figure
@@ -30,8 +31,8 @@ from pipelines.report.figures.render import render_gears, render_mesh, render_st
 from pipelines.report.figures.scene_frame import placed, scene_frame
 from pipelines.report.figures.shapes import gear_view
 from pipelines.report.figures.stress_pictures import (
+    FORMATS,
     StressView,
-    checked_mesh_file,
     stress_figure,
     teeth_in_mesh,
     write_teeth,
@@ -120,7 +121,7 @@ def test_files_of_teeth_are_read_back(solved, tmp_path, ending):
     if faulty is None:
         pytest.skip("written for the right hand")
     teeth = teeth_in_mesh(pair, faulty)
-    path = checked_mesh_file(str(tmp_path / f"teeth{ending}"))
+    path = tmp_path / f"teeth{ending}"
     frame = scene_frame((0.1, 0.2), (0.1, 0.1), 0.03, -1)  # a wheel below the pinion, which turns about -y
     write_teeth(teeth, path, frame)
     found = meshio.read(path)
@@ -143,7 +144,7 @@ def test_files_of_teeth_are_read_back(solved, tmp_path, ending):
 
 def test_an_unknown_ending_is_refused():
     with pytest.raises(InputError, match=r"ending must be one of \.vtu, \.inp, \.msh, \.bdf"):
-        checked_mesh_file("teeth.stl")
+        writable_file("teeth.stl", "--mesh", FORMATS)
 
 
 def words(figure):
@@ -242,7 +243,7 @@ def saturated(image):
 @pytest.mark.slow
 def test_a_tooth_that_is_damaged_but_there_is_drawn_solid():
     view = gear_view(thick_rimmed_pair(12.0), ("wheel", 3), missing=False)
-    there, gone = (drawn(render_gears(replace(view, missing=missing), (400, 320))) for missing in (False, True))
+    there, gone = (drawn(render_gears, replace(view, missing=missing), (400, 320)) for missing in (False, True))
     assert min(reddish(there.image), reddish(gone.image)) > 20
     assert saturated(there.image) > 1.2 * saturated(gone.image)
     curve = StiffnessPlot(title="Stage 1", cycle=np.array([0.0, 1.0]), healthy=np.array([2e8, 2e8]))
@@ -254,7 +255,7 @@ def test_a_tooth_that_is_damaged_but_there_is_drawn_solid():
 def test_pictures_show_contact_lines_and_the_missing_tooth_in_the_faulty_half_alone(mesh_view):
     most = max(float(np.nanmax(state.load)) for state in mesh_view.states)
     found = [
-        drawn(render_mesh(gears, mesh_view.cycles, state, most, (300, 210)))
+        drawn(render_mesh, gears, mesh_view.cycles, state, most, (300, 210))
         for gears, state in zip((mesh_view.gears, mesh_view.damaged), mesh_view.states, strict=True)
     ]
     healthy, faulty = (pictures[1].image for pictures in found)
@@ -294,7 +295,7 @@ def test_the_stress_picture_is_coloured(solved):
         pytest.skip("drawn for the right hand")
     state = teeth_in_mesh(pair, faulty)
     gears = gear_view(pair, ("wheel", 3), in_mesh=True)
-    picture = drawn(render_stress(gears, 3.0, state, float(state.von_mises.max()), (400, 250)))
+    picture = drawn(render_stress, gears, 3.0, state, float(state.von_mises.max()), (400, 250))
     image = picture.image.astype(int)
     assert (image < 250).any(axis=2).mean() > 0.3
     assert reddish(picture.image) > 20  # the edges of the missing tooth

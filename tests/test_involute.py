@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from benchmarks.gear_pairs import gear_pair, kisssoft_helical, kisssoft_spur, pair_of_17_and_43
+from benchmarks.gear_pairs import gear_pair, kisssoft_helical, kisssoft_spur, line_length, pair_of_17_and_43
 from fem.gears.geometry import Gear, GearPair, GeometryError, Rack
-from fem.gears.path import LARGEST_GAP, contact_window, line_length, path_points, slice_fraction
+from fem.gears.path import LARGEST_GAP, contact_window, path_points, slice_fraction
 from fem.gears.profile import flank_at_roll, form_radius, half_tooth_profile, roll_length
 
 

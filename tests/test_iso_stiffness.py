@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 from mesh_laws import missing_tooth
 
-from benchmarks.gear_pairs import gear_pair, kisssoft_helical, kisssoft_spur
+from benchmarks.gear_pairs import gear_pair, kisssoft_helical, kisssoft_spur, line_length
 from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.frame import ModelError, flank_frame
 from fem.contact.models.iso import Iso, blank_factor, rack_factor
 from fem.elements.materials import CAST_IRON, STEEL, Material, MaterialError
-from fem.gears.path import line_length
 
 PER_MM_UM = 1e9
 

@@ -4,7 +4,6 @@ import json
 
 import pytest
 
-from pipelines.diagnosis.verdict import CONTROL_LIMIT
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError
 from pipelines.runs.recorded import Recorded, other_speeds, recording_path
@@ -70,15 +69,17 @@ def test_a_scene_without_faults_is_its_own_control(tmp_path):
     assert not (tmp_path / "run" / "verdict.json").exists()
 
 
-def test_against_the_exact_control_the_verdict_is_the_same_without_p_values(tmp_path):
+def test_against_the_exact_control_limits_come_from_samples_of_the_sensor_noise(tmp_path):
     finished, verdict = judged(tmp_path / "control", MISSING)
     verdict = verdict["cases"][0]["verdict"]
     assert (verdict["exact"], verdict["damaged"]) == (True, True)
     assert verdict["findings"][0]["component"] == "stage 1 pinion"
-    assert verdict["findings"][0]["evidence"]["p"] is None
-    assert verdict["findings"][0]["evidence"]["limit"] == CONTROL_LIMIT
+    assert verdict["findings"][0]["evidence"]["p"] < 1e-3
+    assert verdict["different"]
+    assert (verdict["healthy"], verdict["tested"]) == (5, 0)
     assert finished.words.startswith("Missing tooth 3 of the stage 1 pinion: found. ")
-    assert "is an effect of the fault" in finished.words
+    assert "5 samples of the sensor noise" in finished.words
+    assert "effect of the fault" in finished.words
 
 
 def test_healthy_machines_differ_by_their_deviations(tmp_path):

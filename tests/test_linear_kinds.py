@@ -10,16 +10,19 @@ import pytest
 from mbd_rigs import rigid_casing, train
 
 import mbd
-from mbd.elements.linear import LinearElement, part_on_rows
+from mbd.elements.component import Component
+from mbd.elements.linear import part_on_rows, springs
 from mbd.elements.mode_words import ModeWords
+from mbd.excitations.misaligned_coupling import MisalignedCoupling
 from mbd.excitations.unbalance import Unbalance
 from mbd.forces.pendulum import RopePendulum
+from mbd.forces.speed_controller import SpeedController
 from mbd.forces.torque import Torque
 from mbd.forces.torque_source import Rotor
 from mbd.integrators.settings import Settings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
-from mbd.parts.couplings import CouplingSprings, ShaftCoupling
+from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.load import OutsideForce
 from mbd.system.linearised import linear_modes
@@ -65,6 +68,14 @@ def coupled():
     )  # fmt: skip
 
 
+def misaligned():
+    """`coupled` by a coupling with rotating stiffness axes."""
+    machine = coupled()
+    (plain,) = machine.shaft_couplings
+    turning = MisalignedCoupling(**vars(plain), offset=(1e-4, -5e-5), radial_stiffness_across=4e5)
+    return dataclasses.replace(machine, shaft_couplings=(turning,))
+
+
 def unbalanced():
     return dataclasses.replace(hoisting(), forces=(Unbalance(name="heavy", shaft="shaft_2", y=0.0, size=1e-4),))
 
@@ -76,14 +87,25 @@ def with_rotor():
     return dataclasses.replace(hoisting(), forces=(one,))
 
 
+def controlled():
+    """A motor with a speed controller, whose anti-windup has a mass, a spring and a damper."""
+    motor = SpeedController(
+        name="motor", shaft="shaft_1", y=0.0, rotor=Rotor(inertia=2e-3), times=np.zeros(1), speeds=np.array([94.0]),
+        proportional=2.0, integral=40.0, limit=60.0,
+    )  # fmt: skip
+    return dataclasses.replace(hoisting(), forces=(motor,))
+
+
 MACHINES = {
     "beams": hoisting,
     "torsion": lambda: hoisting("torsion"),
     "pendulum": swinging,
     "coupling": coupled,
+    "misaligned coupling": misaligned,
     "gyroscopic": lambda: dataclasses.replace(hoisting(), gyroscopic=True),
     "unbalance": unbalanced,
     "rotor": with_rotor,
+    "controller": controlled,
 }
 
 
@@ -106,9 +128,9 @@ def subclasses(kind):
 def test_every_kind_is_in_a_machine():
     for module in pkgutil.walk_packages(mbd.__path__, "mbd."):
         importlib.import_module(module.name)
-    known = {kind for kind in subclasses(LinearElement) if kind.__module__.startswith("mbd.")}
-    used = {type(element) for name in MACHINES for part in assembled(name).parts for element in part.elements}
-    assert known == used
+    own = [kind for kind in subclasses(Component) if kind.__module__.startswith("mbd.") and "parts" in vars(kind)]
+    used = {type(one).parts for name in MACHINES for one in assembled(name).layout.components}
+    assert {kind.parts for kind in own} == used - {Component.parts}
 
 
 def assert_semidefinite(matrix):
@@ -120,13 +142,12 @@ def assert_semidefinite(matrix):
 
 def test_matrices_are_symmetric_and_store_or_lose_energy_and_gyroscopic_ones_do_no_work(system):
     for part in system.parts:
-        for element in part.elements:
-            n = len(element.at)
-            for matrix in (element.mass(), element.damping(), element.stiffness()):
-                assert matrix.shape == (n, n)
-                assert_semidefinite(matrix)
-            skew = element.gyroscopic()
-            assert abs(skew + skew.T).max() <= ROUND_OFF * abs(skew).max()
+        d = len(part.shape)
+        for name in ("mass", "damping", "stiffness"):
+            assert part.own(name).shape == (d, d)
+            assert_semidefinite(part.own(name))
+        skew = part.own("gyroscopic")
+        assert abs(skew + skew.T).max() <= ROUND_OFF * abs(skew).max()
         for matrix in (part.mass, part.damping, part.stiffness):
             assert_semidefinite(matrix)
 
@@ -172,10 +193,9 @@ class GroundSpring(OutsideForce):
     axis: int
 
     def parts(self, lay):
-        element = CouplingSprings(at=(0,), springs=np.array([1e4]), damping_time=1e-5)
         yield part_on_rows(
             lay.axis_row(self.shaft, self.y, self.axis)[None], name=self.name,
-            words=ModeWords("ground spring", "ground springs"), elements=(element,),
+            words=ModeWords("ground spring", "ground springs"), matrices=springs(np.array([1e4]), 1e-5),
         )  # fmt: skip
 
 

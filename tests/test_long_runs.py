@@ -171,7 +171,7 @@ def test_only_what_is_not_differenced_is_rounded():
 
 def test_the_signals_of_a_run_are_stored_once(short_run):
     folder, cache, trajectory = short_run
-    signals = trajectory.values.nbytes
+    signals = np.asarray(trajectory.values).nbytes
     stored = sum(entry.bytes for entry in cache.entries())
     assert signals < stored < 1.3 * signals
     assert (folder / run_folder.RESPONSE).stat().st_size < 0.75 * signals

@@ -133,6 +133,15 @@ def test_titles_units_and_remarks_above_the_numbers_are_understood(head, encodin
         assert found.time.values[1] == pytest.approx(1.0 / RATE)
 
 
+def test_a_line_of_units_may_have_none_for_the_last_column(tmp_path):
+    values, path = signals(600)[:, 0], tmp_path / "r.csv"
+    rows = [f"{number / RATE:.7g};{value:.9g};ok\n" for number, value in enumerate(values)]
+    path.write_text("rate;2000 Hz;\nZeit;drive end;note\ns;g;\n" + "".join(rows), encoding="utf-8")
+    with read_recording(path, machine()) as found:
+        assert list(found.sensor.values) == ["drive end"]
+        np.testing.assert_allclose(found.acceleration.values[:, 0, 0], 9.80665 * values, rtol=1e-7)
+
+
 def test_a_single_column_under_one_title_may_have_decimal_commas(tmp_path):
     values = np.round(signals(600)[:, 0], 3)
     text = "drive end\n" + "".join(f"{value:.3f}\n".replace(".", ",") for value in values)
@@ -227,6 +236,7 @@ def test_time_stamps_are_the_time(form, tmp_path):
         assert list(found.sensor.values) == ["drive end"]
         np.testing.assert_allclose(np.diff(found.time.values), 1e-3, rtol=1e-6)
         np.testing.assert_allclose(found.acceleration.values[:, 0, 0], 9.80665 * values, rtol=1e-7)
+        assert found.time.values[0] == 0.0
 
 
 def test_time_stamps_go_on_after_midnight(tmp_path):

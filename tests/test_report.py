@@ -59,14 +59,12 @@ def diagnosis(runs):
 FIRST = {
     "sentences": ["One tooth of the stage 1 wheel missing.", "False alarms: 1 in 300 (0.01 to 1.8 %)."],
     "found": True,
-    "label": "against 8 healthy recordings",
     "figures": [("Speed", "900 rpm"), ("Tooth meshing f_m", "300 Hz"), ("Turns of shaft 2, f_r", "5.4545 Hz")],
     "average": Average(
         place=np.arange(55.0),
         value=np.sin(np.arange(55.0)),
         reference=np.zeros(55),
         across="teeth",
-        unit="m/s²",
         marked=(20.0, 22.0),
         marked_name="tooth 21",
         caption="Average over 9 turns.",
@@ -74,8 +72,6 @@ FIRST = {
     "envelope": Envelope(
         line=np.arange(60.0),
         amplitude=np.ones(60),
-        across="frequency, Hz",
-        unit="m/s²",
         marked=[(5.4545, "f_r")],
         band="1 to 2 kHz",
         caption="Envelope spectrum.",
@@ -169,7 +165,7 @@ def test_no_two_elements_of_a_report_have_one_id_and_every_reference_is_there(fu
 
 def test_the_first_screen_has_verdict_numbers_figures_and_ranking_in_this_order(full):
     text, page = full
-    wanted = ["missing.", "False alarms: 1 in 300", "against 8 healthy", "900 rpm", "300 Hz", "5.4545 Hz"]
+    wanted = ["missing.", "False alarms: 1 in 300", "900 rpm", "300 Hz", "5.4545 Hz"]
     wanted += ["tooth 21", "Average over 9 turns.", "Envelope spectrum.", "gear 0", "Signals and spectra"]
     words = "\n".join(page.words)
     places = [words.index(word) for word in wanted]

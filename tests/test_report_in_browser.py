@@ -54,7 +54,6 @@ def report(tmp_path_factory):
             "correction; false alarms: 1 in 300 (0.01 to 1.8 %).",
         ],
         found=True,
-        label="against 8 healthy recordings",
         figures=[
             ("Speed of the motor", "900 rpm"),
             ("Tooth meshing f_m", "300 Hz"),
@@ -67,7 +66,6 @@ def report(tmp_path_factory):
             value=np.exp(-(place**2)),
             reference=0.1 * np.cos(place),
             across="teeth",
-            unit="acceleration, m/s²",
             marked=(-1.0, 1.0),
             marked_name="tooth 21",
             caption="Average over 9 turns of shaft 2 without its mesh orders.",
@@ -75,8 +73,6 @@ def report(tmp_path_factory):
         envelope=Envelope(
             line=own.frequency[:120],
             amplitude=own.amplitude[:120],
-            across="frequency, Hz",
-            unit="amplitude, m/s²",
             marked=[(WHEEL, "f_r")],
             band="1 to 2 kHz",
             caption="Envelope spectrum in the chosen band.",

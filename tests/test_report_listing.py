@@ -33,8 +33,8 @@ FAULTY = {
 }
 BENCH = [
     "# One stage, rigid casing, constant torque",
-    "figure: Time-synchronous average of the acceleration at sensor_3, z over 6 revolutions of shaft 1 from its zero "
-    "angle in the window steady. The mesh orders are removed (residual signal).",
+    "figure: Time-synchronous average of the acceleration at sensor_3, z over 6 revolutions of shaft 1 in the "
+    "window steady, without the mesh orders (residual signal).",
     "figure: Envelope spectrum of sensor_3 (z) in the window steady. Marked: harmonics of the shaft "
     "frequency fr = 15.0000 Hz, which a damaged tooth raises.",
     "# Signals and spectra",
@@ -54,8 +54,8 @@ BENCH = [
 ]
 DAMAGED = [
     "# One stage, rigid casing, constant torque",
-    "figure: Time-synchronous average of the acceleration at sensor_3, z over 6 revolutions of shaft 1 from its zero "
-    "angle in the window steady. The mesh orders are removed (residual signal). Below: this run minus the healthy "
+    "figure: Time-synchronous average of the acceleration at sensor_3, z over 6 revolutions of shaft 1 in the "
+    "window steady, without the mesh orders (residual signal). Below: this run minus the healthy "
     "run, the effect of the fault alone. Shaded: the engagement of tooth 3, which is damaged in the scene and whose "
     "envelope has the highest energy. Teeth are numbered from 0.",
     "figure: Envelope spectrum of sensor_3 (z) in the window steady. Marked: harmonics of the shaft "

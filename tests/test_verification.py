@@ -18,8 +18,8 @@ from pipelines.studies.verification.claims import (
     lifting_over_lowering,
     over_control,
 )
-from pipelines.studies.verification.judgement import FAILS, HOLDS, OPEN, judge
 from pipelines.studies.verification.measures import fault_levels, load_levels
+from pipelines.studies.verification.page import FAILS, HOLDS, OPEN, judge
 from pipelines.studies.verification.rig import LOADS, LOSSES, SCENES, SENSOR, STRETCHES, cases, scene_of
 
 WINDOWS = {"lifting": (0.5, 2.5), "lowering": (3.0, 5.0)}

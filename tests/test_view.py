@@ -17,7 +17,7 @@ from pipelines.report.figures.plots import StiffnessPlot
 from pipelines.report.figures.render import render_casing, render_gears
 from pipelines.report.figures.shapes import casing_view, gear_view
 from pipelines.report.figures.solids import gear_surface, prism_surface, without_tooth
-from pipelines.report.figures.views import CasingView, GearPairView, GearView, LeftOut, Picture
+from pipelines.report.figures.views import CasingView, GearPairView, GearView, NotRendered, Picture
 
 
 def area(outline):
@@ -104,7 +104,7 @@ def test_labels_do_not_overlap_and_stay_near():
 
 
 def test_pictures_show_gears_and_casing_where_they_are_said_to_be():
-    gears = drawn(render_gears(pair(), (420, 340)))
+    gears = drawn(render_gears, pair(), (420, 340))
     assert gears.image.shape == (340, 420, 3)
     column, row = (round(v) for v in gears.places["marked"])
     near = gears.image[row - 6 : row + 7, column - 6 : column + 7].reshape(-1, 3).astype(int)
@@ -157,14 +157,14 @@ def test_a_dead_renderer_leaves_one_picture_out(monkeypatch, caplog, program, gr
     monkeypatch.setattr(render_failures, "graphics_found", lambda: graphics)
     monkeypatch.setattr(render_failures, "memory_limit", lambda: limit)
     monkeypatch.setitem(sys.modules, "pyvista", None)  # drawing happens in a child: an import in this process fails
-    with caplog.at_level(logging.WARNING):
-        found = render_gears(pair())
-    assert isinstance(found, LeftOut)
-    assert found.reason.startswith("The picture of the gear pair is left out")
-    assert what in found.reason
-    assert remedy in found.reason
-    assert ("apt-get" in found.reason) == ("lib" in remedy)
-    assert found.reason in caplog.text
+    with caplog.at_level(logging.WARNING), pytest.raises(NotRendered) as found:
+        render_gears(pair())
+    reason = str(found.value)
+    assert reason.startswith("The picture of the gear pair is left out")
+    assert what in reason
+    assert remedy in reason
+    assert ("apt-get" in reason) == ("lib" in remedy)
+    assert reason in caplog.text
 
 
 LIMITED = """

@@ -50,7 +50,7 @@ INSTEAD = {
     r"rungs?": "model",
     r"says?|said": "states, prints, gives",
     r"single lines are": "partly detected in",
-    r"(?<!j\. )(?<!borne\s)sound(?! (power|pressure|radiation))": "healthy, undamaged",
+    r"(?<!j\. )(?<!borne\s)sound(?! (power|pressure|radiation|and vibration))": "healthy, undamaged",
     r"spared?": "the symbol of the equation",
     r"stands? (above|behind|below|beside|for itself|nowhere|on the front|there|twice)": "see above, next to, is given",
     r"survey\w*": "geometry recognition",
@@ -163,6 +163,7 @@ def test_a_word_of_the_table_is_noticed(text):
     [
         "sound power of the casing",
         "J. Sound Vib. 176(5)",
+        "Sound and Vibration 37(8)",
         "Structure-Borne Sound",
         "error bars",
         "error-bars.md",

@@ -7,12 +7,11 @@ import math
 import numpy as np
 
 from benchmarks.checks.record import Check, Subject, Values
-from benchmarks.gear_pairs import gear_pair, kisssoft_helical, kisssoft_spur
+from benchmarks.gear_pairs import gear_pair, kisssoft_helical, kisssoft_spur, line_length
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.models.iso import Iso, blank_factor, rack_factor
 from fem.gears.deviations import pitch_tolerance
 from fem.gears.geometry import GearPair
-from fem.gears.path import line_length
 
 KISSSOFT = "KISSsoft report 03/2017, published in gfsReboucas/Drivetrain"
 ISO_21771 = "ISO 21771:2007, evaluated independently"

@@ -1,4 +1,4 @@
-"""Hertz pressure under the line loads of a mesh law.
+"""Hertz pressure for the line loads of a mesh law.
 
 p_0 = sqrt(f E'/(pi R)), 1/E' = sum (1 - nu^2)/E, 1/R = (1/rho_1 + 1/rho_2) cos beta_b, with f per length of contact
 line, which equals the transverse load per face width (ISO 6336-2:2019, clause 6; Johnson, Contact Mechanics, section
@@ -14,7 +14,7 @@ from fem.gears.geometry import GearPair
 
 
 def contact_pressure(pair: GearPair, law: MeshLaw, cycle: float, pairs: np.ndarray, loads: np.ndarray) -> np.ndarray:
-    """Greatest Hertz pressure (n, slice) in Pa.
+    """Maximum Hertz pressure (n, slice) in Pa.
 
     Parameters
     ----------

@@ -1,11 +1,11 @@
-"""Stated deviations of teeth in a mesh law: what the tooth terms hold stays there, the rest is a table per tooth.
+"""Prescribed deviations of teeth in a mesh law, as a gap table per tooth in addition to the tooth terms.
 
-A tooth with waves, eccentricity or measured flanks becomes a variant of the law with a gap over (slice, position), the
-compliance and the modes it had. Gaps of variants are >= 0, as the law looks no further where the free approach without
-them is negative: the least of each table goes to the clearance of its tooth. Tables take 8 bytes for the gap and 8 for
-the compliance of each place: 65 teeth, 61 slices and 128 positions are 8 MB for each flank. Waves are resolved by the
-positions of the law; between them gaps are linear, which takes sinc^2(1/n) from the amplitude of a wave of n points
-(2.7 % at n = 11, 5 % at n = 8).
+A tooth with waves, eccentricity or measured flanks becomes a variant of the law with a gap over (slice, position); its
+compliance and modes are unchanged. Gaps of variants must be >= 0, as the law skips contacts whose free approach without
+them is negative. The least value of each table is therefore added to the clearance of its tooth. Tables need 8 bytes
+each for gap and compliance per entry: 65 teeth, 61 slices and 128 positions are 8 MB for each flank. Gaps are linear
+between the positions of the law, which reduces the amplitude of a wave of n points by the factor sinc^2(1/n) (by 2.7 %
+at n = 11, 5 % at n = 8).
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from fem.gears.prescribed import PrescribedDeviations, measured_gap, rotation_wa
 def deviating_law(
     law: MeshLaw, pair: GearPair, gear: str, terms: np.ndarray, given: PrescribedDeviations
 ) -> tuple[MeshLaw, np.ndarray]:
-    """The law with a table for every tooth of "pinion" or "wheel" that needs one, and the terms that call them.
+    """The law with a table for every tooth of "pinion" or "wheel" that needs one, and the tooth terms that select them.
 
     Parameters
     ----------
     law, pair : of one flank, and its gears
-    gear, given : the gear and what is stated of it
-    terms : (tooth,) or (tooth, 6) of its teeth, which stay
+    gear, given : the gear and its prescribed deviations
+    terms : (tooth,) or (tooth, 6) of its teeth, which are kept
     """
     count = getattr(pair, gear).teeth
     terms = checked_terms(gear, count, terms)
@@ -38,7 +38,7 @@ def deviating_law(
     if not gaps:
         return law, terms
     opening = getattr(law, f"{gear}_variant_gap")
-    variants = terms[list(gaps), -1].astype(int)  # of the damage that the teeth have besides
+    variants = terms[list(gaps), -1].astype(int)  # of other damage of the teeth
     tables = np.stack(list(gaps.values()))
     least = tables.min(axis=(1, 2))
     terms[list(gaps), 0] += least
@@ -75,7 +75,7 @@ def _gaps(law: MeshLaw, pair: GearPair, gear: str, given: PrescribedDeviations) 
 
 
 def _rotation(law: MeshLaw, gear: str, teeth: int) -> np.ndarray:
-    """Rotation (slice, position), rad, of the gear at which its tooth 0 touches there.
+    """Rotation (slice, position), rad, of the gear when its tooth 0 touches there.
 
     Pair p touches at c' = xi + p - shift, with c' = sign c + offset and the tooth sign p, or sign p + wheel offset.
     """

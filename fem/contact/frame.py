@@ -1,4 +1,4 @@
-"""Slices, signs and offsets of a MeshLaw: what every sliced model takes from the gear pair, for either flank."""
+"""Slices, signs and offsets of a MeshLaw, which every sliced model takes from the gear pair, for either flank."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ FLANKS = ("drive", "coast")
 
 
 class ModelError(ValueError):
-    """A model is asked for something outside its valid range."""
+    """The input of a model is outside its valid range."""
 
 
 def flank_frame(pair: GearPair, flank: str, slices: int) -> dict[str, Any]:
-    """Fields of `MeshLaw` that follow from the pair, the flank and equal slices.
+    """Fields of `MeshLaw` that follow from the pair, the flank and the number of equal slices.
 
-    The drive flank has c' = c. The coast flank of a pinion tooth lags its drive flank by tau = s_w1 / p_wt and is
-    met when the pinion turns backwards, so c' = tau - c; pair p then joins pinion tooth -p and wheel tooth -p + 1, the
-    tooth behind. In the mirrored view the helix leans the other way. The backlash is no part of the law: it is
-    subtracted from the coast approach. cycle_shift is positive at y > 0 for a right-hand pinion that turns in the
+    The drive flank has c' = c. The coast flank of a pinion tooth lags its drive flank by tau = s_w1 / p_wt and meshes
+    when the pinion rotates backwards, so c' = tau - c; pair p then consists of pinion tooth -p and wheel tooth -p + 1,
+    the tooth behind. In the mirrored view the helix has the opposite hand. The backlash is not part of the law: it is
+    subtracted from the coast approach. cycle_shift is positive at y > 0 for a right-hand pinion that rotates in the
     positive sense about +y.
 
     Raises
     ------
-    ModelError : unknown flank, no slice
+    ModelError : unknown flank, or less than one slice
     """
     if flank not in FLANKS:
         raise ModelError(f"{pair.label}: flank is {flank!r}; choose one of {', '.join(FLANKS)}")
@@ -60,10 +60,10 @@ def law_points(law: MeshLaw, pair: GearPair) -> PathPoints:
 
 
 def window_fraction(gap: np.ndarray) -> np.ndarray:
-    """Fraction (position,) of the pairs that the window of finite gaps holds: 1, and 0 at its first and last point.
+    """Fraction (position,) of the pairs within the window of finite gaps: 1, and 0 at its first and last point.
 
-    Under an approach greater than the gap at its ends a pair enters and leaves the window in contact. It does so over
-    one cell, which keeps the force a continuous function of the position at any load.
+    Under an approach greater than the gap at the ends a pair enters and leaves the window in contact. The transition
+    takes one cell, so that the force is a continuous function of the position at any load.
     """
     finite = np.isfinite(gap)
     inside = finite[1:-1] & finite[:-2] & finite[2:]

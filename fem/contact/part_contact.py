@@ -1,17 +1,17 @@
-"""A slice that is in contact on a part of its width, compiled: what it approaches by less than when wholly in contact.
+"""Partial contact of a slice, compiled: the reduction of its approach relative to full contact.
 
-Over a slice the gap is taken for even on a part p of it and rising evenly over the rest, to h above that. An elastic
-foundation x = C f on it, closed from the least gap by d, carries C f = p d + (1 - p) d^2 / (2 h). With the approach
-x = d - a to the mean gap, a = (1 - p) h / 2, and the load f_a that closes it wholly, C f_a = a (1 + p) / (1 - p),
+The gap of a slice is assumed to be constant on a share p of it and to increase linearly by h over the rest. An elastic
+foundation x = C f on it, compressed by d from the least gap, carries C f = p d + (1 - p) d^2 / (2 h). With the approach
+x = d - a to the mean gap, a = (1 - p) h / 2, and the load f_a of full contact, C f_a = a (1 + p) / (1 - p),
 
     x = C f - a r,   r = ((1 - s) / (1 - p))^2,   s^2 = p^2 + (1 - p^2) u,   u = f / f_a       (u < 1, else r = 0)
 
-s is the part of the slice in contact. C f stands for what the slice approaches when wholly in contact, a Hertz term
-included. The complementary energy is less by a f_a w, the integral of r over u,
+s is the share of the slice in contact. C f represents the approach in full contact, including a Hertz term. The
+complementary energy is reduced by a f_a w, with the integral w of r over u,
 
     w = 2 (G(s) - G(p)) / ((1 - p)^3 (1 + p)),   G(s) = s^2 / 2 - 2 s^3 / 3 + s^4 / 4
 
-a r falls with f, so the law stays convex whatever a, p and f_a are; all three depend on the position alone
+a r decreases with f, so the law remains convex for any a, p and f_a; all three depend only on the position
 (`fem.contact.slice_means`).
 """
 
@@ -24,7 +24,7 @@ from fem.numerics.inner import INLINE, inner
 
 @inner(**INLINE)
 def part_of(load, per_whole, even):
-    """s, 1 where the slice is wholly in contact.
+    """Share s of the slice in contact, 1 in full contact.
 
     Parameters
     ----------
@@ -36,27 +36,27 @@ def part_of(load, per_whole, even):
 
 @inner(**INLINE)
 def spared(even, s):
-    """r (even: p)."""
+    """Reduction r (even: p)."""
     open_part = (1.0 - s) / (1.0 - even)
     return open_part * open_part
 
 
 @inner(**INLINE)
 def spared_compliance(even, s):
-    """-dr/du."""
+    """Derivative -dr/du."""
     return (1.0 - s) * (1.0 + even) / ((1.0 - even) * s)
 
 
 @inner(**INLINE)
 def spared_work(even, s):
-    """w."""
+    """Integral w."""
     rest = 1.0 - even
     return 2.0 * (_work(s) - _work(even)) / (rest * rest * rest * (1.0 + even))
 
 
 @inner(**INLINE)
 def spared_work_slope(even, s, work):
-    """dw/dp at the same u (work: w)."""
+    """Derivative dw/dp at the same u (work: w)."""
     rest, closed = 1.0 - even, 1.0 - s
     u = (s * s - even * even) / (rest * (1.0 + even))
     moved = even * ((1.0 - u) * closed * closed - rest * rest)
@@ -65,13 +65,13 @@ def spared_work_slope(even, s, work):
 
 @inner(**INLINE)
 def _work(s):
-    """G."""
+    """Function G."""
     return s * s * (0.5 - s * (2.0 / 3.0 - 0.25 * s))
 
 
 @inner(**INLINE)
 def touch(x, rise, even):
-    """Approach, m, >= 0, at which a slice wholly in contact carries what this one carries at x, without a Hertz term.
+    """Approach, m, >= 0, of a slice in full contact with the load of this slice at x, without a Hertz term.
 
     Parameters
     ----------

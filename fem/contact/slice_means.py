@@ -1,14 +1,14 @@
-"""What a slice as a whole meets: its mean gap, what that exceeds the least by, how even it is, and what closes it.
+"""Means over a slice: its mean gap, the difference to the least gap, its uniformity, and the load of full contact.
 
-While the end of a line of contact lies in a slice, the gap there runs from less to more than the approach. A law that
-knows no more than the gap in the middle takes the slice in and out of contact as a whole, and all slices in turn,
-n / eps_beta to a mesh cycle, make a tone. What the slice does between first touch and closing stands in
-`fem.contact.part_contact`: a gap that is even over a part p of the slice and rises evenly over the rest, with the mean
-m over the least and the mean square m2 of the true one. For those, m2 / m^2 = 4 / (3 (1 - p)).
+While the end of a contact line is in a slice, the gap is below the approach on one part of it and above on the other.
+With only the gap at the centre, slices would come into contact as a whole, one after the other, and slicing would cause
+spurious excitation at n / eps_beta per mesh cycle. `fem.contact.part_contact` models the partial contact by a gap that
+is constant over a share p of the slice and increases linearly over the rest. Its mean m above the least gap and its
+mean square m2 are those of the true gap, which gives m2 / m^2 = 4 / (3 (1 - p)).
 
-Slices wider than `WIDEST` are left as they are. Their gap rises too unevenly for that: at eps_beta 7.3 and 15 slices,
-0.5 mesh cycles each, the mean transmission error became 3 to 5 % too small, at 0.12 cycles 0.2 to 0.8 %, where whole
-slices, which ring more, have it right on average.
+Slices wider than `WIDEST` keep the gap at their centre, because their gap is too nonlinear for this model. The mean
+transmission error would be 3 to 5 % too small for slices of 0.5 mesh cycles (eps_beta 7.3, 15 slices), and 0.2 to 0.8 %
+for 0.12 cycles. Whole slices have more spurious excitation but the correct mean.
 """
 
 from __future__ import annotations
@@ -20,30 +20,30 @@ import numpy as np
 from fem.contact.law import MeshLaw
 from fem.numerics.pchip import pchip
 
-FINER = 4  # the gap is curved where it decides: straight pieces of the law's own grid would make a tone, too
-PLACES = 17  # in a slice, at which its gap is read; odd
-EVEN = 1e-12  # m: a gap that varies less is the same everywhere in a slice
-MOST_EVEN = 0.95  # what is left of a slice that only just meets a steep end counts for nothing
+FINER = 4  # resolves the curved gap: linear interpolation on the grid of the law causes spurious excitation too
+PLACES = 17  # points in a slice for its gap; odd
+EVEN = 1e-12  # m: a gap with less variation is constant in a slice
+MOST_EVEN = 0.95  # largest p; the rest of a slice at a steep end is neglected
 WIDEST = 0.1  # mesh cycles
 NARROWEST = 0.5  # steps of the grid of the law
-CLOSED = 1e-9  # fraction of a slice that is rounding
+CLOSED = 1e-9  # fraction of a slice below which it is round-off
 ROUNDS = 40
 
 
 class SliceMeans(NamedTuple):
     """Arrays (position,) over a grid FINER times as fine as that of the law."""
 
-    gap: np.ndarray  # m, mean over the slice about the position; 0 where no slice can be in contact
-    rise: np.ndarray  # m, mean less least gap
-    even: np.ndarray  # part of the slice over which the gap is even
-    whole: np.ndarray  # N/m, line load at which the slice is wholly in contact; 0 where the gap is even
+    gap: np.ndarray  # m, mean over the slice around the position; 0 where no contact is possible
+    rise: np.ndarray  # m, mean minus least gap
+    even: np.ndarray  # share of the slice with constant gap
+    whole: np.ndarray  # N/m, line load of full contact; 0 where the gap is constant
 
 
 def slice_means(law: MeshLaw) -> SliceMeans:
-    """Means over the slices of a law, which are as wide as they are apart; the gap itself in slices above `WIDEST`.
+    """Means over the slices of a law; the gap itself for slices wider than `WIDEST`.
 
-    A law that cuts slices itself (`iso`, whose fraction falls to 0 where its gap jumps) has a stretch of the grid for
-    each kind of contact. Each is taken by itself: towards another one its gap stays as it is, else it goes on straight.
+    A law with partial slices (`iso`, whose fraction is 0 where its gap jumps) has a separate interval of the grid for
+    each kind of contact. Beyond an interval its gap is constant towards another interval, else extrapolated linearly.
     """
     at = np.arange(law.gap.size)
     stretches = _stretches(law)
@@ -65,13 +65,13 @@ def slice_means(law: MeshLaw) -> SliceMeans:
 
 
 def _mean(values: np.ndarray) -> np.ndarray:
-    """Mean over the places (position, PLACES) of slices, by Simpson's rule."""
+    """Mean over the points (position, PLACES) of slices, by Simpson's rule."""
     parabolas = values[:, :-2:2] + 4.0 * values[:, 1:-1:2] + values[:, 2::2]
     return np.asarray(parabolas.sum(axis=1) * (1.0 / 3.0) / (PLACES - 1))
 
 
 def _stretches(law: MeshLaw) -> list[tuple[int, int]]:
-    """First and last grid points of the stretches with finite gaps and no cell that is never in contact."""
+    """First and last grid points of the intervals with finite gaps in which every cell can be in contact."""
     finite = np.isfinite(law.gap)
     open_cells = finite[:-1] & finite[1:] & (np.maximum(law.fraction[:-1], law.fraction[1:]) > CLOSED)
     ends = np.flatnonzero(np.diff(np.concatenate([[False], open_cells, [False]]).astype(int)))
@@ -91,11 +91,11 @@ def _closing_loads(law: MeshLaw, at: np.ndarray, xi: np.ndarray, above: np.ndarr
 
 
 def _gap(law: MeshLaw, at: np.ndarray, gap: np.ndarray, xi: np.ndarray, straight: tuple[bool, bool]) -> np.ndarray:
-    """Gap (position, PLACES), m, at the places of slices about xi; at, xi in steps of the grid.
+    """Gap (position, PLACES), m, at the points of slices around xi; at, xi in steps of the grid.
 
-    Slices narrower than half a step of the grid (spur gears) and wider than `WIDEST` have one gap all over.
+    Slices narrower than half a step of the grid (spur gears) and wider than `WIDEST` have a constant gap.
 
-    straight : whether it goes on straight before the first and behind the last of its points
+    straight : whether it is extrapolated linearly before the first and after the last of its points
     """
     width = float(np.ptp(law.cycle_shift)) / max(law.cycle_shift.size - 1, 1)
     half = width / 2 / law.position_step

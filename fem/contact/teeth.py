@@ -1,18 +1,18 @@
-"""What single teeth bring to a mesh law: clearance, slopes and curvatures along profile and face, form of damage.
+"""Contributions of single teeth to a mesh law: clearance, slopes and curvatures along profile and face, damage.
 
 Tooth terms are an array (z, 6) per gear and flank with the columns h, a1, a2, b1, b2, variant. A pair adds to its gap,
 for both of its teeth,
 
     h + a1 xi + a2 xi^2 + b1 (y/b) + b2 (y/b)^2
 
-with the position xi on the path of contact in base pitches (0 at the pitch point, rising towards the tip of the
+with the position xi on the path of contact in base pitches (0 at the pitch point, increasing towards the tip of the
 pinion, the same on both flanks), the face coordinate y from mid face and the face width b: h and b in m, a1 in m per
 base pitch, a2 in m per base pitch squared. b1 is the difference between the ends of the face. A positive gap is missing
-material and touches later; h = inf is a missing tooth. The slopes stand for the slope deviations f_Halpha and f_Hbeta
-of ISO 1328-1:2013, the curvatures for the long-wave part of the form deviations. `variant` is 0 for a sound tooth, else
-the number of a damaged form in the law (`MeshLaw.pinion_variant_gap` and its companions).
+material, so that the flank touches later; h = inf is a missing tooth. The slopes represent the slope deviations
+f_Halpha and f_Hbeta of ISO 1328-1:2013, the curvatures the long-wave part of the form deviations. `variant` is 0 for a
+healthy tooth, else the number of a variant in the law (`MeshLaw.pinion_variant_gap` and related fields).
 
-Terms are looked up by tooth counters: teeth cost no table over the hunting cycle.
+Terms are selected by tooth counters, so that no table over the hunting cycle is needed.
 """
 
 from __future__ import annotations
@@ -46,11 +46,11 @@ def tooth_terms(
     clearance : m, +inf for a missing tooth
     profile_slope, profile_curvature : m per base pitch, m per base pitch squared
     lead_slope, lead_curvature : m, of y/b and of (y/b)^2
-    variant : number of the damaged form in the law, 0 for a sound tooth
+    variant : number of the variant in the law, 0 for a healthy tooth
 
     Raises
     ------
-    LawError : wrong length, NaN, infinite terms other than clearance = +inf, a variant that is no whole number >= 0
+    LawError : wrong length, NaN, infinite terms other than clearance = +inf, a variant that is not an integer >= 0
     """
     terms = np.empty((teeth, len(COLUMNS)))
     given = (clearance, profile_slope, profile_curvature, lead_slope, lead_curvature, variant)
@@ -69,7 +69,7 @@ def checked_terms(gear: str, teeth: int, value: np.ndarray | None) -> np.ndarray
 
     Raises
     ------
-    LawError : wrong shape, NaN or -inf, infinite terms other than the clearance, variants that are no numbers >= 0
+    LawError : wrong shape, NaN or -inf, infinite terms other than the clearance, variants that are not integers >= 0
     """
     given = np.zeros(teeth) if value is None else np.array(value, dtype=float)
     terms = np.zeros((teeth, len(COLUMNS)))
@@ -96,7 +96,7 @@ def checked_terms(gear: str, teeth: int, value: np.ndarray | None) -> np.ndarray
 
 
 def least_clearance(law: MeshLaw, pinion: np.ndarray, wheel: np.ndarray) -> float:
-    """A gap (m) that no pair of the law falls below: nothing touches at a smaller approach delta + |psi y|."""
+    """Lower bound (m) of the gaps of all pairs: there is no contact at a smaller approach delta + |psi y|."""
     last = law.position_start + law.position_step * (law.gap.size - 1)
     far = max(abs(law.position_start), abs(last))
     part = float(np.abs(law.face_coordinate).max() / law.slice_width.sum())
@@ -114,16 +114,16 @@ def least_clearance(law: MeshLaw, pinion: np.ndarray, wheel: np.ndarray) -> floa
 def with_variants(
     law: MeshLaw, gear: str, compliance: np.ndarray | float, gap: np.ndarray | float, modes: np.ndarray | None = None
 ) -> MeshLaw:
-    """The law with one more damaged tooth form of "pinion" or "wheel"; its number is how many there are then.
+    """The law with one more variant of "pinion" or "wheel"; its number is the new count of variants.
 
     Parameters
     ----------
     law : of the pair
     gear : "pinion" or "wheel"
-    compliance : m2/N, >= 0, that the form adds to its pair; broadcasts to (slice, position)
+    compliance : m2/N, >= 0, added to its pair; broadcasts to (slice, position)
     gap : m, likewise; +inf where the tooth is chipped away
-    modes : (mode, near, slice, position) of compliance that the form adds on its pair and beside it, see
-        `fem.contact.law`; None for none
+    modes : (mode, near, slice, position) of added compliance on its pair and the adjacent pairs, see `fem.contact.law`;
+        None for none
 
     Raises
     ------

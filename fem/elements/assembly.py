@@ -1,4 +1,4 @@
-"""Element matrices of an isotropic solid added into sparse ones, whose rows are laid out before.
+"""Assembly of element matrices of an isotropic solid into sparse matrices with a given pattern.
 
 Importing this module imports numba.
 """
@@ -44,7 +44,7 @@ def add_elements(
     Parameters
     ----------
     own : int32 (e, k), functions of every element, -1: held
-    known : pairs of so many functions, the first ones, are left out
+    known : number of first functions whose mutual pairs are omitted
     products, masses : (6, e, k, k) by `fem.elements.solid_elements.AXES`, m, and (e, k, k), m3
     lam, mu : Lame constants, Pa
     indptr, indices : those of `pattern`
@@ -116,7 +116,7 @@ def uncoupled(indptr: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, np.n
 
 
 def thrice(indptr: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Numbers of one row after the other, every row three times: the entries of `uncoupled`."""
+    """The entries of `uncoupled`: values in row order, every row repeated three times."""
     length, out = np.diff(indptr), np.empty(3 * len(values))
     starts = np.repeat(2 * indptr[:-1], length)
     for i in range(3):

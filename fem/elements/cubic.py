@@ -1,8 +1,9 @@
-"""Cubic displacements in ten-node tetrahedra and 20-node hexahedra, by functions added to the quadratic ones.
+"""Cubic displacements in ten-node tetrahedra and 20-node hexahedra: functions added to the quadratic ones.
 
-Every side and every face with a function (`fem.elements.cubic_shapes`) has three unknowns, along x, y and z. Along a
-side the function runs from the node with the lower number, so that neighbours have one. One element through a wall then
-bends and shears as a plate does: its displacements across the wall are cubic. The geometry stays that of the nodes.
+Every side (element edge) and every face with a function (`fem.elements.cubic_shapes`) has three unknowns, along x, y
+and z. On a side the function is oriented from the node with the lower number, so that neighbours share it. One element
+through a wall then represents the bending and shear of a plate, whose displacements are cubic across the wall. The
+geometry remains that of the nodes.
 """
 
 from __future__ import annotations
@@ -16,32 +17,32 @@ from fem.elements.cubic_shapes import CUBIC, cubic_shapes, faces_of, sides_of
 from fem.elements.solid_elements import AXES, CURVED_RULE, SolidElement, rule, shapes
 
 _RULES = {4: (CURVED_RULE - 2, CURVED_RULE), 8: (7, 7)}  # by corners: of affine elements (degree 6, exact), of others
-_AFFINE = 1e-9  # of the size of an element: nodes this close to an affine map of the reference element
-_CHUNK = 50000  # quadrature points worked on at once
+_AFFINE = 1e-9  # of the size of an element: tolerance of an affine map of the reference element
+_CHUNK = 50000  # quadrature points evaluated together
 
 
 @dataclass(frozen=True, eq=False)
 class CubicFunctions:
     """The functions of all sides and faces that are not held, three unknowns each."""
 
-    numbers: np.ndarray  # (m,), of an unknown among those of its place
-    places: np.ndarray  # (m, 3), m, where their functions are
+    numbers: np.ndarray  # (m,), of each unknown among those at the same position
+    places: np.ndarray  # (m, 3), m, positions of their functions
     points: np.ndarray  # (n, 3), m
     elements: np.ndarray  # (e, k)
-    functions: np.ndarray  # (e, f), numbers of those of its sides and faces; held ones as well
+    functions: np.ndarray  # (e, f), numbers of those of its sides and faces, including held ones
     moving: np.ndarray  # (function,), bool
 
     @property
     def kind(self) -> SolidElement:
-        """The cubic element that results."""
+        """The resulting cubic element."""
         return CUBIC[self.elements.shape[1]]
 
     def __len__(self) -> int:
-        """Unknowns that are added."""
+        """Number of added unknowns."""
         return len(self.numbers)
 
     def moving_numbers(self, elements: np.ndarray) -> np.ndarray:
-        """Numbers (e, f) of the functions of some elements among those that are not held, -1 of others."""
+        """Numbers (e, f) of the functions of some elements among those not held, -1 for held ones."""
         number = np.where(self.moving, np.cumsum(self.moving) - 1, -1)
         return np.asarray(number[self.functions[elements]])
 
@@ -52,14 +53,14 @@ class CubicFunctions:
         return np.asarray(np.where(number < 0, -1, first + 3 * number + np.arange(3)[:, None]))
 
     def signs(self, elements: np.ndarray) -> np.ndarray:
-        """Of the functions (e, f) of some elements: -1 where a side runs from the higher number to the lower."""
+        """Signs (e, f) of the functions of some elements: -1 on a side that starts at its higher node number."""
         ends = self.elements[elements][:, sides_of(self.kind)]
         out = np.ones((len(elements), self.functions.shape[1]))
         out[:, : ends.shape[1]] = np.where(ends[:, :, 0] < ends[:, :, 1], 1.0, -1.0)
         return out
 
     def products(self, elements: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """As those of nodes in `fem.elements.solids`, of all functions of some elements; pairs of nodes are 0."""
+        """Products as in `fem.elements.solids`, for all functions of some elements; 0 for pairs of nodes."""
         k = self.elements.shape[1]
         for part, products, mass in _products(self.kind, self.points, self.elements[elements]):
             sign = np.column_stack([np.ones((len(part), k)), self.signs(elements[part])])
@@ -111,7 +112,7 @@ def _numbered(elements: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np
 def _products(
     kind: SolidElement, points: np.ndarray, elements: np.ndarray
 ) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """Numbers (p,), int d_i phi_a d_j phi_b dV (3, 3, p, a, f) and int phi_a phi_b dV (p, a, f), part by part."""
+    """Numbers (p,), int d_i phi_a d_j phi_b dV (3, 3, p, a, f) and int phi_a phi_b dV (p, a, f), in parts."""
     straight, k = _affine(kind, points, elements), kind.nodes
     for affine, degree in zip((True, False), _RULES[kind.corners], strict=True):
         members = np.flatnonzero(straight == affine)
@@ -138,7 +139,7 @@ def _products(
 
 
 def _affine(kind: SolidElement, points: np.ndarray, elements: np.ndarray) -> np.ndarray:
-    """Bool (e,): all nodes lie where an affine map of the reference element has them."""
+    """Bool (e,): whether all nodes follow from an affine map of the reference element."""
     reference = kind.library.doflocs
     origin, *ends = (int(abs(reference - corner).sum(axis=1).argmin()) for corner in (np.zeros(3), *np.eye(3)))
     places = points[elements] - points[elements[:, [origin]]]

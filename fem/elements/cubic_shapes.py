@@ -1,11 +1,11 @@
-"""Cubic functions of tetrahedra and hexahedra, hierarchic: they are added to those of the quadratic element.
+"""Hierarchical cubic functions of tetrahedra and hexahedra, added to those of the quadratic element.
 
     side i j:            6 sqrt(3) l_i l_j (l_i - l_j)        of hexahedra times the linear functions across the side
     face i j k:          27 l_i l_j l_k                       of tetrahedra
 
-l are the barycentric coordinates of a tetrahedron, and 1 - t and t along the side of a hexahedron. All reach 1 and
-vanish at all nodes. Together with the quadratic functions they hold the cubics of a tetrahedron, and the serendipity
-space of degree three of a hexahedron, that of its element with 32 nodes.
+l are the barycentric coordinates of a tetrahedron, and 1 - t and t along the side of a hexahedron. All have the largest
+value 1 and vanish at all nodes. With the quadratic functions they span the cubics of a tetrahedron, and the serendipity
+space of degree three of a hexahedron (that of the 32-node element).
 
 References: Szabo & Babuska (1991), Finite Element Analysis, section 13.2 (hierarchic functions of tetrahedra and
 hexahedra); Arnold & Awanou (2011), Found. Comput. Math. 11(3), 337-344 (serendipity spaces).
@@ -26,7 +26,7 @@ _OF_SIDE, _OF_FACE = 6.0 * math.sqrt(3.0), 27.0
 
 @cache
 def sides_of(kind: SolidElement) -> np.ndarray:
-    """Local corners (side, 2) between which the functions of sides lie."""
+    """Local corners (side, 2) at the ends of the sides with functions."""
     return np.array(kind.library.refdom.edges)
 
 
@@ -81,7 +81,7 @@ def _along(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.nda
 
 
 def _linear(x: np.ndarray, end: float) -> tuple[np.ndarray, float]:
-    """The linear function along an axis that is 1 at an end (0 or 1), and its slope."""
+    """The linear function along an axis with value 1 at an end (0 or 1), and its slope."""
     return (x, 1.0) if end > 0.5 else (1.0 - x, -1.0)
 
 

@@ -1,13 +1,13 @@
-"""Nested dissection of a prism: in which boxes its unknowns are eliminated, and in which order.
+"""Nested dissection of a prism: the boxes in which its unknowns are eliminated, in order.
 
-A prism (section elements x axial elements) is cut in two again and again. The section elements lie on a grid of rows
-and columns, so a cut is a row line, a column line or a plane across the axis. Of all of them the one with the least
-unknowns for its balance is taken,
+A prism (section elements x axial elements) is divided in two recursively. The section elements are on a grid of rows
+and columns, so a cut is a row line, a column line or a plane across the axis. The cut with the least ratio of size to
+balance is used,
 
     unknowns on the cut / (elements on one side * elements on the other),
 
-since what lies on the cut must be carried in dense blocks. Sizes in metres play no part: deep in a body elements are
-large and few. An unknown is eliminated in the smallest box that holds all elements which touch it.
+since the unknowns on a cut remain in dense blocks. Sizes in metres are ignored: deep in a body elements are large and
+few. An unknown is eliminated in the smallest box that contains all elements touching it.
 
 References: George (1973), SIAM J. Numer. Anal. 10, 345-363; Hagen & Kahng (1992), IEEE Trans. CAD 11, 1074-1085 (cuts
 by their size over the product of the sides).
@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-_LEAF = 6  # section elements, in one layer, that are assembled at once: fewer only make calls
+_LEAF = 6  # section elements, in one layer, that are assembled together: smaller leaves only add calls
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,9 +37,9 @@ class Box:
 
 @dataclass(frozen=True, eq=False)
 class _Cuts:
-    """The best cut of a set of section elements: what it costs in every layer, and what a plane across costs."""
+    """The best cut of a set of section elements: its unknowns in every layer, and those of a plane across the axis."""
 
-    sides: tuple[np.ndarray, np.ndarray] | None  # None of a single element
+    sides: tuple[np.ndarray, np.ndarray] | None  # None for a single element
     along: int  # unknowns of a section on the cut
     across: int  # unknowns of the whole section
 
@@ -62,7 +62,7 @@ class Dissection:
         self._divide(np.arange(len(elements)), 0, filled.shape[1])
 
     def owners(self) -> np.ndarray:
-        """Number of the box (axial nodes, section nodes) in which a node is eliminated; -1 where no element is."""
+        """Number of the box (axial nodes, section nodes) in which a node is eliminated; -1 without elements."""
         nodes, layers = len(self._weight), self._filled.shape[1]
         first, last = (np.full((2 * layers + 1, nodes), -1) for _ in range(2))
         leaves = [(number, box) for number, box in enumerate(self.boxes) if not box.halves]

@@ -1,10 +1,10 @@
-"""Hexahedra, wedges and pyramids divided into tetrahedra between the same nodes, so that elements of any kind conform.
+"""Division of hexahedra, wedges and pyramids into tetrahedra of the same nodes, so that all elements conform.
 
-A quadrilateral is cut along the diagonal through the lowest number among its corners; both its elements do that alike.
-An element becomes the tetrahedra from its own lowest corner to the triangles of the faces that do not hold it: 6 of a
-hexahedron, 3 of a wedge, 2 of a pyramid. Mid-side nodes stay where they are. The middle of a diagonal is the node in
-the face where there is one, else it lies where the shape functions of the face or of the element map its middle, so
-that a curved side stays curved. Corners stand in the order of VTK; mid-side nodes are recognised by their places.
+A quadrilateral is cut along the diagonal through its corner with the lowest number, in the same way for both its
+elements. The tetrahedra of an element join its lowest corner to the triangles of the faces without this corner: 6 for a
+hexahedron, 3 for a wedge, 2 for a pyramid. Mid-side nodes are kept. The middle of a diagonal is the node in the face if
+there is one. Otherwise the shape functions of the face or of the element map its position, so that a curved side stays
+curved. Corners are in the order of VTK; mid-side nodes are recognised by their positions.
 
 Reference: Dompierre, Labbe, Vallet & Camarero (1999), How to subdivide pyramids, prisms, and hexahedra into
 tetrahedra, Proc. 8th Int. Meshing Roundtable, 195-204.
@@ -19,7 +19,7 @@ import numpy as np
 
 from fem.elements.solid_elements import SOLIDS, ElementError
 
-OFF_MIDDLE = 0.3  # of the edge length: a mid-side node farther from the middle belongs to another edge
+OFF_MIDDLE = 0.3  # of the edge length: largest distance of a mid-side node from the middle
 
 
 @dataclass(frozen=True)
@@ -62,22 +62,22 @@ _SHAPES = {  # corners and shape by the number of nodes
 
 
 def divided(nodes: np.ndarray, blocks: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """All elements as tetrahedra of 4 nodes, or of 10 where the elements have mid-side nodes.
+    """All elements divided into tetrahedra of 4 nodes, or of 10 if the elements have mid-side nodes.
 
     Parameters
     ----------
-    nodes : float (n, 3), mm (which is only said in messages)
+    nodes : float (n, 3), mm (the unit matters only in messages)
     blocks : int (e, k) each, the elements of one kind: tetrahedra of 4 or 10 nodes, pyramids of 5, 13 or 14, wedges of
         6, 15 or 18, hexahedra of 8, 20 or 27
 
     Returns
     -------
-    nodes : float (m, 3), those given and behind them the middles of diagonals
+    nodes : float (m, 3), the given nodes, then the middles of diagonals
     elements : int (t, 4 or 10)
 
     Raises
     ------
-    ElementError : linear beside quadratic elements, mid-side nodes off their edges, triangles on quadrilaterals
+    ElementError : mixed linear and quadratic elements, misplaced mid-side nodes, triangles on quadrilaterals
     """
     blocks = [np.asarray(block, np.int64) for block in blocks if len(block)]
     quadratic = {block.shape[1] != _SHAPES[block.shape[1]][0] for block in blocks}
@@ -96,7 +96,7 @@ def divided(nodes: np.ndarray, blocks: Sequence[np.ndarray]) -> tuple[np.ndarray
 
 
 def described(blocks: Sequence[np.ndarray]) -> str:
-    """How many elements of which shape the blocks hold, in words."""
+    """Numbers of elements of each shape in the blocks, as text."""
     counts: dict[str, int] = {}
     for block in blocks:
         word = _SHAPES[block.shape[1]][1].word
@@ -121,7 +121,7 @@ def _ordered(nodes: np.ndarray, block: np.ndarray) -> np.ndarray:
     length = np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=2)
     found = block.copy()
     places = np.arange(count, block.shape[1])
-    some = slice(None, None, 1 + len(block) // 1000)  # elements that tell the order of all
+    some = slice(None, None, 1 + len(block) // 1000)  # sample that determines the order of all
     order = _places(nodes, block[some], places, ends.mean(axis=2)[some])
     found[:, count : count + len(edges)] = block[:, order]
     far = np.linalg.norm(nodes[found[:, count : count + len(edges)]] - ends.mean(axis=2), axis=2)
@@ -140,15 +140,14 @@ def _ordered(nodes: np.ndarray, block: np.ndarray) -> np.ndarray:
 
 
 def _places(nodes: np.ndarray, block: np.ndarray, among: np.ndarray, middles: np.ndarray) -> np.ndarray:
-    """Of the places `among` in the elements (e, k), those whose nodes lie nearest to the middles (e, m, 3)."""
+    """Local numbers, out of `among`, of the nodes of elements (e, k) nearest to the middles (e, m, 3)."""
     off = np.linalg.norm(nodes[block[:, among]][:, None] - middles[:, :, None], axis=3)  # (e, m, among)
     size = np.maximum(np.ptp(nodes[block], axis=1).max(axis=1), 1e-300)
-    found: np.ndarray = among[np.median(off / size[:, None, None], axis=0).argmin(axis=1)]
-    return found
+    return among[np.median(off / size[:, None, None], axis=0).argmin(axis=1)]
 
 
 def _check_conforming(nodes: np.ndarray, blocks: Sequence[np.ndarray]) -> None:
-    """ElementError where triangles lie on a quadrilateral, whose diagonal need not be ours, or pyramids are missing."""
+    """ElementError for triangles on a quadrilateral, as their diagonal may differ, or for missing pyramids."""
     triangles, quadrilaterals = [np.zeros((0, 3), np.int64)], [np.zeros((0, 4), np.int64)]
     for block in blocks:
         for face in _SHAPES[block.shape[1]][1].faces:
@@ -175,8 +174,8 @@ def _check_conforming(nodes: np.ndarray, blocks: Sequence[np.ndarray]) -> None:
 
 
 def _pyramidal_holes(triangles: np.ndarray, quadrilaterals: np.ndarray, size: int) -> np.ndarray:
-    """Of the outer quadrilaterals (f, 4) those on which four outer triangles with one common corner stand."""
-    from scipy.sparse import csr_array  # late: commands that only read a scene start sooner
+    """The outer quadrilaterals (f, 4) under four outer triangles with one common corner."""
+    from scipy.sparse import csr_array  # imported here so that commands that only read a scene start sooner
 
     sides = [(0, 1, 2), (0, 2, 1), (1, 2, 0)]
     apex = np.concatenate([triangles[:, c] for _, _, c in sides])
@@ -202,7 +201,7 @@ def _key(triangles: np.ndarray, size: int) -> np.ndarray:
 
 
 def _corner_tetrahedra(block: np.ndarray) -> np.ndarray:
-    """Corners (t, 4) of the tetrahedra of all elements of a block; those of a collapsed side are left out."""
+    """Corners (t, 4) of the tetrahedra of all elements of a block; those of a collapsed side are omitted."""
     count, shape = _SHAPES[block.shape[1]]
     corners = block[:, :count]
     lowest = corners.argmin(axis=1)
@@ -221,7 +220,7 @@ def _corner_tetrahedra(block: np.ndarray) -> np.ndarray:
 
 
 def _outwards(nodes: np.ndarray, tetrahedra: np.ndarray) -> np.ndarray:
-    """The tetrahedra; turned over if all are inside out, as those of a program that numbers the other way round."""
+    """The tetrahedra, reordered if all are inverted, as in files with the opposite numbering."""
     corners = nodes[tetrahedra]
     if (np.linalg.det(corners[:, 1:] - corners[:, :1]) >= 0.0).any():
         return tetrahedra
@@ -231,7 +230,7 @@ def _outwards(nodes: np.ndarray, tetrahedra: np.ndarray) -> np.ndarray:
 def _with_middles(
     nodes: np.ndarray, blocks: Sequence[np.ndarray], corners: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Ten-node tetrahedra: the mid-side nodes of the file, and nodes in the middles of the diagonals."""
+    """Ten-node tetrahedra: the mid-side nodes of the file, and nodes at the middles of the diagonals."""
     ends, middles = [], []  # pairs of corners, and the node between them
     places = [nodes]
     count = len(nodes)
@@ -254,7 +253,7 @@ _Middles = tuple[np.ndarray, np.ndarray, np.ndarray | None]
 
 
 def _middles(nodes: np.ndarray, block: np.ndarray) -> list[_Middles]:
-    """Pairs of corners (e, 2) with the nodes (e,) between them, or the places (e, 3) where nodes are missing."""
+    """Pairs of corners (e, 2) with the nodes (e,) between them, or the positions (e, 3) of missing nodes."""
     count, shape = _SHAPES[block.shape[1]]
     found: list[_Middles] = [
         (block[:, list(edge)], block[:, count + place], None) for place, edge in enumerate(shape.edges)

@@ -1,6 +1,6 @@
-"""The surface of a solid mesh: its outer facets, integrals over them, and the triangles that stand for them.
+"""The surface of a solid mesh: its outer facets, integrals over them, and their triangles.
 
-Facets (f, k) hold 3 or 6 nodes (triangles) or 4, 8 or 9 (quadrilaterals) in the order of scikit-fem: corners, then
+Facets (f, k) have 3 or 6 nodes (triangles) or 4, 8 or 9 (quadrilaterals) in the order of scikit-fem: corners, then
 mid-sides 01 12 20 or 01 12 23 30, then the middle. Seen from outside the corners run counter-clockwise.
 """
 
@@ -13,7 +13,7 @@ import numpy as np
 from fem.elements.solid_elements import ElementError, rule, shapes, solid_element, solid_mesh
 
 _ELEMENTS = {3: "ElementTriP1", 6: "ElementTriP2", 4: "ElementQuad1", 8: "ElementQuadS2", 9: "ElementQuad2"}
-_DEGREE = 7  # to which integrals over facets are exact, in each direction
+_DEGREE = 7  # up to which integrals over facets are exact, in each direction
 _TURNED = {3: [0, 2, 1], 6: [0, 2, 1, 5, 4, 3], 4: [0, 3, 2, 1]}
 _TURNED |= {8: [*_TURNED[4], 7, 6, 5, 4], 9: [*_TURNED[4], 7, 6, 5, 4, 8]}
 _CORNERS = {3: [[0, 1, 2]], 4: [[0, 1, 2], [0, 2, 3]]}
@@ -64,17 +64,17 @@ def surface_weights(nodes: np.ndarray, facets: np.ndarray) -> tuple[np.ndarray, 
 
 
 def corner_triangles(facets: np.ndarray) -> np.ndarray:
-    """Triangles (f, t, 3) between the corners of every facet: one, or two of a quadrilateral."""
+    """Triangles (f, t, 3) between the corners of every facet: one, or two for a quadrilateral."""
     return facets[:, _CORNERS[3 if facets.shape[1] in (3, 6) else 4]]
 
 
 def drawn_triangles(facets: np.ndarray) -> np.ndarray:
-    """Triangles (t, 3) between all nodes of the sides of the facets: what shows them bent."""
+    """Triangles (t, 3) between all nodes on the sides of the facets, for plots of curved facets."""
     return facets[:, _DRAWN[facets.shape[1]]].reshape(-1, 3)
 
 
 def nearest_on_facets(nodes: np.ndarray, facets: np.ndarray, position: np.ndarray) -> np.ndarray:
-    """Shape functions (f, k) at the point of every facet that is nearest to `position`, sides taken as straight."""
+    """Shape functions (f, k) at the point of every facet nearest to `position`, for straight sides."""
     element = facet_element(facets)
     triangles = np.array(_CORNERS[element.refdom.nnodes])
     best = np.full(len(facets), np.inf)

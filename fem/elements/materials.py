@@ -28,7 +28,7 @@ class Material:
 
     @property
     def plane_strain_modulus(self) -> float:
-        """E / (1 - nu^2), Pa: what a line contact sees."""
+        """E / (1 - nu^2), Pa: modulus of a line contact."""
         return self.elastic_modulus / (1.0 - self.poisson_ratio**2)
 
     @property

@@ -1,18 +1,18 @@
-"""Static condensation of a prism by nested dissection: its interior is eliminated in dense blocks, box by box.
+"""Static condensation of a prism by nested dissection: its interior is eliminated box by box in dense blocks.
 
-The prism (section elements x axial elements) is cut in two again and again (`fem.elements.dissection`). A box is
-assembled from its halves and whatever lies inside it for good is eliminated by a dense Cholesky factor,
+The prism (section elements x axial elements) is divided in two recursively (`fem.elements.dissection`). A box is
+assembled from its halves, and its inner unknowns are eliminated by a dense Cholesky factor,
 
     S = K_bb - K_bi K_ii^-1 K_ib.
 
-Unknowns marked as kept survive to the root: the result is the Schur complement on them, at the price of one
-factorisation and with no right sides at all, by the multifrontal method (Duff & Reid, 1983, ACM TOMS 9, 302-325).
-Loaded nodes "ordered last" are far cheaper than one solution for every load. Unknowns of a box stand in the order of
-their elimination, so that what goes in it comes first and blocks are added without being turned.
+Unknowns marked as kept remain at the root. The result is their Schur complement, from one factorisation without
+right-hand sides, by the multifrontal method (Duff & Reid, 1983, ACM TOMS 9, 302-325). To order loaded nodes last is far
+less expensive than one solution for every load. Unknowns of a box are in the order of their elimination, so that those
+eliminated in it come first and blocks are added without permutation.
 
-Nodes on a side may be tied to few shape functions, u = W q (`Ties`): the rows q are kept in their place.
+Nodes on a side may be tied to few shape functions, u = W q (`Ties`); the rows q are kept instead.
 
-Parts of the prism may be empty (`Prism.filled`): there are no elements, and what no element touches is no unknown.
+Parts of the prism may be empty (`Prism.filled`): they have no elements, and nodes without elements have no unknowns.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from fem.numerics.compiled import stored
 
 INNER, KEPT, FIXED, TIED = range(4)
 
-_Part = tuple[np.ndarray, np.ndarray]  # turns of unknowns in the elimination, rising; matrix, its lower triangle counts
+_Part = tuple[np.ndarray, np.ndarray]  # ascending positions in the elimination order; matrix (lower triangle)
 
 
 class CondensationError(RuntimeError):
@@ -39,14 +39,14 @@ class CondensationError(RuntimeError):
 class Ties:
     """Displacement of tied nodes: u_c(node, z) = sum_ij across[node, i] along[z, j] q[side, c, ij], ij as used."""
 
-    side: np.ndarray  # (section nodes,) 0 .. sides - 1, -1 where not tied
-    across: np.ndarray  # (section nodes, functions), 0 where not tied
+    side: np.ndarray  # (section nodes,) 0 .. sides - 1, -1 if not tied
+    across: np.ndarray  # (section nodes, functions), 0 if not tied
     along: np.ndarray  # (axial nodes, functions)
-    used: np.ndarray  # bool (functions across, functions along), products that are functions q
+    used: np.ndarray  # bool (functions across, functions along), products used as functions q
 
     @property
     def count(self) -> int:
-        """Unknowns q of one side."""
+        """Number of unknowns q of one side."""
         return 3 * int(self.used.sum())
 
     def rows(self, node: np.ndarray, place: np.ndarray, component: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -60,7 +60,7 @@ class Ties:
 
 @dataclass(frozen=True, eq=False)
 class Front:
-    """What was eliminated in one box: u_inner = -X u_rest with X = K_ii^-1 K_ib, by unknown numbers."""
+    """Elimination in one box: u_inner = -X u_rest with X = K_ii^-1 K_ib, by unknown numbers."""
 
     inner: np.ndarray
     rest: np.ndarray
@@ -78,15 +78,15 @@ class Prism:
     roles: np.ndarray
     ties: Ties
     filled: np.ndarray  # bool (elements, axial elements), False where there is no material
-    fronts: list[Front] | None = None  # give a list to keep what recovery needs
+    fronts: list[Front] | None = None  # give a list to store the data for `recover`
 
     @property
     def size(self) -> int:
-        """Unknowns of the mesh; the numbers of the tied functions q follow after them."""
+        """Number of unknowns of the mesh; the numbers of the tied functions q follow after them."""
         return self.roles.size * (2 * len(self.ends) - 1)
 
     def condense(self) -> tuple[np.ndarray, np.ndarray]:
-        """Numbers of the surviving unknowns, rising, and their stiffness matrix (N/m).
+        """Numbers of the remaining unknowns, ascending, and their stiffness matrix (N/m).
 
         Raises
         ------
@@ -106,7 +106,7 @@ class Prism:
         return order[left], lower + np.tril(matrix, -1).T
 
     def recover(self, numbers: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """All unknowns (size + tied, columns) from the surviving ones, when nothing loads the interior."""
+        """All unknowns (size + tied, columns) from the remaining ones, for an unloaded interior."""
         out = np.zeros((self.size + 2 * self.ties.count, values.shape[1]))
         out[numbers] = values
         for front in reversed(self.fronts or []):
@@ -114,7 +114,7 @@ class Prism:
         return out
 
     def _eliminated(self, dissection: Dissection, inner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Unknowns in the order of elimination, those that survive at the end, and where those of every box end."""
+        """Unknowns in the order of elimination, the remaining ones last, and the end of those of every box."""
         count = len(dissection.boxes)
         owner = np.where(inner, dissection.owners()[:, :, None], count).ravel()
         owner = np.append(owner, np.full(2 * self.ties.count, count))
@@ -126,7 +126,7 @@ class Prism:
         return numbers // 3 % len(self.roles), numbers // self.roles.size, numbers % 3
 
     def _eliminate(self, parts: list[_Part], order: np.ndarray, stop: int) -> _Part:
-        """Add the parts of a box and eliminate what comes before `stop`."""
+        """Add the parts of a box and eliminate the unknowns before `stop`."""
         turns = parts[0][0] if len(parts) == 1 else np.union1d(parts[0][0], parts[1][0])
         k = int(np.searchsorted(turns, stop))
         panel, C = np.zeros((len(turns), k), order="F"), np.zeros((len(turns) - k,) * 2, order="F")
@@ -167,7 +167,7 @@ class Prism:
         if not len(tied):
             return turns, matrix.T
         rows, columns = self.ties.rows(*self._place(numbers[tied]))
-        right = rows.T @ matrix[count:]  # of the functions q: they survive and stand behind all others
+        right = rows.T @ matrix[count:]  # of the functions q: they remain and come after all others
         square = right[:, count:] @ rows
         matrix = np.block([[matrix[:count, :count], right[:, :count].T], [right[:, :count], square]])
         return np.append(turns, turn[self.size + columns]), matrix.T
@@ -177,10 +177,10 @@ class Prism:
 def _add_lower(panel: np.ndarray, C: np.ndarray, matrix: np.ndarray, place: np.ndarray) -> None:
     """Add the lower triangle of `matrix` to that of a front, its first columns in `panel`, the others in `C`.
 
-    Unknown i stands at place[i], rising, of the front; what is together there is added together.
+    Unknown i is at place[i] of the front, ascending; contiguous runs are added together.
     """
     k, count = panel.shape[1], len(place)
-    ends = np.empty(count, np.int64)  # of the run of places without a gap that holds i
+    ends = np.empty(count, np.int64)  # end of the contiguous run that contains i
     for i in range(count - 1, -1, -1):
         ends[i] = ends[i + 1] if i + 1 < count and place[i + 1] == place[i] + 1 else i + 1
     for j in range(count):

@@ -1,9 +1,9 @@
-"""Linear elasticity of a twisted prism: quadratic hexahedra that are the product of a section and an axial mesh.
+"""Linear elasticity of a twisted prism: quadratic hexahedra as the product of a section and an axial mesh.
 
-A body of constant section that turns by ``twist`` per unit length (twist = 2 pi / lead = tan(beta) / r; 0 for straight
-teeth) is described in the frame that turns with the section, u(x, z) = R(twist z) v(R(-twist z) x, z). With biquadratic
-functions N_a of the section and quadratic functions L_i along the axis, v = sum v_ai N_a L_i is the 27-node hexahedron
-with exact helicoids as sides. The derivative along the axis is
+A body of constant section that rotates by ``twist`` per unit length (twist = 2 pi / lead = tan(beta) / r; 0 for
+straight teeth) is described in the frame that rotates with the section, u(x, z) = R(twist z) v(R(-twist z) x, z). With
+biquadratic functions N_a of the section and quadratic functions L_i along the axis, v = sum v_ai N_a L_i is the 27-node
+hexahedron with exact helicoids as sides. The derivative along the axis is
 
     D_z (u, v) = d/dz (u, v) + twist (J (u, v) - d/dtheta (u, v)),      D_z w = d/dz w - twist d/dtheta w
 
@@ -13,9 +13,9 @@ of the section, and the stiffness matrix is a sum of Kronecker products of small
     K = M x A_00 + D x A_01 + D^T x A_01^T + S x A_11,
     A_mn = int B_m^T C B_n dA,   M = int L L^T,   D = int L L'^T,   S = int L' L'^T dz.
 
-No loop over hexahedra, no quadrature in space: the section is integrated once with three points in each direction. The
-factors N_a and L_i are the nine-node quadrilateral and the three-node line of scikit-fem.
-Degrees of freedom are numbered ``(axial node * section nodes + section node) * 3 + component``.
+This needs no loop over hexahedra and no quadrature in space: the section is integrated once, with three points in each
+direction. The factors N_a and L_i are the nine-node quadrilateral and the three-node line of scikit-fem. Degrees of
+freedom are numbered ``(axial node * section nodes + section node) * 3 + component``.
 """
 
 from __future__ import annotations
@@ -38,18 +38,18 @@ from fem.numerics.compiled import stored
 
 @dataclass(frozen=True, eq=False)
 class SectionBlocks:
-    """A_00 (N/m2), A_01 (N/m), A_11 (N) of every element of a section, (elements, 27, 27); see the module."""
+    """A_00 (N/m2), A_01 (N/m), A_11 (N) of every element of a section, (elements, 27, 27), as defined above."""
 
     plane: np.ndarray
     mixed: np.ndarray
     axial: np.ndarray
 
     def of(self, members: np.ndarray) -> SectionBlocks:
-        """Those of some elements."""
+        """Blocks of some elements."""
         return SectionBlocks(self.plane[members], self.mixed[members], self.axial[members])
 
     def turned(self, frames: np.ndarray) -> SectionBlocks:
-        """The same in other components: frames (elements, 9, 3, 3) hold the new unit vectors as columns."""
+        """Blocks in other components: frames (elements, 9, 3, 3) have the new unit vectors as columns."""
         count = len(frames)
         turn = np.zeros((count, 9, 3, 9, 3))
         for a in range(9):
@@ -62,7 +62,7 @@ class SectionBlocks:
 
 @dataclass(frozen=True, eq=False)
 class AxialMatrices:
-    """M (m), D (1), S (1/m), dense and banded, (nodes, nodes)."""
+    """M (m), D (1), S (1/m), dense arrays (nodes, nodes) of banded matrices."""
 
     mass: np.ndarray
     mixed: np.ndarray
@@ -72,7 +72,7 @@ class AxialMatrices:
 def strain_matrices(
     places: np.ndarray, gradients: np.ndarray, values: np.ndarray, twist: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Strains (xx, yy, zz, yz, xz, xy) by the section functions and by their axial derivative, (e, q, 6, 27) each.
+    """Strains (xx, yy, zz, yz, xz, xy) of the section functions and of their axial derivative, (e, q, 6, 27) each.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def section_blocks(
 
 
 def axial_matrices(ends: np.ndarray) -> AxialMatrices:
-    """Integrals of quadratic functions along the axis; `ends` (elements + 1,) are the element ends in m, rising."""
+    """Integrals of quadratic functions along the axis; `ends` (elements + 1,) are the element ends in m, ascending."""
     nodes = 2 * len(ends) - 1
     x, w = gauss_line(3)
     values, slopes = lagrange(x)
@@ -130,7 +130,7 @@ def product_stiffness(section: SectionBlocks, axial: AxialMatrices, place: np.nd
     Parameters
     ----------
     section, axial : integrals over these elements and over this piece
-    place : int (elements, axial nodes, 27), rows of their unknowns in the matrix; -1 leaves one out
+    place : int (elements, axial nodes, 27), rows of their unknowns in the matrix; -1 omits one
     size : number of rows
     """
     out = np.zeros((size, size))

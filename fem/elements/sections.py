@@ -1,17 +1,16 @@
-"""Linear elasticity of a section with nine-node quadrilaterals: plane strain, or a helical body seen in its section.
+"""Linear elasticity of a section with nine-node quadrilaterals: plane strain, or a helical body reduced to its section.
 
-Straight teeth (twist = 0): plane strain, two displacement components. A helical body is loaded alike in every section
-if the load follows the helix. Its displacement then turns with the section, u(x, z) = R(twist z) u(R(-twist z) x), so
+Straight teeth (twist = 0): plane strain, two displacement components. A helical body has the same load in every section
+if the load follows the helix. Its displacement then rotates with the section, u(x, z) = R(twist z) u(R(-twist z) x), so
 that d/dz is a derivative in the section,
 
     d/dz (u, v) = twist (J (u, v) - d/dtheta (u, v)),   d/dz w = -twist d/dtheta w,   d/dtheta = x d/dy - y d/dx,
 
 J = [[0, -1], [1, 0]], and three-dimensional elasticity becomes a problem in the section alone with the three
-components (u, v, w). twist = 2 pi / lead = tan(beta) / r. For twist = 0 the axial component w decouples and is left
-out.
+components (u, v, w). twist = 2 pi / lead = tan(beta) / r. For twist = 0 the axial component w decouples and is omitted.
 
-Isoparametric, biquadratic (the nine-node quadrilateral of scikit-fem), three Gauss points in each direction. Degrees of
-freedom are numbered ``components * node + component``.
+Elements are isoparametric and biquadratic (the nine-node quadrilateral of scikit-fem), with three Gauss points in each
+direction. Degrees of freedom are numbered ``components * node + component``.
 """
 
 from __future__ import annotations
@@ -52,7 +51,7 @@ def gauss_grid(order: int = 3) -> tuple[np.ndarray, np.ndarray]:
 def shape_functions(local: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Biquadratic functions (q, 9) and their local derivatives (q, 9, 2) at ``local`` (q, 2) in the unit square.
 
-    Node 3 i + j of an element sits at (s, t) = (i / 2, j / 2).
+    Node 3 i + j of an element is at (s, t) = (i / 2, j / 2).
     """
     from skfem import ElementQuad2
 
@@ -62,14 +61,14 @@ def shape_functions(local: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _tensor_places() -> np.ndarray:
-    """Place (9,) of every node of scikit-fem's nine-node quadrilateral in tensor order."""
+    """Index (9,) of every node of scikit-fem's nine-node quadrilateral in tensor order."""
     from skfem import ElementQuad2
 
     return (2 * ElementQuad2.doflocs @ [3, 1]).astype(int)
 
 
 def geometry(points: np.ndarray, elements: np.ndarray, order: int = 3) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Quadrature of a mesh: places (e, q, 2), gradients of the shape functions (e, q, 9, 2) and weights (e, q) in m2.
+    """Quadrature of a mesh: positions (e, q, 2), gradients of shape functions (e, q, 9, 2), weights (e, q) in m2.
 
     Raises
     ------
@@ -115,7 +114,7 @@ def strain_operator(places: np.ndarray, gradients: np.ndarray, values: np.ndarra
 
 
 def strains_in_space(places: np.ndarray, gradients: np.ndarray, values: np.ndarray, twist: float) -> np.ndarray:
-    """Engineering strains (xx, yy, zz, yz, xz, xy) of three components that turn with the section: (e, q, 6, 27).
+    """Engineering strains (xx, yy, zz, yz, xz, xy) of three components that rotate with the section: (e, q, 6, 27).
 
     Parameters
     ----------
@@ -159,7 +158,7 @@ def stiffness(
     elements : int (elements, 9), tensor order (see `shape_functions`)
     young, poisson : Pa, 1
     twist : rad/m, 0 for plane strain (2 components), otherwise 3 components
-    filling : (elements,) part of the length that is filled with material, as by a web; None: all of it
+    filling : (elements,) share of the length filled with material, as by a web; None: 1
     """
     places, gradients, weight = geometry(points, elements)
     if filling is not None:

@@ -1,14 +1,15 @@
-"""The solid elements that a body may be meshed with, as scikit-fem knows them: shapes, mappings, numbers, quadrature.
+"""The solid elements for meshes of a body, based on scikit-fem: shapes, mappings, node order, quadrature.
 
-A mesh is held as nodes (n, 3) and elements (e, k); k tells the element. Within an element the nodes stand in the order
-of scikit-fem (that of VTK for tetrahedra): corners, edges, faces, interior. `SolidElement.in_vtk` turns hexahedra.
+A mesh consists of nodes (n, 3) and elements (e, k); k identifies the element. Within an element the nodes are in the
+order of scikit-fem (that of VTK for tetrahedra): corners, edges, faces, interior. `SolidElement.in_vtk` reorders
+hexahedra.
 
-Every element is isoparametric: the shape functions that carry the displacement carry the geometry, so that a body may
-be curved. Tetrahedra whose sides are straight are mapped affinely, which is exact and several times cheaper.
+Every element is isoparametric: the same shape functions describe displacement and geometry, so that a body may be
+curved. Tetrahedra with straight sides have an affine map, which is exact and several times faster.
 
-Rules, by the degree to which they are exact: 2 on straight tetrahedra (the stiffness of ten nodes is exact with it), 8
-on curved ones (their mass is exact with it; their stiffness to 1e-7 of its largest entry, measured on the elements of
-20 mm around bores of 40 mm), 5 in each direction on hexahedra (three Gauss points).
+Quadrature rules are exact up to degree 2 on straight tetrahedra (exact stiffness of ten nodes), up to degree 8 on
+curved ones, and up to degree 5 in each direction on hexahedra (three Gauss points). On curved tetrahedra the mass is
+exact, and the error of the stiffness is 1e-7 of its largest entry (elements of 20 mm around bores of 40 mm).
 """
 
 from __future__ import annotations
@@ -20,12 +21,12 @@ from typing import Any
 
 import numpy as np
 
-AXES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))  # i, j of the gradient products: those of j, i are transposed
+AXES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))  # i, j of the gradient products; j, i: transposed
 STRAIGHT_RULE = 2
-CURVED_RULE = 9  # exact to 8: from 5 on, scikit-fem's rules on tetrahedra miss the degree they are asked for by one
+CURVED_RULE = 9  # exact to degree 8: from 5 on, scikit-fem's rules on tetrahedra are exact to one degree less
 _HEXAHEDRON_RULE = 5
-_STRAIGHT = 1e-9  # of the size of an element: nodes this close to their places between the corners count as straight
-_CHUNK = 16384  # quadrature points worked on at once: bounds the memory of the element loop
+_STRAIGHT = 1e-9  # of the size of an element: tolerance of mid-side nodes on straight sides
+_CHUNK = 16384  # quadrature points evaluated together: bounds the memory of the element loop
 
 
 class ElementError(ValueError):
@@ -34,12 +35,12 @@ class ElementError(ValueError):
 
 @dataclass(frozen=True)
 class SolidElement:
-    """A solid element; `degree` is that of the polynomials that it holds completely.
+    """A solid element; it represents all polynomials of degree `degree`.
 
-    A scene may request it if it is `offered`. `instead` names an element to use where the discretisation error must be
-    estimated; "": the error of this element is estimated.
+    A scene may request it if it is `offered`. `instead` names an element to use if the discretisation error must be
+    estimated; "": that of this element is.
 
-    `tetrahedron-20` and `hexahedron-32` are of ten and 20 nodes; `fem.elements.cubic` adds displacements to them.
+    `tetrahedron-20` and `hexahedron-32` have the geometry of 10 and 20 nodes; `fem.elements.cubic` adds functions.
     """
 
     name: str
@@ -65,12 +66,12 @@ class SolidElement:
 
     @property
     def frequency_order(self) -> int:
-        """Order of the errors of natural frequencies and of strain energy in smooth bodies: twice that of strains."""
+        """Order of the errors of natural frequencies and strain energy in smooth bodies, twice that of strains."""
         return 2 * self.degree
 
     @property
     def in_vtk(self) -> np.ndarray:
-        """Places (k,) of our nodes in the order of VTK: elements[:, in_vtk] are written to files."""
+        """Local numbers (k,) of the nodes in the order of VTK: elements[:, in_vtk] are written to files."""
         if self.corners == 4:
             return np.arange(self.nodes)
         ours = [tuple(place) for place in self.library.doflocs.tolist()]
@@ -82,11 +83,11 @@ SOLIDS = {
     for one in (
         SolidElement("tetrahedron-4", 4, 4, 1, "tetra", "MeshTet1", instead="tetrahedron-10"),
         SolidElement("tetrahedron-10", 10, 4, 2, "tetra10", "MeshTet2"),
-        SolidElement("tetrahedron-20", 10, 4, 3, "tetra10", "MeshTet2"),  # cubic on the shapes of ten nodes
+        SolidElement("tetrahedron-20", 10, 4, 3, "tetra10", "MeshTet2"),  # cubic, geometry of ten nodes
         SolidElement("hexahedron-8", 8, 8, 1, "hexahedron", "MeshHex1", instead="hexahedron-32", offered=False),
         SolidElement("hexahedron-20", 20, 8, 2, "hexahedron20", "MeshHexS2", instead="hexahedron-32"),
         SolidElement("hexahedron-27", 27, 8, 2, "hexahedron27", "MeshHex2", instead="hexahedron-32"),
-        SolidElement("hexahedron-32", 20, 8, 3, "hexahedron20", "MeshHexS2"),  # cubic on the shapes of 20 nodes
+        SolidElement("hexahedron-32", 20, 8, 3, "hexahedron20", "MeshHexS2"),  # cubic, geometry of 20 nodes
     )
 }
 CHOICES = tuple(one.name for one in SOLIDS.values() if one.offered)  # hexahedron-8 locks
@@ -95,21 +96,21 @@ _LINEAR = {4: SOLIDS["tetrahedron-4"], 8: SOLIDS["hexahedron-8"]}  # by corners
 
 
 def solid_element(elements: np.ndarray) -> SolidElement:
-    """The element of a mesh, by its number of nodes. ElementError if there is none."""
+    """The element of a mesh, from its number of nodes. ElementError if there is none."""
     if elements.shape[1] not in _BY_NODES:
         raise ElementError(f"elements of {elements.shape[1]} nodes are unknown; {sorted(_BY_NODES)} are known")
     return _BY_NODES[elements.shape[1]]
 
 
 def solid_mesh(nodes: np.ndarray, elements: np.ndarray) -> Any:
-    """The mesh in scikit-fem, elements in the same order, nodes in its own numbering; every node is used."""
+    """The mesh in scikit-fem, elements in the same order, nodes renumbered; every node must be used."""
     return solid_element(elements).mesh_type(np.array(nodes.T, float, order="C"), np.array(elements.T, order="C"))
 
 
 def converted(nodes: np.ndarray, elements: np.ndarray, wanted: SolidElement) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes and elements of the same shapes in another element, numbered by scikit-fem: corners first, in their order.
+    """Nodes and elements converted to another element of the same shape, numbered by scikit-fem: corners first.
 
-    Nodes that are added lie where the given elements map them; nodes that are dropped leave their sides straighter.
+    The given elements map the positions of added nodes; without the dropped nodes sides become straighter.
 
     Raises
     ------
@@ -135,28 +136,28 @@ def shapes(element: Any, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def rule(element: Any, degree: int) -> tuple[np.ndarray, np.ndarray]:
-    """Points (d, q) and weights (q,) of scikit-fem on an element, for the degree that is asked for."""
+    """Points (d, q) and weights (q,) of scikit-fem on an element, for the requested degree."""
     from skfem.quadrature import get_quadrature
 
     return get_quadrature(element, degree)
 
 
 def straight_places(nodes: np.ndarray, elements: np.ndarray) -> np.ndarray:
-    """Where the nodes (e, k, 3) would lie between the corners of their elements."""
+    """Positions of the nodes (e, k, 3) for straight sides between the corners of their elements."""
     kind = solid_element(elements)
     values, _ = shapes(_LINEAR[kind.corners].library, kind.library.doflocs.T)
     return values @ nodes[elements[:, : kind.corners]]
 
 
 def curved(nodes: np.ndarray, elements: np.ndarray) -> np.ndarray:
-    """Bool (element,): a node lies off its place between the corners."""
+    """Bool (element,): whether a side or face is curved."""
     off = np.linalg.norm(nodes[elements] - straight_places(nodes, elements), axis=2).max(axis=1)
     return off > _STRAIGHT * np.ptp(nodes[elements[:, : solid_element(elements).corners]], axis=1).max(axis=1)
 
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """Elements that share a mapping and a rule."""
+    """Elements with the same kind of mapping and the same rule."""
 
     numbers: np.ndarray  # (e,)
     affine: bool
@@ -167,12 +168,12 @@ class Cells:
     _points: np.ndarray
 
     def gradients(self) -> np.ndarray:
-        """Of the shape functions in space, (e, q, a, 3)."""
+        """Gradients of the shape functions in space, (e, q, a, 3)."""
         inverse = self._mapping.invDF(self._points, self.numbers)  # d reference_r / d x_d, (3, 3, e, q)
         return np.einsum("qar,rdeq->eqad", self._slopes, inverse, optimize=True)
 
     def places(self) -> np.ndarray:
-        """Of the quadrature points in space, (3, e, q)."""
+        """Positions of the quadrature points in space, (3, e, q)."""
         return self._mapping.F(self._points, self.numbers)
 
 
@@ -181,9 +182,9 @@ def cells(nodes: np.ndarray, elements: np.ndarray) -> Iterator[Cells]:
 
     Raises
     ------
-    ElementError : inverted elements, with the place of the worst
+    ElementError : inverted elements, with the position of the worst
     """
-    from skfem.mapping import MappingAffine, MappingIsoparametric  # not mesh.mapping(), which keeps every Jacobian
+    from skfem.mapping import MappingAffine, MappingIsoparametric  # not mesh.mapping(), which stores every Jacobian
 
     kind, mesh = solid_element(elements), solid_mesh(nodes, elements)
     library = kind.library
@@ -220,7 +221,7 @@ def _determinant(
 
 
 def _vtk_places() -> list[tuple[float, ...]]:
-    """Nodes of VTK's triquadratic hexahedron in the unit cube; scikit-fem's own order for files turns cells inside out.
+    """Nodes of VTK's triquadratic hexahedron in the unit cube; scikit-fem's order for files would invert cells.
 
     Reference: VTK, class vtkTriQuadraticHexahedron; the first 8 and 20 are those of its smaller hexahedra.
     """
@@ -234,7 +235,7 @@ def _vtk_places() -> list[tuple[float, ...]]:
 
 @cache
 def _serendipity_mesh() -> Any:
-    """Meshes of 20-node hexahedra: scikit-fem has the element, but no curved mesh of it."""
+    """Meshes of 20-node hexahedra: scikit-fem has the element, but no curved mesh for it."""
     from skfem import ElementHexS2, ElementQuadS2, MeshHex1
 
     @dataclass(repr=False)

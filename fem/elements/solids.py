@@ -47,7 +47,7 @@ def assemble(
     nodes : float (node, 3), m
     elements : int (element, k) of one of `fem.elements.solid_elements.SOLIDS`, every node used
     elastic_modulus, poisson_ratio, density : Pa, 1, kg/m3
-    cubic : functions of their sides and faces, whose unknowns are behind those of the nodes
+    cubic : functions of their sides and faces, whose unknowns follow those of the nodes
     chosen : numbers of the elements that contribute; all by default
 
     Returns
@@ -56,7 +56,7 @@ def assemble(
 
     Raises
     ------
-    ElementError : inverted element (with its place), material outside its range, node without element
+    ElementError : inverted element (with its position), material outside its range, node without element
     """
     from fem.elements import assembly
 
@@ -91,7 +91,7 @@ def assemble(
 
 
 def _products(nodes: np.ndarray, elements: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """Numbers, gradient products G_ij (6, e, k, k) in m by `AXES`, masses of unit density (e, k, k) in m3, by parts."""
+    """Numbers, gradient products G_ij (6, e, k, k) in m by `AXES`, masses of unit density (e, k, k) in m3, in parts."""
     kind = solid_element(elements)
     points, weights = rule(kind.library, 2 * kind.degree)
     values, _ = shapes(kind.library, points)

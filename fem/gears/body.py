@@ -1,10 +1,10 @@
-"""The body under the teeth: bore, rim and web, and the checks that keep it whole."""
+"""The gear body under the teeth: bore, rim and web, and the checks of their dimensions."""
 
 from __future__ import annotations
 
 from fem.gears.rack import require
 
-THINNEST_RIM = 1.2  # modules: least backup ratio; ISO 6336-1 and the FE of a tooth on a ring mean nothing below
+THINNEST_RIM = 1.2  # modules: least backup ratio, limit of ISO 6336-1 and of finite elements of a tooth on a ring
 
 
 def check_body(
@@ -18,19 +18,19 @@ def check_body(
     web_thickness: float | None,
     web_offset: float,
 ) -> None:
-    """Refuse a bore in the root, a rim below 1.2 m_n, a web that leaves the face.
+    """Refuse a bore beyond the root circle, a rim below 1.2 m_n, a web beyond the face.
 
     Parameters
     ----------
     label : name of the gear in messages
     normal_module, face_width, root_radius, bore_radius : m
     rim_thickness : m, from the root circle inwards; None for a solid body
-    web_thickness : m, or None for that of the face
+    web_thickness : m, or None for the face width
     web_offset : m, middle of the web from mid face along the axis
 
     Raises
     ------
-    GeometryError : with the numbers
+    GeometryError : with the values
     """
     rim_inner_radius = bore_radius if rim_thickness is None else root_radius - rim_thickness
     require(

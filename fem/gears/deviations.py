@@ -6,8 +6,8 @@ With the reference diameter d and m_n in mm the tolerances of class 5 are (um; c
     F_pT  = 0.002 d + 0.55 sqrt(d) + 0.7 m_n + 12  total cumulative pitch
     F_rT  = 0.9 F_pT                               runout (informative)
 
-and each class multiplies by sqrt(2). Rounded to 1 um above 10 um, 0.5 um from 5 to 10 um, 0.1 um below. Deviations of
-profile and helix are those of `fem.gears.flank_deviations`.
+and each class multiplies by sqrt(2). Values are rounded to 1 um above 10 um, 0.5 um from 5 to 10 um, 0.1 um below.
+Deviations of profile and helix are those of `fem.gears.flank_deviations`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from fem.options import option
 from fem.storage.records import Record, array, integer, scalar
 
 GRADES = range(1, 12)
-ECCENTRIC_PART = 0.7  # share of the total cumulative deviation that runs once per revolution, before scaling
+ECCENTRIC_PART = 0.7  # share of eccentricity in the total cumulative deviation, before scaling
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,9 +53,9 @@ class PitchTolerance:
 class PitchDeviations(Record):
     """Seeded deviations of one gear as clearances along the transverse line of action.
 
-    A positive value sets the flank back, so that its pair touches later. Values have either sign and mean zero over
-    each flank: delta = 0 stays the position of the average tooth. Deviations along the pitch circle are the clearance
-    divided by cos alpha_t, with the sign turned.
+    A positive value sets the flank back, so that its pair touches later. Values have either sign and zero mean over
+    each flank: delta = 0 remains the position of the average tooth. Deviations along the pitch circle are the clearance
+    divided by cos alpha_t, with the opposite sign.
     """
 
     grade: int = integer()
@@ -111,18 +111,18 @@ def rounded(value: float) -> float:
 
 
 def sample_pitch_deviations(gear: Gear, grade: int, seed: int, *, use: float = 0.9) -> PitchDeviations:
-    """Deviations that use the part `use` of whichever tolerance binds; equal arguments give equal values.
+    """Sampled deviations that reach the share `use` of the governing tolerance; equal arguments give equal values.
 
-    The sample is an eccentric gear (seen by both flanks, one pressure angle ahead and behind) plus an independent
-    random part of each flank. It is scaled so that the largest single pitch deviation is at most use * f_pT and the
-    range of the cumulative deviation at most use * F_pT, one of them exactly, over both flanks.
+    The sample is an eccentricity (in both flanks, with a phase of plus and minus the pressure angle) plus an
+    independent random part of each flank. It is scaled so that the largest single pitch deviation is at most use * f_pT
+    and the range of the cumulative deviation at most use * F_pT, one of them exactly, over both flanks.
 
     Parameters
     ----------
     gear : the gear whose teeth deviate
     grade : int, tolerance class of ISO 1328-1
     seed : int, of the random numbers
-    use : (0, 1], part of the tolerance
+    use : (0, 1], share of the tolerance
 
     Raises
     ------
@@ -134,7 +134,7 @@ def sample_pitch_deviations(gear: Gear, grade: int, seed: int, *, use: float = 0
     draw = np.random.default_rng(seed)
     direction = draw.uniform(0.0, 2.0 * math.pi)
     scatter = draw.uniform(-1.0, 1.0, size=(2, gear.teeth)) * 0.5 * tolerance.single
-    # tooth i + 1 follows tooth i, so it lies one pitch back in the direction of rotation
+    # tooth i + 1 follows tooth i, so it is one pitch behind it in the direction of rotation
     angle = direction + 2.0 * math.pi / gear.teeth * np.arange(gear.teeth)
     alpha = gear.transverse_pressure_angle
     eccentric = 0.5 * ECCENTRIC_PART * tolerance.cumulative * np.array([-np.sin(angle + alpha), np.sin(angle - alpha)])

@@ -8,15 +8,15 @@ to 12; step factor and rounding as in `fem.gears.deviations`)
     f_HbT = 0.05 sqrt(d) + 0.35 sqrt(b) + 4       helix slope       F_bT = sqrt(f_HbT^2 + f_fbT^2)   total helix
     f_fbT = 0.07 sqrt(d) + 0.45 sqrt(b) + 4       helix form
 
-A tooth brings to the gap, in the terms of a mesh law (position xi in base pitches from the pitch point, rising towards
-the tip of the pinion; xi_m, l: middle and length of the active profile; u = 2 (xi - xi_m) / l, v = 2 y / b)
+The contribution of a tooth to the gap in a mesh law is (position xi in base pitches from the pitch point, increasing
+towards the tip of the pinion; xi_m, l: middle and length of the active profile; u = 2 (xi - xi_m) / l, v = 2 y / b)
 
     f_Ha u / 2 * s + f_fa u^2 + f_Hb v / 2 + f_fb v^2     s = +1 pinion, -1 wheel
 
-so that the slope deviation is the difference between the ends and the form deviation the height of a parabola, the
-long-wave part of what the standard bounds; waviness and roughness are left out. At the middle of the flank, where pitch
-is measured, the terms vanish: the pitch deviations stay what they are. Both are measured along the transverse line of
-action, so no projection is needed.
+so that the slope deviation is the difference between the ends. The form deviation is the height of a parabola, the
+long-wave part of the standard's form deviation; waviness and roughness are neglected. At the middle of the flank, where
+pitch is measured, the terms vanish, so that they do not change the pitch deviations. Both are measured along the
+transverse line of action, so no projection is needed.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from fem.gears.rack import GeometryError
 
-COMMON_PART = 0.5  # share of the slope deviations that all teeth of a gear have alike (machine setting)
+COMMON_PART = 0.5  # share of the slope deviations common to all teeth of a gear (machine setting)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,7 +48,7 @@ class FlankTolerance:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FlankDeviations:
-    """Terms of one flank of a gear's teeth, each (tooth,), as `fem.contact.teeth.tooth_terms` takes them.
+    """Terms of one flank of a gear's teeth, each (tooth,), as input of `fem.contact.teeth.tooth_terms`.
 
     clearance m, profile_slope m per base pitch, profile_curvature m per base pitch squared, lead_slope and
     lead_curvature m over the face width.
@@ -66,7 +66,7 @@ def flank_tolerance(gear: Gear, grade: int) -> FlankTolerance:
 
     Raises
     ------
-    GeometryError : outside the range of the standard; it also asks for 4 mm <= b <= 1200 mm
+    GeometryError : outside the range of the standard, including 4 mm <= b <= 1200 mm
     """
     d, m_n, b, factor = class_factors(gear, grade)
     if not 4.0 <= b <= 1200.0:
@@ -94,11 +94,11 @@ def sample_flank_deviations(
     helix: bool = True,
     use: float = 0.9,
 ) -> dict[str, FlankDeviations]:
-    """Deviations of all teeth of one gear by flank, "drive" and "coast"; equal arguments, equal values.
+    """Sampled deviations of all teeth of one gear by flank, "drive" and "coast"; equal arguments give equal values.
 
-    Half of a slope is common to all teeth of a flank, half belongs to the tooth; each of the four quantities is scaled
-    so that the largest over the teeth of both flanks uses the part `use` of its tolerance, and slope and form of a
-    tooth together stay within `use` of the total tolerance. Form deviations are hollow or full at random.
+    Half of a slope is common to all teeth of a flank, half belongs to the single tooth. Each of the four quantities is
+    scaled so that the largest over the teeth of both flanks reaches the share `use` of its tolerance. Slope and form of
+    a tooth together remain within `use` of the total tolerance. Form deviations are concave or convex at random.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def sample_flank_deviations(
     grade : int, tolerance class of ISO 1328-1
     seed : int, of the random numbers
     profile, helix : False leaves the deviations of the profile or of the helix at 0
-    use : (0, 1], part of the tolerance
+    use : (0, 1], share of the tolerance
 
     Raises
     ------
@@ -119,7 +119,7 @@ def sample_flank_deviations(
         raise GeometryError(f"flank deviations: use is {use!r}; give a value in (0, 1]")
     own: Gear = getattr(pair, gear)
     tolerance = flank_tolerance(own, grade)
-    draw = np.random.default_rng([seed, 1328])  # a sequence of its own: pitch deviations keep theirs
+    draw = np.random.default_rng([seed, 1328])  # separate sequence: pitch deviations do not change
     shape = (2, own.teeth)
     sampled = []
     for wanted, slope, form, total in (

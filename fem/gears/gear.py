@@ -55,11 +55,11 @@ class Gear(GearDetails):
     profile_shift x (modules), bore_radius (m): the gear body is elastic from the bore outwards,
     tip_alteration k m_n (m, negative shortens the tooth).
     thickness_allowance A_sn (m, normal section, negative thins the tooth; DIN 3967): the tool is fed deeper, so that
-    the tooth is generated with x_E = x + A_sn / (2 m_n tan alpha_n) while the tip circle stays.
-    tip_chamfer h_K (m, radial height), or tip_rounding rho_an (m, radius): the involute ends at the tip form circle.
-    rim_thickness s_R (m, from the root circle inwards; None: solid body), web_thickness b_s (m, default the face width)
-    and web_offset (m, middle of the web from mid face): below the rim the body is a web down to the bore. A hub is part
-    of the shaft: give its outer diameter as the bore.
+    the tooth is generated with x_E = x + A_sn / (2 m_n tan alpha_n); the tip circle is unchanged. tip_chamfer h_K (m,
+    radial height), or tip_rounding rho_an (m, radius): the involute ends at the tip form circle. rim_thickness s_R (m,
+    from the root circle inwards; None: solid body), web_thickness b_s (m, default the face width) and web_offset (m,
+    middle of the web from mid face): below the rim the body is a web down to the bore. A hub is part of the shaft: set
+    the bore to its outer diameter.
 
     Raises
     ------
@@ -166,7 +166,7 @@ class Gear(GearDetails):
 
     @property
     def hand_sign(self) -> int:
-        """+1 right hand: seen at growing y the tooth turns in the positive sense about +y; -1 left hand."""
+        """+1 right hand: with increasing y the tooth rotates in the positive sense about +y; -1 left hand."""
         return 1 if self.hand == "right" else -1
 
     @property
@@ -188,9 +188,9 @@ class Gear(GearDetails):
 
     @property
     def tip_form_radius(self) -> float:
-        """r_Fa: where the involute ends below a chamfered or rounded tip edge; r_a with sharp edges (m).
+        """Tip form radius r_Fa: end of the involute below a chamfered or rounded tip edge; r_a if sharp (m).
 
-        A rounding touches tip circle and flank, so that it takes rho_an (1 - sin alpha_a) of the height.
+        A rounding is tangent to tip circle and flank, so that its height is rho_an (1 - sin alpha_a).
         """
         if self.tip_rounding > 0.0:
             return self.tip_radius - self.tip_rounding * (1.0 - math.sin(self.pressure_angle_at(self.tip_radius)))
@@ -198,7 +198,7 @@ class Gear(GearDetails):
 
     @property
     def generating_shift(self) -> float:
-        """x_E = x + A_sn / (2 m_n tan alpha_n): profile shift that the tool cuts the thinned tooth with (modules)."""
+        """x_E = x + A_sn / (2 m_n tan alpha_n): generating profile shift of the thinned tooth (modules)."""
         return self.profile_shift + self.thickness_allowance / (
             2.0 * self.normal_module * math.tan(self.rack.pressure_angle)
         )
@@ -266,7 +266,7 @@ class Gear(GearDetails):
 
     @property
     def undercut(self) -> bool:
-        """True when the tool's rounded tip cuts into the involute at its foot.
+        """True if the rounded tip of the tool undercuts the involute at its root.
 
         The straight tool flank ends at the depth v = m_n (h_fP* - x_E - rho_fP* (1 - sin alpha_n)) below the reference
         circle; undercut begins at v > r sin^2 alpha_t.

@@ -1,6 +1,6 @@
 """A pair of external cylindrical gears on parallel axes: working geometry after ISO 21771:2007.
 
-`Rack`, `Gear` and `GeometryError` are re-exported, so this module is the door to gear geometry.
+`Rack`, `Gear` and `GeometryError` are re-exported, so that this module gives access to all gear geometry.
 """
 
 from __future__ import annotations
@@ -10,10 +10,11 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
 from fem.elements.materials import STEEL, Material
 from fem.gears.gear import Gear, GeometryError, Rack, involute, require
-from fem.gears.interference import root_penetration
-from fem.gears.profile import form_radius
+from fem.gears.profile import form_point, form_radius, generate_trochoid
 from fem.numerics.root import brentq
 
 __all__ = ["Gear", "GearPair", "GeometryError", "Rack"]
@@ -29,8 +30,8 @@ class GearPair:
     ----------
     pinion, wheel : Gear with equal module, helix angle and rack pressure angle; opposite hands when helical
     centre_distance : m, or None for the distance without backlash that follows from the profile shifts
-    backlash_allowance : m along the transverse line of action, added to the backlash that the centre distance and the
-        tooth thickness allowances of the gears give; play that the elastic teeth do not show
+    backlash_allowance : m along the transverse line of action, added to the backlash from the centre distance and the
+        tooth thickness allowances of the gears; it does not change the elastic teeth
     pinion_material, wheel_material : Material
 
     Raises
@@ -112,7 +113,7 @@ class GearPair:
         return (p.base_radius + w.base_radius) / math.cos(angle)
 
     def _check_backlash(self) -> None:
-        # profile shifts are tabulated to 4 digits, so a tight pair may overlap by about 1e-4 modules
+        # profile shifts are tabulated to 4 digits, so a pair without backlash may overlap by about 1e-4 modules
         limit = -1e-4 * self.pinion.normal_module
         require(
             self._raw_backlash >= limit,
@@ -211,7 +212,7 @@ class GearPair:
 
     @property
     def thickness_cycle(self) -> float:
-        """tau = s_w1 / p_wt: how far, in mesh cycles, the coast flank of a pinion tooth lags its drive flank."""
+        """tau = s_w1 / p_wt: lag of the coast flank of a pinion tooth behind its drive flank, in mesh cycles."""
         return self.working_thicknesses[0] / self.working_pitch
 
     @property
@@ -221,7 +222,7 @@ class GearPair:
 
     @property
     def backlash(self) -> float:
-        """j_bt: play along the transverse line of action, from centre distance and allowance (m, >= 0)."""
+        """j_bt: backlash along the transverse line of action, from centre distance and allowance (m, >= 0)."""
         return max(0.0, self._raw_backlash)
 
     @cached_property
@@ -231,7 +232,7 @@ class GearPair:
         return p, w
 
     def _lowest_rolls(self) -> tuple[float, float]:
-        """Roll lengths on pinion and wheel that the other gear's tip form circle reaches (m)."""
+        """Roll lengths on pinion and wheel reached by the tip form circle of the mate (m)."""
         p, w = self.pinion, self.wheel
         whole = self.axis_distance * math.sin(self.working_pressure_angle)
         return (
@@ -241,14 +242,14 @@ class GearPair:
 
     @cached_property
     def _lengths(self) -> tuple[float, float]:
-        """Approach and recess: to the mate's tip, or to the own form circle where undercut has taken the flank away."""
+        """Approach and recess: up to the tip of the mate, or to the form circle of an undercut gear."""
         tangent = math.tan(self.working_pressure_angle)
         (low1, low2), (form1, form2) = self._lowest_rolls(), self.form_rolls
         return self.pinion.base_radius * tangent - max(low1, form1), self.wheel.base_radius * tangent - max(low2, form2)
 
     @property
     def shortened_by_undercut(self) -> tuple[bool, bool]:
-        """Whether the undercut of the pinion ends the approach, that of the wheel the recess."""
+        """Whether undercut of the pinion shortens the approach, and that of the wheel the recess."""
         (low1, low2), (form1, form2) = self._lowest_rolls(), self.form_rolls
         return low1 < form1, low2 < form2
 
@@ -288,6 +289,41 @@ class GearPair:
         return self.transverse_contact_ratio + self.overlap_ratio
 
     def roll_lengths(self, xi: float) -> tuple[float, float]:
-        """Distances from the base tangent points of pinion and wheel to the contact point at xi (m)."""
+        """Roll lengths from the base tangent points of pinion and wheel to the contact point at xi (m)."""
         tangent, shift = math.tan(self.working_pressure_angle), xi * self.base_pitch
         return self.pinion.base_radius * tangent + shift, self.wheel.base_radius * tangent - shift
+
+
+def root_penetration(own: Gear, tip: Gear, axis_distance: float, working_pressure_angle: float) -> float:
+    """Largest depth (m, along the circle) to which the tip of one gear cuts into the root fillet of the other.
+
+    Below 0 the tip stays clear by that much. Frame and symbols of `fem.gears.path`. At the position xi the flank of the
+    pinion that is in mesh has, at the radius R, the polar angle -alpha_wt + L1/r_b1 - (s_b - s(R)): s(R) is its half
+    thickness angle, below the form circle that of the trochoid, and s_b that of the involute at the base circle. The
+    tip edge of the wheel must not reach it.
+
+    Parameters
+    ----------
+    own : the gear whose root fillet is looked at
+    tip : the gear whose tip edge comes there
+    axis_distance : m
+    working_pressure_angle : rad, transverse
+    """
+    alpha = working_pressure_angle
+    radius, junction = form_point(own)
+    troch_r, troch_s = generate_trochoid(own, np.linspace(junction, math.pi / 2, 400))
+    order = np.argsort(troch_r)
+    troch_r, troch_s = troch_r[order], troch_s[order]
+    whole = axis_distance * math.sin(alpha)
+    first = whole - math.sqrt(tip.tip_form_radius**2 - tip.base_radius**2)  # roll length of its contact, below the form
+    inv_tip = math.tan(tip.pressure_angle_at(tip.tip_form_radius)) - tip.pressure_angle_at(tip.tip_form_radius)
+    roll = np.linspace(first - 2.0 * own.base_pitch, math.sqrt(max(radius**2 - own.base_radius**2, 0.0)), 2000)
+    corner = math.pi - alpha + (whole - roll) / tip.base_radius - inv_tip
+    x = axis_distance + tip.tip_form_radius * np.cos(corner)
+    y = tip.tip_form_radius * np.sin(corner)
+    at, place = np.hypot(x, y), np.arctan2(y, x)
+    inside = at < radius
+    half = np.interp(at, troch_r, troch_s)
+    flank = -alpha + roll / own.base_radius - (own.half_thickness_angle(own.base_radius) - half)
+    depth = (flank - place) * at
+    return float(depth[inside].max()) if inside.any() else -math.inf

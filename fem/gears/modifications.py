@@ -1,19 +1,19 @@
 """Flank modifications and misalignment of the axes, as gaps along the transverse line of action.
 
 ISO 21771 measures profile modifications normal to the involute in the transverse section and helix modifications in the
-base tangent plane, both along the transverse line of action: amounts are gaps as they stand. Signs: positive removes
-material, so the flank touches later. Places on the profile are roll lengths L = sqrt(r^2 - r_b^2), on the face y from
-mid face along the face coordinate of the mesh law.
+base tangent plane. Both are along the transverse line of action, so the amounts equal the gaps. Positive amounts remove
+material, so that the flank touches later. Positions on the profile are roll lengths L = sqrt(r^2 - r_b^2); on the face
+they are y from mid face along the face coordinate of the mesh law.
 
     relief             C ((L - L_s) / (L_e - L_s))^n beyond its start L_s, n = 1 linear, 2 parabolic; C at the end L_e
     profile crowning   C_alpha ((L - L_m) / (L_e - L_m))^2 about the middle L_m of the active profile
     lead crowning      C_beta (2 y / b)^2
     end relief         C ((|y| - y_s) / (b/2 - y_s))^n from y_s = b/2 - length to the end of the face
-    helix slope        C_Hbeta y / b on the drive flank: the helix is turned, so the coast flank gets the opposite
+    helix slope        C_Hbeta y / b on the drive flank: the helix is rotated, so the coast flank gets the opposite
 
-The ends L_e are those of the active profile: the tip form circle, and at the root the circle that the mate's tip
-reaches. Beyond a root end the curve runs on; beyond the tip the edge keeps its amount. Modifications of both gears
-add; they separate into a function of the position on the path and one of the face coordinate.
+The ends L_e are those of the active profile: the tip form circle, and at the root the circle reached by the tip of the
+mate. Beyond the root end the curve continues; beyond the tip the edge keeps its amount. Modifications of both gears are
+added. They are the sum of a function of the position on the path and one of the face coordinate.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ _WORDS = {  # of a user, by name
     "end_relief_high": "an end relief",
     "helix_slope": "the helix slope modification",
 }
-LEAD_POINTS = 257  # a parabola between two of them deviates from its chord by 4e-6 of its height over the face
-LARGEST_PART = 0.1  # modules; a larger amount is a mistake of units
+LEAD_POINTS = 257  # between two of them a parabola deviates from its chord by 4e-6 of its height over the face
+LARGEST_PART = 0.1  # modules; a larger amount indicates wrong units
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,8 +79,8 @@ class EndRelief:
 class FlankModifications:
     """Modifications of all teeth of one gear, on both flanks (m); crownings may be negative (hollow).
 
-    end_relief_low acts at y = -b/2, end_relief_high at y = +b/2; helix_slope C_Hbeta removes it at y = +b/2 against
-    y = -b/2 of the drive flank.
+    end_relief_low is at y = -b/2, end_relief_high at y = +b/2; helix_slope C_Hbeta is the material removed from the
+    drive flank at y = +b/2, relative to y = -b/2.
     """
 
     tip_relief: Relief | None = option(None, text="tip relief")
@@ -108,7 +108,7 @@ class FlankModifications:
 
     @property
     def turned(self) -> FlankModifications:
-        """The same along the opposite face coordinate."""
+        """The modifications along the opposite face coordinate."""
         return replace(
             self,
             end_relief_low=self.end_relief_high,
@@ -119,11 +119,11 @@ class FlankModifications:
 
 @dataclass(frozen=True, kw_only=True)
 class Misalignment:
-    """Angles between the axes (rad) as ISO 6336-1 and ISO/TR 10064-3 divide them.
+    """Angles between the axes (rad), with the components of ISO 6336-1 and ISO/TR 10064-3.
 
-    in_plane f_Sigma_delta / L: the centre distance grows towards +y; out_of_plane f_Sigma_beta / L: skew, positive
-    where it opens the drive flank at +y and closes the coast flank. In the plane of action the gap opens by
-    in_plane sin(alpha_wt) +- out_of_plane cos(alpha_wt) per face width, drive and coast.
+    in_plane f_Sigma_delta / L: the centre distance increases towards +y; out_of_plane f_Sigma_beta / L: skew, positive
+    if it opens the drive flank at +y and closes the coast flank. In the plane of action the gap opens by in_plane
+    sin(alpha_wt) +- out_of_plane cos(alpha_wt) per face width, drive and coast.
     """
 
     in_plane: float = 0.0
@@ -139,7 +139,7 @@ class Misalignment:
 
 @dataclass(frozen=True, kw_only=True)
 class PairModifications:
-    """What the flanks of a pair depart from the involute, apart from its elasticity; all zero by default."""
+    """Modifications and misalignment of a pair; all zero by default."""
 
     pinion: FlankModifications = field(default_factory=FlankModifications)
     wheel: FlankModifications = field(default_factory=FlankModifications)
@@ -147,7 +147,7 @@ class PairModifications:
 
     @property
     def none(self) -> bool:
-        """True when nothing departs."""
+        """True if all are zero."""
         return self == PairModifications()
 
 
@@ -158,10 +158,10 @@ def active_roll(pair: GearPair, gear: str) -> tuple[float, float]:
 
 
 def relief_lengths(pair: GearPair) -> tuple[float, float] | None:
-    """Roll lengths (m) of a short and a long tip relief; None unless one or two tooth pairs are in contact in turn.
+    """Roll lengths (m) of a short and a long tip relief; None unless one and two tooth pairs alternate.
 
-    The long relief starts where the contact of two pairs becomes that of one, (eps_alpha - 1) p_bt from the tip. The
-    short one takes the outer half of this.
+    The long relief starts at the transition from two pairs to one, (eps_alpha - 1) p_bt from the tip. The short one is
+    the outer half of it.
 
     References
     ----------
@@ -177,8 +177,8 @@ def check_modifications(pair: GearPair, modifications: PairModifications) -> Non
 
     Raises
     ------
-    GeometryError : a relief that starts outside the active profile or face, amounts above 0.1 m_n, the whole involute
-        taken by tip and root relief
+    GeometryError : a relief that starts outside the active profile or face, amounts above 0.1 m_n, tip and root relief
+        that cover the whole involute
     """
     limit = LARGEST_PART * pair.pinion.normal_module
     for name in ("pinion", "wheel"):
@@ -235,7 +235,7 @@ def _relief_start(gear: Gear, relief: Relief, end: float, low: float, high: floa
 
 
 def profile_gap(pair: GearPair, modifications: PairModifications, points: PathPoints) -> np.ndarray:
-    """Gap (position,), m, by the profile modifications of both gears at the contact points of `points`."""
+    """Gap (position,), m, from the profile modifications of both gears at the contact points of `points`."""
     total = np.zeros(len(points.xi))
     for name, radius in (("pinion", points.pinion_radius), ("wheel", points.wheel_radius)):
         own, gear = getattr(modifications, name), getattr(pair, name)
@@ -263,11 +263,11 @@ def lead_points(pair: GearPair, modifications: PairModifications) -> np.ndarray:
 
 
 def lead_gap(pair: GearPair, modifications: PairModifications, flank: str, face: np.ndarray) -> np.ndarray:
-    """Gap (slice,), m, by helix modifications and misalignment; of either sign.
+    """Gap (slice,), m, from helix modifications and misalignment; of either sign.
 
     Parameters
     ----------
-    pair, modifications : the gears in mesh and what their flanks depart from the involute
+    pair, modifications : the gears in mesh and their modifications
     flank : "drive" or "coast"
     face : (slice,) face coordinates, m from mid face
     """

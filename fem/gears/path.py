@@ -7,10 +7,10 @@ polar angles (about their own centres, at radius R)
 
     theta1(R) = -alpha_wt + L1 / r_b1 - inv alpha_1(R),     theta2(R) = pi - alpha_wt + L2 / r_b2 - inv alpha_2(R)
 
-which holds for every xi, also where the involutes have ended. Beyond the ends the tip corner of one gear meets the
-flank of the other; the gap is r_b2 times the rotation of the wheel, against the load, until they touch. Where undercut
-has taken the foot of a flank away before the mate's tip gets there, the path ends at the form circle; the edge between
-fillet and involute meets the flank of the mate in the same way, up to its tip, and the tip edge takes over from it.
+which holds for every xi, also beyond the ends of the involutes. There the tip edge of one gear meets the flank of the
+other; the gap is r_b2 times the rotation of the wheel, against the load, until they touch. If undercut has removed the
+root of a flank before the tip of the mate reaches it, the path ends at the form circle. The edge between fillet and
+involute then meets the flank of the mate in the same way, up to its tip, followed by contact of the tip edge.
 """
 
 from __future__ import annotations
@@ -24,19 +24,19 @@ from fem.gears.gear import GeometryError, require
 from fem.gears.geometry import GearPair
 from fem.numerics.root import brentq
 
-LARGEST_GAP = 100e-6  # m, tip-edge contact is followed up to this gap unless told otherwise
-BRIDGE = 2.05  # pitches: with a tooth missing, the pairs before and after it then take over from each other
+LARGEST_GAP = 100e-6  # m, default largest gap for tip-edge contact
+BRIDGE = 2.05  # pitches: span with which contact passes from the pair before a missing tooth to that after it
 LARGEST_RAISED = 0.4  # m_n, of `bridging_window`
-FARTHEST = 4.0  # pitches beyond the path of contact; 2000 teeth with a gap of 0.05 m_n need 3.5
+FARTHEST = 4.0  # pitches beyond the path of contact; a pair with 2000 teeth and a gap of 0.05 m_n needs 3.5
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PathPoints:
-    """What one tooth pair does at the positions xi (n,).
+    """Gap, contact radii and curvature of one tooth pair at the positions xi (n,).
 
     gap (n,) m along the transverse line of action, 0 on the path, inf where no contact is possible;
     pinion_radius, wheel_radius (n,) m of the contact point on each flank (tip radius for the gear whose edge touches);
-    relative_radius (n,) m, transverse radius of relative curvature, held at its end value beyond the ends.
+    relative_radius (n,) m, transverse radius of relative curvature, constant beyond the ends.
     """
 
     xi: np.ndarray
@@ -55,8 +55,8 @@ def path_points(
     ----------
     pair : the gears in mesh
     xi : (n,) positions, base pitches from the pitch point
-    largest_gap : m, up to which the contact of tip edges is followed
-    tips : m, other radii (pinion, wheel) at which the flanks end in an edge, as where a tooth is chipped; or None
+    largest_gap : m, largest gap for tip-edge contact
+    tips : m, other radii (pinion, wheel) of the edges at which the flanks end, as on a chipped tooth; or None
     """
     xi = np.atleast_1d(np.asarray(xi, dtype=float))
     if tips is not None:
@@ -77,7 +77,7 @@ def contact_window(pair: GearPair, largest_gap: float = LARGEST_GAP) -> tuple[fl
 
     Raises
     ------
-    GeometryError : neither happens within FARTHEST pitches
+    GeometryError : neither occurs within FARTHEST pitches
     """
     require(largest_gap > 0.0, f"{pair.label}: largest_gap is {largest_gap!r} m; give a value > 0")
 
@@ -85,7 +85,7 @@ def contact_window(pair: GearPair, largest_gap: float = LARGEST_GAP) -> tuple[fl
         gap, r1, r2 = _beyond(pair, np.array([xi]), 0 if xi > 0.0 else 1)
         p, w = pair.pinion, pair.wheel
         touching = r1[0] <= p.tip_form_radius * (1 + 1e-12) and r2[0] <= w.tip_form_radius * (1 + 1e-12)
-        return float(gap[0]) - largest_gap if touching else 1.0  # past the tip: nothing to touch
+        return float(gap[0]) - largest_gap if touching else 1.0  # past the tip: no flank
 
     ends = []
     for end, sign in ((pair.xi_start, -1.0), (pair.xi_end, 1.0)):
@@ -102,10 +102,10 @@ def contact_window(pair: GearPair, largest_gap: float = LARGEST_GAP) -> tuple[fl
 
 
 def bridging_window(pair: GearPair, largest_gap: float) -> tuple[float, float, float]:
-    """`largest_gap` (m) and the `contact_window` that belongs to it.
+    """`largest_gap` (m), raised where necessary, and its `contact_window`.
 
-    Where this spans less than BRIDGE the gap is raised, to LARGEST_RAISED or just above, so that the neighbours of a
-    missing tooth still meet tip edge to flank.
+    If the window spans less than BRIDGE, the gap is raised, to LARGEST_RAISED or just above, so that the pairs next to
+    a missing tooth still have tip-edge contact.
     """
     first, last = contact_window(pair, largest_gap)
     while last - first < BRIDGE and largest_gap < LARGEST_RAISED * pair.pinion.normal_module:
@@ -115,9 +115,9 @@ def bridging_window(pair: GearPair, largest_gap: float) -> tuple[float, float, f
 
 
 def _beyond(pair: GearPair, xi: np.ndarray, own: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Gap and radii on pinion and wheel (m) where the tip edge of the gear `own` touches, or its mate's undercut edge.
+    """Gap and radii on pinion and wheel (m) at contact of the tip edge of `own`, or of the undercut edge of its mate.
 
-    The pinion (0) leads with its tip beyond xi_end, the wheel (1) before xi_start.
+    The tip edge of the pinion (0) is in contact beyond xi_end, that of the wheel (1) before xi_start.
     """
     gears, edges, mate = (pair.pinion, pair.wheel), (_pinion_edge, _wheel_edge), 1 - own
     tip = gears[own].tip_form_radius
@@ -135,14 +135,14 @@ def _beyond(pair: GearPair, xi: np.ndarray, own: int) -> tuple[np.ndarray, np.nd
 def edge_gap(pair: GearPair, gear: str, xi: np.ndarray, radius: np.ndarray | float) -> np.ndarray:
     """Gap (m) along the transverse line of action between points of a flank and the flank of the mate.
 
-    Exact for any point, in contact or far from it; for points near the contact it is s^2 / (2 rho) with their distance
-    s along the flank and the radius rho of relative curvature.
+    The result is exact for any point, in contact or far from it. Near the contact it is s^2 / (2 rho), with the
+    distance s along the flank and the radius rho of relative curvature.
 
     Parameters
     ----------
-    pair, gear : "pinion" or "wheel", whose points they are
+    pair, gear : "pinion" or "wheel", gear of the points
     xi : positions of the tooth pair, base pitches from the pitch point
-    radius : of the points, m; broadcasts with xi; inf where the mate has no flank there
+    radius : of the points, m; broadcasts with xi; the gap is inf where the mate has no flank
     """
     edge, mate = (_pinion_edge, pair.wheel) if gear == "pinion" else (_wheel_edge, pair.pinion)
     places, points = np.broadcast_arrays(np.asarray(xi, dtype=float), radius)
@@ -158,9 +158,9 @@ def tip_position(pair: GearPair, gear: str, radius: float) -> float:
 
 
 def _shortened(pair: GearPair, xi: np.ndarray, largest_gap: float, tips: tuple[float, float]) -> PathPoints:
-    """As `path_points`, with flanks that end at the radii `tips`, not above the tip form circles.
+    """`path_points` for flanks that end at the radii `tips`, not above the tip form circles.
 
-    A flank shortened to inside its base circle, or to before the path begins, touches nothing.
+    A flank shortened to inside its base circle, or to before the start of the path, has no contact.
     """
     radii = tuple(min(r, g.tip_form_radius) for r, g in zip(tips, (pair.pinion, pair.wheel), strict=True))
     start = max(tip_position(pair, "wheel", radii[1]), pair.xi_start)
@@ -214,7 +214,7 @@ def _wheel_edge(pair: GearPair, xi: np.ndarray, tip: np.ndarray | float) -> tupl
     l1, l2 = _roll_lengths(pair, xi)
     corner_angle = math.pi - alpha + l2 / w.base_radius - _inv_at(np.array(tip), w.base_radius)
     gap = np.zeros_like(xi)
-    for _ in range(60):  # the rest shrinks by a factor of order gap / radius in each round
+    for _ in range(60):  # each iteration reduces the error by a factor of order gap / radius
         x = pair.axis_distance + tip * np.cos(corner_angle + gap / w.base_radius)
         y = tip * np.sin(corner_angle + gap / w.base_radius)
         radius = np.hypot(x, y)
@@ -226,7 +226,7 @@ def _wheel_edge(pair: GearPair, xi: np.ndarray, tip: np.ndarray | float) -> tupl
 
 
 def slice_fraction(xi: np.ndarray, start: float, end: float, ramp: float) -> np.ndarray:
-    """Part of a slice in contact, in [0, 1]: the slice covers xi - ramp/2 .. xi + ramp/2, the path start .. end.
+    """Share of a slice in contact, in [0, 1]: the slice covers xi - ramp/2 .. xi + ramp/2, the path start .. end.
 
     Parameters
     ----------
@@ -239,21 +239,3 @@ def slice_fraction(xi: np.ndarray, start: float, end: float, ramp: float) -> np.
         return ((xi >= start) & (xi <= end)).astype(float)
     covered = np.minimum(xi + ramp / 2, end) - np.maximum(xi - ramp / 2, start)
     return np.clip(covered / ramp, 0.0, 1.0)
-
-
-def line_length(pair: GearPair, cycle: np.ndarray | float, *, missing: bool = False) -> np.ndarray:
-    """Total length of the contact lines at the mesh cycles `cycle` (m), without load and tip-edge contact.
-
-    L(c) = sum_p b phi(c - p) / cos(beta_b), phi the part of the face that lies on the path of contact; the mean over
-    a cycle is eps_alpha b / cos(beta_b). `missing` leaves pair 0 out: the dip lasts eps_gamma cycles and, while the
-    missing line would be complete, is 1/max(eps_alpha, eps_beta) of the mean.
-    """
-    cycle = np.atleast_1d(np.asarray(cycle, dtype=float))
-    ramp = pair.overlap_ratio
-    reach = ramp / 2 + max(-pair.xi_start, pair.xi_end)
-    around = np.arange(-math.ceil(reach) - 1, math.ceil(reach) + 2)
-    pairs = np.floor(cycle)[:, None] + around[None, :]
-    part = slice_fraction(cycle[:, None] - pairs, pair.xi_start, pair.xi_end, ramp)
-    if missing:
-        part = np.where(pairs == 0, 0.0, part)
-    return part.sum(axis=1) * pair.face_width / math.cos(pair.base_helix_angle)

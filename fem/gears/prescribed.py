@@ -1,22 +1,22 @@
-"""Stated deviations of a gear's teeth: eccentricity, waves, errors of single teeth, measured flanks.
+"""Prescribed deviations of a gear's teeth: eccentricity, waves, errors of single teeth, measured flanks.
 
-Deviations are positive where there is more material, as in ISO 1328-1 and ISO 21771-1, and are taken along the
-transverse line of action, where they are gaps of the opposite sign. With the rotation phi of the gear since tooth 0
-touched at the pitch point at mid face, counted in the sense of its rotation while the pinion drives at positive speed:
+Deviations are positive for more material, as in ISO 1328-1 and ISO 21771-1. Along the transverse line of action they
+are gaps of the opposite sign. phi is the rotation of the gear since tooth 0 touched at the pitch point at mid face,
+positive in its direction of rotation while the pinion drives at positive speed:
 
-    eccentricity e at the angle a ahead of that pitch point of tooth 0:   gap -e sin(phi + a + alpha_wt)
+    eccentricity e at the angle a in front of that point of tooth 0:      gap -e sin(phi + a + alpha_wt)
                                                                           gap  e sin(phi + a - alpha_wt)
     wave of order k, amplitude A, phase q:                                deviation A cos(k phi + q)
 
 The first gap is that of the drive flank of a pinion and of the coast flank of a wheel, the second that of the other
-two: the displaced axis e (cos, sin)(phi + a), seen from the line of centres, along the force on the mate,
-(sin alpha_wt, +-cos alpha_wt). All teeth that touch at one time have the same gap, so that the transmission error is a
-wave of amplitude e: the slope within a tooth belongs to it. Change of the working centre distance is of second order
-and left out. Run-out of ISO 1328-1 is 2 e.
+two: they are the displacement e (cos, sin)(phi + a) of the axis, in the frame of the line of centres, projected on the
+force on the mate, (sin alpha_wt, +-cos alpha_wt). All teeth in contact at one time have the same gap, so that the
+transmission error is a wave of amplitude e, which includes the slope within a tooth. The change of the working centre
+distance is of second order and neglected. Run-out of ISO 1328-1 is 2 e.
 
-A wave is what the drive of the machine tool leaves on a flank that is generated along its contact lines: it is even
-along them. Orders that are no multiple of z give each tooth another phase, and a ghost order in the mesh: Smith (2003),
-Gear Noise and Vibration, 2nd ed., 10.
+A wave results from the drive of the machine tool on a flank that is generated along its contact lines; it is constant
+along them. Orders that are not a multiple of z have a different phase on each tooth, and give a ghost order: Smith
+(2003), Gear Noise and Vibration, 2nd ed., 10.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from fem.gears.rack import require
 from fem.options import option
 
 FLANKS = ("drive", "coast")
-LARGEST_PART = 0.1  # modules; a larger deviation is a mistake of units
+LARGEST_PART = 0.1  # modules; a larger deviation indicates wrong units
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,9 +95,9 @@ class ToothError:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MeasuredFlanks:
-    """Deviations (m) at points of the flanks of some teeth, linear between the points and held beyond them.
+    """Deviations (m) at points of the flanks of some teeth, linear between the points and constant beyond them.
 
-    tooth (t,) int; radius (r,) and face (y,), m, rising; deviation (flank, t, r, y), drive first, along the face
+    tooth (t,) int; radius (r,) and face (y,), m, ascending; deviation (flank, t, r, y), drive first, along the face
     coordinate of the mesh law
     """
 
@@ -109,7 +109,7 @@ class MeasuredFlanks:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PrescribedDeviations:
-    """All stated deviations of a gear."""
+    """All prescribed deviations of a gear."""
 
     eccentricity: Eccentricity = field(default_factory=Eccentricity)
     waves: tuple[Wave, ...] = ()
@@ -118,16 +118,17 @@ class PrescribedDeviations:
 
 
 def check_prescribed(gear: Gear, given: PrescribedDeviations, positions: float) -> None:
-    """Refuse deviations that no gear has, and waves shorter than the tables of the mesh law resolve.
+    """Refuse implausible deviations, and waves too short for the resolution of the mesh law.
 
     Parameters
     ----------
-    gear, given : the gear and what is stated of it
+    gear, given : the gear and its prescribed deviations
     positions : grid points of the mesh law per base pitch
 
     Raises
     ------
-    GeometryError : a deviation above 0.1 m_n, a tooth that is none, an order with less than 8 grid points per wave
+    GeometryError : a deviation above 0.1 m_n, a tooth that does not exist, an order with less than 8 grid points per
+        wave
     """
     limit = LARGEST_PART * gear.normal_module
     amounts = {"eccentricity": given.eccentricity.amount}
@@ -216,10 +217,9 @@ def measured_gap(given: MeasuredFlanks, flank: str, radius: np.ndarray, face: np
     """
     along, across = _hats(given.face, face), _hats(given.radius, radius)
     deviation = given.deviation[FLANKS.index(flank)]
-    gap: np.ndarray = -np.einsum("sy,try,pr->tsp", along, deviation, across, optimize=True)
-    return gap
+    return -np.einsum("sy,try,pr->tsp", along, deviation, across, optimize=True)
 
 
 def _hats(nodes: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Weights (point, node) of linear interpolation, held beyond the ends."""
+    """Weights (point, node) of linear interpolation, constant beyond the ends."""
     return np.stack([np.interp(points, nodes, unit) for unit in np.eye(len(nodes))], axis=1)

@@ -2,7 +2,7 @@
 
 The fillet is the envelope of the rounded tip of the generating rack (equation of meshing: the common normal passes
 through the pitch point of generation), in the transverse section, where the tool rounding of a helical gear is an
-ellipse. Gear frame: tooth centre line on +y, the flank returned lies at x > 0.
+ellipse. In the gear frame the tooth centre line is on +y, and the returned flank at x > 0.
 
 Litvin & Fuentes (2004), Gear Geometry and Applied Theory, 2nd ed., chapter 6; ISO 21771:2007.
 """
@@ -17,14 +17,14 @@ import numpy as np
 from fem.gears.gear import Gear, require
 from fem.numerics.root import brentq
 
-_FINE = 400  # points on the fillet from which arc length is measured
+_FINE = 400  # points on the fillet for its arc length
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class HalfTooth:
     """Half a pitch of the transverse profile, from mid space on the root circle to mid tooth on the tip circle.
 
-    points (n, 2) in m; points[form_index] joins fillet and involute, points[tip_index] is the tip corner.
+    points (n, 2) in m; points[form_index] is between fillet and involute, points[tip_index] is the tip corner.
     """
 
     points: np.ndarray
@@ -55,10 +55,10 @@ def generate_trochoid(gear: Gear, theta: np.ndarray) -> tuple[np.ndarray, np.nda
 
 
 def form_point(gear: Gear) -> tuple[float, float]:
-    """Where fillet and involute join: (radius m, tool angle theta rad).
+    """Form point, the junction of fillet and involute: (radius m, tool angle theta rad).
 
-    Without undercut the junction is cut by the end of the straight tool flank (theta = alpha_n, smooth); with undercut
-    it is the crossing of trochoid and involute above the base circle (a corner).
+    Without undercut the end of the straight tool flank generates it (theta = alpha_n, smooth). With undercut it is the
+    intersection of trochoid and involute above the base circle (a corner).
 
     Raises
     ------
@@ -86,13 +86,13 @@ def _trochoid_radius(gear: Gear, theta: float) -> float:
 
 
 def _outside_involute(gear: Gear, theta: float) -> float:
-    """Angle (rad) by which the trochoid lies outside the involute flank at equal radius; < 0 where it cuts into it."""
+    """Angle (rad) of the trochoid outside the involute flank at equal radius; < 0 where it cuts into it."""
     radius, angle = generate_trochoid(gear, np.array([theta]))
     return float(angle[0]) - gear.half_thickness_angle(max(float(radius[0]), gear.base_radius))
 
 
 def form_radius(gear: Gear) -> float:
-    """Radius where fillet and involute join (m)."""
+    """Form radius, where fillet and involute join (m)."""
     return form_point(gear)[0]
 
 
@@ -133,8 +133,8 @@ def roll_length(gear: Gear, radius: float) -> float:
 def half_tooth_profile(gear: Gear, n_fillet: int, n_flank: int, n_tip: int) -> HalfTooth:
     """Ordered transverse points of half a pitch, n_fillet + n_flank + n_tip intervals.
 
-    Root arc and trochoid are divided evenly by arc length, the involute evenly by roll length (so evenly along the path
-    of contact), the tip arc evenly by angle. Consecutive points never coincide.
+    Root arc and trochoid are divided uniformly by arc length, the involute by roll length (hence uniformly along the
+    path of contact), the tip arc by angle. Consecutive points never coincide.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def half_tooth_profile(gear: Gear, n_fillet: int, n_flank: int, n_tip: int) -> H
 
 
 def _fillet_points(gear: Gear, n_fillet: int) -> np.ndarray:
-    """Root arc from mid space, then the trochoid up to the form point, evenly by arc length: (n_fillet + 1, 2)."""
+    """Root arc from mid space, then the trochoid up to the form point, uniform in arc length: (n_fillet + 1, 2)."""
     _, junction = form_point(gear)
     theta = np.linspace(math.pi / 2, junction, _FINE)
     radius, angle = generate_trochoid(gear, theta)

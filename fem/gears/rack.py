@@ -1,4 +1,4 @@
-"""Standard basic rack of the generating tool (ISO 53), and what all gear modules share: errors, inv(alpha)."""
+"""Standard basic rack of the generating tool (ISO 53), and errors and inv(alpha) for all gear modules."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 
 class GeometryError(ValueError):
-    """Gear data that describe no working gear or pair."""
+    """Gear data that describe no valid gear or pair."""
 
 
 def involute(angle: float) -> float:

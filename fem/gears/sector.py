@@ -1,18 +1,17 @@
 """Structured mesh of one pitch of a toothed ring: a tooth and the body under it, down to the bore.
 
-Nine-node quadrilaterals with curved edges on the true profile. Frame of the sector: origin on the gear axis, tooth
-centre line along +x, the loaded flank at y > 0. Two grids in polar coordinates share the circle through the middle of
-the fillet (slope 45 degrees there, so that no corner is sharper than 45 degrees):
+The mesh has nine-node quadrilaterals with curved edges on the exact profile. Its frame has the origin on the gear axis,
+the tooth centre line along +x and the loaded flank at y > 0. Two grids in polar coordinates share the circle through
+the middle of the fillet (slope 45 degrees there, so that no corner is sharper than 45 degrees):
 
-    tooth  rows follow circles, fine along the flank, columns grow away from the loaded flank
-    body   columns span the whole pitch, layers grow from the root to the bore
+    tooth  rows follow circles, fine along the flank; columns become wider away from the loaded flank
+    body   columns span the whole pitch; layers become thicker from the root to the bore
 
-Both cut lines (mid tooth space) carry the same radii, so that sectors join conformingly to a ring. Below a rim the body
-is a web: in the plane its elements are filled to the part b_s / b of the face width (an equivalent ring of modulus
-E b_s / b).
+Both cut lines (mid tooth space) have nodes at the same radii, so that sectors form a conforming ring. Below a rim the
+body is a web: its elements fill the share b_s / b of the face width (an equivalent ring of modulus E b_s / b).
 
-A slit, for a root crack, starts at the middle of the loaded fillet: the line that the two grids share follows it, the
-tooth above is stretched after it, and the nodes on it are doubled.
+A slit, for a root crack, starts at the middle of the loaded fillet. The common line of the two grids follows it, the
+grid of the tooth above is stretched accordingly, and the nodes on it are duplicated.
 """
 
 from __future__ import annotations
@@ -29,7 +28,7 @@ from fem.gears.profile import flank_at_roll, form_radius, half_tooth_profile, ro
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
 
-_FILLET_POINTS = 400  # points from which the fillet is interpolated
+_FILLET_POINTS = 400  # points for the interpolation of the fillet
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -41,7 +40,7 @@ class SectorMesh:
     points: np.ndarray  # (nodes, 2)
     elements: np.ndarray  # (elements, 9), tensor order
     grid: np.ndarray  # (elements, 2), row from the bore outwards and column from the low cut
-    bore: np.ndarray  # nodes held rigid, without those on the cut lines
+    bore: np.ndarray  # rigidly held nodes, without those on the cut lines
     cut_low: np.ndarray  # nodes of the cut at -pi/z, root to bore, without the bore node
     cut_high: np.ndarray  # same radii at +pi/z
     cut_bore: np.ndarray  # the two bore nodes of the cuts
@@ -51,13 +50,13 @@ class SectorMesh:
     base_radius: float
     form_arc: float  # arc length at the form circle, where the involute starts
     tip_arc: float  # arc length at the end of the involute
-    filling: np.ndarray  # (elements,) part of the face width that is filled: 1, in a web b_s / b
+    filling: np.ndarray  # (elements,) filled share of the face width: 1, in a web b_s / b
     web: np.ndarray  # bool (elements,), below the rim
     slit: np.ndarray  # nodes of the tooth on the slit, mouth first, without its tip; empty without a slit
-    slit_first: int  # index of the first of their doubles, which belong to the body; equals len(points) without a slit
+    slit_first: int  # index of the first of their duplicates, which belong to the body; len(points) without a slit
 
     def closed(self) -> SectorMesh:
-        """The same mesh with the slit welded shut."""
+        """The same mesh with the slit closed: duplicate nodes merged."""
         elements = self.elements.copy()
         doubled = elements >= self.slit_first
         elements[doubled] = self.slit[elements[doubled] - self.slit_first]
@@ -68,8 +67,8 @@ class SectorMesh:
 class Slit:
     """A straight slit from the middle of the loaded fillet into the tooth: depth (m), angle to the centre line (rad).
 
-    angle pi/2 runs straight across the tooth, less goes down into the rim. Its elements are small at mouth and tip, or
-    of even size where the `spacing` (m, about) is given: there a crack may end anywhere on it.
+    The angle pi/2 is straight across the tooth; a smaller one points down into the rim. Elements on the slit are small
+    at mouth and tip, or of uniform size if `spacing` (m, approximate) is given: a crack may then end anywhere on it.
     """
 
     depth: float
@@ -84,18 +83,18 @@ class _Fillet:
     radius: CubicSpline
     angle: CubicSpline
     length: float
-    middle: float  # where the slope against the radius is 45 degrees
+    middle: float  # where the slope relative to the radius is 45 degrees
 
     @staticmethod
     def of(gear: Gear) -> _Fillet:
-        from scipy.interpolate import CubicSpline  # reports import this file, and this costs them 0.3 s
+        from scipy.interpolate import CubicSpline  # imported here: reports import this file and would take 0.3 s longer
 
         half = half_tooth_profile(gear, _FILLET_POINTS, 1, 1)
         x, y = half.points[: half.form_index + 1].T  # tooth centre line along +y there
         radius, angle = np.hypot(x, y), np.arctan2(x, y)
         arc = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
         rise, run = np.diff(radius), -np.diff(angle) * (radius[1:] + radius[:-1]) / 2
-        flat = np.flatnonzero(rise < run)  # slope flatter than 45 degrees against the circle
+        flat = np.flatnonzero(rise < run)  # slope less than 45 degrees relative to the circle
         middle = float(np.clip(arc[flat[-1] + 1], 0.3 * arc[-1], 0.9 * arc[-1]))
         return _Fillet(CubicSpline(arc, radius), CubicSpline(arc, angle), float(arc[-1]), middle)
 
@@ -109,7 +108,7 @@ def with_middles(ends: np.ndarray) -> np.ndarray:
 
 
 def _growing(first: float, growth: float, largest: float, total: float) -> np.ndarray:
-    """Element ends 0 .. total whose sizes start near `first` and grow by `growth` up to `largest`."""
+    """Element ends 0 .. total with sizes from about `first`, increasing by the factor `growth` up to `largest`."""
     sizes = [first]
     while sum(sizes) < total:
         sizes.append(min(sizes[-1] * growth, largest))
@@ -149,7 +148,7 @@ def sector_mesh(gear: Gear, refinement: float = 1.0, slit: Slit | None = None) -
     if slit is None:
         thickness = flank_radius[len(lower) :].mean() * flank_angle[len(lower) :].mean()
         across = with_middles(_growing(0.05 * size / thickness, 1.25, 0.3 / refinement, 2.0)) - 1.0  # -1 = loaded here
-        across = -across[::-1]  # rises to the loaded side
+        across = -across[::-1]  # ascending to the loaded side
         line_r, line_t = np.full(len(across), flank_radius[0]), flank_angle[0] * across
         cracked = np.zeros(len(across), dtype=bool)
     else:
@@ -218,7 +217,8 @@ def sector_mesh(gear: Gear, refinement: float = 1.0, slit: Slit | None = None) -
 def _slit_line(radius: float, angle: float, slit: Slit, size: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Line through a slit to the middle of the other fillet, from there to the loaded side, fine at mouth and tip.
 
-    Returns points (n, 2), their place across the tooth in [-1, 1] (n,), and which lie on the slit before its tip (n,).
+    Returns points (n, 2), their coordinate across the tooth in [-1, 1] (n,), and whether they are on the slit before
+    its tip (n,).
     """
     mouth = radius * np.array([math.cos(angle), math.sin(angle)])
     end = mouth - slit.depth * np.array([math.cos(slit.angle), math.sin(slit.angle)])
@@ -240,7 +240,7 @@ def _slit_line(radius: float, angle: float, slit: Slit, size: float) -> tuple[np
 
 
 def _stretched(r: np.ndarray, t: np.ndarray, line: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Tooth grid (row, column) in polar coordinates, first row moved onto `line`, the others less towards the tip."""
+    """Tooth grid (row, column) in polar coordinates, first row moved onto `line`, others less towards the tip."""
     points = np.stack([r * np.cos(t), r * np.sin(t)], axis=-1)
     share = (r[-1, 0] - r[:, 0]) / (r[-1, 0] - r[0, 0])
     points = points + share[:, None, None] * (line - points[0])

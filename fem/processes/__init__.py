@@ -1,1 +1,1 @@
-"""Processes of their own."""
+"""Child processes: calls in separate processes, and their executor."""

@@ -1,10 +1,10 @@
-"""Child processes: they find every module where their parent finds it, and none in the working folder.
+"""Start of child processes, which import the same modules as their parent and none from the working folder.
 
-Python looks for modules in the folder it is started in, or in that of the script, and in PYTHONPATH, before it looks
-in its own library: a file ``queue.py`` there would be run in place of the library's. So this file is started by its
-path (-P: its folder is not searched; -S: nothing but the library is), and puts the parent's folders behind the
-library, without the working folder and that of the parent's script. Our own packages come from where the parent has
-them, even if that is the working folder. This file imports the standard library alone.
+Python searches modules in the working folder or that of the script, and in PYTHONPATH, before its standard library: a
+file ``queue.py`` there would replace that of the library. This file is therefore started by its path with -P (its
+folder is not searched) and -S (only the library is searched). It appends the parent's folders after the library,
+without the working folder and that of the parent's script. The packages of this product come from the parent's
+location, even if that is the working folder. This file imports only the standard library.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ PACKAGES = ("fem", "mbd", "meshes", "pipelines")
 
 
 def command(module: str, *arguments: str) -> list[str]:
-    """The command that runs a module of our packages, or of one beside them, as a program."""
+    """The command that runs a module of this product, or of a package next to it, as a program."""
     home = str(Path(__file__).resolve().parents[2])
     own = [*PACKAGES, module.partition(".")[0]]
     return [sys.executable, "-P", "-S", __file__, json.dumps([home, own, _folders()]), module, *arguments]
 
 
 def environment(**changes: str) -> dict[str, str]:
-    """The environment of this process without PYTHONPATH, whose folders come before the library."""
+    """The environment of this process without PYTHONPATH, whose folders would precede the library."""
     return {name: value for name, value in os.environ.items() if name != "PYTHONPATH"} | changes
 
 
 def _folders() -> list[str]:
-    """Where this process looks for modules, without the working folder and that of its script."""
+    """Search folders of modules in this process, without the working folder and that of its script."""
     left_out = {os.path.realpath(os.getcwd())}
     main = sys.modules.get("__main__")
     if main is not None and getattr(main, "__spec__", None) is None and getattr(main, "__file__", None):
@@ -45,7 +45,7 @@ def _folders() -> list[str]:
 
 
 class _Own:
-    """Finds the packages of `names` in one folder, and nothing else there."""
+    """Module finder for the packages `names` in one folder, and no others there."""
 
     def __init__(self, home: str, names: Sequence[str]) -> None:
         self._home, self._names = home, frozenset(names)
@@ -53,7 +53,7 @@ class _Own:
     def find_spec(
         self, name: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> importlib.machinery.ModuleSpec | None:
-        """The place of a package of ours; None for all else."""
+        """Specification of one of the packages; None for any other module."""
         if path is None and name in self._names:
             return importlib.machinery.PathFinder.find_spec(name, [self._home])
         return None
@@ -62,7 +62,7 @@ class _Own:
 def _main() -> None:
     home, names, folders = json.loads(sys.argv[1])
     library = list(sys.path)
-    site.main()  # what -S put off: the folders of this environment and what is installed in them to be edited
+    site.main()  # postponed by -S: the folders of this environment, including editable installations
     sys.path[:] = dict.fromkeys([*library, *folders, *sys.path])
     sys.meta_path.insert(0, _Own(home, names))
     module = sys.argv[2]

@@ -1,8 +1,8 @@
-"""Child processes that take calls: one mechanism for steps, scenes of a campaign, and libraries that may crash.
+"""Executor of calls in child processes: for steps, scenes of a campaign, and libraries that may crash.
 
 A child starts as `fem.processes.child.command`. It reads calls from its standard input and answers on its standard
-output, both as pickles; whatever else is printed there goes to its standard error. Nothing is written to files, so
-a process that is killed leaves none behind. The end of the input, however the parent ends, ends the child too.
+output, both as pickles; other output is redirected to its standard error. No files are written, so a killed process
+leaves none behind. The child ends with its input, that is, whenever the parent ends.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from fem.processes.child import command, environment
 from fem.storage.cache_folder import CacheWarning, warn_once
 
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-_GONE = 3  # exit code of a child whose parent is gone
+_GONE = 3  # exit code of a child whose parent has ended
 _LISTENER: ContextVar[Callable[[float], None] | None] = ContextVar("listener of the share", default=None)
 
 
@@ -44,18 +44,18 @@ class ProcessEnded(Exception):
 
 
 class RemoteError(RuntimeError):
-    """What a call in a child raised, in words: an error of a type that does not survive pickle."""
+    """An error raised in a child whose type cannot be pickled, as text."""
 
 
 def tell_share(share: float) -> None:
-    """Report to the listener that this share (0 to 1) of the work is done; without one nothing happens."""
+    """Report the completed share (0 to 1) of the work to the listener, if there is one."""
     if listener := _LISTENER.get():
         listener(share)
 
 
 @contextmanager
 def listening(listener: Callable[[float], None]) -> Iterator[None]:
-    """Report to a function the shares of the work in the block."""
+    """Report the completed shares of the work in the block to a function."""
     token = _LISTENER.set(listener)
     try:
         yield
@@ -64,7 +64,7 @@ def listening(listener: Callable[[float], None]) -> Iterator[None]:
 
 
 def in_thread(call: Callable[..., Any], *arguments: Any) -> Future:
-    """The result of a call in a thread; a thread that is not finished ends with the process."""
+    """The future of a call in a daemon thread, which ends with the process."""
     future: Future = Future()
 
     def run() -> None:
@@ -78,11 +78,11 @@ def in_thread(call: Callable[..., Any], *arguments: Any) -> Future:
 
 
 class Processes(Executor):
-    """At most `count` child processes with one thread for BLAS and OpenMP; they start when they are needed.
+    """Executor with at most `count` child processes, started on demand, each with one BLAS and OpenMP thread.
 
-    Calls are functions of modules; they, their arguments and results must survive pickle. A future raises what the
-    call raised, or ProcessEnded. Leaving the block with an error, or an interrupt, kills the children. What they print
-    goes to `output`, by default to standard error of this process.
+    Calls are functions of modules; they, their arguments and results must be picklable. A future raises the error of
+    its call, or ProcessEnded. If an error or an interrupt leaves the block, the children are killed. Their output goes
+    to `output`, by default to standard error of this process.
     """
 
     def __init__(self, count: int, output: IO[bytes] | None = None) -> None:
@@ -94,34 +94,34 @@ class Processes(Executor):
         self._closed = False
 
     def submit(self, call: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future:
-        """The result of a call in a child."""
+        """Future of a call in a child."""
         return self.listened(None, call, *args, **kwargs)
 
     def listened(
         self, listener: Callable[[float], None] | None, call: Callable[..., Any], /, *args: Any, **kwargs: Any
     ) -> Future:
-        """The result of a call in a child.
+        """Future of a call in a child, with reports of its progress.
 
         Parameters
         ----------
-        listener : called with the shares (0 to 1) of the work that is done, in a thread; None: nobody
-        call, *args, **kwargs : function of a module, and what it is called with
+        listener : callback in a thread with the completed share (0 to 1) of the work, or None
+        call, *args, **kwargs : function of a module, and its arguments
         """
         return self._threads.submit(self._answered, listener, pickle.dumps((call, args, kwargs)))
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """End the children: after their calls, or (not `wait`) at once."""
+        """End the children after their calls or, without `wait`, immediately."""
         if not wait:
             self._kill()
         self._threads.shutdown(wait=True, cancel_futures=cancel_futures or not wait)
         self._kill()
 
     def __exit__(self, kind: object, *_: object) -> None:
-        """End the children; at once after an error."""
+        """End the children; immediately after an error."""
         self.shutdown(wait=kind is None)
 
     def end_idle(self) -> None:
-        """End the children without work: one that has built a casing holds its memory, over 1 GB."""
+        """End idle children: one that has built a casing still uses its memory, over 1 GB."""
         while child := self._waiting():
             self._end(child)
 
@@ -137,7 +137,7 @@ class Processes(Executor):
         self.end_idle()
 
     def _end(self, child: subprocess.Popen) -> int:
-        """Exit code of a child that is ended, if it has not ended yet."""
+        """Kill a child that is still running and close its pipes; returns its exit code."""
         child.kill()
         code = child.wait()
         cast("IO[bytes]", child.stdout).close()
@@ -149,7 +149,7 @@ class Processes(Executor):
         return code
 
     def _ready(self) -> subprocess.Popen:
-        """A child that is alive; those that died while they waited have nothing to lose."""
+        """A running child; idle children that have ended are dropped."""
         while child := self._waiting():
             if child.poll() is None:
                 return child
@@ -163,7 +163,7 @@ class Processes(Executor):
                 stdout=subprocess.PIPE,
                 stderr=self._output,
                 env=environment(**dict.fromkeys(THREAD_VARIABLES, "1")),
-                start_new_session=os.name == "posix",  # an interrupt from the keyboard reaches the parent only
+                start_new_session=os.name == "posix",  # a keyboard interrupt reaches only the parent
             )
             self._children.append(child)
         return child
@@ -180,7 +180,7 @@ class Processes(Executor):
             kind, content, notes = pickle.loads(answer)
         except (EOFError, OSError, pickle.UnpicklingError) as error:
             try:
-                code = child.wait(timeout=1.0)  # its own code, not that of `_end`
+                code = child.wait(timeout=1.0)  # its exit code, before `_end` kills it
             except subprocess.TimeoutExpired:
                 code = 0
             self._end(child)
@@ -188,7 +188,7 @@ class Processes(Executor):
         self._idle.append(child)
         for category, text in notes:
             if category is CacheWarning:
-                warn_once(text)  # each process finds out for itself that there is no cache
+                warn_once(text)  # each process detects separately that there is no cache
             else:
                 warnings.warn(category(text), stacklevel=2)
         if kind == "error":
@@ -197,7 +197,7 @@ class Processes(Executor):
 
 
 def answer(call: bytes) -> bytes:
-    """Do the work of a call; its result, or its error, and the warnings."""
+    """Execute a pickled call; returns its result or error, and the warnings."""
     with warnings.catch_warnings(record=True) as caught:
         try:
             work, arguments, named = pickle.loads(call)
@@ -212,7 +212,7 @@ def answer(call: bytes) -> bytes:
 
 
 def _sendable(error: Exception) -> Exception:
-    """The error itself if it survives the way to the parent, else one of a known type with its words."""
+    """The error itself if it can be pickled, else one of a known type with its message."""
     try:
         if str(pickle.loads(pickle.dumps(error))) == str(error):
             return error
@@ -223,12 +223,12 @@ def _sendable(error: Exception) -> Exception:
 
 
 def serve() -> None:
-    """Answer calls until the input ends; that ends this process, at work or not.
+    """Answer calls until the input ends; this also ends a process that is still computing.
 
-    It may be killed at any moment. A lock that a library makes here (numcodecs does) must not need to be removed then;
-    with the start method "fork" it has no name in the system. No process is started here.
+    The process may be killed at any time. A lock created by a library (numcodecs) must then need no removal; with the
+    start method "fork" it has no name in the system. No process is started here.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent handles interrupts
     if "log" in sys.argv:
         logging.basicConfig(level=logging.INFO, format="%(message)s")
     if os.name == "posix":
@@ -257,7 +257,7 @@ def serve() -> None:
 
 
 def _flush() -> None:
-    """Have what libraries printed where it is read, before the answer."""
+    """Flush the output of libraries before the answer."""
     sys.stdout.flush()
     if os.name == "posix":
         import ctypes
@@ -266,6 +266,6 @@ def _flush() -> None:
 
 
 if __name__ == "__main__":
-    from fem.processes.executor import serve as _serve  # whose listener is that of the work
+    from fem.processes.executor import serve as _serve  # the module that holds the listener of the work
 
     _serve()

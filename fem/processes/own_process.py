@@ -1,10 +1,10 @@
-"""One call in a process of its own: for libraries that a damaged file of the user may crash.
+"""One call in a separate process, for libraries that a damaged file of the user may crash.
 
-OpenCASCADE, gmsh and the libraries of HDF5 end the process on some damaged files, and write to the terminal past
-Python. So no file of the user is opened by them where a session, a run or a notebook would be lost: a child does the
-whole work, and sends what it made of the file. What is printed there goes to the log.
+OpenCASCADE, gmsh and the HDF5 library end the process on some damaged files, and print to the terminal directly. A file
+of the user is therefore opened by a child, so that no session, run or notebook is lost. The child does the whole work
+and returns its result; its output goes to the log.
 
-The child begins with an import of the libraries that it needs (1 s of processor time); it ends when its parent does.
+It imports the libraries that it needs (1 s of processor time) and ends with its parent.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from fem.processes.executor import ProcessEnded, Processes
 _log = logging.getLogger(__name__)
 _Arguments = TypeVarTuple("_Arguments")
 _Result = TypeVar("_Result")
-_MEMORY, _PER_BYTE = 4 << 30, 200  # a STEP file of 3 MB took 0.55 GB and 20 times its size
+_MEMORY, _PER_BYTE = 4 << 30, 200  # a STEP file of 3 MB needs 0.55 GB and 20 times its size
 DAMAGED = "it is damaged, or its format does not fit its ending. Export it again"
 
 
@@ -33,18 +33,18 @@ def opened_apart(
     call: Callable[[*_Arguments], _Result],
     *arguments: *_Arguments,
 ) -> _Result:
-    """What a call of a function of a module returns, or raises, in a child process.
+    """Call a function of a module in a child process; returns its result or raises its error.
 
     Parameters
     ----------
-    file : that the call opens, for the message
-    error : raised where the child ends without an answer
-    remedy : the rest of its message
-    call, *arguments : the work; they and the result must survive pickle
+    file : file opened by the call, for the message
+    error : type raised if the child ends without an answer
+    remedy : end of its message
+    call, *arguments : the work; they and the result must be picklable
 
     Raises
     ------
-    error : the process ended, mostly because a library crashed; and whatever the call raises
+    error : the process ended, mostly by a crash of a library; also every error of the call
     """
     with tempfile.TemporaryFile() as said:
         try:
@@ -61,9 +61,9 @@ def opened_apart(
 
 @contextmanager
 def bounded_memory(file: Path) -> Iterator[None]:
-    """No more memory than the reading of a file may need, where the system can limit it.
+    """Limit the memory to what the reading of a file may need, if the system can limit it.
 
-    A number that is wrong can make OpenCASCADE ask for more and more, until the system ends processes of its choice.
+    A wrong number in the file can make OpenCASCADE allocate memory until the system ends arbitrary processes.
     """
     if sys.platform == "win32":
         yield

@@ -1,1 +1,1 @@
-"""What is kept of finite-element work: records with units, HDF5 files, counts of what was built."""
+"""Storage of results: records with units, HDF5 files, the cache folder, and counts of expensive computations."""

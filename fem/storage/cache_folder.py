@@ -1,9 +1,9 @@
-"""The folder of everything that can be made again: where it is, that it is ours, and that nobody else can write in it.
+"""The cache folder for reproducible results: its location, and checks that only its owner can write in it.
 
-What is in it is believed: stored results are taken for computed ones, compiled code is run. So every folder in it is
-made for its owner alone, and a folder that another user made, or can write in, is refused with the reason. Root may
-write everywhere and is believed; so an administrator can fill a cache for others to read. Systems other than POSIX
-guard the user's own folders by themselves; there the owner is not looked at.
+Its content is trusted: stored results replace computations, compiled code is executed. Every folder in it is therefore
+private to its owner. A folder made or writable by another user is refused with the reason. Root may write everywhere
+and is trusted, so that an administrator can fill a cache for others to read. Systems other than POSIX protect the
+user's folders themselves; there the owner is not checked.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ ENTRIES, PARTIAL, COMPILED = FOLDERS = ("entries", "partial", "compiled")
 MANIFEST = "manifest.json"
 ENTRY_NAME = re.compile(r"[^/\\]+-[0-9a-f]{32}")  # <kind>-<first letters of the key>
 PARTIAL_NAME = re.compile(r"(\d+|removed)-[0-9a-f]{12}")
-MARK = "CACHEDIR.TAG"  # by its first line programs that make backups know a cache (bford.info/cachedir)
+MARK = "CACHEDIR.TAG"  # its first line marks a cache for backup programs (bford.info/cachedir)
 _SIGNATURE = "Signature: 8a477f597d28d172789f06886806bc55"
 _OURS = "# A cache of gearcase."
 _OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
@@ -29,11 +29,11 @@ _said: set[str] = set()
 
 
 class CacheWarning(UserWarning):
-    """The cache could not do its part (damaged entry, folder not writable); results are not affected."""
+    """The cache could not be used (damaged entry, folder not writable); results are not affected."""
 
 
 class UnusableFolder(OSError):
-    """A folder is not ours, or others can write in it."""
+    """A folder belongs to another user or purpose, or others can write in it."""
 
 
 def cache_root() -> Path:
@@ -47,15 +47,15 @@ def cache_root() -> Path:
 
 
 def claim(root: Path, *, make: bool) -> None:
-    """Check that a root is a cache of gearcase that nobody else can write in; `make` it if it is absent.
+    """Check that a root is a cache of gearcase that only its owner can write in; `make` it if it is missing.
 
-    An empty folder becomes one, and so does a root without a mark that holds nothing but what gearcase stores.
+    An empty folder becomes one, and so does a root without a mark that contains only results of gearcase.
 
     Raises
     ------
-    FileNotFoundError : it is absent and not to be made
+    FileNotFoundError : it is missing and not to be made
     UnusableFolder : it belongs to another user or to another purpose
-    OSError : it cannot be made or read
+    OSError : it cannot be created or read
     """
     if not root.is_absolute():
         raise UnusableFolder(f"there is no home folder for {root}")
@@ -68,7 +68,7 @@ def claim(root: Path, *, make: bool) -> None:
         root.chmod(0o700)
     check_private(root)
     strangers = _strangers(root)
-    if strangers and not _marked(root):  # by another process since
+    if strangers and not _marked(root):  # not marked by another process in between
         raise UnusableFolder(f"it holds {strangers[0]}, which is not a file of gearcase; set a new or an empty folder")
     try:
         _mark(root)
@@ -78,11 +78,11 @@ def claim(root: Path, *, make: bool) -> None:
 
 
 def make_private(folder: Path) -> None:
-    """Make a folder, and those above it that are missing, for its owner alone; one that is there is checked.
+    """Make a folder and its missing parents private to the owner; an existing folder is checked.
 
     Raises
     ------
-    UnusableFolder : it is there and others can write in it
+    UnusableFolder : it exists and others can write in it
     OSError : it cannot be made
     """
     if not folder.parent.exists():
@@ -93,7 +93,7 @@ def make_private(folder: Path) -> None:
 
 
 def check_private(folder: Path) -> None:
-    """Raises UnusableFolder if someone else than its owner (this user or root) can write in a folder."""
+    """Raise UnusableFolder unless only the owner (this user or root) can write in a folder."""
     status = folder.stat()
     reason = distrust(status)
     if reason and _of_group(status):
@@ -108,7 +108,7 @@ def check_private(folder: Path) -> None:
 
 
 def distrust(status: os.stat_result) -> str:
-    """Why another user may have written what has this status; "" if only this user or root can have."""
+    """The reason why another user may have written a file of this status; "" if only this user or root can."""
     if os.name != "posix":
         return ""
     if status.st_uid not in (os.geteuid(), 0):
@@ -120,7 +120,7 @@ def distrust(status: os.stat_result) -> str:
 
 
 def warn_without(root: Path, error: OSError) -> None:
-    """Say, once in a process, that a cache is not used and why. The words are the same in every process."""
+    """Warn, once in a process, that a cache is not used, with the reason. The text is the same in every process."""
     reason = error.strerror or str(error)
     warn_once(
         f"the cache {root} cannot be used ({reason}). Work continues without it: results are not kept, and code is "
@@ -131,14 +131,14 @@ def warn_without(root: Path, error: OSError) -> None:
 
 
 def warn_once(text: str) -> None:
-    """A CacheWarning, unless this process gave the same before."""
+    """Issue a CacheWarning, unless this process has issued the same before."""
     if text not in _said:
         _said.add(text)
         warnings.warn(CacheWarning(text), stacklevel=3)
 
 
 def _of_group(status: os.stat_result) -> bool:
-    """Whether a folder is meant to be shared by a group: it hands its group down, and the group can write in it."""
+    """Whether a group shares a folder: new files inherit its group, and the group can write in it."""
     shared = stat.S_ISGID | stat.S_IWGRP
     return os.name == "posix" and status.st_mode & shared == shared
 
@@ -156,7 +156,7 @@ def _marked(root: Path) -> bool:
 
 
 def _mark(root: Path) -> None:
-    """In one step, by way of a folder that is ours: a second process at the same moment sees no stranger."""
+    """Mark a root in one step, from a private folder, so that a simultaneous process sees no unknown file."""
     make_private(root / PARTIAL)
     aside = root / PARTIAL / f"{os.getpid()}-{uuid.uuid4().hex[:12]}"
     try:
@@ -168,7 +168,7 @@ def _mark(root: Path) -> None:
 
 
 def _strangers(root: Path) -> list[str]:
-    """What a root without a mark holds beyond what gearcase stores."""
+    """Content of a root without a mark that is not from gearcase."""
     found = [path.name for path in root.iterdir() if path.name not in FOLDERS or path.is_symlink()]
     for folder, kept in ((ENTRIES, is_entry), (PARTIAL, is_partial)):
         inside = (root / folder).iterdir() if (root / folder).is_dir() else ()
@@ -177,11 +177,11 @@ def _strangers(root: Path) -> list[str]:
 
 
 def is_entry(folder: Path) -> bool:
-    """True for a folder named like a stored result that carries our manifest, damaged or not."""
+    """True for a folder named like a stored result with a manifest of gearcase, damaged or not."""
     named = ENTRY_NAME.fullmatch(folder.name) is not None
     return named and not folder.is_symlink() and (folder / MANIFEST).is_file()
 
 
 def is_partial(path: Path) -> bool:
-    """True for what is named like something being written or removed."""
+    """True for the name of an entry that is being written or removed."""
     return PARTIAL_NAME.fullmatch(path.name) is not None and not path.is_symlink()

@@ -1,8 +1,8 @@
-"""HDF5 files on a disk that may be full.
+"""HDF5 files, written so that a full disk raises OSError.
 
-A disk that fills up while the HDF5 library writes leaves it with objects it cannot close, which may end the process.
-So the library never meets the disk: small files are made in memory and written in one go, large ones are written
-through `careful_file`. Either way a full disk is an OSError like any other.
+If the disk becomes full while the HDF5 library writes, the library cannot close its objects, which may end the process.
+The library therefore never writes to the disk itself: small files are made in memory and written at once, large ones
+are written through `careful_file`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @contextlib.contextmanager
 def hdf5_file(path: Path | str) -> Iterator[h5py.File]:
-    """A new, open HDF5 file in memory; it is written to `path` when the block ends well.
+    """A new, open HDF5 file in memory; it is written to `path` when the block ends without error.
 
     Raises
     ------
@@ -37,7 +37,7 @@ def hdf5_file(path: Path | str) -> Iterator[h5py.File]:
 
 @contextlib.contextmanager
 def careful_file(path: Path | str) -> Iterator[CarefulFile]:
-    """A new file that the HDF5 library may write to; it gets the name `path` when the block ends well.
+    """A new file that the HDF5 library may write to; it gets the name `path` when the block ends without error.
 
     Call `check` of the file after every block of data.
 
@@ -58,7 +58,7 @@ def careful_file(path: Path | str) -> Iterator[CarefulFile]:
 
 
 def blocks_missing(dataset: h5py.Dataset) -> str:
-    """That a dataset is larger than what is stored of it, in words; "" if it is complete.
+    """Text for a dataset whose stored blocks are incomplete; "" if it is complete.
 
     HDF5 reads blocks that are not in the file as zeros. A damaged length takes minutes to read.
     """
@@ -73,13 +73,13 @@ def blocks_missing(dataset: h5py.Dataset) -> str:
 
 
 class CarefulFile(io.RawIOBase):
-    """A file whose writing never fails at once: what the disk does not take is kept in memory, until `check` tells."""
+    """A file that postpones errors of writing: data that do not fit on the disk stay in memory until `check`."""
 
     def __init__(self, file: io.FileIO) -> None:
         self._file = file
         self._at = self._size = 0
         self._error: OSError | None = None
-        self._kept: list[tuple[int, bytes]] = []  # (place, content) since the error
+        self._kept: list[tuple[int, bytes]] = []  # (position, content) since the error
 
     def check(self) -> None:
         """Raise the error of the disk if there was one."""
@@ -99,7 +99,7 @@ class CarefulFile(io.RawIOBase):
         return True
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        """Go to a place; it may lie beyond the end."""
+        """Go to a position; it may be beyond the end."""
         self._at = offset + {os.SEEK_SET: 0, os.SEEK_CUR: self._at, os.SEEK_END: self._size}[whence]
         return self._at
 
@@ -131,7 +131,7 @@ class CarefulFile(io.RawIOBase):
         return len(content)
 
     def readinto(self, target: Any) -> int:
-        """Read what was written, zeros where nothing was."""
+        """Read written data, and zeros elsewhere."""
         view = memoryview(target).cast("B")
         count = max(0, min(len(view), self._size - self._at))
         self._file.seek(self._at)

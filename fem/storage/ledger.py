@@ -1,7 +1,7 @@
-"""Build ledger: counts of the expensive things that finite elements do, kept by whoever asks for them.
+"""Build ledger: counts of expensive operations of the finite elements, for callers that request them.
 
-The code that does the work says so at the place where it is done, ``count("factorisations")``; a caller that wants to
-know opens a count around it. Without an open one counting does nothing.
+The code that does the work calls ``count("factorisations")``. A caller collects the counts in a block `counting`;
+without such a block `count` has no effect.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ _OPEN: ContextVar[tuple[Counter[str], ...]] = ContextVar("open build ledgers", d
 
 
 def count(name: str, number: int = 1) -> None:
-    """Enter a thing done into every open count."""
+    """Add a number to every open count."""
     for counts in _OPEN.get():
         counts[name] += number
 
 
 @contextmanager
 def counting() -> Iterator[Counter[str]]:
-    """Counts of what is done while the block runs."""
+    """Collect the counts of the operations in the block."""
     counts: Counter[str] = Counter()
     token = _OPEN.set((*_OPEN.get(), counts))
     try:

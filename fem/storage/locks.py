@@ -1,4 +1,4 @@
-"""Locks on files that the system drops however a process ends, so that nothing has to be cleared away by hand."""
+"""Locks on files, which the system releases whenever a process ends, so that no manual clean-up is needed."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import BinaryIO
 
 
 def lock_file(file: BinaryIO, *, wait: bool = False) -> bool:
-    """True if this process now holds the file, False if another does; OSError where the file system has no locks."""
+    """True if this process now has the lock, False if another has it; OSError if the file system has no locks."""
     try:
         if sys.platform == "win32":
             import msvcrt
@@ -25,7 +25,7 @@ def lock_file(file: BinaryIO, *, wait: bool = False) -> bool:
 
 
 def same_file(file: BinaryIO, path: Path) -> bool:
-    """False if the file was removed, and perhaps made anew, between opening and locking."""
+    """False if the file was removed, and perhaps created again, between opening and locking."""
     try:
         return os.path.samestat(os.fstat(file.fileno()), path.stat())
     except FileNotFoundError:

@@ -1,9 +1,9 @@
-"""Records: frozen results whose every array has named dimensions and a unit.
+"""Records: immutable results whose arrays have named dimensions and units.
 
-A record states each field once: ``array("slice", units="m")`` or ``scalar(units="N")``. The base class checks
-on creation that arrays of one dimension name have one length, refuses NaN, makes read-only copies, and writes
-and reads HDF5 with dimension scales (netCDF-4 conventions, so xarray opens the file). An array that is too large for
-memory may be a `StoredArray`: it stays in its file, and who writes it sees to it that it is finite.
+A record declares each field once: ``array("slice", units="m")`` or ``scalar(units="N")``. On creation the base class
+checks that dimensions of the same name have one length, refuses NaN and makes read-only copies. It writes and reads
+HDF5 with dimension scales (netCDF-4 conventions, so xarray opens the file). An array that is too large for memory may
+be a `StoredArray`, which stays in its file; its writer must ensure that it is finite.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def array(*dims: str, units: str, dtype: type = float, infinite: bool = False) -
 
     Parameters
     ----------
-    *dims : names of its dimensions; those of one record with the same name have the same length
+    *dims : names of its dimensions; in a record those of the same name have the same length
     units : "1" if none
     dtype : of its elements, e.g. int or np.int32
     infinite : values may be inf
@@ -64,9 +64,9 @@ def names(dim: str) -> Any:
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
 class Record:
-    """Base of all results that cross a stage border. Subclasses: ``@dataclass(frozen=True, eq=False, kw_only=True)``
+    """Base of all results passed between stages. Subclasses: ``@dataclass(frozen=True, eq=False, kw_only=True)``
 
-    `plotted` names a field and those of the same unit that a notebook draws over it.
+    `plotted` names a field and others of the same unit, which a notebook plots over it.
     """
 
     plotted: ClassVar[tuple[str, ...]] = ()
@@ -109,16 +109,16 @@ class Record:
         return dataclasses.replace(self, **changes)
 
     def stored_arrays(self) -> dict[str, StoredArray]:
-        """The fields that are kept in files of their own."""
+        """The fields that are stored in separate files."""
         values = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
         return {name: value for name, value in values.items() if isinstance(value, StoredArray)}
 
     def in_memory(self) -> Self:
-        """The same with all arrays in memory."""
+        """The same record with all arrays in memory."""
         return self.replaced(**{name: np.asarray(value) for name, value in self.stored_arrays().items()})
 
     def save(self, path: Path | str, *, without: Collection[str] = ()) -> None:
-        """Write all fields but `without` to an HDF5 file that xarray opens. Not atomic: the cache wraps it."""
+        """Write all fields but `without` to an HDF5 file that xarray opens. Not atomic; the cache makes it so."""
         import h5py
 
         with hdf5_file(path) as file:
@@ -145,7 +145,7 @@ class Record:
 
     @classmethod
     def load(cls, path: Path | str, **apart: StoredArray) -> Self:
-        """Read what `save` wrote; `apart` gives the fields that it was to leave out.
+        """Read what `save` wrote; the keyword arguments are the fields that it omitted.
 
         Raises
         ------
@@ -175,7 +175,7 @@ class Record:
         return cls(**values)
 
     def _repr_html_(self) -> str:
-        """A table of the fields with their units, and a plot of what is `plotted`, for a notebook."""
+        """A table of the fields with their units, and a plot of the fields `plotted`, for a notebook."""
         fields = dataclasses.fields(self)
         rows = [(field.name, *_shown(field, getattr(self, field.name))) for field in fields]
         page = shown_html.table(type(self).__name__, ("field", "value", "shape", "unit"), rows)
@@ -203,13 +203,13 @@ class Record:
 
 
 def _own(value: Any, dtype: Any) -> np.ndarray:
-    """The value as an array that its caller cannot edit: a copy, unless it is such an array already."""
+    """The value as an array that its caller cannot edit; a copy unless it is one already."""
     sealed = isinstance(value, np.ndarray) and value.flags.owndata and not value.flags.writeable
     return np.asarray(value, dtype) if sealed else np.array(value, dtype)
 
 
 def _shown(field: dataclasses.Field, value: Any) -> tuple[str, str, str]:
-    """Value or range, shape and unit of a field in words. What is stored in a file is not read for it."""
+    """Value or range, shape and unit of a field as text. Stored arrays are not read for it."""
     meta = field.metadata
     if meta["kind"] == "names":
         more = f", ... ({len(value)} names)" if len(value) > _NAMES_SHOWN else ""

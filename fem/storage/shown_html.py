@@ -1,6 +1,6 @@
-"""Tables and small plots as HTML for a notebook: plain elements, texts escaped, nothing to install.
+"""Tables and small plots as HTML for a notebook: plain elements with escaped texts, without dependencies.
 
-What a notebook shows of an object is what its `_repr_html_` returns.
+A notebook displays the result of `_repr_html_` of an object.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def table(caption: str, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> s
     ----------
     caption : above the table
     head : of the columns, with their units
-    rows : of as many values
+    rows : values of all columns
     """
     heads = "".join(f"<th>{_cell(name)}</th>" for name in head)
     body = "".join(f"<tr>{''.join(f'<td>{_cell(value)}</td>' for value in row)}</tr>" for row in rows)
@@ -32,7 +32,7 @@ def table(caption: str, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> s
 
 
 def number(value: float) -> str:
-    """Five digits, no negative zero."""
+    """A number with five digits, without negative zero."""
     return f"{value + 0.0:.5g}"
 
 
@@ -42,8 +42,8 @@ def curves(across: str, x: np.ndarray, upwards: str, drawn: Mapping[str, np.ndar
     Parameters
     ----------
     across, upwards : names of the axes with their units
-    x : (n,), rising
-    drawn : curves (n,) by name; what is not finite is left out
+    x : (n,), ascending
+    drawn : curves (n,) by name; values that are not finite are omitted
     """
     lines = {name: np.asarray(values, float) for name, values in drawn.items()}
     finite = np.concatenate([values[np.isfinite(values)] for values in lines.values()])
@@ -68,7 +68,7 @@ def curves(across: str, x: np.ndarray, upwards: str, drawn: Mapping[str, np.ndar
 
 
 def _outline(place: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The finite points; of more than two a pixel the least and the greatest in each, so that no peak is lost."""
+    """The finite points; with more than two per pixel, the least and the greatest in each, so that no peak is lost."""
     known = np.isfinite(values)
     place, values = place[known], values[known]
     if len(place) <= 2 * _WIDTH:

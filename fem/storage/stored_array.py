@@ -1,7 +1,7 @@
-"""Tables of numbers in a file: written column block by column block, read by the part that is asked for.
+"""Tables of numbers in a file, written by blocks of columns and read by the requested part.
 
-The file is a plain .npy in the order of the rows, so that a row is one stretch of it and `numpy.load` opens it. It has
-no filter: shuffle and deflate take a tenth off float64 signals and cost more time than the disk does.
+The file is a plain .npy in row order, so that a row is contiguous and `numpy.load` opens it. It is not compressed:
+shuffle and deflate reduce float64 signals by a tenth only and take more time than the disk.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 class StoredArray:
     """A float64 array (row, column) in a .npy file; an index reads that part and returns it as an array.
 
-    ``StoredArray(path)`` opens a file, `create` makes one. Nothing is kept in memory and no file is kept open.
+    ``StoredArray(path)`` opens a file, `create` makes one. The object keeps no data in memory and no open file.
     """
 
     ndim = 2
@@ -43,11 +43,6 @@ class StoredArray:
             file.truncate(file.tell() + shape[0] * shape[1] * cls.dtype.itemsize)
         return cls(path)
 
-    @property
-    def nbytes(self) -> int:
-        """Bytes of the numbers in the file."""
-        return self.shape[0] * self.shape[1] * self.dtype.itemsize
-
     def __len__(self) -> int:
         return self.shape[0]
 
@@ -55,7 +50,7 @@ class StoredArray:
         return np.array(self._map()[key])[()]
 
     def __setitem__(self, key: tuple[slice, slice], block: np.ndarray) -> None:
-        """Write a block (row, column) of all rows; by plain writing, so that a full disk is an OSError."""
+        """Write a block (row, column) of all rows, without memory mapping: a full disk raises OSError."""
         rows, columns = key
         if rows != slice(None) or columns.step is not None or block.shape != (len(self), columns.stop - columns.start):
             raise IndexError(f"a block of shape {block.shape} does not fill {key} of {self.shape}")
@@ -68,5 +63,5 @@ class StoredArray:
         return np.array(self._map(), dtype=dtype)
 
     def _map(self) -> np.memmap:
-        """The file as memory, for one reading: pages that stay mapped would count as memory of this process."""
+        """The memory-mapped file, for one reading: pages that remain mapped would count as memory of this process."""
         return np.memmap(self.path, self.dtype, "r", self._start, self.shape)

@@ -1,34 +1,32 @@
-"""Component: whatever a machine is made of. It brings its parts, elements, coordinates, channels and loads itself.
+"""Component: base class of everything that a machine is made of: parts, elements, coordinates, channels and loads.
 
-Everything has a neutral answer, so that a component states only what it has. The machine walks its components
-(`mbd.parts.machine.Machine.components`) and knows none of them by name.
+Every method has a neutral default, so that a component defines only what it has. The machine iterates over its
+components (`mbd.parts.machine.Machine.components`) and contains no code for a particular kind.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from mbd.elements.coordinates import Coordinates
+from mbd.elements.element import Element
 from mbd.elements.linear import Part
 from mbd.elements.reading import Reading
 
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
-    from mbd.elements.element import Element
-
 
 class Place(NamedTuple):
-    """Where a component sits on a shaft; a node of the shaft is put there."""
+    """Place of a component on a shaft; the shaft has a node there."""
 
-    what: str  # of the error if the shaft does not reach there
+    what: str  # description in the error if the shaft does not reach there
     shaft: str
     y: float  # m
 
 
 class Link(NamedTuple):
-    """What turns ``second`` at ``ratio`` times the speed of ``first``."""
+    """Connection that turns the shaft ``second`` at ``ratio`` times the speed of ``first``."""
 
     name: str
     first: str
@@ -41,30 +39,30 @@ class Component:
 
     @property
     def places(self) -> tuple[Place, ...]:
-        """Where it sits on shafts."""
+        """Places of the component on shafts."""
         return ()
 
     @property
     def links(self) -> tuple[Link, ...]:
-        """Shafts that it makes turn together."""
+        """Connections between shafts, e.g. of a gear mesh."""
         return ()
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        """Names of coordinates of its own, which come last among those of the machine."""
+        """Names of additional coordinates, which come last among those of the machine."""
         return ()
 
     @property
     def channel_names(self) -> tuple[str, ...]:
-        """Channels that are recorded unless others are asked for, see `readings` and `mbd.elements.element.Signal`."""
+        """Channels that are recorded by default, see `readings` and `mbd.elements.element.Signal`."""
         return ()
 
     def rolling(self, ratios: Mapping[str, float]) -> np.ndarray:
-        """Motion (own coordinate,) per motor angle while the train rolls; lifting angles of the shafts by name."""
+        """Motion (additional coordinate,) per motor angle in rigid rolling; ``ratios`` are lifting angles by shaft."""
         return np.zeros(len(self.coordinates))
 
     def translation(self) -> np.ndarray:
-        """Motion (own coordinate, 3) when all of it moves by 1 along x, y, z."""
+        """Motion (additional coordinate, 3) when the whole machine moves by 1 along x, y, z."""
         return np.zeros((len(self.coordinates), 3))
 
     def ground_inertia(self, lay: Coordinates) -> np.ndarray:
@@ -75,19 +73,19 @@ class Component:
         return found
 
     def parts(self, lay: Coordinates) -> Iterable[Part]:
-        """What it adds to mass, damping and stiffness."""
+        """Linear parts: mass, damping and stiffness."""
         return ()
 
     def elements(self, lay: Coordinates) -> Iterable[Element]:
-        """Its nonlinear forces."""
+        """Nonlinear forces."""
         return ()
 
     def constant_force(self, lay: Coordinates) -> np.ndarray:
-        """Force (coordinate,) that always acts."""
+        """Constant force (coordinate,)."""
         return np.zeros(lay.size)
 
     def holding_force(self, lay: Coordinates) -> np.ndarray:
-        """Force (coordinate,) that acts until t = 0 only."""
+        """Force (coordinate,) that acts only until t = 0."""
         return np.zeros(lay.size)
 
     def largest_torques(self, gravity: float) -> dict[str, float]:
@@ -99,5 +97,5 @@ class Component:
         return self.largest_torques(gravity)
 
     def readings(self, lay: Coordinates) -> dict[str, Reading]:
-        """Channels by name that are read from the motion."""
+        """Channels by name that are computed from the motion."""
         return {}

@@ -1,11 +1,11 @@
-"""What a linear part is: small matrices of its elements, placed in the coordinates of the machine.
+"""What a linear part is: its matrices, placed in the coordinates of the machine.
 
-A kind of linear element is a subclass of `LinearElement` in one file: it states the mass M, damping C, stiffness K and
-gyroscopic matrix G (n, n) on its own n displacements u, with the source of their equations. The forces on u are
+A linear part states its mass M, damping C, stiffness K and gyroscopic matrix G (d, d) on its own d displacements u,
+with the source of their equations. The forces on u are
 
     -M u'' - C u' - K u - Omega G u'        stored energy u'^T M u'/2 + u^T K u/2, dissipated power u'^T C u'
 
-A `Part` is what counts as one in the energy balance and among the natural modes: elements on the displacements
+A `Part` is what counts as one in the energy balance and among the natural modes: matrices on the displacements
 u = shape q, which are the coordinates themselves or readings of them. `mbd.system.system.assemble` adds the parts of
 all components of the machine and knows none of them.
 """
@@ -21,38 +21,27 @@ from mbd.elements.mode_words import ModeWords
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class LinearElement:
-    """One element on the displacements ``at`` (n,) of its part; a matrix that it does not state is zero. SI."""
+class Matrices:
+    """On d displacements, SI; one that is not given is zero."""
 
-    at: tuple[int, ...]
+    mass: np.ndarray | None = None  # M (d, d), symmetric, positive semidefinite
+    damping: np.ndarray | None = None  # C (d, d), symmetric, positive semidefinite
+    stiffness: np.ndarray | None = None  # K (d, d), symmetric, positive semidefinite
+    gyroscopic: np.ndarray | None = None  # G (d, d), skew, per rad/s of the part about +y
 
-    def mass(self) -> np.ndarray:
-        """M (n, n), symmetric, positive semidefinite."""
-        return self._zero()
 
-    def damping(self) -> np.ndarray:
-        """C (n, n), symmetric, positive semidefinite."""
-        return self._zero()
-
-    def stiffness(self) -> np.ndarray:
-        """K (n, n), symmetric, positive semidefinite."""
-        return self._zero()
-
-    def gyroscopic(self) -> np.ndarray:
-        """G (n, n), skew, per rad/s of the part about +y."""
-        return self._zero()
-
-    def _zero(self) -> np.ndarray:
-        return np.zeros((len(self.at), len(self.at)))
+def springs(stiffness: np.ndarray, damping_time: float) -> Matrices:
+    """Springs k (d,), N/m and N m/rad, with dampers tau k: K = diag(k), C = diag(tau k)."""
+    return Matrices(stiffness=np.diag(stiffness), damping=np.diag(damping_time * stiffness))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Part:
-    """Elements that count as one, on displacements u = ``shape`` q[``index``]; k coordinates, d displacements."""
+    """Matrices that count as one, on displacements u = ``shape`` q[``index``]; k coordinates, d displacements."""
 
     name: str
     words: ModeWords
-    elements: tuple[LinearElement, ...]
+    matrices: Matrices
     index: np.ndarray  # (k,) coordinates
     shape: np.ndarray  # (d, k)
     modes_of: str = ""  # the part to which its energy counts among natural modes, "": its own name
@@ -63,7 +52,7 @@ class Part:
     @cached_property
     def mass(self) -> np.ndarray:
         """M (k, k)."""
-        return self.shape.T @ self.summed("mass") @ self.shape
+        return self.shape.T @ self.own("mass") @ self.shape
 
     @cached_property
     def damping(self) -> np.ndarray:
@@ -78,19 +67,17 @@ class Part:
     @cached_property
     def gyroscopic(self) -> np.ndarray:
         """G (k, k) per motor speed."""
-        return self.spin * self.shape.T @ self.summed("gyroscopic") @ self.shape
+        return self.spin * self.shape.T @ self.own("gyroscopic") @ self.shape
 
     @property
     def is_massive(self) -> bool:
         """Whether it has inertia; what has none is a spring or a damper between parts that have."""
         return bool(self.mass.any())
 
-    def summed(self, matrix: str) -> np.ndarray:
-        """ "mass", "damping", "stiffness" or "gyroscopic" (d, d) of all elements."""
-        total = np.zeros((len(self.shape), len(self.shape)))
-        for element in self.elements:
-            total[np.ix_(element.at, element.at)] += getattr(element, matrix)()
-        return total
+    def own(self, matrix: str) -> np.ndarray:
+        """ "mass", "damping", "stiffness" or "gyroscopic" (d, d) on its displacements."""
+        given: np.ndarray | None = getattr(self.matrices, matrix)
+        return np.zeros((len(self.shape), len(self.shape))) if given is None else given
 
     def rows(self, size: int) -> np.ndarray:
         """Readings (d, coordinate) of its displacements among ``size`` coordinates."""
@@ -108,7 +95,7 @@ class Part:
         return float(np.sum(self.damping * second))
 
     def _strained(self, name: str) -> np.ndarray:
-        matrix = self.shape.T @ (self.summed(name) @ self.shape)
+        matrix = self.shape.T @ (self.own(name) @ self.shape)
         matrix[: self.unstrained], matrix[:, : self.unstrained] = 0.0, 0.0
         return matrix
 

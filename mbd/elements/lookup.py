@@ -1,4 +1,4 @@
-"""Tables that rules read: places that rise, and their levels right behind them among the numbers of an element."""
+"""Tables that rules read: ascending abscissae followed by their levels among the numbers of an element."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from fem.numerics.inner import inner
 
 @inner()
 def cell_below(values, first, count, place):
-    """Number (0 .. count - 2) of the cell in which a place lies; a place outside counts to the cell at that end.
+    """Number (0 .. count - 2) of the cell that contains a place; outside the table, the cell at that end.
 
     Parameters
     ----------
     values : (k,) numbers of the element
-    first, count : where its rising places begin, and how many there are, two at least
-    place : the place looked for
+    first, count : start of its ascending places, and how many there are, at least two
+    place : the abscissa
     """
     low, high = 0, count - 1
     while high - low > 1:
@@ -32,8 +32,8 @@ def interpolated(values, first, count, place):
     Parameters
     ----------
     values : (k,) numbers of the element
-    first, count : where its rising places begin, and how many there are; as many levels follow them
-    place : where the level is wanted
+    first, count : start of its ascending places, and how many there are; as many levels follow them
+    place : the abscissa
     """
     last = first + count - 1
     if place <= values[first]:

@@ -1,18 +1,18 @@
-"""Newton iteration for the forces on the rows of one time step or of the equilibrium, compiled.
+"""Newton iteration for the forces on the rows, in a time step or at equilibrium, compiled.
 
 With the predictions u_p, v_p without the new forces and the constant matrices G_u, G_v of the linear system, find
 
     lambda = Lambda(u, v),   u = u_p + G_u lambda,   v = v_p + G_v lambda.
 
-The flank potentials are convex and G_u is positive, so without damping the solution is unique; a step that raises the
-residual is halved (the force law has kinks where a contact opens). The damping tau k_t u' jumps where a pair of teeth
-touches, because k_t does: a step may then have no solution, the flank being neither in nor out of contact. Such a step
-is taken with k_t held at its value for the guess, which makes the force monotone again.
+The flank potentials are convex and G_u is positive, so without damping the solution is unique. A change of lambda that
+raises the residual is halved, because the force has kinks where a contact opens. The damping tau k_t u' jumps where a
+pair of teeth touches, because k_t does; a time step may then have no solution, with the flank neither in nor out of
+contact. Such a step is solved with k_t held at its value for the guess, which makes the force monotone again.
 
-A Newton step leaves 0.05 r^2 to r^2 of the residual r it starts from (measured on the rig). With forces extrapolated in
-time r falls with a power of the time step, so what is left after one step is far below the error of the step itself:
-from a residual below ``near`` the step is taken without evaluating the forces again, and the answers of the elements
-are moved along by their tangents. A time step then costs one evaluation.
+An iteration reduces the residual r to 0.05 r^2 to r^2 (measured on the rig). With forces extrapolated in time, r falls
+with a power of the time step, so that one iteration leaves a residual far below the error of the step. At a residual
+below ``near`` the iteration is therefore the last: the forces are not evaluated again, and the answers of the elements
+are updated by their tangents. A time step then costs one evaluation.
 """
 
 from __future__ import annotations
@@ -30,17 +30,17 @@ from mbd.elements.table import CLOCK, INSTANT, TABLE, Instant, Table, follow_tan
 
 MAX_ITERATIONS = 60
 MAX_HALVINGS = 8
-NEAR = 0.01  # of the scale: what is left is below 1e-5 of it in 99 of 100 steps of 33 us
+NEAR = 0.01  # of the scale: the remaining residual is below 1e-5 in 99 of 100 steps of 33 us
 
 
 class Workspace(NamedTuple):
-    """Arrays that `iterate` works in."""
+    """Arrays for intermediate results of `iterate`."""
 
     quality: np.ndarray  # (1,) out: residual of the guess
-    forces: np.ndarray  # (5, m) the guess, the forces that the motion asks for, the step, the trial, the reduced step
-    slopes: np.ndarray  # (3, m, WIDTH) stiffnesses that are held, slopes by displacement and rate
+    forces: np.ndarray  # (5, m) guess, forces at the present motion, step, trial, right-hand side of the reduced system
+    slopes: np.ndarray  # (3, m, WIDTH) stiffnesses held for damping, slopes by displacement and rate
     matrix: np.ndarray  # (m, m)
-    rows: np.ndarray  # (2, m) int: those that are solved for, and those that move by a given force
+    rows: np.ndarray  # (2, m) int: rows of unknown force, and rows whose change of force is known
 
 
 WORKSPACE = types.NamedTuple((VECTOR, MATRIX, CUBE, MATRIX, INTEGER_MATRIX), Workspace)
@@ -55,7 +55,7 @@ def workspace(m: int) -> Workspace:
 
 @inner()
 def _move_rows(predicted, flexibility, force, result):
-    """result = predicted + flexibility @ force; rows beyond the forces are observed only.
+    """result = predicted + flexibility @ force; rows after the first m are observed and have no force.
 
     ``predicted`` and ``result`` (k,), ``flexibility`` (k, m), ``force`` (m,).
     """
@@ -69,7 +69,7 @@ def _move_rows(predicted, flexibility, force, result):
 
 @inner()
 def copy_to(target, source):
-    """Copy element by element: an array assignment drags its error text into the compilation, which costs seconds."""
+    """Copy element by element: an array assignment also compiles its error message, which takes seconds."""
     for r in range(len(target)):
         target[r] = source[r]
 
@@ -90,7 +90,7 @@ def residual_size(force, target, scale):
 )
 @stored(__file__, entry=False, **UNCOUNTED)
 def iterate(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance, near, limit, before, work):
-    """Iterate on ``force``; the iterations used, or -1 without convergence.
+    """Solve for ``force``; the number of iterations, or -1 without convergence.
 
     k rows, of which the first m have forces. Residuals are measured in units of the scale of the forces.
 
@@ -98,13 +98,13 @@ def iterate(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance, near,
     ----------
     table, clock : elements of the machine; motor angle, its speed and time, rad, rad/s and s
     u_p, v_p : (k,) and (m,) displacements and rates without the new forces, m or rad, m/s or rad/s
-    g_u, g_v : (k, m) and (m, m) what a unit of force adds to displacements and rates
+    g_u, g_v : (k, m) and (m, m) displacements and rates per unit force
     force : (m,) N or N m, in: the guess, out: the solution
     u, v : (k,) and (m,) out: displacements and rates with the forces
     now : out: answers of the elements
-    tolerance : residual below which the forces are taken as they are
-    near : residual from below which one more step is taken without evaluating the forces again
-    limit : residual of the guess above which nothing is tried
+    tolerance : residual below which the forces are accepted
+    near : residual below which the last iteration is done without evaluating the forces again
+    limit : residual of the guess above which no iteration is done
     before : (m,) or more displacements of the last instant in a step that is audited, or (0,)
     work : `Workspace`
     """
@@ -171,7 +171,7 @@ def _newton(table, clock, u_p, v_p, g_u, g_v, held, force, u, v, now, tolerance,
 
 @inner()
 def _newton_step(table, g_u, g_v, work):
-    """Solve (1 - S_u G_u - S_v G_v) step = residual in place; rows whose force does not depend on the motion stay.
+    """Solve (1 - S_u G_u - S_v G_v) step = residual in place; only rows whose force depends on the motion are unknown.
 
     ``g_u`` and ``g_v`` as in `iterate`, the slopes S_u and S_v as in `mbd.elements.table.row_forces`, the step of
     ``work`` in: the residual, out: the change of the forces. False if the matrix is singular.
@@ -211,7 +211,7 @@ def _newton_step(table, g_u, g_v, work):
 
 @inner()
 def solve_dense(matrix, right):
-    """Gaussian elimination with partial pivoting in place; the answer is in ``right``; False if singular."""
+    """Gaussian elimination with partial pivoting in place; the solution is in ``right``; False if singular."""
     n = len(right)
     for i in range(n):
         p = i
@@ -268,7 +268,7 @@ def forces_at(table, clock, u, v, before, held, force, slope_u, slope_v, now):
 
 @stored(__file__)
 def work_between(table, angle_before, clock, u_before, u, v, last, now):
-    """`mbd.elements.table.parametric_work` of a step, which is audited.
+    """`mbd.elements.table.parametric_work` of an audited step.
 
     Parameters
     ----------

@@ -27,31 +27,31 @@ LOG_WIDTH = len(LOG_COLUMNS)
 
 
 class Table(NamedTuple):
-    """Constants of the elements in their order (a tuple that numba reads); rows are counted over all elements."""
+    """Constants of the elements in their order, as a tuple for compiled code; rows are counted over all elements."""
 
     rule: np.ndarray  # (element,) cell of the kind's rule
     row: np.ndarray  # (element + 1,) first row of each element, and the number of rows
-    value: np.ndarray  # (element + 1,) the same for its numbers in `values`
+    value: np.ndarray  # (element + 1,) first number of each element in `values`, and the number of all
     values: np.ndarray
-    seen: np.ndarray  # (element, 2) first and end of the rows that it observes, counted among those
+    seen: np.ndarray  # (element, 2) first and end of the rows that it observes, counted among the observed rows
     read: np.ndarray  # (element, 2) first and end of the rows that it reads
     opens: np.ndarray  # (element,) 1 if it may lose contact
-    audited: np.ndarray  # (element,) 1 if its parametric work is what its force leaves of the change of U
-    pattern: np.ndarray  # (row, WIDTH) rows that the columns of its slopes belong to
-    width: np.ndarray  # (row,) how many of them are used
+    audited: np.ndarray  # (element,) 1 if its parametric work is the change of U minus the work of its force
+    pattern: np.ndarray  # (row, WIDTH) rows that the columns of its slopes refer to
+    width: np.ndarray  # (row,) number of columns in use
     stiffness: np.ndarray  # (row,) reference k0
     damping: np.ndarray  # (row,) reference c0
-    scale: np.ndarray  # (row,) force that counts as 1 for convergence
+    scale: np.ndarray  # (row,) unit of force for convergence
 
 
 class Instant(NamedTuple):
-    """What the elements answer at an instant."""
+    """Answers of all elements at an instant."""
 
     elastic: np.ndarray  # (row,) part of the forces that follows from the potentials
-    lost: np.ndarray  # (row,) all other force
+    lost: np.ndarray  # (row,) all other forces
     stiffness: np.ndarray  # (row, WIDTH) slopes of the elastic part by the element's own rows
     log: np.ndarray  # (element, column), see `mbd.elements.element.LOG_COLUMNS`
-    frozen: np.ndarray  # (row,) elastic forces at the rows of the last instant and the parameter of this one
+    frozen: np.ndarray  # (row,) elastic forces at the rows of the last instant and the motor angle of this one
     frozen_stiffness: np.ndarray  # (row, WIDTH)
 
 
@@ -67,7 +67,7 @@ CLOCK = types.UniTuple(FLOAT, 3)  # motor angle (rad), its speed (rad/s), time (
 
 
 def element_table(elements: Sequence[Element], n_coordinates: int) -> tuple[Table, np.ndarray]:
-    """The table of the elements, and all rows that they observe (k, coordinate)."""
+    """Table of the elements, and all rows (k, coordinate) that they observe."""
     first = _starts(len(element.rows) for element in elements)
     place = {element.name: i for i, element in enumerate(elements)}
     pattern, width, seen, reads = [], [], [], []
@@ -105,7 +105,7 @@ def _starts(counts: Iterable[int]) -> np.ndarray:
 
 
 def _observed(known: list[np.ndarray], rows: np.ndarray) -> tuple[int, int]:
-    """First and end of ``rows`` among the known ones, where they are added if they are new."""
+    """First and end of ``rows`` among the known rows; new rows are added."""
     n = len(rows)
     for start in range(len(known) - n + 1 if n else 0):
         if all(np.array_equal(a, b) for a, b in zip(known[start : start + n], rows, strict=True)):
@@ -115,7 +115,7 @@ def _observed(known: list[np.ndarray], rows: np.ndarray) -> tuple[int, int]:
 
 
 def instant(table: Table) -> Instant:
-    """Room for the answers of one instant."""
+    """Zero arrays for the answers of one instant."""
     m = len(table.pattern)
     return Instant(
         elastic=np.zeros(m),
@@ -148,7 +148,7 @@ def row_forces(table, clock, u, v, before, held, force, slope_u, slope_v, now):
     table, clock : elements of the machine; motor angle, its speed and time, rad, rad/s and s
     u, v : (k,) and (m,) displacements and rates of the rows, m or rad, m/s or rad/s
     before : (m,) or more displacements of the last instant, see `mbd.elements.element.Motion`, or (0,)
-    held : (m, WIDTH) stiffness that damping takes, see `mbd.elements.element.Motion`, or (0, WIDTH)
+    held : (m, WIDTH) stiffness used for damping, see `mbd.elements.element.Motion`, or (0, WIDTH)
     force : (m,) out: lambda, N or N m
     slope_u, slope_v : (m, WIDTH) out: slopes of lambda[r] by displacement and rate of the rows ``pattern[r]``
     now : out: answers of the elements
@@ -191,12 +191,12 @@ def row_forces(table, clock, u, v, before, held, force, slope_u, slope_v, now):
 
 @inner()
 def follow_tangent(table, before, u, v, force, now):
-    """Move what the elements answered to rows nearby, where the forces are known.
+    """Move the answers of the elements by their tangents to a nearby motion at which the forces are known.
 
     Parameters
     ----------
     table : elements of the machine, m rows
-    before : (m,) displacements where they were asked, m or rad
+    before : (m,) displacements at the evaluation, m or rad
     u, v : (m,) or more displacements and rates nearby, m or rad, m/s or rad/s
     force : (m,) residual forces lambda there, N or N m
     now : answers of the elements, changed in place
@@ -219,15 +219,15 @@ def follow_tangent(table, before, u, v, force, now):
 
 @inner()
 def parametric_work(table, angles, u_before, u, last, now, audited):
-    """Fill the parametric work (J) of a step, or the defect of audited elements (`mbd.elements.element`).
+    """Compute the parametric work (J) of a step, or the defect of audited elements (`mbd.elements.element`).
 
     Parameters
     ----------
     table : elements of the machine, m rows
     angles : (2,) of the motor at both ends of the step, rad
     u_before, u : (m,) or more displacements of the rows there, m or rad
-    last, now : answers of the elements there; the log of ``now`` takes the work
-    audited : number of steps that the defect of this one stands for, 0 if none was asked for
+    last, now : answers of the elements there; the log of ``now`` receives the work
+    audited : number of steps that the defect of this one represents, 0: no audit in this step
     """
     for e in range(len(table.rule)):
         a, b = table.row[e], table.row[e + 1]
@@ -247,7 +247,7 @@ def parametric_work(table, angles, u_before, u, last, now, audited):
 
 @inner()
 def contact_changed(table, before, after):
-    """True if an element touched or let go between the elastic forces (row,) of two instants."""
+    """True if an element lost or made contact between the elastic forces (row,) of two instants."""
     changed = False
     for e in range(len(table.rule)):
         if table.opens[e] == 1:

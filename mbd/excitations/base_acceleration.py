@@ -14,20 +14,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
-from fem.options import check_options, option
+from fem.options import option
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, Signal
 from mbd.excitations.outside_force import force_rule
 from mbd.excitations.waveform import SweepWave, TableWave
 from mbd.parts.bearings import DIRECTIONS
-from mbd.parts.checks import MachineError
 from mbd.parts.load import GROUND_ACCELERATION, Excitation
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 LEAST_SCALE = 1e-9  # m/s2
 
@@ -58,9 +55,6 @@ class BaseAcceleration(Excitation):
     model: Literal["base-acceleration"] = "base-acceleration"
     axis: Literal["x", "y", "z"] = option(text="direction in which it acts")
     acceleration: AccelerationTable | AccelerationSweep = option(text="acceleration over time")
-
-    def __post_init__(self) -> None:
-        check_options(self, MachineError, self.name)
 
     @property
     def channel_names(self) -> tuple[str, ...]:

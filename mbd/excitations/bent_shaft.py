@@ -18,19 +18,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
-from fem.options import check_options, option
+from fem.options import option
 from mbd.elements.component import Place
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import ENERGY, Element, rule
 from mbd.excitations.turning import turned_direction
-from mbd.parts.checks import MachineError, finite
+from mbd.parts.checks import MachineError
 from mbd.parts.load import TurningForce
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 APART = 1e-6  # m: places closer than that are the same
 START, SENSE, ROLL, FORCE, BOW = range(5)
@@ -62,8 +60,7 @@ class BentShaft(TurningForce):
     angle: float = option(0.0, unit="deg", text="angle of the bow at t = 0, from +x towards +z")
 
     def __post_init__(self) -> None:
-        finite(f"{self.name} y", self.y)
-        check_options(self, MachineError, self.name)
+        super().__post_init__()
         if abs(self.straight[1] - self.straight[0]) < APART or min(abs(y - self.y) for y in self.straight) < APART:
             raise MachineError(
                 f"straight_at_mm = {[float(f'{1000 * y:.12g}') for y in self.straight]} must be two places other than "

@@ -1,11 +1,11 @@
-"""Cage slip: a random walk of the cage about its kinematic angle, drawn over angle and never over time.
+"""Cage slip: a random walk of the cage about its kinematic angle, sampled over angle, not over time.
 
-Each element rolls on a contact angle of its own and is held by the cage alone, so that the cage runs ahead and falls
-behind by a per cent or two at random (Randall & Antoni 2011, Mech. Syst. Signal Process. 25, 485-520, section 2). Here
-the slip has a normal deviate of its own at every pitch of the elements, share times xi_k, and is linear in the
-kinematic angle chi in between; its integral is the lag of the cage. So the lag is a random walk whose variance grows by
-(share times pitch)^2 at every pitch, with a steady rate. It depends on the angle alone: a finer step finds the same
-cage at the same place, and so does a shaft that turns back. The sequence starts anew after ``PITCHES``.
+The contact angles of the elements differ and only the cage holds them together, so that the speed of the cage varies
+by a per cent or two at random (Randall & Antoni 2011, Mech. Syst. Signal Process. 25, 485-520, section 2). Here
+the slip at each pitch of the elements is share times a normal deviate xi_k, and it is linear in the kinematic angle chi
+in between; its integral is the lag of the cage. So the lag is a random walk whose variance grows by
+(share times pitch)^2 at every pitch, with a continuous rate. Because it depends on the angle alone, the time step does
+not change it, and a shaft that turns back finds the same lag. The sequence repeats after ``PITCHES``.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ LARGEST = 0.05
 
 @dataclass(frozen=True, kw_only=True)
 class CageSlip:
-    """``share`` of the cage's speed that the slip at a pitch has as standard deviation; ``seed`` of the sequence."""
+    """Standard deviation ``share`` of the slip at a pitch, per speed of the cage; ``seed`` of the sequence."""
 
     share: float
     seed: tuple[int, ...]
@@ -36,7 +36,7 @@ class CageSlip:
             )
 
     def walk(self, pitch: float) -> np.ndarray:
-        """Lag (rad) and slip at every pitch (PITCHES + 1, 2) of the cage, ``pitch`` in rad; zero lag at the first."""
+        """Lag (rad) and slip of the cage at every pitch (PITCHES + 1, 2), ``pitch`` in rad; the first lag is 0."""
         slip = self.share * np.random.default_rng(list(self.seed)).standard_normal(PITCHES)
         slip = np.append(slip, slip[0])
         lag = np.concatenate([[0.0], np.cumsum(0.5 * pitch * (slip[1:] + slip[:-1]))])

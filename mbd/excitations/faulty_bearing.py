@@ -1,17 +1,17 @@
-"""Rolling bearing with spalls or with a cage that slips: the elements of `mbd.forces.rolling_bearing`, one by one.
+"""Rolling bearing with spalls or cage slip: the elements of `mbd.forces.rolling_bearing`, one by one.
 
-With the true rotation Psi of the shaft in its own sense (angle of the motor and torsion), the elements sit at
+With the true rotation Psi of the shaft in its lifting sense (angle of the motor and torsion), the elements are at
 
     theta_e = start - sense (chi - lag(chi)) + e 2 pi/Z,   chi = (1 - gamma)/2 Psi,
 
-a spall of the inner ring at its angle - sense Psi, and an element has rolled by D_m/D (1 + gamma) of the cage's angle:
-it rolls on the outer ring, so that slip is between the elements and the inner ring, which drives. Over a spall the two
-races of an element are further apart by the drop of `mbd.excitations.spall`, that of both its contacts, along its
-line of contact: its approach is delta - drop. The potential of the bearing holds the drop, and the forces follow from
-it. It depends on the angle besides the rows; that parametric work is audited, because dU/d angle jumps
-where an element goes over from one edge to the other (see `mbd.elements.element`).
+a spall of the inner ring is at its angle - sense Psi, and an element has rolled by D_m/D (1 + gamma) of the cage's
+angle. It rolls on the outer ring: slip is between the elements and the inner ring, which drives them. Over a spall the
+two races of an element are further away from one another, along its line of contact, by the drop of
+`mbd.excitations.spall` at both its contacts: its approach is delta - drop. The potential of the bearing contains the
+drop, and the forces follow from it. It depends on the angle besides the rows. That parametric work is audited, because
+dU/d angle jumps where an element passes from one edge to the other (see `mbd.elements.element`).
 
-Left out: impacts of elements on the cage, the inertia of elements and cage, damping by the motion over the spall.
+Not modelled: impacts of elements on the cage, the inertia of elements and cage, damping by the motion over the spall.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem.numerics.inner import inner
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import ENERGY, FROZEN_ENERGY, WIDTH, Answer, Element, Motion, rule
 from mbd.elements.rule_call import call_rule, rule_number
 from mbd.excitations.cage_slip import CageSlip, lag_at
@@ -34,11 +34,8 @@ from mbd.parts.bearings import BearingSpec
 from mbd.parts.checks import MachineError
 from mbd.parts.rolling_elements import pass_frequencies
 
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
-
 SOUND, GAP, SENSE, RATIO, CAGE, ROLL, ELEMENT, OUTER, INNER, REACH, SPALLS, KNOTS, REST = range(13)
-ON, WIDTH_OF, DEPTH, ANGLE, SPALL = range(5)  # numbers of a spall, and how many there are
+ON, WIDTH_OF, DEPTH, ANGLE, SPALL = range(5)  # places of the numbers of a spall; SPALL is how many there are
 ROWS = 5
 FULL = 2.0 * math.pi
 
@@ -47,8 +44,8 @@ FULL = 2.0 * math.pi
 def faulty_rule(values, motion, answer):
     """Force on the rows ux uy uz rx rz of the inner against the outer ring.
 
-    ``values`` by the numbers above: the rule of the sound bearing, the place of its number that is a gap between the
-    races, kinematics, radii; then the spalls, the walk of the cage, and the numbers of the sound bearing.
+    ``values`` in the order of the constants above: rule of the healthy bearing, the one of its numbers that is a gap
+    between the races, kinematics, radii; then the spalls, the walk of the cage, and the numbers of the healthy bearing.
     """
     first = REST + SPALL * int(values[SPALLS])
     sound = values[first + 2 * int(values[KNOTS]) :]
@@ -103,13 +100,13 @@ def _drop(values, spalls, place, shaft, rolled, e):
 
 @inner()
 def _wrapped(angle):
-    """The angle between -pi and pi."""
+    """Angle between -pi and pi."""
     return angle - FULL * math.floor(angle / FULL + 0.5)
 
 
 @dataclass(frozen=True, kw_only=True)
 class FaultyContacts:
-    """The inside of a bearing with spalls, or whose cage slips; ``contacts`` are those of the sound bearing."""
+    """Contacts of a bearing with spalls or cage slip; ``contacts`` are those of the healthy bearing."""
 
     contacts: RollingContacts
     spalls: tuple[Spall, ...] = ()
@@ -121,7 +118,7 @@ class FaultyContacts:
         check_apart(self.spalls, self.contacts.elements)
 
     def values(self, sense: int, ratio: float) -> np.ndarray:
-        """Numbers of the rule; the sense of the shaft about +y, and its angle per motor angle."""
+        """Numbers of the rule from the sense of the shaft about +y and its angle per motor angle."""
         elements = self.contacts.elements
         per = pass_frequencies(elements)
         knots = np.zeros((0, 2)) if self.slip is None else self.slip.walk(FULL / elements.count)
@@ -135,7 +132,7 @@ class FaultyContacts:
         return np.concatenate([numbers, np.ravel(shapes), knots.ravel(), self.contacts.values(0.0)])
 
     def element(self, lay: Coordinates, bearing: BearingSpec) -> Element:
-        """The force of the bearing; the rotation of its shaft there is observed."""
+        """Force of the bearing; the element also observes the rotation of the shaft at the bearing."""
         return replace(
             self.contacts.element(lay, bearing),
             kind="faulty rolling bearing",
@@ -147,7 +144,7 @@ class FaultyContacts:
 
 
 def with_faults(bearing: BearingSpec, spalls: Sequence[Spall] = (), slip: CageSlip | None = None) -> BearingSpec:
-    """A rolling bearing with spalls, or whose cage slips; itself without either.
+    """A rolling bearing with spalls or cage slip; without either, the bearing itself.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A coupling between misaligned shafts, with stiffness axes that turn with the first of them; or a universal joint.
+"""Coupling between misaligned shafts, with stiffness axes that turn with the first shaft; or a universal joint.
 
 The axes e_1, e_2 are n and t of `mbd.excitations.turning`. The axis of the second shaft lies ``offset`` from that of
 the first and is tilted by ``tilt`` against it; with the motions u, r of both ends p = u_1 - u_2 - offset and
@@ -7,16 +7,17 @@ a = r_2 - r_1 + tilt, in turning components p_1, p_2 and a_1, a_2, the coupling 
     U = (k_1 p_1^2 + k_2 p_2^2 + c_1 a_1^2 + c_2 a_2^2 + k_t w^2)/2,   w = phi_1 - phi_2 - s a_1 a_2/2 in a joint.
 
 All forces and the torque on the rotation are its derivatives. With k_1 = k_2 and c_1 = c_2 the force of a fixed
-misalignment stands still; with k_1 /= k_2 it has (k_1 - k_2)/2 of the offset turning at twice the speed of the shaft.
+misalignment is constant. With k_1 /= k_2 a force of (k_1 - k_2)/2 times the offset turns at twice the speed of the
+shaft.
 
-A universal joint turns by a_1 about its one pin and by a_2 about the other. Rotations about two axes make a third,
+A universal joint turns by a_1 about one pin and by a_2 about the other. Rotations about two axes cause a third,
 exp(a_1 e_1) exp(a_2 e_2) = exp(a_1 e_1 + a_2 e_2 + a_1 a_2 e_1 x e_2/2 + ...), so that phi_2 = phi_1 - s a_1 a_2/2: the
 Cardan error alpha^2/4 sin 2 phi, of tan phi_2 = cos alpha tan phi_1 to second order in alpha. By virtual work a
 transmitted torque T bends both shafts by T alpha/2 at twice the speed.
 
 References
 ----------
-Xu & Marangoni (1994), Journal of Sound and Vibration 176(5), 663-679 and 681-691 (misaligned couplings as universal
+Xu & Marangoni (1994), J. Sound Vib. 176(5), 663-679 and 681-691 (misaligned couplings as universal
 joints: even multiples of the speed).
 """
 
@@ -24,29 +25,27 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import numpy as np
 
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import ENERGY, Element, rule
-from mbd.elements.linear import Part, part_on_rows
+from mbd.elements.linear import Part, part_on_rows, springs
 from mbd.elements.mode_words import ModeWords
 from mbd.excitations.turning import turned_direction
-from mbd.parts.couplings import CouplingSprings, CouplingWithAxes
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
+from mbd.parts.couplings import CouplingWithAxes
 
 WORDS = ModeWords("coupling", "couplings")
 ROWS = ("angle", "twist", "rx", "rz", "ux", "uz")
 LEAST_SCALE = 1e-3  # N and N m
 START, SENSE, ROLL, TORSION, JOINT = range(5)
-TILT, RADIAL, APART, OFF, LOSS = 5, 7, 9, 11, 13  # the first of two numbers each; of LOSS the damping of every row
+TILT, RADIAL, APART, OFF, LOSS = 5, 7, 9, 11, 13  # the first of two numbers each; LOSS: the first damping of the rows
 
 
 @rule(__file__)
 def coupling_rule(values, motion, answer):
-    """Forces on the rows `ROWS`, relative to the second shaft but for the angle."""
+    """Forces on the rows `ROWS`; all but the angle are relative to the second shaft."""
     s, torsion, half = values[SENSE], values[TORSION], 0.5 * values[SENSE] * values[JOINT]
     c_1, c_2, k_1, k_2 = values[TILT], values[TILT + 1], values[RADIAL], values[RADIAL + 1]
     u, elastic, stiffness = motion.u, answer.elastic, answer.stiffness
@@ -91,10 +90,10 @@ def coupling_rule(values, motion, answer):
 
 @dataclass(frozen=True, kw_only=True)
 class MisalignedCoupling(CouplingWithAxes):
-    """A coupling whose second shaft is off by ``offset`` (m, in x and z) and ``tilt`` (rad, about x and z).
+    """A coupling whose second shaft is displaced by ``offset`` (m, in x and z) and ``tilt`` (rad, about x and z).
 
-    The first stiffness axis is at ``angle`` (rad) from +x towards +z once the first shaft has turned by ``rolled`` less
-    (rad, in its own sense).
+    The first stiffness axis is at ``angle`` (rad) from +x towards +z when the first shaft is at the angle -``rolled``
+    (rad, in its lifting sense).
     """
 
     rolled: float = 0.0
@@ -104,19 +103,17 @@ class MisalignedCoupling(CouplingWithAxes):
         return replace(self, rolled=self.rolled + turns[self.shafts[0]])
 
     def parts(self, lay: Coordinates) -> Iterator[Part]:
-        """The spring along the axis, the one direction that does not turn."""
+        """The axial spring, whose direction does not turn."""
         if self.axial_stiffness > 0.0:
             yield part_on_rows(
                 self._relative(lay, 1)[None],
                 name=self.name,
                 words=WORDS,
-                elements=(
-                    CouplingSprings(at=(0,), springs=np.array([self.axial_stiffness]), damping_time=self.damping_time),
-                ),
+                matrices=springs(np.array([self.axial_stiffness]), self.damping_time),
             )
 
     def elements(self, lay: Coordinates) -> Iterator[Element]:
-        """Everything that turns."""
+        """Radial, tilt and torsional forces, whose axes turn."""
         first = self.shafts[0]
         sense = float(lay.sense(first))
         tilt, radial = self.tilt_stiffness, self.radial_stiffness
@@ -124,7 +121,7 @@ class MisalignedCoupling(CouplingWithAxes):
         mean_tilt, mean_radial = (tilt + tilt_across) / 2, (radial + radial_across) / 2
         mean = (0.0, self.torsional_stiffness, mean_tilt, mean_tilt, mean_radial, mean_radial)
         damping = tuple(self.damping_time * k for k in mean)
-        forces = 1e-3 * self.torsional_stiffness, 1e-3 * mean_tilt, 1e-6 * mean_radial  # of a mrad and a um
+        forces = 1e-3 * self.torsional_stiffness, 1e-3 * mean_tilt, 1e-6 * mean_radial  # at 1 mrad and 1 um
         torsional, bending, lateral = (max(force, LEAST_SCALE) for force in forces)
         yield Element(
             kind="misaligned coupling",
@@ -152,6 +149,6 @@ class MisalignedCoupling(CouplingWithAxes):
         )  # fmt: skip
 
     def _relative(self, lay: Coordinates, axis: int) -> np.ndarray:
-        """Row of a displacement of the first end less that of the second."""
+        """Row of a displacement of the first end minus that of the second."""
         (one, other), (y_one, y_other) = self.shafts, self.y
         return lay.axis_row(one, y_one, axis) - lay.axis_row(other, y_other, axis)

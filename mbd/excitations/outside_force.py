@@ -8,19 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
-from fem.options import check_options, option
+from fem.options import option
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, Signal, rule
 from mbd.excitations.waveform import SweepWave, TableWave, Waveform, wave_value
 from mbd.parts.bearings import DIRECTIONS
-from mbd.parts.checks import MachineError, finite
+from mbd.parts.checks import MachineError
 from mbd.parts.load import OUTSIDE_FORCE, Excitation, OutsideForce
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 LEAST_SCALE = 1e-9  # N
 
@@ -58,10 +56,6 @@ class ShaftForce(OutsideForce):
     axis: Literal["x", "y", "z"] = option(text="direction in which it acts")
     force: ForceTable | ForceSweep = option(text="force over time")
 
-    def __post_init__(self) -> None:
-        finite(f"{self.name} y", self.y)
-        check_options(self, MachineError, self.name)
-
     @property
     def channel_names(self) -> tuple[str, ...]:
         """The force."""
@@ -80,9 +74,6 @@ class CasingForce(Excitation):
     point: str = option(text="name of the sensor where it acts")
     axis: Literal["x", "y", "z"] = option(text="channel of that sensor in whose direction it acts")
     force: ForceTable | ForceSweep = option(text="force over time")
-
-    def __post_init__(self) -> None:
-        check_options(self, MachineError, self.name)
 
     @property
     def casing_rows(self) -> tuple[str, ...]:

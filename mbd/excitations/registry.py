@@ -20,5 +20,4 @@ EXCITATIONS = {
 
 def excitation_class(name: str) -> type[Excitation]:
     """The class of that name. MachineError if there is none."""
-    found: type[Excitation] = named_class(EXCITATIONS, name, "excitation", MachineError)
-    return found
+    return named_class(EXCITATIONS, name, "excitation", MachineError)

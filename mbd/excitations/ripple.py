@@ -9,15 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
-from fem.options import check_options, option
+from fem.options import option
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import ENERGY, Element, rule
-from mbd.parts.checks import MachineError, finite, positive
+from mbd.parts.checks import positive
 from mbd.parts.load import TurningForce
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 AMPLITUDE, ORDER, PHASE, ROLL = range(4)
 
@@ -42,9 +40,8 @@ class TorqueRipple(TurningForce):
     angle: float = option(0.0, unit="deg", key="phase_deg", text="phase of the cosine at t = 0")
 
     def __post_init__(self) -> None:
-        finite(f"{self.name} y", self.y)
         positive(f"{self.name} order", self.order, "The order 0 is a constant torque.")
-        check_options(self, MachineError, self.name)
+        super().__post_init__()
 
     def elements(self, lay: Coordinates) -> Iterator[Element]:
         """The torque on the rotation of its shaft."""

@@ -1,4 +1,4 @@
-"""Spall: a pit in a race or in an element of a rolling bearing; its path is in `mbd.excitations.spall_drop`."""
+"""Spall: a pit in a race or an element of a rolling bearing; `mbd.excitations.spall_drop` computes the path over it."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
-from fem.options import check_options, option
-from mbd.parts.checks import MachineError
+from fem.options import option
+from mbd.parts.checks import MachineError, Options
 from mbd.parts.rolling_elements import RollingElements
 
 SURFACES = ("outer-ring", "inner-ring", "element")
@@ -17,7 +17,7 @@ WIDEST = 0.25  # of the circumference
 
 
 @dataclass(frozen=True, kw_only=True)
-class Spall:
+class Spall(Options):
     """A spall of a raceway or rolling element of a bearing of model hertz, across its whole contact width."""
 
     on: Literal["outer-ring", "inner-ring", "element"] = option(text="damaged part; element: the first rolling element")
@@ -32,11 +32,8 @@ class Spall:
         "outer race, in the sense in which the element rolls",
     )
 
-    def __post_init__(self) -> None:
-        check_options(self, MachineError)
-
     def check(self, elements: RollingElements) -> None:
-        """Raise MachineError for a spall that does not fit into the bearing."""
+        """Raise MachineError if the spall does not fit into the bearing."""
         widest = WIDEST * 2 * math.pi * self.surface(elements)
         if self.width > widest:
             raise MachineError(
@@ -52,27 +49,12 @@ class Spall:
 
     @property
     def place(self) -> str:
-        """In words: "outer ring", "inner ring", "rolling element"."""
+        """Damaged part in words: "outer ring", "inner ring", "rolling element"."""
         return "rolling element" if self.on == "element" else self.on.replace("-", " ")
 
     def surface(self, elements: RollingElements) -> float:
-        """Radius (m), in the rolling plane, of the surface that has the spall."""
+        """Radius (m), in the rolling plane, of the damaged surface."""
         return elements.diameter / 2 if self.on == "element" else abs(race_radius(elements, self.on))
-
-    def drop(self, elements: RollingElements, place: float, race: str = "outer-ring") -> float:
-        """Drop (m) of an element whose contact lies ``place`` (m) along the surface from the middle of the spall.
-
-        Parameters
-        ----------
-        elements : the inside of the bearing
-        place : m, positive or negative
-        race : that a spall in the element rolls over, "outer-ring" or "inner-ring"; of no effect for a ring
-        """
-        from mbd.excitations.spall_drop import drop_at
-
-        own = race if self.on == "element" else self.on
-        shape = self.width, self.depth, self.surface(elements)
-        return float(drop_at(place, *shape, elements.diameter / 2, race_radius(elements, own)))
 
 
 def race_radius(elements: RollingElements, race: str) -> float:
@@ -83,7 +65,7 @@ def race_radius(elements: RollingElements, race: str) -> float:
 
 
 def check_apart(spalls: Iterable[Spall], elements: RollingElements) -> None:
-    """Raise MachineError where two spalls of one surface overlap: each has edges of its own."""
+    """Raise MachineError where two spalls of one surface overlap: the path over a spall assumes separate edges."""
     known = list(spalls)
     for i, one in enumerate(known):
         for other in known[:i]:

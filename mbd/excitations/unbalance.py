@@ -1,18 +1,18 @@
 """Unbalance: a mass m at the radius e of a shaft, U = m e.
 
-The mass and its inertia m e^2 count to the shaft. What is left of its kinetic energy is T = U beta' v . t, v the
+The mass and its inertia m e^2 belong to the shaft. The rest of its kinetic energy is T = U beta' v . t, v the
 velocity of the axis in (x, z), n and t the turning directions of `mbd.excitations.turning`; of its weight, V = U g n_z.
 With a = v', t' = -beta' n, Lagrange's equations give the force on the axis and the torque about beta
 
     F = U (beta'^2 n - beta'' t),    Q = -U (a . t + g t_z),
 
-the torque on the shaft in its lifting sense being -s Q. Their power is -(T + V)': what the motor gives a whirling shaft
-goes through Q, so that the works of a steady whirl cancel.
+the torque on the shaft in its lifting sense being -s Q. Their power is -(T + V)': the power from the motor to a
+whirling shaft passes through Q, so that the works of a steady whirl cancel.
 
-A force cannot depend on accelerations in `mbd.elements.element`. A seismic mass for each of phi, x and z tells them, as
-an accelerometer does: m_s (w'' + 2 zeta omega w' + omega^2 w) = m_s a with w the motion of the shaft less its own, so
-that a = omega^2 w + 2 zeta omega w' + O((f/f_s)^2). It is far lighter than any shaft and overdamped. Only beta'' t and
-a . t go through it; the centrifugal force is exact.
+A force of `mbd.elements.element` cannot depend on accelerations. A seismic mass for each of phi, x and z measures them,
+as in an accelerometer: m_s (w'' + 2 zeta omega w' + omega^2 w) = m_s a with w the motion of the shaft minus that of the
+mass, so that a = omega^2 w + 2 zeta omega w' + O((f/f_s)^2). The mass is far lighter than any shaft and overdamped.
+Only beta'' t and a . t are measured in this way; the centrifugal force is exact.
 
 References
 ----------
@@ -24,21 +24,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
-from fem.options import check_options, option
+from fem.options import option
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, rule
-from mbd.elements.linear import LinearElement, Part, part_on_rows
+from mbd.elements.linear import Matrices, Part, part_on_rows, springs
 from mbd.elements.mode_words import ModeWords
 from mbd.excitations.turning import turned_direction
-from mbd.parts.checks import MachineError, finite
-from mbd.parts.couplings import CouplingSprings
 from mbd.parts.load import TurningForce
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 WORDS = ModeWords("unbalance", "unbalances")
 SEISMIC_INERTIAS = (1e-10, 1e-6, 1e-6)  # kg m2, kg, kg
@@ -52,7 +48,7 @@ SIZE, START, SENSE, ROLL, GRAVITY = range(5)
 
 @rule(__file__)
 def unbalance_rule(values, motion, answer):
-    """On the angle, ux and uz of the shaft; the seismic rows, which bear nothing, tell the accelerations."""
+    """Forces on the angle, ux and uz of the shaft; the seismic rows, without forces, measure the accelerations."""
     size, s, u, v = values[SIZE], values[SENSE], motion.u, motion.v
     by_u, by_v = SEISMIC_FREQUENCY**2, 2.0 * SEISMIC_DAMPING * SEISMIC_FREQUENCY
     cos, sin = turned_direction(values[START], s, values[ROLL], motion.angle, u[0])
@@ -74,17 +70,6 @@ def unbalance_rule(values, motion, answer):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class SeismicMasses(LinearElement):
-    """Masses (n,), kg or kg m2, on coordinates of their own."""
-
-    inertias: tuple[float, ...]
-
-    def mass(self) -> np.ndarray:
-        """M (n, n)."""
-        return np.diag(self.inertias)
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
 class Unbalance(TurningForce):
     """A rotating unbalance."""
 
@@ -92,13 +77,9 @@ class Unbalance(TurningForce):
     size: float = option(unit="g mm", key="unbalance_g_mm", gt=0, text="mass times radius")
     angle: float = option(0.0, unit="deg", text="angle of the heavy spot at t = 0, from +x towards +z")
 
-    def __post_init__(self) -> None:
-        finite(f"{self.name} y", self.y)
-        check_options(self, MachineError, self.name)
-
     @property
     def coordinates(self) -> tuple[str, ...]:
-        """Of the seismic masses."""
+        """Coordinates of the seismic masses."""
         return tuple(f"{self.name}:{word}" for word in FORCED)
 
     def rolling(self, ratios: Mapping[str, float]) -> np.ndarray:
@@ -106,34 +87,29 @@ class Unbalance(TurningForce):
         return np.array([ratios[self.shaft], 0.0, 0.0])
 
     def translation(self) -> np.ndarray:
-        """Of the seismic masses of x and z."""
+        """Motion of the seismic masses of x and z."""
         return np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 
     def parts(self, lay: Coordinates) -> Iterator[Part]:
         """The seismic masses."""
         own = self._own(lay)
-        every = tuple(range(len(own)))
         yield part_on_rows(
             own,
             name=f"{self.name}, seismic masses",
             words=WORDS,
-            elements=(SeismicMasses(at=every, inertias=SEISMIC_INERTIAS),),
+            matrices=Matrices(mass=np.diag(SEISMIC_INERTIAS)),
         )
         yield part_on_rows(
             self._forced(lay) - own,
             name=f"{self.name}, seismic springs",
             words=WORDS,
-            elements=(
-                CouplingSprings(
-                    at=every,
-                    springs=SEISMIC_FREQUENCY**2 * np.array(SEISMIC_INERTIAS),
-                    damping_time=2 * SEISMIC_DAMPING / SEISMIC_FREQUENCY,
-                ),
+            matrices=springs(
+                SEISMIC_FREQUENCY**2 * np.array(SEISMIC_INERTIAS), 2 * SEISMIC_DAMPING / SEISMIC_FREQUENCY
             ),
         )
 
     def elements(self, lay: Coordinates) -> Iterator[Element]:
-        """The force on the axis and the torque on the shaft."""
+        """Force on the axis and torque on the shaft."""
         forced = self._forced(lay)
         yield Element(
             kind="unbalance",

@@ -17,7 +17,7 @@ import numpy as np
 from fem.numerics.inner import inner
 from fem.options import check_options, option
 from mbd.elements.lookup import interpolated
-from mbd.parts.checks import MachineError, frozen_array, rising_pairs
+from mbd.parts.checks import MachineError, freeze_pairs
 
 TABLE, SWEEP = 0.0, 1.0  # the first of the packed numbers
 
@@ -70,10 +70,7 @@ class TableWave(Waveform):
     levels: np.ndarray
 
     def __post_init__(self) -> None:
-        times, levels = frozen_array(self.times), frozen_array(self.levels)
-        object.__setattr__(self, "times", times)
-        object.__setattr__(self, "levels", levels)
-        rising_pairs(type(self).__name__, ("times", times), ("values", levels))
+        freeze_pairs(self, type(self).__name__, "times", "levels")
 
     @property
     def packed(self) -> np.ndarray:

@@ -7,9 +7,9 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, Literal
 
 from fem.named_classes import named_class
-from fem.options import check_options, option
+from fem.options import option
 from mbd.parts.bearings import BearingSpec, rigid_bearing
-from mbd.parts.checks import MachineError
+from mbd.parts.checks import MachineError, Options
 from mbd.parts.rolling_catalogue import by_designation
 from mbd.parts.rolling_elements import RollingElements
 
@@ -24,18 +24,14 @@ Station = tuple[str, float]  # name of a shaft, and y on it (m)
 
 def bearing_model(name: str) -> type[BearingModel]:
     """The class of that name. MachineError if there is none."""
-    found: type[BearingModel] = named_class(BEARINGS, name, "bearing model", MachineError)
-    return found
+    return named_class(BEARINGS, name, "bearing model", MachineError)
 
 
 @dataclass(frozen=True, kw_only=True)
-class BearingModel(ABC):
+class BearingModel(Options, ABC):
     """Options of a bearing; `elements` and `cage_slip` of those whose rolling elements are known."""
 
     cage_slip = 0.0
-
-    def __post_init__(self) -> None:
-        check_options(self, MachineError)
 
     @property
     def elements(self) -> RollingElements | None:

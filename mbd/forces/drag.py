@@ -13,12 +13,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from mbd.elements.element import Element, rule
-
-if TYPE_CHECKING:
-    from mbd.parts.assembly import Assembly
+from mbd.parts.assembly import Assembly
 
 TORQUE, ROLL, SMOOTH, CLOSING = range(4)  # closing: motor speed below which a brake acts, 0 for a drag
 

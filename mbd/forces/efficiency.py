@@ -19,14 +19,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from mbd.elements.element import Element, rule
 from mbd.forces.flank import flank_name
 from mbd.forces.sliding import mesh_sliding_rows
-
-if TYPE_CHECKING:
-    from mbd.parts.assembly import Assembly
+from mbd.parts.assembly import Assembly
 
 ETA, RADIUS, RATIO, ROLL, SMOOTH = range(5)
 

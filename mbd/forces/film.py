@@ -18,14 +18,11 @@ Brancati, Rocca & Russo (2005), Proc. IMechE D 219, 817-826; Theodossiades, Tang
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from fem.contact.teeth import least_clearance
 from mbd.elements.element import Element, rule
 from mbd.forces.flank import SIDES, flank_name
-
-if TYPE_CHECKING:
-    from mbd.parts.assembly import Assembly
+from mbd.parts.assembly import Assembly
 
 STRENGTH, ROUGHNESS, TOUCHING, FADING = range(4)
 

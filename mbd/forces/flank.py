@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,11 +23,9 @@ from fem.contact.teeth import least_clearance
 from fem.numerics.inner import UNCOUNTED, inner
 from mbd.elements.element import ENERGY, FROZEN_ENERGY, Contact, Element, Signal, rule
 from mbd.elements.mode_words import ModeWords
+from mbd.parts.assembly import Assembly
 from mbd.parts.gear_mesh import MeshSpec, mesh_channels, mesh_rows
 from mbd.parts.mesh_reference import approach_at, mean_stiffness
-
-if TYPE_CHECKING:
-    from mbd.parts.assembly import Assembly
 
 BACKLASH, FLOOR, REACH, TAU, CYCLE_START, CYCLE_RATE, RATIO, PINION, WHEEL, LAW = range(10)
 TERMS = 6  # columns of tooth terms

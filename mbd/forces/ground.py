@@ -7,14 +7,11 @@ at t = 0, F = max(0, k s + c s') for s = g - z > 0, z with the rolling of the tr
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import ENERGY, Element, rule
 from mbd.elements.mode_words import ModeWords
 from mbd.parts.checks import finite, not_negative, positive
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 STIFFNESS, DAMPING, LEVEL, RISE = range(4)
 

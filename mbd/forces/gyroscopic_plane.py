@@ -1,23 +1,20 @@
 """Gyroscopic moments of all parts in the time step: a pair of forces on two modal rows, per plane of their matrix.
 
-In the modal basis only a few planes of G matter: G = sum g (a b^T - b a^T), by the real Schur form of Phi^T G Phi. The
-planes that hold ``KEPT`` of its norm enter the time step, each as a force on two rows, at the speed of the moment;
-what is left out is stated by `planes`. The forces g Omega (b', -a') do no work. The linearised view takes the whole
-matrix in their place.
+In the modal basis a few planes of G are sufficient: G = sum g (a b^T - b a^T), by the real Schur form of Phi^T G Phi.
+The planes that contain ``KEPT`` of its norm enter the time step, each as a force on two rows, at the present speed;
+`planes` returns the share that is left out. The forces g Omega (b', -a') do no work. The linearised model uses the
+whole matrix in their place.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import linalg
 
 from mbd.elements.element import Element, rule
-
-if TYPE_CHECKING:
-    from mbd.parts.assembly import Assembly
+from mbd.parts.assembly import Assembly
 
 KIND = "gyroscopic"
 KEPT = 0.999
@@ -32,7 +29,7 @@ def plane_rule(values, motion, answer):
 
 
 def elements(assembly: Assembly) -> Iterator[Element]:
-    """The strongest planes in the modes of the machine, if gyroscopic moments count."""
+    """Strongest planes in the modes of the machine, if the scene includes gyroscopic moments."""
     if not assembly.machine.gyroscopic:
         return
     basis, _ = assembly.modes
@@ -54,8 +51,8 @@ def elements(assembly: Assembly) -> Iterator[Element]:
 
 
 def planes(reduced: np.ndarray, kept: float = KEPT) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """Rows a, b (plane, mode), strengths g (plane,) of a skew matrix (mode, mode), strongest first, and the share of
-    its Frobenius norm that the planes left out hold."""
+    """Rows a, b (plane, mode) and strengths g (plane,) of a skew matrix (mode, mode), strongest first, and the share of
+    its Frobenius norm in the omitted planes."""
     form, vectors = linalg.schur(0.5 * (reduced - reduced.T), output="real")
     size, found, i = float(abs(form).max(initial=0.0)), [], 0
     while i < len(form) - 1:

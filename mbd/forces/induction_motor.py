@@ -18,7 +18,7 @@ from typing import Literal
 
 import numpy as np
 
-from fem.options import check_options, in_si, option
+from fem.options import in_si, option
 from mbd.elements.element import Rule, rule
 from mbd.forces.torque_source import TorqueSource
 from mbd.parts.checks import MachineError
@@ -51,7 +51,6 @@ class InductionMotor(TorqueSource):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_options(self, MachineError, self.name)
         if self.rated_speed >= self.synchronous_speed:
             rpm = in_si(1.0, "rpm")
             raise MachineError(

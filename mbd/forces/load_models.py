@@ -5,18 +5,16 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from fem.named_classes import named_class
-from fem.options import check_options, option
-from mbd.parts.checks import MachineError
+from fem.options import option
+from mbd.parts.checks import MachineError, Options
+from mbd.parts.drive import SpeedProfile
 from mbd.parts.load import Load, StaticTorque
 from mbd.parts.machine import STANDARD_GRAVITY
-
-if TYPE_CHECKING:
-    from mbd.parts.drive import SpeedProfile
 
 LOADS = {
     "static-torque": ("mbd.forces.load_models", "StaticTorqueLoad"),
@@ -27,12 +25,11 @@ LOADS = {
 
 def load_model(name: str) -> type[HangingLoad]:
     """The class of that name. MachineError if there is none."""
-    found: type[HangingLoad] = named_class(LOADS, name, "load model", MachineError)
-    return found
+    return named_class(LOADS, name, "load model", MachineError)
 
 
 @dataclass(frozen=True, kw_only=True)
-class HangingLoad(ABC):
+class HangingLoad(Options, ABC):
     """A weight on drums."""
 
     container_mass: float = option(unit="kg", key="container_kg", ge=0, text="hanging mass")
@@ -48,9 +45,6 @@ class HangingLoad(ABC):
         text="direction of the rope force on the drums: 0 is +x, 90 is up; without it: the drums load "
         "the shaft by torque only",
     )
-
-    def __post_init__(self) -> None:
-        check_options(self, MachineError)
 
     @property
     def torque(self) -> float:
@@ -153,7 +147,7 @@ class RopeLoad(HangingLoad):
             ground = Ground(
                 level=self.ground_level, stiffness=self.ground_stiffness, damping_ratio=self.ground_damping_ratio
             )
-        made: Load = kind(
+        return kind(
             shaft=shaft,
             drums=drums,
             container_mass=self.container_mass,
@@ -167,7 +161,6 @@ class RopeLoad(HangingLoad):
             ground=ground,
             **others,
         )
-        return made
 
 
 @dataclass(frozen=True, kw_only=True)

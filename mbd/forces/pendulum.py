@@ -1,15 +1,15 @@
-"""Container that swings on its ropes below a trolley at rest.
+"""Container that swings on its ropes below a fixed trolley.
 
-With L the free length of the rigidly rolling train, e the vertical stretch row and (X, Y) the sway,
+With L the free length in rigid rolling, e the vertical stretch row and (X, Y) the sway,
 
     d = sqrt((L + e)^2 + X^2 + Y^2)      s = d - L      F = max(0, k s + c s'),   k = EA/L per drum
 
-pulls along the ropes; U = k s^2/2. No approximation of small angles. s is formed as (d^2 - L^2)/(d + L): the difference
-of metres would leave 1e-15 m, 2e-12 of a light weight, on which the search for the equilibrium stalls. The rate s'
-leaves out the part of L', which is (1 - cos of the angle) times the rope speed. Winding at constant speed changes L
-slowly: the sway angle then grows as L^(-3/4) (adiabatic invariant E/omega of the pendulum).
+pulls along the ropes; U = k s^2/2. Angles may be large. s is computed as (d^2 - L^2)/(d + L): the difference
+of metres would have an error of 1e-15 m, 2e-12 of a light weight, too large for the search for the equilibrium. The
+rate s' omits the contribution of L', which is (1 - cos of the angle) times the rope speed. Winding at constant speed
+changes L slowly: the sway angle then grows as L^(-3/4) (adiabatic invariant E/omega of the pendulum).
 
-The container is let go at t = 0: until then a force square to the ropes holds it at its angle.
+Until t = 0 a force perpendicular to the ropes holds the container at its angle; then it is released.
 """
 
 from __future__ import annotations
@@ -17,18 +17,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import BY_ANGLE, ENERGY, Element, Signal, rule
 from mbd.elements.reading import Reading
 from mbd.forces.rope import LENGTH, LIFT, LOSS, PART, STIFFNESS_TIMES_LENGTH, TRAVEL, WORDS, Rope
 from mbd.parts.checks import MachineError
 from mbd.parts.load import ROPE_FORCE, SWAY
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 SWAYS = ("container:sway_x", "container:sway_y")  # coordinates
 
@@ -42,7 +40,7 @@ def pendulum_rule(values, motion, answer):
     c = values[LOSS] * math.sqrt(k)
     depth = length + u[0]
     distance = math.sqrt(depth * depth + u[1] * u[1] + u[2] * u[2])
-    s = (u[0] * (depth + length) + u[1] * u[1] + u[2] * u[2]) / (distance + length)  # d - L without its cancellation
+    s = (u[0] * (depth + length) + u[1] * u[1] + u[2] * u[2]) / (distance + length)  # d - L without cancellation
     if s <= 0.0:
         return
     n = (depth / distance, u[1] / distance, u[2] / distance)
@@ -66,7 +64,7 @@ def pendulum_rule(values, motion, answer):
 
 @dataclass(frozen=True, kw_only=True)
 class RopePendulum(Rope):
-    """A container on ropes that swings; ``sway`` (rad) in x and y at t = 0, where it is let go."""
+    """A container that swings on ropes; ``sway`` (rad) in x and y at t = 0, when it is released."""
 
     sway: tuple[float, float] = (0.0, 0.0)
     model: Literal["rope", "rope-pendulum"] = "rope-pendulum"
@@ -81,12 +79,12 @@ class RopePendulum(Rope):
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        """The container's sway, then its lift."""
+        """Sway, then lift, of the container."""
         return (*SWAYS, LIFT)
 
     @property
     def channel_names(self) -> tuple[str, ...]:
-        """Those of the rope, and the sway."""
+        """Channels of the rope, and the sway."""
         return (*super().channel_names, *SWAY)
 
     def rolling(self, ratios: Mapping[str, float]) -> np.ndarray:
@@ -104,7 +102,7 @@ class RopePendulum(Rope):
         return along / np.linalg.norm(along)
 
     def holding_force(self, lay: Coordinates) -> np.ndarray:
-        """Force (n,) that holds the container at its angle until t = 0, square to the ropes."""
+        """Force (n,) that holds the container at its angle until t = 0, perpendicular to the ropes."""
         if not any(self.sway):
             return np.zeros(lay.size)
         along = self.along * [1.0, 1.0, -1.0]
@@ -112,7 +110,7 @@ class RopePendulum(Rope):
         return force @ np.array([lay.own_row(name) for name in self.coordinates])
 
     def elements(self, lay: Coordinates) -> Iterator[Element]:
-        """The ropes of every drum, first guessed as those of the held container on drums that stand."""
+        """Ropes of every drum; the first guess is the force of the held container on drums at rest."""
         weight = self.weight_per_drum(lay.gravity)
         stiffness, swing = self.stiffness_times_length / self.length, weight / self.length
         along = self.along
@@ -143,6 +141,6 @@ class RopePendulum(Rope):
             )  # fmt: skip
 
     def readings(self, lay: Coordinates) -> dict[str, Reading]:
-        """Those of the rope, and the sway."""
+        """Channels of the rope, and the sway."""
         sways = {name: Reading("m", displacement=lay.own_row(own)) for name, own in zip(SWAY, SWAYS, strict=True)}
         return super().readings(lay) | sways

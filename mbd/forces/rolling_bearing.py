@@ -1,11 +1,11 @@
 """Rolling bearing: Hertz contacts of every ball or roller between two rigid rings, in a cage that turns.
 
-With u = (ux, uy, uz, rx, rz) of the inner against the outer ring, an element at the cage angle theta (x = cos theta,
-z = sin theta) sees the radial and axial shifts of the inner raceway
+With u = (ux, uy, uz, rx, rz) of the inner against the outer ring, at an element at the cage angle theta
+(x = cos theta, z = sin theta) the radial and axial shifts of the inner raceway are
 
     rho = ux cos theta + uz sin theta      w = uy + R g      g = rz cos theta - rx sin theta      R = pitch radius.
 
-Ball (Jones, Harris): the groove centres, A = (f_i + f_o - 1) D apart, move to the distance
+Ball (Jones, Harris): the distance A = (f_i + f_o - 1) D of the groove centres changes to
 sqrt((A cos a - P/2 + rho)^2 + (A sin a + p + w)^2) = A + delta, and Q = K delta^1.5 along their line; P is the
 diametral clearance, p an axial preload shift. K is that of `mbd.parts.rolling_elements`.
 
@@ -13,11 +13,11 @@ Roller: delta = (rho - P/2) cos a + (w + p) sin a - g s at the place s of a lami
 q = c_L l^(8/9) delta^(10/9) per roller, c_L = 35 948 N/mm^(10/9) mm^(-8/9) for steel (both contacts), in ``LAMINAE``
 laminae of equal length. Crowned ends are not modelled.
 
-The forces follow from the potential sum of 2/5 K delta^2.5 (9/19 for rollers), so that nothing is lost in a bearing
-that does not turn. The cage turns at (1 - gamma)/2 of the shaft, gamma = D cos a/(2 R), without slip and by the angle
+The forces follow from the potential sum of 2/5 K delta^2.5 (9/19 for rollers), so that a bearing at rest conserves
+energy. The cage turns at (1 - gamma)/2 of the shaft, gamma = D cos a/(2 R), without slip and by the angle
 of the train alone: the number of elements under load varies with it (varying compliance). With damping each contact
-carries max(0, Q + tau dQ/d delta delta'), delta' by the motion u' alone. No centrifugal or gyroscopic forces of the
-elements, no lubricant film.
+carries max(0, Q + tau dQ/d delta delta'), delta' by the motion u' alone. Not modelled: centrifugal and gyroscopic
+forces of the elements, lubricant film.
 
 References
 ----------
@@ -28,23 +28,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
 from fem.numerics.inner import UNCOUNTED, inner
 from fem.numerics.root import brentq
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import BY_ANGLE, ENERGY, Element, Rule, Signal, rule
 from mbd.elements.rule_call import evaluated
 from mbd.parts.bearings import BEARING_AXES, BearingSpec, bearing_force
 from mbd.parts.rolling_elements import RollingElements, pass_frequencies, reference_load
 
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
-
 LAMINAE = 5
 ROLLER_EXPONENT = 10 / 9
-COUNT, K, RADIUS, RATE, START, TAU, FIRST = range(7)  # numbers of either rule; their own follow, from FIRST on
+COUNT, K, RADIUS, RATE, START, TAU, FIRST = range(7)  # numbers of both rules; those of one rule follow from FIRST on
 
 
 @rule(__file__, **UNCOUNTED, fastmath={"contract"})
@@ -93,7 +91,7 @@ def ball_rule(values, motion, answer):
 
 @rule(__file__, **UNCOUNTED, fastmath={"contract"})
 def roller_rule(values, motion, answer):
-    """The same for a roller bearing."""
+    """Force of a roller bearing on the rows ux uy uz rx rz of the inner against the outer ring."""
     u, v = motion.u, motion.v
     count, k = int(values[COUNT]), values[K]
     radius, tau = values[RADIUS], values[TAU]
@@ -109,7 +107,7 @@ def roller_rule(values, motion, answer):
             continue
         spin = v[4] * c - v[3] * s
         rate = n_r * (v[0] * c + v[2] * s) + n_a * (v[1] + radius * spin)
-        q, q_s, p, p_s = 0.0, 0.0, 0.0, 0.0  # normal force and its moment about mid length: elastic, then lost
+        q, q_s, p, p_s = 0.0, 0.0, 0.0, 0.0  # normal force and its moment about mid length: elastic; damping
         k0, k1, k2, d0, d1, d2 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for m in range(LAMINAE):
             place = ((m + 0.5) / LAMINAE - 0.5) * length
@@ -135,7 +133,7 @@ def roller_rule(values, motion, answer):
             d0 += damp
             d1 -= damp * place
             d2 += damp * place * place
-        _push(answer.elastic, c, s, q * n_r, q * n_a, q * n_a * radius + q_s)  # w adds the radius to the arm of g
+        _push(answer.elastic, c, s, q * n_r, q * n_a, q * n_a * radius + q_s)  # the radius adds to the lever arm of g
         _push(answer.lost, c, s, p * n_r, p * n_a, p * n_a * radius + p_s)
         _spread_line(answer.stiffness, c, s, radius, n_r, n_a, k0, k1, k2)
         _spread_line(answer.lost_by_v, c, s, radius, n_r, n_a, d0, d1, d2)
@@ -157,7 +155,7 @@ def _push(force, c, s, radial, axial, tilting):
 @inner(fastmath={"contract"})
 def _spread(matrix, c, s, radius, rr, ra, aa):
     """Add rr, ra, aa on (rho, w) of one element to the upper triangle over (ux uy uz rx rz)."""
-    gx, gz = -radius * s, radius * c  # w per rx, rz
+    gx, gz = -radius * s, radius * c  # dw/drx, dw/drz
     matrix[0, 0] += rr * c * c
     matrix[0, 1] += ra * c
     matrix[0, 2] += rr * c * s
@@ -207,14 +205,14 @@ def element_values(elements: RollingElements, rate: float, damping_time: float) 
 
 @dataclass(frozen=True, kw_only=True)
 class RollingContacts:
-    """The inside of a bearing with rolling elements; ``damping_time`` tau (s) of their contacts."""
+    """Rolling contacts of a bearing, with their damping time ``damping_time`` tau (s)."""
 
     elements: RollingElements
     damping_time: float = 0.0
 
     @property
     def rule(self) -> Rule:
-        """The rule of the elements' shape."""
+        """Rule for balls or for rollers."""
         return ball_rule if self.elements.kind == "ball" else roller_rule
 
     def values(self, rate: float) -> np.ndarray:
@@ -222,7 +220,7 @@ class RollingContacts:
         return element_values(self.elements, rate, self.damping_time)
 
     def element(self, lay: Coordinates, bearing: BearingSpec) -> Element:
-        """The force of the bearing; its spec holds the linear reference."""
+        """Force of the bearing; ``bearing`` gives the linear reference."""
         cage = lay.sense(bearing.shaft) * lay.ratios[bearing.shaft] * pass_frequencies(self.elements).cage
         load, arm = reference_load(self.elements), self.elements.pitch_diameter / 2
         axes = np.eye(len(BEARING_AXES))
@@ -251,14 +249,14 @@ def hertz_bearing(
     name: str, shaft: str, y: float, elements: RollingElements, damping_time: float,
     support: Literal["casing", "ground"] = "casing",
 ) -> BearingSpec:  # fmt: skip
-    """A bearing with rolling elements; its linear reference is the tangent at a small share of what it can carry.
+    """Bearing with rolling elements; its linear reference is the tangent stiffness at `reference_load`.
 
     Parameters
     ----------
     name, shaft : names of the bearing and of the shaft in it
     y : m, place on the shaft
     elements : the rolling elements and their races
-    damping_time : damping over stiffness, s
+    damping_time : damping divided by stiffness, s
     support : what carries the outer ring
     """
     radial, axial, tilt = tangent_at_load(elements)
@@ -277,7 +275,7 @@ def response(elements: RollingElements, u: np.ndarray, cage: float = 0.0) -> tup
 
 
 def tangent_at_load(elements: RollingElements) -> tuple[float, float, float]:
-    """Radial, axial and tilt stiffness under `reference_load`, axially held: a measure for the linear reference."""
+    """Radial, axial and tilt stiffness under `reference_load`, axially held, for the linear reference."""
     load = reference_load(elements)
 
     def short(depth: float) -> float:

@@ -1,12 +1,12 @@
-"""Container on vertical ropes: a load that hangs on the drums by elastic falls.
+"""Container on vertical ropes: a load that hangs from the drums by elastic falls.
 
-The container (mass m) hangs on n falls that lead to the drums; a drum angle phi lifts it by phi R/reeving. A drum
-carries n/drums falls of the stiffness k = (n/drums) EA/L with the length L = L_0 - phi R/reeving of the rigidly rolling
-train, and the force max(0, k s + c s') while the stretch s = phi R/reeving - x > 0; else the rope is slack.
+The container (mass m) hangs from n falls that lead to the drums; a drum angle phi lifts it by phi R/reeving. A drum
+carries n/drums falls of the stiffness k = (n/drums) EA/L with the length L = L_0 - phi R/reeving in rigid rolling,
+and the force max(0, k s + c s') while the stretch s = phi R/reeving - x > 0; else the rope is slack.
 c = 2 zeta sqrt(k m/drums). U = k s^2/2 depends on the motor angle by L.
 
 With a direction d (unit vector across the shaft) the ropes also pull the drum: it moves by u and s = (phi R - d . u)/
-reeving - x, so that F/reeving acts along d. Without one the pull is balanced at the drum.
+reeving - x, so that F/reeving acts along d. Without a direction the pull is balanced at the drum.
 """
 
 from __future__ import annotations
@@ -14,21 +14,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import BY_ANGLE, ENERGY, Element, Signal, rule
-from mbd.elements.linear import LinearElement, Part
+from mbd.elements.linear import Matrices, Part
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
 from mbd.forces.ground import Ground
 from mbd.parts.checks import MachineError, finite, not_negative, positive
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.load import CONTAINER, ROPE_FORCE, Load, pull_axis
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 LIFT = "container:lift"
 PART = "rope"
@@ -54,17 +52,6 @@ def rope_rule(values, motion, answer):
         answer.lost[0], answer.lost_by_u[0, 0] = -elastic, -k
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class HungMass(LinearElement):
-    """The container as a point (kg) on its displacements (n,)."""
-
-    container_mass: float
-
-    def mass(self) -> np.ndarray:
-        """M = m 1 (n, n)."""
-        return self.container_mass * np.eye(len(self.at))
-
-
 @dataclass(frozen=True, kw_only=True)
 class Rope(Load):
     """A container on ropes; ``axial_stiffness`` is EA of one rope (N), ``falls`` their number over all drums."""
@@ -77,7 +64,7 @@ class Rope(Load):
     reeving: float = 2.0
     damping_ratio: float = 0.02
     follow_length: bool = True  # False: keep the stiffness of the initial length
-    direction: float | None = None  # rad from +x to +z in which the ropes pull the drums
+    direction: float | None = None  # rad from +x to +z, of the pull of the ropes on the drums
     ground: Ground | None = None
     model: Literal["rope", "rope-pendulum"] = "rope"
 
@@ -91,7 +78,7 @@ class Rope(Load):
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        """The container's lift."""
+        """Lift of the container."""
         return (LIFT,)
 
     @property
@@ -101,7 +88,7 @@ class Rope(Load):
 
     @property
     def travel_per_radian(self) -> float:
-        """Rise of the container per radian of the drum (m)."""
+        """Lift of the container per radian of the drum (m)."""
         return self.drum_radius / self.reeving
 
     @property
@@ -116,7 +103,7 @@ class Rope(Load):
 
     @property
     def idle(self) -> bool:
-        """Whether the container stands on the ground at t = 0 with the rope slack."""
+        """Whether the container rests on the ground at t = 0 with slack ropes."""
         return self.ground is not None and self.ground.level > 0.0
 
     def torque_on_shaft(self, gravity: float) -> float:
@@ -124,7 +111,7 @@ class Rope(Load):
         return self.container_mass * gravity * self.travel_per_radian
 
     def rise(self, ratios: Mapping[str, float]) -> float:
-        """Rise of the container (m) per motor angle."""
+        """Lift of the container (m) per motor angle."""
         return self.travel_per_radian * ratios[self.shaft]
 
     def rolling(self, ratios: Mapping[str, float]) -> np.ndarray:
@@ -132,7 +119,7 @@ class Rope(Load):
         return np.array([self.rise(ratios)])
 
     def translation(self) -> np.ndarray:
-        """Its lift is along z."""
+        """Lift of the container along z."""
         return np.array([[0.0, 0.0, 1.0]])
 
     def parts(self, lay: Coordinates) -> Iterator[Part]:
@@ -142,7 +129,7 @@ class Rope(Load):
             name="load",
             modes_of=PART,
             words=WORDS,
-            elements=(HungMass(at=tuple(range(n)), container_mass=self.container_mass),),
+            matrices=Matrices(mass=self.container_mass * np.eye(n)),
             index=np.array([int(np.argmax(lay.own_row(name))) for name in self.coordinates]),
             shape=np.eye(n),
         )
@@ -158,11 +145,11 @@ class Rope(Load):
         return row - lay.own_row(LIFT)
 
     def weight_per_drum(self, gravity: float) -> float:
-        """Weight (N) on the ropes of a drum, at least that of 1 N over all: the scale of their force."""
+        """Weight (N) on the ropes of a drum, at least 1 N in total: the scale of their force."""
         return max(self.container_mass * gravity, 1.0) / len(self.drums)
 
     def travel(self, ratio: float) -> float:
-        """Shortening (m) of the ropes per motor angle, as far as their stiffness follows it."""
+        """Shortening (m) of the ropes per motor angle; 0 if their stiffness does not follow it."""
         return self.travel_per_radian * ratio if self.follow_length else 0.0
 
     def elements(self, lay: Coordinates) -> Iterator[Element]:
@@ -198,7 +185,7 @@ class Rope(Load):
         }
 
     def turned(self, angle: float, ratio: float) -> Rope:
-        """The same after the motors have rolled by ``angle`` (rad)."""
+        """The rope after the motors have rolled by ``angle`` (rad)."""
         if not self.follow_length:
             return self
         wound = self.travel_per_radian * ratio * angle
@@ -210,7 +197,7 @@ class Rope(Load):
         return replace(self, length=self.length - wound)
 
     def check_turned(self, angle: float, time: float) -> None:
-        """Raise MachineError if the drums have then wound more rope than there is."""
+        """Raise MachineError if the drums have wound more than the length of the rope by then."""
         if self.follow_length and self.travel_per_radian * angle >= self.length:
             raise MachineError(
                 f"rope: its {self.length:.4g} m are wound up at t = {time:.4g} s. Start with a longer rope, lower the "
@@ -218,7 +205,7 @@ class Rope(Load):
             )
 
     def check_run(self, profile: SpeedProfile, ratio: float, end: float) -> None:
-        """Raise MachineError if the drums would wind more rope than there is before ``end`` (s)."""
+        """Raise MachineError if the drums would wind more than the length of the rope before ``end`` (s)."""
         if not self.follow_length:
             return
         corners = profile.times[(profile.times > 0.0) & (profile.times < end)]

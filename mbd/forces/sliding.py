@@ -18,19 +18,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mbd.elements.element import Element, rule
 from mbd.forces.flank import SIDES, flank_name
+from mbd.parts.assembly import Assembly
 from mbd.parts.gear_mesh import MeshSpec
+from mbd.parts.layout import Layout
 from mbd.parts.mesh_reference import sliding_shares
 from mbd.parts.shafts import ShaftSpec
-
-if TYPE_CHECKING:
-    from mbd.parts.assembly import Assembly
-    from mbd.parts.layout import Layout
 
 FRICTION, ROLL, SMOOTH, CYCLE_START, CYCLE_RATE, SHARES = range(6)
 

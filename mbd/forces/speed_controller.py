@@ -2,15 +2,15 @@
 
     T = clip(T_u, -T_max, T_max),   T_u = k_p (omega_ref - omega) + k_i (phi_ref - phi - w) + T_0
 
-The integral of the speed error is the error of the angle; T_0 is what the integral has gathered at t = 0. While the
-torque is limited the integral would go on growing (it winds up), and the speed overshoot until the opposite error has
-emptied it. Back-calculation leads what is beyond the limit back into the integral with the tracking time T_t:
+The integral of the speed error is the error of the angle; T_0 is the torque of the integral part at t = 0. While the
+torque is limited the integral would continue to grow (windup), and the speed would overshoot until the opposite error
+has reduced it. Back-calculation returns the excess of the torque to the integral with the tracking time T_t:
 
     w' = (T_u - T)/(k_i T_t),   T_t = k_p/k_i, the time of the integral.
 
-So w, the angle by which the reference has given way, is at rest unless the torque is limited. It is a coordinate with a
-damper, driven by e (T_u - T) with a small e so that it takes no energy. A coordinate needs a mass and a hold as well:
-the mass delays w by T_t/1000, the hold lets it come back within days.
+So w, an angle by which the reference shifts, is constant unless the torque is limited. It is a coordinate with a
+damper, driven by e (T_u - T) with an e so small that it takes no energy. A coordinate also needs a mass and a spring:
+the mass delays w by T_t/1000, the spring returns it within days.
 
 References
 ----------
@@ -23,34 +23,31 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
-from fem.options import check_options, option
+from fem.options import option
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, Rule, Signal, rule
-from mbd.elements.linear import Part, part_on_rows
+from mbd.elements.linear import Matrices, Part, part_on_rows
 from mbd.elements.lookup import cell_below, interpolated
 from mbd.elements.mode_words import ModeWords
-from mbd.forces.torque_source import Inertia, TorqueSource
-from mbd.parts.checks import MachineError
-from mbd.parts.drive import MotorSpring, SpeedProfile
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
+from mbd.forces.torque_source import TorqueSource
+from mbd.parts.drive import SpeedProfile
 
 WORDS = ModeWords("controller", "controllers")
-SHARE = 1e-6  # e: so little of the torque drives w
+SHARE = 1e-6  # e: share of the torque that drives w
 DELAY = 1e-3  # of w, in tracking times
-HOLD = 2 * math.pi * 0.05  # rad/s, of the mass of w on its hold: above what counts as free
+HOLD = 2 * math.pi * 0.05  # rad/s, of the mass of w on its spring: above the limit of free motions
 RATIO, PROPORTIONAL, INTEGRAL, LIMIT, START, FIRST = range(6)  # then times, speeds, angles (n,) of the reference
 
 
 @rule(__file__)
 def controller_rule(values, motion, answer):
-    """Torque on a rotation by the errors of speed and angle; on the second row, if there is one, what moves w.
+    """Torque on a rotation by the errors of speed and angle; force that moves w on the second row, if there is one.
 
-    Until t = 0 w rests: at a start the integral is what it is said to be, whatever the torque asked for.
+    Until t = 0 w is constant: at the start the integral part has its given torque, whatever T_u is.
     """
     n = (len(values) - FIRST) // 3
     time, last = motion.time, FIRST + n - 1
@@ -97,7 +94,6 @@ class SpeedController(TorqueSource):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_options(self, MachineError, self.name)
         for name in ("times", "speeds"):
             object.__setattr__(self, name, getattr(self.reference, name))
 
@@ -108,12 +104,12 @@ class SpeedController(TorqueSource):
 
     @property
     def rule(self) -> Rule:
-        """The controller."""
+        """Rule of the controller."""
         return controller_rule
 
     @property
     def _given_way(self) -> tuple[str, ...]:
-        """Name of the coordinate w, if the integral gives way."""
+        """Name of the coordinate w, with back-calculation."""
         return (f"{self.name}:given_way",) if self.anti_windup and self.integral > 0.0 else ()
 
     @property
@@ -127,7 +123,7 @@ class SpeedController(TorqueSource):
         return np.array([ratios[self.shaft]] * turning + [0.0] * len(self._given_way))
 
     def parts(self, lay: Coordinates) -> Iterator[Part]:
-        """Inertia and coupling; mass, damper and hold of w."""
+        """Inertia and coupling; mass, damper and spring of w."""
         yield from super().parts(lay)
         for coordinate in self._given_way:
             damper = SHARE * self.proportional
@@ -136,14 +132,13 @@ class SpeedController(TorqueSource):
                 lay.own_row(coordinate)[None],
                 name=f"{self.name} anti-windup",
                 words=WORDS,
-                elements=(
-                    Inertia(at=(0,), inertia=mass),
-                    MotorSpring(at=(0,), spring=HOLD**2 * mass, damper=damper),
+                matrices=Matrices(
+                    mass=np.array([[mass]]), stiffness=np.array([[HOLD**2 * mass]]), damping=np.array([[damper]])
                 ),
             )
 
     def elements(self, lay: Coordinates) -> Iterator[Element]:
-        """The torque, and what moves w."""
+        """Torque, and the force that moves w."""
         for torque in super().elements(lay):
             for coordinate in self._given_way:
                 torque = replace(
@@ -165,15 +160,15 @@ class SpeedController(TorqueSource):
 
     @property
     def highest_speed(self) -> float:
-        """That of the reference, rad/s."""
+        """Highest speed of the reference, rad/s."""
         return self.reference.highest
 
     @property
     def largest(self) -> float:
-        """The limit, N m."""
+        """Torque limit, N m."""
         return self.limit
 
     def at_start(self, speed: float) -> float:
-        """N m at a speed (rad/s)."""
+        """Torque (N m) at t = 0 for a speed (rad/s)."""
         error = float(self.reference.speed(np.zeros(1))[0]) - speed
         return float(np.clip(self.proportional * error + self.starting_torque, -self.limit, self.limit))

@@ -10,7 +10,7 @@ import numpy as np
 from mbd.elements.element import Rule, rule
 from mbd.elements.lookup import interpolated
 from mbd.forces.torque_source import TorqueSource
-from mbd.parts.checks import frozen_array, rising_pairs
+from mbd.parts.checks import freeze_pairs
 
 
 @rule(__file__)
@@ -36,9 +36,7 @@ class TorqueCurve(TorqueSource):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in (self.places_are, "torques"):
-            object.__setattr__(self, name, frozen_array(getattr(self, name)))
-        rising_pairs(self.name, (self.places_are, getattr(self, self.places_are)), ("torques", self.torques))
+        freeze_pairs(self, self.name, self.places_are, "torques")
 
     @property
     def largest(self) -> float:

@@ -1,8 +1,8 @@
-"""Torque sources: drives that give a torque instead of a speed, and loads that take one, with or without a rotor.
+"""Torque sources: drives of given torque instead of speed, and loads by a torque, with or without a rotor.
 
-A source acts on the rotation of a shaft, or on a rotor of its own (inertia J) behind a coupling that only holds the
-rotation (k, c). Its torque depends on the time or on its speed; positive drives in the positive sense of the shaft.
-What kinds there are stands in `mbd.forces.torque`, `induction_motor` and `speed_controller`.
+A source acts on the rotation of a shaft, or on a separate rotor (inertia J) behind a torsional coupling (k, c). Its
+torque depends on the time or on its speed; positive drives in the positive sense of the shaft. The kinds are in
+`mbd.forces.torque`, `induction_motor` and `speed_controller`.
 """
 
 from __future__ import annotations
@@ -10,38 +10,24 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.options import check_options, inline, option
+from fem.options import inline, option
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, Rule, Signal
-from mbd.elements.linear import LinearElement, Part, part_on_rows
+from mbd.elements.linear import Matrices, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
-from mbd.parts.checks import MachineError, finite
-from mbd.parts.drive import COUPLING_TORQUE, MotorSpring, motor_channels
+from mbd.parts.checks import Options
+from mbd.parts.drive import COUPLING_TORQUE, motor_channels
 from mbd.parts.load import OutsideForce
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 LEAST_SCALE = 1e-6  # N m
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Inertia(LinearElement):
-    """A moment of inertia (kg m2) on one rotation."""
-
-    inertia: float
-
-    def mass(self) -> np.ndarray:
-        """M = J (1, 1)."""
-        return np.array([[self.inertia]])
-
-
 @dataclass(frozen=True, kw_only=True)
-class Rotor:
+class Rotor(Options):
     """The rotor that a torque acts on."""
 
     inertia: float = option(0.0, unit="kg m2", ge=0, text="moment of inertia of the rotor; 0: none")
@@ -57,19 +43,13 @@ class Rotor:
         0.0, unit="N m s/rad", key="coupling_damping_N_m_s_per_rad", ge=0, text="torsional damping of that coupling"
     )
 
-    def __post_init__(self) -> None:
-        check_options(self, MachineError)
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TorqueSource(OutsideForce):
     """A torque on the rotation at ``y`` (m) of ``shaft`` or on a rotor there."""
 
     rotor: Rotor = inline(Rotor())
-    drives: bool = False  # a motor, in whose sense the machine runs
-
-    def __post_init__(self) -> None:
-        finite(f"{self.name} y", self.y)
+    drives: bool = False  # it is a motor, which determines the sense of rotation
 
     @property
     @abstractmethod
@@ -78,41 +58,41 @@ class TorqueSource(OutsideForce):
 
     @abstractmethod
     def values(self, ratio: float) -> np.ndarray:
-        """Numbers of the rule; ``ratio`` is the speed of the shaft over that of the first drive."""
+        """Numbers of the rule; ``ratio`` is the speed of the shaft divided by that of the first drive."""
 
     @property
     @abstractmethod
     def largest(self) -> float:
-        """The torque (N m) of greatest magnitude that it ever gives."""
+        """Torque (N m) of greatest magnitude."""
 
     @abstractmethod
     def at_start(self, speed: float) -> float:
-        """Its torque (N m) at t = 0 while its shaft turns at a speed (rad/s)."""
+        """Torque (N m) at t = 0 for a speed of the shaft (rad/s)."""
 
     @property
     def _coupling(self) -> float | None:
-        """Stiffness of the coupling between rotor and shaft (N m/rad); None where there is none."""
+        """Stiffness of the coupling between rotor and shaft (N m/rad); None without a coupling."""
         return self.rotor.stiffness if self.rotor.inertia > 0.0 else None
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        """The angle of a rotor behind a coupling."""
+        """Angle of a rotor behind a coupling."""
         return () if self._coupling is None else (f"{self.name}:rotor",)
 
     def rolling(self, ratios: Mapping[str, float]) -> np.ndarray:
-        """The rotor turns with its shaft."""
+        """Angle of the rotor per motor angle: it turns with its shaft."""
         return np.full(len(self.coordinates), ratios[self.shaft])
 
     def largest_torques(self, gravity: float) -> dict[str, float]:
-        """The torque of greatest magnitude."""
+        """Torque of greatest magnitude."""
         return {self.shaft: self.largest}
 
     def starting_torques(self, gravity: float, speeds: Mapping[str, float]) -> dict[str, float]:
-        """The torque at t = 0."""
+        """Torque at t = 0."""
         return {self.shaft: self.at_start(speeds[self.shaft])}
 
     def row(self, lay: Coordinates) -> np.ndarray:
-        """Row of the rotation that it acts on."""
+        """Row of the rotation on which the torque acts."""
         return lay.angle_row(self.shaft, self.y) if self._coupling is None else lay.own_row(self.coordinates[0])
 
     def parts(self, lay: Coordinates) -> Iterator[Part]:
@@ -120,19 +100,18 @@ class TorqueSource(OutsideForce):
         if self.rotor.inertia == 0.0:
             return
         words = ModeWords("rotor", "rotors", group=self.name)
-        inertia = Inertia(at=(0,), inertia=self.rotor.inertia)
-        yield part_on_rows(self.row(lay)[None], name=f"{self.name} rotor", words=words, elements=(inertia,))
+        inertia = Matrices(mass=np.array([[self.rotor.inertia]]))
+        yield part_on_rows(self.row(lay)[None], name=f"{self.name} rotor", words=words, matrices=inertia)
         if self._coupling is not None:
-            spring = MotorSpring(at=(0,), spring=self._coupling, damper=self.rotor.damping)
             yield part_on_rows(
                 (lay.angle_row(self.shaft, self.y) - self.row(lay))[None],
                 name=f"{self.name} coupling",
                 words=ModeWords("coupling", "couplings"),
-                elements=(spring,),
+                matrices=Matrices(stiffness=np.array([[self._coupling]]), damping=np.array([[self.rotor.damping]])),
             )
 
     def elements(self, lay: Coordinates) -> Iterator[Element]:
-        """The torque."""
+        """The torque as a nonlinear force."""
         channel = motor_channels(self.name)[2]
         yield Element(
             kind=type(self).__name__,
@@ -149,7 +128,7 @@ class TorqueSource(OutsideForce):
 
     @property
     def channel_names(self) -> tuple[str, ...]:
-        """Angle, speed and torque; the torque of the coupling in front of a rotor."""
+        """Angle, speed and torque; torque of the coupling of a rotor."""
         return (*motor_channels(self.name), *(() if self._coupling is None else (self.name + COUPLING_TORQUE,)))
 
     def readings(self, lay: Coordinates) -> dict[str, Reading]:

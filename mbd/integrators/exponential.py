@@ -5,9 +5,10 @@ g(t_n + theta h) = sum_k c_k theta^k. With phi_k(z) = int_0^1 e^((1 - s) z) s^(k
 
     eta_new = e^z eta + h sum_k k! phi_(k+1)(z) c_k = e^z eta + sum_s w_s g_(n+1-s),
 
-an implicit exponential Adams method of third order in the nonlinear forces. After the start and after a contact that
-opened or closed, the past value says nothing about the step, and the hold is the straight line between both ends.
-Steps that the forces do not fit are cut into quarters, up to three times (see `mbd.integrators.modal_loop`).
+an implicit exponential Adams method of third order in the nonlinear forces. After the start, and after a contact has
+opened or closed, the earlier value does not apply to the step, and the hold is the straight line between both ends.
+Steps in which this approximation of the forces is too coarse are cut into quarters, up to three times (see
+`mbd.integrators.modal_loop`).
 
 References
 ----------
@@ -24,14 +25,14 @@ from mbd.integrators.modal import Hold, ModalIntegrator
 from mbd.integrators.phi_functions import phi_functions
 from mbd.system.system import System
 
-LINEAR = (1.0, 0.0)  # theta of the instants that a hold goes through
+LINEAR = (1.0, 0.0)  # theta of the instants whose forces define a hold
 QUADRATIC = (1.0, 0.0, -1.0)
-AFTER_SHORT, AFTER_LONG = (1.0, 0.0, -0.25), (1.0, 0.0, -4.0)  # the step before was a quarter, four times as long
+AFTER_SHORT, AFTER_LONG = (1.0, 0.0, -0.25), (1.0, 0.0, -4.0)  # the last step was a quarter as long, four times as long
 LEVELS = 4  # step lengths h, h/4, h/16, h/64
 
 
 def hold(eigenvalues: np.ndarray, step: float, instants: tuple[float, ...] = QUADRATIC) -> Hold:
-    """Weights of the polynomial through the forces at ``instants`` (theta), the new one first."""
+    """Weights of the polynomial through the forces at ``instants`` (theta), of which the new one is the first."""
     z, n = eigenvalues * step, len(instants)
     phi = phi_functions(z, n)
     powers = np.linalg.inv(np.vander(np.array(instants), increasing=True))

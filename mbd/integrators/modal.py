@@ -160,7 +160,7 @@ class ModalIntegrator:
         other._step = 0.5 * self._step
         other._constants = self._constants_of(other._step)
         assert other._memory is not None
-        other._memory.counts[0] = 0  # the instants before are further apart than the holds of its steps take them
+        other._memory.counts[0] = 0  # the earlier instants are spaced wider than the holds of its steps assume
         return other
 
     def _levels(self, block: Block) -> np.ndarray:

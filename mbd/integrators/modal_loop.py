@@ -1,11 +1,11 @@
-"""The compiled time loop over complex modes, see `mbd.integrators.modal`; arrays over modes hold (Re, Im) halves.
+"""Time loop over complex modes, compiled, see `mbd.integrators.modal`; arrays over modes hold (Re, Im) halves.
 
-Refinement: the forces extrapolated to the end of a step are compared with those that the motion they cause gives. A
-step where they differ by more than ROUGH of their scale, where a contact opens or closes, or which does not converge is
-taken back and cut into quarters, and so on down to the shortest length (level); there it is taken as it is. Lengths
-grow again, at places that are whole steps of the longer length, once the difference is below SMOOTH. Exact coefficients
-are kept for every length, so that a cut costs only its evaluations. A motion that is to be compared with another one
-takes the lengths of that one: cuts of its own would part them by the error of a step.
+Refinement: the forces extrapolated to the end of a step are compared with the forces at the motion that they cause.
+A step is repeated in quarters if they differ by more than ROUGH of their scale, if a contact opens or closes, or if it
+does not converge, and so on down to the shortest length (level), which is not cut further. Lengths increase
+again, where a step of the longer length may begin, once the difference is below SMOOTH. Exact coefficients are stored
+for every length, so that a cut costs only its evaluations. A motion that is compared with another one takes the lengths
+of that one: different cuts would separate them by the error of a step.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ ROUGH, SMOOTH = 0.025, 0.005
 
 
 class Constants(NamedTuple):
-    """What does not change; holds: 0 the line, 1 the usual one, 2 and 3 after a shorter and a longer step."""
+    """Constants of the loop; holds: 0 linear, 1 after an equal step, 2 and 3 after a shorter and a longer step."""
 
     length: np.ndarray  # (level,) s
     growth: np.ndarray  # (level, 2 mode) e^(lambda h)
     rate: np.ndarray  # (2 mode,) lambda
     weights: np.ndarray  # (level, hold, s, 2 mode)
     powers: np.ndarray  # (hold, k, s)
-    load: np.ndarray  # (level, 2 mode) what the constant load adds in a step
-    ramp: np.ndarray  # (level, 2 mode) the same per unit of motor acceleration
+    load: np.ndarray  # (level, 2 mode) change of the state in a step by the constant load
+    ramp: np.ndarray  # (level, 2 mode) change of the state in a step per unit of motor acceleration
     enter: np.ndarray  # (m, 2 mode) modal force per row force
     rows: np.ndarray  # (m + observed, 2 mode) row displacements
     g_u: np.ndarray  # (level, hold, m + observed, m)
@@ -45,27 +45,27 @@ class Constants(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """What a step leaves for the next; overwritten in place."""
+    """Data of a step that the next one needs; overwritten in place."""
 
     state: np.ndarray  # (2 mode,)
     forces: np.ndarray  # (3, m) of the last instants, newest first
     pushes: np.ndarray  # (s, 2 mode) modal forces of the last instants, newest first
     past: np.ndarray  # (2,) lengths of the last two steps, s
-    counts: np.ndarray  # (4,) int: steps since the last kink, level to try, level of the last step, all steps
+    counts: np.ndarray  # (4,) int: steps since a contact changed, level to try, level of the last step, all steps
     motor: np.ndarray  # (3,) angle, speed, time
     rows: np.ndarray  # (m + observed,)
-    elements: Instant  # what they answered
+    elements: Instant  # their answers
 
 
 class Room(NamedTuple):
-    """Arrays that a step works in."""
+    """Arrays for intermediate results of a step."""
 
     u: np.ndarray  # (m + observed,) displacements without the new forces
     v_without: np.ndarray  # (m,) their rates
     v: np.ndarray  # (m,) rates with them
     guess: np.ndarray  # (m,) forces
     moving: np.ndarray  # (2 mode,) rates of the modes without the new forces
-    stiffness: np.ndarray  # (m, WIDTH), frozen and frozen stiffness of an `Instant`
+    stiffness: np.ndarray  # (m, WIDTH); this and the next two are those of an `Instant`
     frozen: np.ndarray
     frozen_stiffness: np.ndarray
     work: Workspace
@@ -97,7 +97,7 @@ def compile_loop() -> None:
 
 @inner(fastmath={"reassoc", "contract", "nsz"})
 def _dots(a, b, c):
-    """a . b and a . c; both at once read the long rows of modes only once."""
+    """a . b and a . c; computing both at once reads the long rows of modes only once."""
     first = second = 0.0
     for j in range(len(a)):
         first += a[j] * b[j]
@@ -126,7 +126,7 @@ def _add_rows(target, factors, rows):
 
 @inner(fastmath={"contract"})
 def _free_step(before, growth, load, ramp, acceleration, after):
-    """after = E before + the part of the prescribed forces."""
+    """after = E before + the contribution of the prescribed forces."""
     n = len(before) // 2
     for j in range(n):
         r, i, er, ei = before[j], before[n + j], growth[j], growth[n + j]
@@ -146,7 +146,8 @@ def _add_product(target, weight, push):
 
 @inner()
 def _extrapolate(forces, past, smooth, h, guess):
-    """Forces h after the last instant: the parabola, line or constant through as many instants as are smooth."""
+    """Forces h after the last instant: the parabola, line or constant through up to three instants without a contact
+    change between them."""
     near, far = past[0], past[0] + past[1]
     a, b, c = 1.0, 0.0, 0.0
     if smooth >= 2:
@@ -168,7 +169,7 @@ def _turn(frame, powers, past_forces, force, motor, h):
 
 @inner()
 def _choose_hold(counts, level, n_past):
-    """Which hold: the line after a kink or a step more than four times as long or as short."""
+    """Number of the hold: linear after a contact change or a step more than four times as long or as short."""
     apart = counts[2] - level
     if counts[0] < n_past - 2 or apart > 1 or apart < -1:
         return 0
@@ -177,7 +178,7 @@ def _choose_hold(counts, level, n_past):
 
 @inner()
 def _remember(h, weight, powers, enter, memory, level, kink, eta, force, row_values, now, held):
-    """Finish a step of length h: its own part of the state, the polynomials of the forces, and the memory."""
+    """Finish a step of length h: contribution of its new forces to the state, polynomials of the forces, memory."""
     state, forces, pushes, past, counts, _, rows, last = memory
     n_past = len(pushes)
     for s in range(n_past - 1, 0, -1):
@@ -211,19 +212,19 @@ def _remember(h, weight, powers, enter, memory, level, kink, eta, force, row_val
 
 @stored(__file__, **UNCOUNTED)
 def advance_modes(table, first, angles, accelerations, constants, memory, block, tolerance, plan, arrays):
-    """Steps as far as the block reaches: next step, instants and iterations taken, True if a step failed.
+    """Take steps while the block has room: next step, instants and iterations taken, True if a step failed.
 
     Parameters
     ----------
     table : elements of the machine
     first : number of the first step to take
     angles : (step,) of the motor at the end of each step, rad
-    accelerations : (step,) of the motor during it, rad/s2; neither counts for a free frame
-    constants, memory : what does not change, and what a step leaves for the next (changed in place)
+    accelerations : (step,) of the motor during it, rad/s2; a free frame uses neither
+    constants, memory : `Constants`, and the `Memory` of the last step (changed in place)
     block : `mbd.integrators.base.Block` with room for the instants of one step or more, filled in
     tolerance : of the forces, in units of their scale
-    plan : (instant,) int, levels to take, or (0,): chosen as the forces ask
-    arrays : `Room` to work in
+    plan : (instant,) int, levels to take, or (0,): chosen by the difference of the forces
+    arrays : `Room` for intermediate results
     """
     length, growth, rate, weights, powers, load, ramp, enter, rows, g_u, g_v, frame = constants
     state, past_forces, pushes, past, counts, motor, last_rows, last = memory

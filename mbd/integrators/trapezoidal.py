@@ -1,4 +1,4 @@
-"""Trapezoidal rule: A-stable, second order, no damping of its own; equal to Newmark's average acceleration.
+"""Trapezoidal rule: A-stable, second order, without numerical damping; equal to Newmark's average acceleration.
 
 eta_new = [(1 + z/2) eta + (h/2)(g_old + g_new)]/(1 - z/2), z = lambda h. Its period error is (omega h)^2/12.
 

@@ -1,9 +1,9 @@
-"""Energy balance: what every part stored, dissipated and received, and what is left over.
+"""Energy balance: stored, dissipated and received energy of every part, and the residual.
 
 residual = received + parametric - change of stored energy - dissipated.
 
-The balances of the parts (`mbd.output.linear_energy`, `mbd.output.element_energy`) are kept in the frame that rolls
-with the train, where the inertia force of a speed ramp counts as received. The total is that of the real motion
+The balances of the parts (`mbd.output.linear_energy`, `mbd.output.element_energy`) refer to the frame that rolls
+with the train, where the inertia force of a speed ramp counts as received. The total refers to the real motion
 R phi_m + q: it receives the works of motors, gravity and drum torque, and the parametric works.
 """
 
@@ -20,7 +20,7 @@ ENERGY_ENTRIES = ("stored", "dissipated", "received", "parametric", "residual", 
 
 
 class EnergyBalance:
-    """Accumulates the blocks of a run of at least ``n_steps`` steps; it must be fed exactly ``steps`` of them."""
+    """Accumulates the energies of a run of at least ``n_steps`` steps; it needs exactly ``steps`` of them."""
 
     def __init__(self, system: System, integrator: Integrator, step: float, n_steps: int) -> None:
         self._system, self._step = system, step
@@ -33,7 +33,7 @@ class EnergyBalance:
         self._watched, self._angle = np.zeros(len(self._watch)), 0.0
         self._ramp_work = dict.fromkeys([part.name for part in massive], 0.0)
         self._constant_work, self._throughput = 0.0, 0.0
-        self._speeds = (0.0, 0.0)  # of the frame at the start and at the last instant
+        self._speeds = (0.0, 0.0)  # speed of the frame at the start and at the last instant
 
     def take(self, block: Block, first: int) -> None:
         """Add a block; ``first`` is its first instant, counted in steps since the start."""
@@ -55,12 +55,14 @@ class EnergyBalance:
         self._speeds = (block.clock[0, SPEED] if first == 0 else self._speeds[0], block.clock[-1, SPEED])
 
     def events(self) -> dict[str, int]:
-        """Contact losses and back-flank contacts of every mesh, slack events of the ropes."""
+        """Contacts lost by every mesh and made on its coast flank, slack events of the ropes."""
         return self._elements.events()
 
     def table(self) -> tuple[tuple[str, ...], np.ndarray]:
-        """Part names and ENERGY_ENTRIES (part, entry) in J; ``scale`` is what the residual is held against:
-        the dissipated energy of the part (its peak stored energy if undamped), all work of the sources for the total.
+        """Part names and ENERGY_ENTRIES (part, entry) in J.
+
+        ``scale`` is the energy with which the residual is compared: the dissipated energy of the part (its peak stored
+        energy if undamped), all work of the sources for the total.
         """
         linear, motor_work = self._linear.entries(self._ramp_work)
         rows = linear | self._elements.entries()
@@ -74,7 +76,7 @@ class EnergyBalance:
         return tuple(rows), np.array(list(rows.values()))
 
     def _rigid_energy(self) -> float:
-        """Change of (phi' R)^T M v + phi'^2 R^T M R/2, the kinetic energy that the rolling frame leaves out."""
+        """Change of (phi' R)^T M v + phi'^2 R^T M R/2, the kinetic energy that the rolling frame does not contain."""
         rolling, linear = self._system.rolling, self._linear
         momentum = rolling @ self._system.mass
         energies = [

@@ -114,7 +114,7 @@ class LinearWork:
 
     def _part_forces(self, part: Part, rows: np.ndarray) -> np.ndarray:
         """Forces (displacement, state) of a massless part."""
-        return part.summed("stiffness") @ (rows @ self.to_q) + part.summed("damping") @ (rows @ self.to_v)
+        return part.own("stiffness") @ (rows @ self.to_q) + part.own("damping") @ (rows @ self.to_v)
 
     def _port_slices(self) -> list[slice]:
         """Ports of every massless part."""

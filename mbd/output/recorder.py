@@ -1,14 +1,13 @@
-"""Recorder: turns blocks of states into channels, low-pass filters them and keeps one sample per output interval.
+"""Recorder: computes channels from blocks of states, low-pass filters them and stores a sample per output interval.
 
-Samples go to ``values[:, first:last]`` as they are ready: an array, or a `StoredArray` of any length.
-
+Samples go to ``values[:, first:last]`` as soon as they are complete: an array, or a `StoredArray` of any length.
 The filter is a linear-phase FIR (Kaiser window): flat to ``PASS_SHARE`` of the output rate, at least
-``ATTENUATION`` dB down at and above 1 - ``PASS_SHARE`` of it, so that nothing folds into the pass band. Its delay is
-taken out: a sample at time t uses the steps around t. Before t = 0 the machine rests, so the first value is repeated.
+``ATTENUATION`` dB down at and above 1 - ``PASS_SHARE`` of it, so that the pass band is free of aliasing. The delay is
+compensated: a sample at time t uses the steps around t. Before t = 0 the machine rests, so the first value is repeated.
 
 References
 ----------
-Oppenheim & Schafer (2010), Discrete-Time Signal Processing, section 7.6 (Kaiser window). It is written out here because
+Oppenheim & Schafer (2010), Discrete-Time Signal Processing, section 7.6 (Kaiser window). It is implemented here because
 importing SciPy's functions for it takes 1.5 s.
 """
 
@@ -30,19 +29,19 @@ CHUNK = 32  # samples filtered at once, as a matrix product
 
 
 def low_pass(steps_per_sample: int) -> np.ndarray:
-    """Filter taps (odd number, sum 1); the single tap 1 when every step is a sample."""
+    """Filter taps (odd number, sum 1); the single tap 1 if every step is a sample."""
     if steps_per_sample == 1:
         return np.ones(1)
-    width = 2 * (1 - 2 * PASS_SHARE) / steps_per_sample  # of the Nyquist frequency of the steps
+    width = 2 * (1 - 2 * PASS_SHARE) / steps_per_sample  # in units of the Nyquist frequency of the steps
     taps = math.ceil((ATTENUATION - 7.95) / (2.285 * math.pi * width) + 1)
-    pairs = math.ceil((taps - 1) / (2 * steps_per_sample))  # a delay of whole samples
+    pairs = math.ceil((taps - 1) / (2 * steps_per_sample))  # the delay is a whole number of samples
     at = np.arange(-steps_per_sample * pairs, steps_per_sample * pairs + 1)
     result = np.sinc(at / steps_per_sample) * np.kaiser(len(at), 0.1102 * (ATTENUATION - 8.7))
     return result / result.sum()
 
 
 def _filter_matrix(taps: np.ndarray, every: int) -> np.ndarray:
-    """(step, sample) of CHUNK samples: the taps, ``every`` steps further down for every sample."""
+    """Matrix (step, sample) of CHUNK samples: the taps, shifted by ``every`` steps per sample."""
     matrix = np.zeros(((CHUNK - 1) * every + len(taps), CHUNK))
     for k in range(CHUNK):
         matrix[k * every : k * every + len(taps), k] = taps
@@ -50,13 +49,14 @@ def _filter_matrix(taps: np.ndarray, every: int) -> np.ndarray:
 
 
 def _signals(rows: ChannelRows) -> np.ndarray:
-    """Channels (int) by which a run is judged: vibration of casing or journals, or else the forces."""
+    """Numbers of the channels by which a run is judged: vibration of casing or journals, else the forces."""
     vibration = np.flatnonzero(rows.vibration)
     return vibration if vibration.size else np.flatnonzero(np.array(rows.units, dtype=object) == "N")
 
 
 class Recorder:
-    """Fills `values` (channel, sample) with the system's channels, ``steps_per_sample`` steps apart at `rate` (Hz)."""
+    """Stores the system's channels in `values` (channel, sample), a sample per ``steps_per_sample`` steps, at `rate`
+    (Hz)."""
 
     def __init__(
         self,
@@ -79,11 +79,11 @@ class Recorder:
         self._ramp = rows.rigid[:, 2] - rows.acceleration @ h @ (system.mass @ system.rolling)
         self._taps, self._every = low_pass(steps_per_sample), steps_per_sample
         self._filter = _filter_matrix(self._taps, steps_per_sample)
-        self._pending = np.zeros((len(rows.names), 0))  # instants not yet used up
+        self._pending = np.zeros((len(rows.names), 0))  # instants that later samples need
         self._next = 0  # next sample
         self.signals = _signals(rows)
         self._rigid, self._rate = rows.rigid, rate
-        self._turned = np.zeros((0, 2))  # angle and speed of the frame at whole steps, from that of the next sample on
+        self._turned = np.zeros((0, 2))  # angle and speed of the frame at whole steps, from the next sample on
         self.values = values
         self.steps_needed = (values.shape[1] - 1) * steps_per_sample + len(self._taps) // 2
 

@@ -1,18 +1,18 @@
-"""Can the motion be repeated sample by sample? A neighbouring motion is followed over parts of the run.
+"""Repeatability: whether a second computation would give the same waveform, from neighbouring motions.
 
-The neighbour starts from a state changed by a millionth and takes the same cuts of the steps: cuts of its own would
-part the two by the error of a step. In a damped machine whose contacts stay closed, or open and close with the tooth
-pairs, the two motions close in on each other. In rattle they part exponentially (at the largest Lyapunov exponent of
-the motion): once they are as far apart as the signal is large, no second computation gives the same waveform, be it
-with another step, on another computer, or of a gearbox a micrometre different. Only statistics mean something then.
+The neighbour starts from a state changed by a millionth and takes the same cuts of the steps, because different cuts
+would separate the two by the error of a step. In a damped machine whose contacts stay closed, or open and close with
+the tooth pairs, the two motions converge. In rattle they diverge exponentially (at the largest Lyapunov exponent of
+the motion). Once their distance is as large as the signal, no second computation gives the same waveform, be it
+with another step, on another computer, or of a gearbox a micrometre different. Only statistics are then meaningful.
 
-A machine can part only where a contact opens or closes, so nothing is followed before that, or where there are rolling
-elements or a container that touches the ground. A neighbour is followed as long as the distance grows fast enough to
-reach the size of the signal before the run ends, else dropped; the next one waits until the share of steps followed is
-below SHARE again. The motion is called unrepeatable if the distance, RMS over a window, has grown 100-fold and to half
-the signal: that is seen, never extrapolated. Measured on one stage in bearings 6205 with 20 um clearance and 2 kg at
-3000 rpm: the distance times e in 7 ms; with plain bearings and 5 kg, which opens and closes its contacts, a passing
-growth by 10 and then a fall by 1000.
+Motions diverge only where a contact opens or closes, so no neighbour starts before that, except with rolling elements
+or a container that touches the ground. A neighbour is followed while its distance grows fast enough to
+reach the size of the signal before the run ends, else dropped; the next one starts when the share of steps followed is
+below SHARE again. The motion is unrepeatable if the distance, RMS over a window, has grown 100-fold and to half
+the signal: this is observed, never extrapolated. Example, one stage in bearings 6205 with 20 um clearance and 2 kg at
+3000 rpm: the distance grows by e in 7 ms. With plain bearings and 5 kg contacts also open and close, but the distance
+grows by 10 only and then falls by 1000.
 
 References
 ----------
@@ -37,35 +37,35 @@ logger = logging.getLogger(__name__)
 CHANGE = 1e-6  # of every number of the state
 GROWTH = 100.0
 PARTED = 0.5  # of the signal
-SHARE = 0.05  # of the steps, followed without the distance growing
-WINDOWS = 200  # of a run, over which the distance is averaged
+SHARE = 0.05  # of the steps, followed with a neighbour that was dropped
+WINDOWS = 200  # windows of a run, over which the distance is averaged
 LEAST_WINDOW = 100  # steps
-START_CHANGE = 1e-4  # of the displacement at rest, of another start
+START_CHANGE = 1e-4  # of the displacement at rest, for another start
 
 
 class Repeatability:
-    """Follows neighbours of a run of ``n_steps`` steps.
+    """Observer of neighbouring motions in a run of ``n_steps`` steps.
 
-    Around every advance, of at most `reach` steps, call `before` and `after` with the steps done before it.
+    Around every advance, of at most `reach` steps, call `before` and `after` with the number of steps done before it.
     """
 
     def __init__(self, system: System, recorder: Recorder, step: float, n_steps: int) -> None:
         self._recorder, self._profile, self._step, self._n_steps = recorder, system.machine.profile, step, n_steps
         self._random = np.random.default_rng(0)
         self._window = max(LEAST_WINDOW, n_steps // WINDOWS)
-        self._contacts = system.table.row[:-1][system.table.opens == 1]  # rows that carry a force where it touches
+        self._contacts = system.table.row[:-1][system.table.opens == 1]  # rows with a force while in contact
         self._always = any(element.inner_contacts for element in system.elements)
-        self._crossed = False  # a contact opened or closed in the last block
+        self._crossed = False  # whether a contact opened or closed in the last block
         self._touching = np.zeros((0, len(self._contacts)), dtype=bool)
         self._state = np.zeros(0)
         self._neighbour: Integrator | None = None
         self._first = 0  # step at which the neighbour started
-        self._next = 0 if recorder.signals.size else n_steps  # at which the next one may
+        self._next = 0 if recorder.signals.size else n_steps  # first step at which the next one may start
         self._own: list[np.ndarray] = []
         self._apart: list[np.ndarray] = []
         self._distances: list[float] = []  # RMS of a window
         self._signal = 0.0
-        self.parted_at, self.rate = 0.0, 0.0  # s and 1/s; 0 where no neighbour parted
+        self.parted_at, self.rate = 0.0, 0.0  # s and 1/s; 0 if no neighbour diverged
 
     def reach(self, done: int) -> int:
         """Steps from ``done`` to the end of a window."""
@@ -74,14 +74,14 @@ class Repeatability:
         return self._window - (done - self._first) % self._window
 
     def before(self, integrator: Integrator, done: int) -> None:
-        """Start a neighbour if it is time for one."""
+        """Start a neighbour if one is due."""
         if self._neighbour is None and self._crossed and done >= self._next:
             change = CHANGE * self._state * self._random.standard_normal(len(self._state))
             self._neighbour, self._first = integrator.branch(change), done
             self._own, self._apart, self._distances, self._signal = [], [], [], 0.0
 
     def after(self, done: int, steps: int, block: Block) -> None:
-        """Take the neighbour along the ``steps`` from ``done`` on, whose result was ``block``."""
+        """Advance the neighbour by the ``steps`` after ``done``; ``block`` is the result of the run."""
         touching = np.vstack([self._touching, block.elastic[:, self._contacts] > 0.0])
         self._crossed = self._always or bool((touching[1:] != touching[:-1]).any())
         self._touching, self._state = touching[-1:], block.states[-1]
@@ -89,7 +89,7 @@ class Repeatability:
             return
         try:
             other = self._neighbour.advance(*self._profile.motion(done, steps, self._step), like=block)
-        except StepError as error:  # the cuts that serve one motion need not serve another
+        except StepError as error:  # the cuts of one motion may be too coarse for another
             logger.debug("neighbour given up: %s", error)
             self._drop(done + steps)
             return
@@ -100,7 +100,7 @@ class Repeatability:
             self._judge(done + steps)
 
     def _judge(self, done: int) -> None:
-        """At the end of a window: has the neighbour parted, can it still, or is it dropped?"""
+        """At the end of a window, decide whether the neighbour has diverged, can still do so, or is dropped."""
         own, apart = np.hstack(self._own), np.hstack(self._apart)
         self._own, self._apart = [], []
         self._distances.append(float(np.sqrt(np.mean(apart**2))))
@@ -122,7 +122,7 @@ class Repeatability:
 
 
 def other_start(system: System, rest: State, number: int) -> State:
-    """Start ``number`` beside ``rest``: every modal displacement changed by a normal share of START_CHANGE."""
+    """Start ``number`` near ``rest``: every modal displacement changed by a normal deviate times START_CHANGE."""
     modal = system.basis.T @ (system.mass @ rest.displacement)
     share = START_CHANGE * np.random.default_rng(number).standard_normal(len(modal))
     return replace(rest, displacement=rest.displacement + system.basis @ (share * modal))

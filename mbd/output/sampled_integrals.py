@@ -1,9 +1,9 @@
 """Integrals for the energy balance of the linear parts as sums over the instants, for an integrator without a `Flow`.
 
-Sums are those of the trapezoidal rule, accurate beyond all orders for smooth oscillations that the instants resolve. A
-jump D phi'' of the motor acceleration turns v by J D phi'', J = -M^-1 M R, so that by Euler and Maclaurin's formula a
-power v . g gains H^2 B_2(theta)/2 J D phi'' . g at the place theta between samples H apart
-(B_2 = theta^2 - theta + 1/6).
+Sums are those of the trapezoidal rule, which converges faster than any power of the sampling interval for smooth
+oscillations that the instants resolve. A jump D phi'' of the motor acceleration changes v by J D phi'',
+J = -M^-1 M R, so that by the Euler-Maclaurin formula a power v . g gains H^2 B_2(theta)/2 J D phi'' . g at the place
+theta between samples at the distance H (B_2 = theta^2 - theta + 1/6).
 """
 
 from __future__ import annotations
@@ -13,11 +13,12 @@ from scipy.linalg import blas
 
 from mbd.integrators.base import ACCELERATION, Block
 
-MAX_SAMPLES = 100_000  # of int x x^T; longer runs are sampled every few steps
+MAX_SAMPLES = 100_000  # for int x x^T; longer runs are sampled every few steps
 
 
 class SampledWork:
-    """Accumulates blocks of a run of at least ``n_steps`` steps; ``steps`` is that number rounded up to the stride."""
+    """Accumulates the integrals of a run of at least ``n_steps`` steps; ``steps`` is the number rounded up to the
+    stride."""
 
     def __init__(self, step: float, n_steps: int, to_force: np.ndarray, n_rows: int) -> None:
         self._step, self._to_force, self._m = step, to_force, n_rows
@@ -48,7 +49,7 @@ class SampledWork:
         self._first += root @ chosen
 
     def _jumps(self, at: np.ndarray, states: np.ndarray, forces: np.ndarray, accelerations: np.ndarray) -> None:
-        """Acceleration jumps, each counted at the first instant after it: within one step of its place."""
+        """Acceleration jumps, each assigned to the first instant after it, within one step of its place."""
         jumps = np.diff(accelerations, prepend=self._held)
         self._held = float(accelerations[-1])
         some = np.flatnonzero(jumps)

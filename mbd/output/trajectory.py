@@ -1,4 +1,4 @@
-"""Trajectory: what a run returns, sampled at the output rate, with its energy balance and counters."""
+"""Trajectory: result of a run, sampled at the output rate, with its energy balance and counters."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from fem.storage.records import Record, array, names, scalar, text
 from fem.storage.stored_array import StoredArray
 
 TOTAL_LIMIT = 1e-6  # of all work of the sources
-PART_LIMIT = 1e-3  # of the largest energy that flows through a part of the machine, see `mbd.output.balance`
-ROUND_OFF = 1e-10  # of all work of the sources, and of the joule or so of strain that machines at rest hold
+PART_LIMIT = 1e-3  # of the largest energy flow through a part of the machine, see `mbd.output.balance`
+ROUND_OFF = 1e-10  # of all work of the sources, at least of 1 J, the order of the strain energy of machines at rest
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Trajectory(Record):
     """Channels over time; ``values[i]`` is the channel ``channel_names[i]`` in ``channel_units[i]``.
 
-    `values` is an array, or a `StoredArray` that reads what it is asked for. `motors` to `sensors` name what the
-    channels belong to, see `mbd.parts.channels`.
+    `values` is an array, or a `StoredArray` that reads the requested part. `motors` to `sensors` name the owners of the
+    channels, see `mbd.parts.channels`.
     """
 
     integrator: str = text()
@@ -35,8 +35,8 @@ class Trajectory(Record):
     sensors: tuple[str, ...] = names("sensor")
     step: float = scalar(units="s")
     step_error: float = scalar(units="1")  # error of the accelerations by the step, sample by sample; 0: not measured
-    parted_at: float = scalar(units="s")  # when a neighbouring motion was as far away as the signal is large, 0: never
-    parting_rate: float = scalar(units="1/s")  # of the distance until then
+    parted_at: float = scalar(units="s")  # divergence time: distance of a neighbouring motion half the signal, 0: never
+    parting_rate: float = scalar(units="1/s")  # Lyapunov exponent: growth rate of the distance until then
     output_rate: float = scalar(units="Hz")
     pass_band: float = scalar(units="Hz")  # flat up to here; above output_rate - pass_band removed
     counter_names: tuple[str, ...] = names("counter")
@@ -46,7 +46,7 @@ class Trajectory(Record):
     energies: np.ndarray = array("part", "entry", units="J")
 
     def channel(self, name: str) -> np.ndarray:
-        """Values (time,) of one channel; KeyError with the known names if absent."""
+        """Values (time,) of one channel; KeyError with the known names if there is none of this name."""
         if name not in self.channel_names:
             raise KeyError(f"{name!r} is not a channel of this run; known: {', '.join(self.channel_names)}")
         return self.values[self.channel_names.index(name)]
@@ -60,10 +60,10 @@ class Trajectory(Record):
         return float(self.energies[self.energy_parts.index(part), self.energy_entries.index(entry)])
 
     def open_parts(self) -> tuple[str, ...]:
-        """Parts, and the total, whose energy balance leaves a residual that counts; none for a sound run.
+        """Parts, and the total, whose energy balance has too large a residual; none if the run is accurate.
 
-        Parts are held against the flow of energy through the machine, not against their own: what a shaft that
-        dissipates a millijoule leaves over says nothing about the motion.
+        The residual of a part is compared with the energy flow through the machine, not through the part: a shaft that
+        dissipates a millijoule has no effect on the motion.
         """
         floor = ROUND_OFF * max(1.0, self.energy("total", "scale"))
         _, flow = self._largest_flow()
@@ -74,7 +74,7 @@ class Trajectory(Record):
         )
 
     def unbalanced(self) -> tuple[str, ...]:
-        """One sentence on the worst of `open_parts`; none if there is none."""
+        """One sentence on the largest residual of `open_parts`; empty if there is none."""
         parts = self.open_parts()
         if not parts:
             return ()
@@ -89,7 +89,7 @@ class Trajectory(Record):
         return (f"{left}; the limit is {limit}{more}.",)
 
     def _largest_flow(self) -> tuple[str, float]:
-        """The part with the largest energy stored, dissipated, received or taken up by changing stiffness, and J."""
+        """The part with the largest energy stored, dissipated, received or of parametric work, and this energy in J."""
         flows = {
             part: max(abs(self.energy(part, entry)) for entry in ("stored", "dissipated", "received", "parametric"))
             for part in self.energy_parts

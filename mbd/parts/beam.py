@@ -1,4 +1,4 @@
-"""Beam section and rigid disk: the elements of a shaft, on the displacements (ux, uy, uz, rx, ry, rz) of its nodes.
+"""Beam section and rigid disk: pieces of a shaft, on the displacements (ux, uy, uz, rx, ry, rz) of its nodes.
 
 A section of length L along y carries axial and torsional stiffness EA/L, GJ/L and, in the two planes (uz, rx) and
 (ux, -rz), the shear-flexible beam with interdependent shape functions (exact for end loads), consistent mass and rotary
@@ -20,95 +20,53 @@ Nelson (1980), J. Mech. Des. 102(4), 793-803; Genta (2005), Dynamics of Rotating
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
-
-from mbd.elements.linear import LinearElement
 
 Z_PLANE, X_PLANE = (2, 3, 8, 9), (0, 5, 6, 11)  # (uz, rx) and (ux, rz) of both nodes
 X_SIGNS = (1, -1, 1, -1)  # theta = du/dy is -rz
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class BeamSection(LinearElement):
-    """A length (m) of hollow round shaft on the displacements (12,) of its two nodes; Pa, kg/m3, s."""
+def beam_matrices(
+    length: float, outer: float, inner: float, *, modulus: float, nu: float, density: float, damping_time: float
+) -> np.ndarray:
+    """A length (m) of hollow round shaft on the displacements (12,) of its two nodes.
 
-    length: float
-    outer_diameter: float
-    inner_diameter: float
-    elastic_modulus: float
-    poisson_ratio: float
-    density: float
-    damping_time: float
+    Parameters
+    ----------
+    length, outer, inner : of the section and its diameters, m
+    modulus, nu : Young's modulus, Pa, and Poisson's ratio
+    density, damping_time : kg/m3, and tau of C = tau K, s
 
-    def mass(self) -> np.ndarray:
-        """M (12, 12), kg, kg m and kg m2."""
-        pair = np.array([[2, 1], [1, 2]]) * self.length / 6
-        matrix = np.zeros((12, 12))
-        matrix[np.ix_((1, 7), (1, 7))] = self.density * self.area * pair
-        matrix[np.ix_((4, 10), (4, 10))] = self.density * 2 * self.second_moment * pair
-        mass_per_length = self.density * self.area, self.density * self.second_moment
-        return matrix + _in_both_planes(_bending(self.length, self.shear_share, 0.0, *mass_per_length)[0])
-
-    def stiffness(self) -> np.ndarray:
-        """K (12, 12), N/m, N and N m."""
-        pair = np.array([[1, -1], [-1, 1]]) / self.length
-        shear_modulus = self.elastic_modulus / (2 * (1 + self.poisson_ratio))
-        matrix = np.zeros((12, 12))
-        matrix[np.ix_((1, 7), (1, 7))] = self.elastic_modulus * self.area * pair
-        matrix[np.ix_((4, 10), (4, 10))] = shear_modulus * (2 * self.second_moment) * pair
-        bending_stiffness = self.elastic_modulus * self.second_moment
-        return matrix + _in_both_planes(_bending(self.length, self.shear_share, bending_stiffness, 0.0, 0.0)[1])
-
-    def damping(self) -> np.ndarray:
-        """C = tau K (12, 12)."""
-        return self.damping_time * self.stiffness()
-
-    def gyroscopic(self) -> np.ndarray:
-        """G (12, 12), kg, kg m and kg m2."""
-        tilt = _bending(self.length, self.shear_share, 0.0, 0.0, self.density * self.second_moment)[0]
-        block = 2.0 * tilt @ np.diag(X_SIGNS)
-        matrix = np.zeros((12, 12))
-        matrix[np.ix_(Z_PLANE, X_PLANE)] = block
-        matrix[np.ix_(X_PLANE, Z_PLANE)] = -block.T
-        return matrix
-
-    @property
-    def area(self) -> float:
-        """A of the cross section, m2."""
-        return math.pi * (self.outer_diameter**2 - self.inner_diameter**2) / 4
-
-    @property
-    def second_moment(self) -> float:
-        """I of the cross section, m4; the polar moment is twice that."""
-        return math.pi * (self.outer_diameter**4 - self.inner_diameter**4) / 64
-
-    @property
-    def shear_share(self) -> float:
-        """12 E I/(kappa G A L^2): shear over bending flexibility."""
-        d, d_i = self.outer_diameter, self.inner_diameter
-        kappa = shear_coefficient(self.poisson_ratio, d_i / d)
-        return 12 * 2 * (1 + self.poisson_ratio) * (d**2 + d_i**2) / 16 / (kappa * self.length**2)
+    Returns
+    -------
+    M, C, K and G (4, 12, 12), SI
+    """
+    area = math.pi * (outer**2 - inner**2) / 4
+    second_moment = math.pi * (outer**4 - inner**4) / 64  # the polar moment is twice that
+    kappa = shear_coefficient(nu, inner / outer)
+    phi = 12 * 2 * (1 + nu) * (outer**2 + inner**2) / 16 / (kappa * length**2)  # 12 E I/(kappa G A L^2)
+    mass, stiffness, gyroscopic = np.zeros((3, 12, 12))
+    spread = np.array([[2, 1], [1, 2]]) * length / 6
+    mass[np.ix_((1, 7), (1, 7))] = density * area * spread
+    mass[np.ix_((4, 10), (4, 10))] = density * 2 * second_moment * spread
+    mass += _in_both_planes(_bending(length, phi, 0.0, density * area, density * second_moment)[0])
+    between = np.array([[1, -1], [-1, 1]]) / length
+    stiffness[np.ix_((1, 7), (1, 7))] = modulus * area * between
+    stiffness[np.ix_((4, 10), (4, 10))] = modulus / (2 * (1 + nu)) * (2 * second_moment) * between
+    stiffness += _in_both_planes(_bending(length, phi, modulus * second_moment, 0.0, 0.0)[1])
+    block = 2.0 * _bending(length, phi, 0.0, 0.0, density * second_moment)[0] @ np.diag(X_SIGNS)
+    gyroscopic[np.ix_(Z_PLANE, X_PLANE)] = block
+    gyroscopic[np.ix_(X_PLANE, Z_PLANE)] = -block.T
+    return np.stack([mass, damping_time * stiffness, stiffness, gyroscopic])
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class RigidDisk(LinearElement):
-    """A disk (kg, kg m2) on the displacements (6,) of a node."""
-
-    disk_mass: float
-    polar_inertia: float
-    diametral_inertia: float
-
-    def mass(self) -> np.ndarray:
-        """M (6, 6) = diag(m, m, m, J_d, J_p, J_d)."""
-        return np.diag((self.disk_mass,) * 3 + (self.diametral_inertia, self.polar_inertia, self.diametral_inertia))
-
-    def gyroscopic(self) -> np.ndarray:
-        """G (6, 6)."""
-        matrix = np.zeros((6, 6))
-        matrix[3, 5], matrix[5, 3] = -self.polar_inertia, self.polar_inertia
-        return matrix
+def disk_matrices(mass: float, polar_inertia: float, diametral_inertia: float) -> np.ndarray:
+    """M = diag(m, m, m, J_d, J_p, J_d), C, K and G (4, 6, 6) of a disk (kg, kg m2) on a node."""
+    found = np.zeros((4, 6, 6))
+    found[0] = np.diag((mass,) * 3 + (diametral_inertia, polar_inertia, diametral_inertia))
+    found[3, 3, 5], found[3, 5, 3] = -polar_inertia, polar_inertia
+    return found
 
 
 def shear_coefficient(nu: float, m: float) -> float:

@@ -14,21 +14,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 
 from fem.casing.reduced.body import BEARING_AXES
 from mbd.elements.component import Component, Place
-from mbd.elements.linear import LinearElement, Part, part_on_rows
+from mbd.elements.coordinates import Coordinates
+from mbd.elements.element import Element
+from mbd.elements.linear import Matrices, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
 from mbd.parts.checks import MachineError, finite, not_negative
 from mbd.parts.shafts import AXES
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
-    from mbd.elements.element import Element
 
 DIRECTIONS = ("x", "y", "z")
 RIGID_STIFFNESS = 1e12  # N/m
@@ -50,22 +48,6 @@ class Inside(Protocol):
 
     def element(self, lay: Coordinates, bearing: BearingSpec) -> Element:
         """Its force on the rows of BEARING_AXES."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class BearingSprings(LinearElement):
-    """K and C (n, n), N/m, N and N m/rad, on displacements of the shaft relative to its support."""
-
-    springs: np.ndarray
-    dampers: np.ndarray
-
-    def stiffness(self) -> np.ndarray:
-        """K (n, n)."""
-        return self.springs
-
-    def damping(self) -> np.ndarray:
-        """C (n, n)."""
-        return self.dampers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -181,11 +163,7 @@ class BearingSpec(Component):
             self.rows(lay)[held],
             name=self.name,
             words=self.words,
-            elements=(
-                BearingSprings(
-                    at=tuple(range(len(held))), springs=springs[np.ix_(held, held)], dampers=dampers[np.ix_(held, held)]
-                ),
-            ),
+            matrices=Matrices(stiffness=springs[np.ix_(held, held)], damping=dampers[np.ix_(held, held)]),
         )
 
     def elements(self, lay: Coordinates) -> Iterator[Element]:

@@ -4,38 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem.casing.reduced.body import ReducedBody
 from mbd.elements.component import Component
-from mbd.elements.linear import LinearElement, Part
+from mbd.elements.coordinates import Coordinates
+from mbd.elements.linear import Matrices, Part
 from mbd.elements.mode_words import ModeWords
 
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
-
 NAME = "casing"
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class ReducedMatrices(LinearElement):
-    """M, C, K (n, n) of a reduced body on its own coordinates, the mounts in them; see `fem.casing.reduced`."""
-
-    body: ReducedBody
-
-    def mass(self) -> np.ndarray:
-        """M (n, n)."""
-        return self.body.mass
-
-    def damping(self) -> np.ndarray:
-        """C (n, n)."""
-        return self.body.damping
-
-    def stiffness(self) -> np.ndarray:
-        """K (n, n)."""
-        return self.body.stiffness
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -60,12 +38,12 @@ class Casing(Component):
 
     def parts(self, lay: Coordinates) -> Iterator[Part]:
         """The body, if it moves."""
-        n = len(self.body.coordinate_names)
+        body, n = self.body, len(self.body.coordinate_names)
         if n:
             yield Part(
                 name=NAME,
                 words=ModeWords("casing", "casing", always=True, has_mass=True),
-                elements=(ReducedMatrices(at=tuple(range(n)), body=self.body),),
+                matrices=Matrices(mass=body.mass, damping=body.damping, stiffness=body.stiffness),
                 index=lay.index(NAME),
                 shape=np.eye(n),
             )

@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mbd.elements.component import Component
+from mbd.elements.element import Element
 from mbd.elements.reading import FURTHER, ChannelKind, Reading, further_class
 from mbd.parts.bearings import DIRECTIONS, bearing_force, journal_acceleration
 from mbd.parts.checks import MachineError
@@ -23,9 +23,6 @@ from mbd.parts.load import CONTAINER, GROUND_ACCELERATION, OUTSIDE_FORCE, ROPE_F
 from mbd.parts.machine import Train
 from mbd.parts.probe import DISPLACEMENT, probe_channel
 from mbd.parts.shafts import shaft_channels
-
-if TYPE_CHECKING:
-    from mbd.elements.element import Element
 
 __all__ = [
     "CHANNELS",

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fem.options import check_options
+
 
 class MachineError(ValueError):
     """A part of the machine is described by impossible or contradictory values."""
@@ -18,6 +20,13 @@ class EquilibriumError(RuntimeError):
 
 class StepError(RuntimeError):
     """A time step did not converge, or the step size is outside the range of the method."""
+
+
+class Options:
+    """Base of options, see `fem.options.option`; MachineError if one is outside its limits."""
+
+    def __post_init__(self) -> None:
+        check_options(self, MachineError)
 
 
 def positive(where: str, value: float, remedy: str = "") -> None:
@@ -51,19 +60,26 @@ def known(where: str, name: str, names: Sequence[str]) -> None:
         raise MachineError(f"{where}: {name!r} is unknown; known: {', '.join(names) or 'none'}.")
 
 
-def frozen_array(values: object) -> np.ndarray:
-    """A read-only one-dimensional float copy."""
-    result = np.array(values, dtype=float).reshape(-1)
-    result.flags.writeable = False
-    return result
+def freeze_pairs(owner: object, name: str, places: str, levels: str) -> None:
+    """Make two fields of an object read-only arrays (n,); MachineError unless its levels belong to rising places.
 
-
-def rising_pairs(name: str, places: tuple[str, np.ndarray], levels: tuple[str, np.ndarray]) -> None:
-    """Raise MachineError unless levels (n,) belong to rising places (n,); both with what they are, e.g. "times"."""
-    (what, at), (kind, values) = places, levels
+    Parameters
+    ----------
+    owner, name : the object, and what it is called in messages
+    places, levels : its fields, e.g. "times" and "torques"
+    """
+    for field in (places, levels):
+        values = np.array(getattr(owner, field), dtype=float).reshape(-1)
+        values.flags.writeable = False
+        object.__setattr__(owner, field, values)
+    at, values = getattr(owner, places), getattr(owner, levels)
     if len(at) != len(values) or len(at) == 0:
-        raise MachineError(f"{name}: {len(at)} {what} for {len(values)} {kind}; give pairs.")
+        raise MachineError(f"{name}: {len(at)} {places} for {len(values)} {levels}; give pairs.")
     if not (np.isfinite(at).all() and np.isfinite(values).all()):
-        raise MachineError(f"{name}: {what} and {kind} must be finite.")
+        raise MachineError(f"{name}: {places} and {levels} must be finite.")
     if (np.diff(at) <= 0).any():
-        raise MachineError(f"{name}: its {what} must increase strictly. Spread a jump over at least one sample.")
+        i = int(np.argmax(np.diff(at) <= 0))
+        raise MachineError(
+            f"{name}: {at[i + 1]:g} follows {at[i]:g}, but its {places} must increase strictly. Spread a jump over at "
+            "least one sample."
+        )

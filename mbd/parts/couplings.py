@@ -10,37 +10,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import numpy as np
 
 from fem.options import check_options, option
 from mbd.elements.component import Component, Link, Place
-from mbd.elements.linear import LinearElement, Part, part_on_rows
+from mbd.elements.coordinates import Coordinates
+from mbd.elements.linear import Part, part_on_rows, springs
 from mbd.elements.mode_words import ModeWords
 from mbd.parts.checks import MachineError
 from mbd.parts.shafts import ShaftSpec
 
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
-
 COAXIAL = 1e-5  # m
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class CouplingSprings(LinearElement):
-    """Springs k (n,), N/m and N m/rad, between both ends, with the damping time tau (s)."""
-
-    springs: np.ndarray
-    damping_time: float
-
-    def stiffness(self) -> np.ndarray:
-        """K = diag(k) (n, n)."""
-        return np.diag(self.springs)
-
-    def damping(self) -> np.ndarray:
-        """C = tau K (n, n)."""
-        return np.diag(self.damping_time * self.springs)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,12 +72,12 @@ class ShaftCoupling(Component):
         """Springs in the directions that it holds."""
         (one, other), (y_one, y_other) = self.shafts, self.y
         held = [axis for axis, k in enumerate(self.stiffness) if k > 0.0]
-        springs = np.array([self.stiffness[axis] for axis in held])
+        stiffness = np.array([self.stiffness[axis] for axis in held])
         yield part_on_rows(
             np.array([lay.axis_row(one, y_one, axis) - lay.axis_row(other, y_other, axis) for axis in held]),
             name=self.name,
             words=ModeWords("coupling", "couplings"),
-            elements=(CouplingSprings(at=tuple(range(len(held))), springs=springs, damping_time=self.damping_time),),
+            matrices=springs(stiffness, self.damping_time),
         )
 
 

@@ -18,10 +18,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mbd.elements.component import Component, Place
-from mbd.elements.linear import LinearElement, Part, part_on_rows
+from mbd.elements.linear import Matrices, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
-from mbd.parts.checks import MachineError, finite, frozen_array, not_negative, positive
+from mbd.parts.checks import finite, freeze_pairs, not_negative, positive
 
 if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator
@@ -53,22 +53,6 @@ class CouplingSpec:
         not_negative(f"coupling {self.name} damping", self.damping)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class MotorSpring(LinearElement):
-    """The spring (N m/rad) and damper (N m s/rad) of a motor coupling on the twist (1,) of its shaft end."""
-
-    spring: float
-    damper: float
-
-    def stiffness(self) -> np.ndarray:
-        """K (1, 1)."""
-        return np.array([[self.spring]])
-
-    def damping(self) -> np.ndarray:
-        """C (1, 1)."""
-        return np.array([[self.damper]])
-
-
 @dataclass(frozen=True, kw_only=True)
 class Drive(Component):
     """All motors with their couplings: one part of the energy balance."""
@@ -91,8 +75,9 @@ class Drive(Component):
             np.array([lay.angle_row(c.shaft, c.y) for c in self.couplings]),
             name="drive",
             words=ModeWords("drive", "motor coupling", always=True),
-            elements=tuple(
-                MotorSpring(at=(i,), spring=c.stiffness, damper=c.damping) for i, c in enumerate(self.couplings)
+            matrices=Matrices(
+                stiffness=np.diag([c.stiffness for c in self.couplings]),
+                damping=np.diag([c.damping for c in self.couplings]),
             ),
             driven=np.array([lay.ratios[c.shaft] for c in self.couplings]),
         )
@@ -122,19 +107,7 @@ class SpeedProfile:
     smooth: bool = False
 
     def __post_init__(self) -> None:
-        times, speeds = frozen_array(self.times), frozen_array(self.speeds)
-        object.__setattr__(self, "times", times)
-        object.__setattr__(self, "speeds", speeds)
-        if len(times) != len(speeds) or len(times) == 0:
-            raise MachineError(f"speed profile: {len(times)} times for {len(speeds)} speeds; give pairs.")
-        if not (np.isfinite(times).all() and np.isfinite(speeds).all()):
-            raise MachineError("speed profile: times and speeds must be finite.")
-        if (np.diff(times) <= 0).any():
-            i = int(np.argmax(np.diff(times) <= 0))
-            raise MachineError(
-                f"speed profile: time {times[i + 1]} s follows {times[i]} s; times must increase strictly. "
-                "Spread a jump over at least one sample."
-            )
+        freeze_pairs(self, "speed profile", "times", "speeds")
 
     @property
     def highest(self) -> float:

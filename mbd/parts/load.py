@@ -1,7 +1,7 @@
-"""What acts on the machine from outside: the load on its drums, and further forces.
+"""External loads of a machine: the load on its drums, and further forces.
 
-Every kind is a class with the methods below, in a file of its own in `mbd.forces`; `StaticTorque` is no element, it
-only adds to the constant force. The rest of `mbd` knows no particular load.
+Every kind is a class with the methods below, in a separate file of `mbd.forces`; `StaticTorque` has no element, it
+only adds to the constant force. The rest of `mbd` depends on no particular load.
 """
 
 from __future__ import annotations
@@ -10,27 +10,25 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal, Self
+from typing import Literal, Self
 
 import numpy as np
 
+from fem.options import check_options
 from mbd.elements.component import Component, Place
+from mbd.elements.coordinates import Coordinates
 from mbd.parts.checks import MachineError, finite, positive
 from mbd.parts.drive import SpeedProfile
 
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
-
-
-ROPE_FORCE = "rope:force"  # N, all falls together; of a swinging container its vertical part
-CONTAINER = ("container:lift", "container:acceleration")  # m from the start, m/s2
-OUTSIDE_FORCE, GROUND_ACCELERATION = "outside_force", "ground_acceleration"  # N, m/s2; of an excitation by its name
+ROPE_FORCE = "rope:force"  # N, of all falls; for a swinging container the vertical component
+CONTAINER = ("container:lift", "container:acceleration")  # m, from the position at t = 0; m/s2
+OUTSIDE_FORCE, GROUND_ACCELERATION = "outside_force", "ground_acceleration"  # N, m/s2; after the excitation's name
 SWAY = ("container:sway_x", "container:sway_y")  # m
 
 
 @dataclass(frozen=True, kw_only=True)
 class Load(Component, ABC):
-    """What hangs on the drums at the positions ``drums`` (m) of ``shaft``."""
+    """Load that hangs from the drums at the positions ``drums`` (m) of ``shaft``."""
 
     shaft: str
     drums: tuple[float, ...]
@@ -41,28 +39,28 @@ class Load(Component, ABC):
 
     @property
     def places(self) -> tuple[Place, ...]:
-        """The drums."""
+        """Places of the drums."""
         return tuple(Place("drum", self.shaft, y) for y in self.drums)
 
     @property
     @abstractmethod
     def idle(self) -> bool:
-        """Whether the train carries nothing at t = 0."""
+        """Whether the train has no load at t = 0."""
 
     @abstractmethod
     def torque_on_shaft(self, gravity: float) -> float:
         """Torque (N m, lowering positive) on its shaft at rest."""
 
     def largest_torques(self, gravity: float) -> dict[str, float]:
-        """The weight."""
+        """Torque of the weight."""
         return {self.shaft: -self.torque_on_shaft(gravity)}
 
     def starting_torques(self, gravity: float, speeds: Mapping[str, float]) -> dict[str, float]:
-        """The weight, unless it stands on the ground."""
+        """Torque of the weight, unless it rests on the ground."""
         return {} if self.idle else self.largest_torques(gravity)
 
     def turned(self, angle: float, ratio: float) -> Load:
-        """The load after the motors have rolled by ``angle`` (rad); MachineError if it cannot."""
+        """The load after the motors have rolled by ``angle`` (rad); MachineError if this is impossible."""
         return self
 
     def check_turned(self, angle: float, time: float) -> None:
@@ -70,7 +68,7 @@ class Load(Component, ABC):
         return
 
     def check_run(self, profile: SpeedProfile, ratio: float, end: float) -> None:
-        """Raise MachineError if it does not allow the motion up to ``end`` (s)."""
+        """Raise MachineError if the load does not allow the motion up to ``end`` (s)."""
         return
 
 
@@ -78,7 +76,7 @@ class Load(Component, ABC):
 class StaticTorque(Load):
     """A constant torque (N m, lowering positive) on each drum.
 
-    With a ``direction`` (rad, from +x to +z) the torque is that of a rope, which pulls along it with
+    With a ``direction`` (rad, from +x to +z) the torque comes from a rope that pulls the drum in this direction with
     torque/``drum_radius``.
     """
 
@@ -104,7 +102,7 @@ class StaticTorque(Load):
         return self.torque * len(self.drums)
 
     def constant_force(self, lay: Coordinates) -> np.ndarray:
-        """The torque on the rotation of every drum, and the pull across the shaft."""
+        """Torque on the rotation of every drum, and pull across the shaft."""
         force = np.zeros(lay.size)
         for y in self.drums:
             force -= self.torque * lay.angle_row(self.shaft, y)
@@ -121,18 +119,21 @@ def pull_axis(direction: float | None) -> tuple[float, float, float]:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Excitation(Component):
-    """A force from outside besides the load, with a name of its own: nonlinear `elements`, linear `parts`, or a
-    constant force."""
+    """Named external force in addition to the load: nonlinear `elements`, linear `parts`, or a constant force."""
 
     name: str
 
+    def __post_init__(self) -> None:
+        check_options(self, MachineError, self.name)
+
     @property
     def casing_rows(self) -> tuple[str, ...]:
-        """Rows of the casing that it pulls, e.g. ``sensor_1:uz``."""
+        """Rows of the casing on which it acts, e.g. ``sensor_1:uz``."""
         return ()
 
     def turned(self, turns: Mapping[str, float]) -> Self:
-        """The force after the shafts by name have turned by ``turns`` (rad, in their own sense); its times stay."""
+        """The force after the shafts by name have turned by ``turns`` (rad, in their lifting sense); its times are
+        unchanged."""
         return self
 
 
@@ -143,21 +144,25 @@ class OutsideForce(Excitation):
     shaft: str
     y: float
 
+    def __post_init__(self) -> None:
+        finite(f"{self.name} y", self.y)
+        super().__post_init__()
+
     @property
     def highest_speed(self) -> float:
-        """Speed (rad/s) of its shaft that it drives to at most, 0 if it drives to none."""
+        """Highest speed (rad/s) to which it drives its shaft, 0 if it does not drive."""
         return 0.0
 
     @property
     def places(self) -> tuple[Place, ...]:
-        """Where it acts."""
+        """Place of the force on its shaft."""
         return (Place(self.name, self.shaft, self.y),)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TurningForce(OutsideForce):
-    """A force that turns with its shaft; its angle holds once the shaft has turned by ``rolled`` (rad, in its own
-    sense) less."""
+    """A force that turns with its shaft; its angle holds when the shaft is at the angle -``rolled`` (rad, in its
+    lifting sense)."""
 
     rolled: float = 0.0
 

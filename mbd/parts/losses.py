@@ -11,12 +11,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from fem.options import check_options, option
+from fem.options import option
 from mbd.elements.component import Component, Place
-from mbd.parts.checks import MachineError, not_negative
+from mbd.parts.checks import Options, not_negative
 
 
-class Losses:
+class Losses(Options):
     """What every model answers; the elements of `mbd.forces` that these numbers are for are left out where they are 0
     or None."""
 
@@ -39,9 +39,6 @@ class Efficiency(Losses):
     model: Literal["efficiency"] = "efficiency"
     mesh_efficiency: float = option(0.99, gt=0.5, le=1, text="output power divided by input power of every mesh")
 
-    def __post_init__(self) -> None:
-        check_options(self, MachineError)
-
 
 @dataclass(frozen=True, kw_only=True)
 class Coulomb(Losses):
@@ -52,9 +49,6 @@ class Coulomb(Losses):
     bearing_friction: float = option(
         0.0015, ge=0, le=0.1, text="coefficient of friction of the bearings, at half the shaft diameter"
     )
-
-    def __post_init__(self) -> None:
-        check_options(self, MachineError)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -43,7 +43,7 @@ class Train:
     couplings: tuple[CouplingSpec, ...] = ()
     input_shaft: str = ""  # left out: that of the first coupling
     profile: SpeedProfile
-    load: Load | None = None  # what hangs on drums
+    load: Load | None = None  # load of the drums
     shaft_couplings: tuple[ShaftCoupling, ...] = ()
     forces: tuple[Excitation, ...] = ()
     gravity: float = STANDARD_GRAVITY

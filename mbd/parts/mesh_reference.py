@@ -1,4 +1,4 @@
-"""Quasi-static readings of a mesh law: approach at a load, no-load error, mean stiffness."""
+"""Quasi-static results of a mesh law: approach at a load, no-load error, mean stiffness."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from mbd.parts.gear_mesh import MeshSpec
 from mbd.parts.machine import Machine
 from mbd.parts.train import power_flow
 
-MIN_LINE_LOAD = 1e3  # N/m: reference stiffness is taken at this load at least
-POSITIONS = 16  # cycle positions averaged
-SHARE_POSITIONS = 64  # places of the sliding shares over a mesh cycle
+MIN_LINE_LOAD = 1e3  # N/m: lower limit of the load for the reference stiffness
+POSITIONS = 16  # positions in the mesh cycle for averages
+SHARE_POSITIONS = 64  # positions in the mesh cycle for the sliding shares
 
 
 def approach_at(
     evaluator: LawEvaluator, cycle: float, force: float, pinion: Teeth = None, wheel: Teeth = None, psi: float = 0.0
 ) -> float:
-    """delta (m) at which a law carries a force; for 0 N where the first pair touches.
+    """Approach delta (m) at which a law carries a force; for 0 N the approach at which the first pair touches.
 
     Parameters
     ----------
@@ -67,10 +67,10 @@ def mean_stiffness(evaluator: LawEvaluator, force: float) -> tuple[float, float]
 def nominal_forces(
     machine: Machine, torques: Mapping[str, float] | None = None, inertias: Mapping[str, float] | None = None
 ) -> dict[str, float]:
-    """Mesh force F = T1/r_b1 (N) by mesh name under torques from outside, without losses; 0 where no power flows.
+    """Mesh force F = T1/r_b1 (N) by mesh name under external torques, without losses; 0 without power flow.
 
-    Side by side paths share the power as `mbd.parts.train.power_flow` says. A free train speeds up by the torque that
-    is left over, of which every shaft takes what its inertia asks for.
+    Parallel paths share the power as in `mbd.parts.train.power_flow`. A free train accelerates by the unbalanced
+    torque, of which every shaft takes a share in proportion to its inertia.
 
     Parameters
     ----------
@@ -96,15 +96,15 @@ def nominal_forces(
 
 
 def reference_load(mesh: MeshSpec, nominal: float) -> float:
-    """Load (N) at which the linear reference of a mesh is taken."""
+    """Load (N) for the linear reference of a mesh."""
     return max(abs(nominal), MIN_LINE_LOAD * float(mesh.drive.slice_width.sum()))
 
 
 def sliding_shares(law: MeshLaw, force: float) -> np.ndarray:
-    """(2, SHARE_POSITIONS): sums of share x sign(xi) and of share x |xi| (m) over all pairs and slices, xi the distance
-    from the pitch point along the path, over one mesh cycle at ``force`` (N), without deviations or tilt.
+    """Tables (2, SHARE_POSITIONS) of the sums of share x sign(xi) and of share x |xi| (m) over all pairs and slices.
 
-    Each slice is read for itself at the approach of the whole face, as if slices did not load one another.
+    xi is the distance from the pitch point along the path, over one mesh cycle at ``force`` (N), without deviations or
+    tilt. Each slice is evaluated alone at the approach of the whole face, without coupling between slices.
     """
     evaluator = LawEvaluator(law)
     lone = [LawEvaluator(_one_slice(law, s)) for s in range(len(law.slice_width))]
@@ -123,7 +123,7 @@ def sliding_shares(law: MeshLaw, force: float) -> np.ndarray:
 
 
 def _one_slice(law: MeshLaw, s: int) -> MeshLaw:
-    """The law of slice ``s`` alone."""
+    """Law of slice ``s`` alone."""
     changes: dict[str, Any] = {
         field.name: np.take(getattr(law, field.name), [s], axis=field.metadata["dims"].index("slice"))
         for field in fields(law)

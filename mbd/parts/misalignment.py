@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from mbd.elements.component import Component
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.reading import ChannelKind, Reading
 from mbd.parts.bearings import BEARING_AXES, BearingSpec
 from mbd.parts.checks import MachineError
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,7 +13,7 @@ from mbd.parts.checks import MachineError
 
 SMALLEST_FREQUENCY = 1e-2  # Hz: below it a coordinate counts as free
 INDEPENDENT = 1e-6  # static responses closer to the others than this are dropped
-LARGEST_BLUR = 0.5  # Hz: at ten times of it a frequency is off by 0.5 %
+LARGEST_BLUR = 0.5  # Hz: at ten times this value the error of a frequency is 0.5 %
 
 
 def modal_basis(

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from fem.options import check_options, option
+from fem.options import option
 from mbd.elements.component import Component, Place
+from mbd.elements.coordinates import Coordinates
 from mbd.elements.reading import Reading
 from mbd.parts.bearings import DIRECTIONS
-from mbd.parts.checks import MachineError
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
+from mbd.parts.checks import Options
 
 DISPLACEMENT = ":displacement_"
 
@@ -23,15 +20,12 @@ def probe_channel(probe: str, axis: str) -> str:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Probe(Component):
+class Probe(Options, Component):
     """A proximity probe on the ground: displacement of the axis of a shaft along x, y and z."""
 
     name: str = option(text="letters, digits, _ and -, at most 40", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$")
     shaft: str
     y: float = option(text="y of the probe", unit="mm", key="position_mm")
-
-    def __post_init__(self) -> None:
-        check_options(self, MachineError)
 
     @property
     def places(self) -> tuple[Place, ...]:

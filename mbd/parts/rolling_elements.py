@@ -1,6 +1,6 @@
-"""The inside of a rolling bearing: geometry, stiffness of one element, pass frequencies.
+"""Rolling elements of a bearing: geometry, stiffness of one element, pass frequencies.
 
-K of a ball joins its contacts with both rings, 1/K = (K_i^(-2/3) + K_o^(-2/3))^(3/2), by Hertz' theory of elliptical
+K of a ball combines its contacts with both rings, 1/K = (K_i^(-2/3) + K_o^(-2/3))^(3/2), by Hertz' theory of elliptical
 contacts; K of a roller is c_L l^(8/9), c_L = 35 948 N/mm^(10/9) mm^(-8/9) for steel (both contacts).
 
 References
@@ -25,7 +25,7 @@ REFERENCE_SHARE = 0.02
 
 @dataclass(frozen=True, kw_only=True)
 class RollingElements:
-    """The inside of a rolling bearing, SI. ``contact_angle`` > 0 carries the shaft towards +y, < 0 towards -y."""
+    """Rolling elements and races, SI. ``contact_angle`` > 0 carries the shaft towards +y, < 0 towards -y."""
 
     kind: Literal["ball", "roller"]
     count: int
@@ -36,7 +36,7 @@ class RollingElements:
     inner_conformity: float = 0.52
     outer_conformity: float = 0.52
     clearance: float = 0.0  # diametral, radial direction
-    preload: float = 0.0  # axial shift of the inner against the outer ring at assembly
+    preload: float = 0.0  # axial shift of the inner against the outer ring by assembly
     cage_start: float = 0.0  # rad
 
     def __post_init__(self) -> None:
@@ -83,9 +83,9 @@ class RollingElements:
 
 
 def ball_contact(*curvatures: float) -> float:
-    """K (N/m^1.5) in Q = K delta^1.5 of a steel contact; curvatures (1/m) of both bodies, in the rolling plane first:
-    1 in rolling direction and across, 2 in rolling direction and across (hollow negative).
+    """Constant K (N/m^1.5) in Q = K delta^1.5 of a steel contact.
 
+    ``curvatures`` (1/m): body 1 in the rolling direction and across it, then body 2 (hollow negative).
     The ratio kappa of the axes solves F(rho) = ((k^2 + 1) E - 2 F)/((k^2 - 1) E), F and E the complete elliptic
     integrals of 1 - 1/k^2; delta = delta* (3 Q/(2 sum E'))^(2/3) sum/2, delta* = (2 F/pi) (pi/(2 k^2 E))^(1/3).
     """
@@ -102,7 +102,7 @@ def dimensionless_deflection(difference: float) -> float:
     if difference < 1e-9:
         return 1.0
 
-    from scipy import special  # late: it takes long to import, and only known rolling elements need it
+    from scipy import special  # imported here because it is slow to import, and only known rolling elements need it
 
     def miss(log_kappa: float) -> float:
         k2 = math.exp(2 * log_kappa)
@@ -116,16 +116,16 @@ def dimensionless_deflection(difference: float) -> float:
 
 @dataclass(frozen=True)
 class PassFrequencies:
-    """Per revolution of the shaft with the outer ring at rest."""
+    """Pass frequencies per revolution of the shaft, with a fixed outer ring."""
 
-    outer: float  # BPFO, elements passing a point of the outer ring
+    outer: float  # BPFO, elements that pass a point of the outer ring
     inner: float  # BPFI
     spin: float  # BSF, turns of an element; a defect on it strikes twice as often
     cage: float  # FTF
 
 
 def pass_frequencies(elements: RollingElements) -> PassFrequencies:
-    """Kinematics without slip."""
+    """Pass frequencies without slip."""
     z, g = elements.count, elements.gamma
     spin = elements.pitch_diameter / (2 * elements.diameter) * (1 - g * g)
     return PassFrequencies(z / 2 * (1 - g), z / 2 * (1 + g), spin, (1 - g) / 2)

@@ -3,8 +3,8 @@
 A node has six displacements (ux, uy, uz, rx, ry, rz) in global axes. The matrices of sections and disks are those of
 `mbd.parts.beam`.
 
-`torsion` keeps the twist of the same elements but moves otherwise as a rigid body (five displacements per shaft), so
-that bearings, casing and sensors are still excited: its matrices are T^T M T and T^T K T of the beam.
+`torsion` keeps the twist of the same elements but otherwise moves as a rigid body (five displacements per shaft), so
+that it still excites bearings, casing and sensors: its matrices are T^T M T and T^T K T of the beam.
 """
 
 from __future__ import annotations
@@ -12,20 +12,18 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
 from fem.options import check_options, option
 from mbd.elements.component import Component
-from mbd.elements.linear import LinearElement, Part
+from mbd.elements.coordinates import Coordinates
+from mbd.elements.linear import Matrices, Part
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
-from mbd.parts.beam import BeamSection, RigidDisk
-from mbd.parts.checks import MachineError, finite, positive, unique
-
-if TYPE_CHECKING:
-    from mbd.elements.coordinates import Coordinates
+from mbd.parts.beam import beam_matrices, disk_matrices
+from mbd.parts.checks import MachineError, Options, finite, positive, unique
 
 AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
 RIGID_MOTIONS = 5  # of the model "torsion", its first coordinates
@@ -34,7 +32,7 @@ MOST_NODES = 333  # of a shaft: just below 2000 coordinates, whose matrices take
 
 
 def shaft_channels(shaft: str) -> tuple[str, str]:
-    """Angle (rad) and speed (rad/s) in the lifting sense, at the shaft's first gear (else its first end)."""
+    """Channels of angle (rad) and speed (rad/s) in the lifting sense, at the shaft's first gear or its first end."""
     return f"{shaft}:angle", f"{shaft}:speed"
 
 
@@ -42,7 +40,7 @@ def shaft_channels(shaft: str) -> tuple[str, str]:
 class Section:
     """A stretch of a shaft with constant diameters.
 
-    In m. MachineError if they do not fit together.
+    In m. MachineError if the dimensions contradict one another.
     """
 
     y_start: float = option(text="y of the -y end", unit="mm", key="start_mm", ge=-1e5, le=1e5)
@@ -64,10 +62,10 @@ class Section:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Disk:
+class Disk(Options):
     """A rigid disk on a shaft, besides gears and drums: half of a coupling, brake disk, flywheel.
 
-    In m, kg and kg m2. The bodies of gears and drums are disks, too, which the program makes.
+    In m, kg and kg m2. The bodies of gears and drums are also disks, which the program creates.
     """
 
     name: str
@@ -76,13 +74,10 @@ class Disk:
     polar_inertia: float = option(text="moment of inertia about the shaft", unit="kg m2", ge=0)
     diametral_inertia: float = option(text="moment of inertia about a diameter", unit="kg m2", ge=0)
 
-    def __post_init__(self) -> None:
-        check_options(self, MachineError)
-
 
 @dataclass(frozen=True, kw_only=True)
 class ShaftModel:
-    """How shafts are modelled."""
+    """Model of all shafts."""
 
     model: Literal["torsion", "timoshenko"] = option(
         "timoshenko", text="torsion: only torsion is elastic; timoshenko: Timoshenko beam elements"
@@ -143,7 +138,7 @@ class ShaftSpec(ShaftModel, Component):
         return self.sections[-1].y_end
 
     def check_station(self, what: str, y: float) -> None:
-        """Raise MachineError if ``y`` is off the shaft."""
+        """Raise MachineError if ``y`` is not on the shaft."""
         if not self.y_start - 1e-9 <= y <= self.y_end + 1e-9:
             raise MachineError(
                 f"{what}: y = {1000 * y:g} mm is not on {self.name}, which extends from {1000 * self.y_start:g} to "
@@ -164,7 +159,7 @@ class ShaftSpec(ShaftModel, Component):
         yield Part(
             name=self.name,
             words=WORDS,
-            elements=shaft_elements(self, lay.nodes(self.name)),
+            matrices=shaft_matrices(self, lay.nodes(self.name)),
             index=lay.index(self.name),
             shape=lay.basis(self.name),
             unstrained=0 if self.model == "timoshenko" else RIGID_MOTIONS,
@@ -175,7 +170,7 @@ class ShaftSpec(ShaftModel, Component):
         """Weight of the beam and its disks."""
         nodes, force = lay.nodes(self.name), np.zeros(lay.size)
         lift = np.tile(np.eye(6)[2], len(nodes))
-        mass = free_shaft(self, nodes).summed("mass")
+        mass = free_shaft(self, nodes).own("mass")
         force[lay.index(self.name)] -= lay.gravity * lay.basis(self.name).T @ (mass @ lift)
         return force
 
@@ -190,7 +185,7 @@ class ShaftSpec(ShaftModel, Component):
 
 
 def torsional_stiffness(spec: ShaftSpec) -> float:
-    """Torque over twist (N m/rad) of the whole shaft."""
+    """Torque divided by twist (N m/rad) of the whole shaft."""
     modulus = spec.elastic_modulus / (2 * (1 + spec.poisson_ratio))
     twist = sum(
         (s.y_end - s.y_start) / max(s.outer_diameter**4 - s.inner_diameter**4, np.finfo(float).tiny)
@@ -200,7 +195,7 @@ def torsional_stiffness(spec: ShaftSpec) -> float:
 
 
 def flexibility(spec: ShaftSpec, nodes: np.ndarray, y: float, supports: tuple[float, float]) -> float:
-    """Deflection over force (m/N) across the shaft alone, simply supported.
+    """Deflection per force (m/N) across the simply supported shaft alone.
 
     Parameters
     ----------
@@ -209,14 +204,14 @@ def flexibility(spec: ShaftSpec, nodes: np.ndarray, y: float, supports: tuple[fl
 
     Raises
     ------
-    MachineError : the shaft does not bend
+    MachineError : the model of the shaft does not bend
     """
     if spec.model != "timoshenko":
         raise MachineError(f"shaft {spec.name}: a shaft of model {spec.model} does not bend; take timoshenko.")
     held = [6 * node_at(nodes, place) + AXES.index("uz") for place in supports]
     bending = np.setdiff1d([6 * node + AXES.index(axis) for node in range(len(nodes)) for axis in ("uz", "rx")], held)
     load = (bending == 6 * node_at(nodes, y) + AXES.index("uz")).astype(float)
-    stiffness = free_shaft(spec, nodes).summed("stiffness")[np.ix_(bending, bending)]
+    stiffness = free_shaft(spec, nodes).own("stiffness")[np.ix_(bending, bending)]
     return float(load @ np.linalg.solve(stiffness, load))
 
 
@@ -248,41 +243,33 @@ def node_at(nodes: np.ndarray, y: float) -> int:
     return int(np.argmin(abs(nodes - y)))
 
 
-def shaft_elements(spec: ShaftSpec, nodes: np.ndarray) -> tuple[LinearElement, ...]:
-    """Beam sections between all ``nodes`` (m), then the disks, on the displacements (6 node,)."""
-    found: list[LinearElement] = []
+def shaft_matrices(spec: ShaftSpec, nodes: np.ndarray) -> Matrices:
+    """Of beam sections between all ``nodes`` (m) and of the disks, on the displacements (6 node,)."""
+    total = np.zeros((4, 6 * len(nodes), 6 * len(nodes)))
     for i, (start, end) in enumerate(itertools.pairwise(nodes)):
-        section = spec.section_at(0.5 * (start + end))
-        found.append(
-            BeamSection(
-                at=tuple(range(6 * i, 6 * i + 12)),
-                length=float(end - start),
-                outer_diameter=section.outer_diameter,
-                inner_diameter=section.inner_diameter,
-                elastic_modulus=spec.elastic_modulus,
-                poisson_ratio=spec.poisson_ratio,
-                density=spec.density,
-                damping_time=spec.damping_time,
-            )
+        section, at = spec.section_at(0.5 * (start + end)), slice(6 * i, 6 * i + 12)
+        total[:, at, at] += beam_matrices(
+            float(end - start),
+            section.outer_diameter,
+            section.inner_diameter,
+            modulus=spec.elastic_modulus,
+            nu=spec.poisson_ratio,
+            density=spec.density,
+            damping_time=spec.damping_time,
         )
     for disk in spec.disks:
         first = 6 * node_at(nodes, disk.y)
-        found.append(
-            RigidDisk(
-                at=tuple(range(first, first + 6)),
-                disk_mass=disk.mass,
-                polar_inertia=disk.polar_inertia,
-                diametral_inertia=disk.diametral_inertia,
-            )
-        )
-    return tuple(found)
+        at = slice(first, first + 6)
+        total[:, at, at] += disk_matrices(disk.mass, disk.polar_inertia, disk.diametral_inertia)
+    mass, damping, stiffness, gyroscopic = total
+    return Matrices(mass=mass, damping=damping, stiffness=stiffness, gyroscopic=gyroscopic)
 
 
 def free_shaft(spec: ShaftSpec, nodes: np.ndarray) -> Part:
     """The shaft and its disks on the displacements (6 node,) of its nodes alone."""
     every = 6 * len(nodes)
-    elements = shaft_elements(spec, nodes)
-    return Part(name=spec.name, words=WORDS, elements=elements, index=np.arange(every), shape=np.eye(every))
+    matrices = shaft_matrices(spec, nodes)
+    return Part(name=spec.name, words=WORDS, matrices=matrices, index=np.arange(every), shape=np.eye(every))
 
 
 def shaft_basis(spec: ShaftSpec, nodes: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:

@@ -1,7 +1,7 @@
 """Kinematics of a parallel-shaft train: lifting speed of every shaft per motor speed, through branches and loops.
 
-A link ties two rotations together: a gear mesh with the ratio z1/z2, or a shaft coupling with the ratio 1. Angles are
-positive in the lifting sense, so that every ratio is positive. A loop of links is closed only if the ratios around it
+A link couples two rotations: a gear mesh with the ratio z1/z2, or a shaft coupling with the ratio 1. Angles are
+positive in the lifting sense, so that every ratio is positive. A loop of links can turn only if the ratios around it
 agree; otherwise it locks.
 """
 
@@ -18,7 +18,7 @@ RATIO_TOLERANCE = 1e-9  # relative: teeth are whole numbers, so that ratios agre
 
 
 def shaft_ratios(shafts: Sequence[str], links: Sequence[Link], start: str) -> dict[str, float]:
-    """Lifting angle of every shaft per lifting angle of the shaft ``start``, found along the links in both directions.
+    """Lifting angle of every shaft per lifting angle of the shaft ``start``, along the links in both directions.
 
     Raises
     ------
@@ -55,16 +55,15 @@ def _closed(link: Link, ratios: dict[str, float]) -> None:
 
 
 def power_flow(flows: Sequence[tuple[int, int]], motors: Sequence[int], drawn: np.ndarray) -> np.ndarray:
-    """Power (flow + motor,) that each flow and each motor carries.
+    """Power (flow + motor,) through each mesh or coupling and from each motor.
 
-    The balance of every shaft; where paths run side by side it leaves the split open, and the split with the least sum
-    of squares is taken.
+    It follows from the balance of every shaft. Parallel paths are statically indeterminate; the split with the least
+    sum of squares is used. The last argument is the power taken from every shaft (shaft,); without motors its sum is 0.
 
     Parameters
     ----------
     flows : (giver, taker) of every mesh and coupling, numbers of shafts from 0
     motors : number of the shaft that each motor of prescribed speed turns
-    drawn : (shaft,) power drawn from every shaft; without motors its sum is 0
     """
     balance = np.zeros((len(drawn), len(flows) + len(motors)))
     for k, (giver, taker) in enumerate(flows):

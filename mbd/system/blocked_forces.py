@@ -1,19 +1,18 @@
-"""Blocked forces: what gears and shafts do to a casing, told apart from the casing that receives it.
+"""Blocked forces of gears and shafts on a casing, independent of the casing that receives them.
 
-At one frequency a casing with the receptance Y moves under the forces F of the bearings by u = Y F. Turned around, the
-machine pushes with its blocked forces f, those on a casing that does not move, less what its own dynamic stiffness P
-takes off: F = f - P u. So
+At one frequency a casing with the receptance Y moves under the forces F of the bearings by u = Y F. The forces of the
+machine are its blocked forces f, on a casing that does not move, minus the forces of its dynamic stiffness P:
+F = f - P u. So
 
     f = (I + P Y) F,    F' = (I + P Y')^-1 f
 
-gives the forces F' on any other casing Y'; nothing needs to be known of what excites the machine. P is that of the
+gives the forces F' on any other casing Y', whatever excites the machine. P is that of the
 tangent machine (`mbd.system.linearised`) without the casing, its coordinates o condensed: P = D_cc - D_co D_oo^-1 D_oc.
 
-Where not all of F is known (runs record no moments of bearings), the rest follows from what excites the machine most:
-forces g on the rows B of the loaded flanks have the blocked forces -D_co D_oo^-1 B^T g, and g is what fits the known
-forces best. What they do not explain comes from elsewhere and is taken to push along the known coordinates alone.
-
-A mesh whose stiffness pulsates would also carry the change of one frequency into others; that is left out.
+Where F is known in part (runs record no moments of bearings), the rest follows from the main excitation:
+forces g on the rows B of the loaded flanks have the blocked forces -D_co D_oo^-1 B^T g, and g is a least-squares fit
+to the known forces. The remainder of the known forces is attributed to blocked forces along the known coordinates.
+The coupling of frequencies by the time-varying mesh stiffness is not modelled.
 
 References
 ----------
@@ -37,7 +36,7 @@ NOTHING = 1e-12  # of the largest term of a matrix: round-off
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MachineAtSeats:
-    """The tangent machine as the casing feels it on its `seats`, the coordinates that the machine acts on."""
+    """Tangent machine, seen from the casing at its `seats`, the coordinates that the machine acts on."""
 
     seats: np.ndarray  # (seat,) numbers of coordinates of the casing
     own: tuple[np.ndarray, ...]  # K, C, M (seat, seat) that the machine adds to the casing
@@ -57,7 +56,7 @@ class MachineAtSeats:
 
 
 def machine_at_seats(system: System, state: State) -> MachineAtSeats:
-    """The machine about a state of rest, without its casing.
+    """Tangent machine about a state of rest, without its casing.
 
     Raises
     ------
@@ -97,7 +96,7 @@ def _loaded_rows(system: System, state: State) -> np.ndarray:
 def blocked_forces(
     stiffness: np.ndarray, receptance: np.ndarray, forces: np.ndarray, known: np.ndarray, flanks: np.ndarray
 ) -> np.ndarray:
-    """f (seat,) from forces on a casing some of which are known.
+    """Blocked forces f (seat,) from forces on a casing, some of which are known.
 
     Parameters
     ----------

@@ -1,14 +1,14 @@
-"""Equilibrium at t = 0: the load hangs, the motors hold.
+"""Equilibrium at t = 0 under the constant loads, with the motors held.
 
 0 = f + B^T lambda(B q) - K q has the rows u = u_0 + G lambda(u) with u_0 = B K^-1 f and G = B K^-1 B^T. The potential
-energy is convex, and along a Newton step d of the forces its slope is d^T G (lambda - lambda(u)): each step ends where
-that has nearly come to 0, which finds the equilibrium from anywhere, through any contact that opens or closes. A shaft
-whose bearings are all open has no stiffness at all: K times the residual is added to it (Yamashita & Fukushima 2001,
-Computing Suppl. 15), which leaves the last steps Newton's.
+energy is convex, and along a Newton step d of the forces its slope is d^T G (lambda - lambda(u)). A line search ends
+each step where this slope is nearly 0, which finds the equilibrium from any start, through any contact that opens or
+closes. A shaft whose bearings are all open has no stiffness: K times the residual is added to it (Yamashita & Fukushima
+2001, Computing Suppl. 15), so that the last steps are still Newton steps.
 
-With no load at all the gears could rest anywhere in the backlash; contacts that carry nothing are set to just touch,
-K q = f + B^T mu with delta = delta_0(c, psi) of a flank. A swinging container is held at its angle by a force square to
-its ropes.
+Without a load the gears could rest anywhere in the backlash. Contacts without a load are set to just touch,
+K q = f + B^T mu with delta = delta_0(c, psi) of a flank. A swinging container is held at its angle by a force
+perpendicular to its ropes.
 """
 
 from __future__ import annotations
@@ -25,33 +25,35 @@ from mbd.system.system import System
 
 TOLERANCE = 1e-12
 ROUNDS = 100
-LONGEST = 1e3  # steps: nothing holds what goes on
-ENOUGH = 0.5  # part of the slope of the energy along a step that may be left at its end
+LONGEST = 1e3  # longest line search, in Newton steps: a body that moves further has no hold
+ENOUGH = 0.5  # largest share of the slope of the energy at the end of a line search
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class State:
-    """Where the machine is at one instant: displacements q (n,), rates (n,), residual forces lambda (m,)."""
+    """State of the machine at one instant: displacements q (n,), rates (n,), residual forces lambda (m,)."""
 
     displacement: np.ndarray
     velocity: np.ndarray
     forces: np.ndarray
     motor_angle: float
     motor_speed: float  # rad/s; at rest in the rolling frame
-    motor_torque: float  # N m, all motors referred to the first one's speed, lifting positive
+    motor_torque: float  # N m, of all motors referred to the speed of the first, lifting positive
     mesh_force: np.ndarray  # (mesh,) N, drive flank
 
 
 def equilibrium(system: System, speed: float = 0.0) -> State:
-    """State of rest under the constant loads; with a motor ``speed`` (rad/s) rest in the frame that rolls, so that the
-    losses oppose the rotation, at the mesh cycle and rope length of t = 0.
+    """State of rest under the constant loads.
+
+    With a motor ``speed`` (rad/s) it is the rest in the frame that rolls, so that the losses oppose the rotation, at
+    the mesh cycle and rope length of t = 0.
 
     Raises
     ------
     EquilibriumError : the load cannot be carried (e.g. too many teeth missing), nothing presses shafts into bearings
         with clearance, or the iteration fails
     """
-    response = system.basis / system.frequencies**2 @ system.basis.T  # K^-1 on everything that can act
+    response = system.basis / system.frequencies**2 @ system.basis.T  # K^-1 in the space of all forces
     constant = system.constant_force + system.holding_force
     rows = system.all_rows
     m = len(system.rows)
@@ -61,7 +63,7 @@ def equilibrium(system: System, speed: float = 0.0) -> State:
     resting = [contact for contact in contacts if contact.nominal == 0.0]
     if resting:
         start = np.zeros(m)
-        if len(resting) < len(contacts):  # branches that carry nothing
+        if len(resting) < len(contacts):  # some branches have no load
             _press(contacts, free, flexibility, start)
         forces, now = _touching(system, free, flexibility, speed, resting, start)
     else:
@@ -97,17 +99,17 @@ class _PressedContact:
 
     @property
     def contacts(self) -> list[Contact]:
-        """What its sides state."""
+        """Contact of each side."""
         return [side.contact for side in self.sides if side.contact is not None]
 
     @property
     def nominal(self) -> float:
-        """N."""
+        """Nominal force, N."""
         return self.contacts[0].nominal
 
     def touching(self, side: int, motion: np.ndarray, rows: np.ndarray) -> float:
-        """Displacement of the first row of a side at which it just touches; displacements (row + observed,) of all
-        rows, and those (n,) of its own."""
+        """Displacement of the first row of a side at which it just touches, from the displacements (row + observed,) of
+        all rows, and those (n,) of the side."""
         observed = self._system.observed_by(self.sides[side].name, motion)
         return self.contacts[side].touching(observed, rows)
 
@@ -117,11 +119,11 @@ def _side(element: Element) -> int:
 
 
 def _press(contacts: list[_PressedContact], free: np.ndarray, flexibility: np.ndarray, force: np.ndarray) -> None:
-    """Set the forces on the loaded sides so that all of them are well in contact: an open one leaves the train without
-    a hold, and a convex force law is found safely from the side of too much contact."""
+    """Set the forces on the loaded sides so that all of them are well in contact: an open contact leaves the train
+    without a hold, and Newton's method for a convex force converges from the side of too much contact."""
     rows, goal = [], []
     for contact in contacts:
-        side = int(contact.nominal < 0.0)  # on the other side the driven gear pushes the driving one
+        side = int(contact.nominal < 0.0)  # side 1: the driven gear pushes the driving one
         own = contact.rows[side]
         stiffness = contact.sides[0].stiffness[0]
         rows.append(own.start)
@@ -191,11 +193,11 @@ def _touching(
     system: System, free: np.ndarray, flexibility: np.ndarray, speed: float, resting: list[_PressedContact],
     start: np.ndarray,
 ) -> tuple[np.ndarray, Instant]:  # fmt: skip
-    """Forces that the linear reference needs to hold the first sides of the ``resting`` contacts where they just touch:
+    """Forces with which the linear reference holds the first sides of the ``resting`` contacts where they just touch:
     with them the real force is zero.
 
-    Without contact lambda = k0 u cancels the reference on all rows but the first, whose lambda holds the approach; all
-    other rows carry their own forces (Newton from ``start``).
+    Without contact lambda = k0 u cancels the reference on all rows but the first, whose lambda fixes the approach; the
+    forces of all other rows follow from Newton's method (from ``start``).
     """
     table, m = system.table, len(system.rows)
     first = [contact.approaches[0] for contact in resting]
@@ -234,7 +236,7 @@ def _touching(
 
 
 def _unheld(system: System, contact: _PressedContact, reason: str) -> EquilibriumError:
-    """Why a contact without load does not find its place; bearings that hold nothing within their clearance are."""
+    """Error that gives the reason why a contact without load has no position, e.g. bearings within their clearance."""
     name = f"equilibrium at t = 0: {contact.contacts[0].name} carries {contact.nominal:g} N"
     loose = [bearing.name for bearing in system.machine.bearings if bearing.inside is not None]
     if not loose:

@@ -1,14 +1,15 @@
 """System: the assembled machine as M q'' + C q' + K q = f + B^T lambda, with its linear reference and its rows.
 
 q is measured in the frame that rolls with the train (see `mbd.parts.layout`): total motion = R phi_m(t) + q.
-Rolling loads no spring, so K R = 0 but for the couplings, whose motors roll too; what is left of it is the inertia
-force -M R phi_m''. f is the constant load (gravity, static torque). The matrices hold a linear reference of every mesh
-(mean stiffness at the nominal load) and of every other nonlinear element; lambda is the difference to the real forces
-(see `mbd.elements.element`).
+Rolling strains no spring, so K R = 0 except for the couplings, whose motors also roll; only the inertia
+force -M R phi_m'' remains. f is the constant load (gravity, static torque). The matrices contain a linear reference of
+every mesh (mean stiffness at the nominal load) and of every other nonlinear element; lambda is the difference to the
+real forces (see `mbd.elements.element`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +18,7 @@ from fem.casing.reduced.body import ReducedBody
 from mbd.elements.element import Element
 from mbd.elements.linear import Part
 from mbd.elements.table import Table, element_table
-from mbd.forces.registry import SOURCES_OF_FORCE
+from mbd.forces import drag, efficiency, film, flank, gyroscopic_plane, sliding
 from mbd.parts.assembly import Assembly
 from mbd.parts.channels import ChannelRows, channel_names, channel_rows
 from mbd.parts.checks import MachineError
@@ -26,12 +27,29 @@ from mbd.parts.machine import Machine
 from mbd.system.rolling_frame import RollingFrame, rolling_frame
 
 DEFAULT_BAND = 20e3  # Hz
-ROLLS_FREELY = 1e-6  # force by rolling over the largest that the matrix could give: round-off
+ROLLS_FREELY = 1e-6  # force by rolling divided by the largest possible with the matrix: round-off
+
+
+def _of_components(assembly: Assembly) -> Iterable[Element]:
+    """What loads, bearings, couplings and outside forces bring themselves."""
+    return (one for component in assembly.machine.components for one in component.elements(assembly.layout))
+
+
+SOURCES_OF_FORCE: tuple[Callable[[Assembly], Iterable[Element]], ...] = (  # in the order of their rows
+    flank.elements,
+    film.elements,
+    _of_components,
+    efficiency.elements,
+    sliding.elements,
+    drag.brakes,
+    drag.bearing_drags,  # needs the linear reference of all above
+    gyroscopic_plane.elements,  # needs the modes with all above
+)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class System:
-    """What the integrators advance. Shapes: n coordinates, m forces, r modes; SI."""
+    """Matrices, elements and channels that the integrators use. Shapes: n coordinates, m forces, r modes; SI."""
 
     layout: Layout
     parts: tuple[Part, ...]
@@ -41,22 +59,22 @@ class System:
     rolling: np.ndarray  # R (n,)
     constant_force: np.ndarray  # f (n,)
     holding_force: np.ndarray  # (n,) acts until t = 0 only
-    motor_torque: np.ndarray  # (2, n) on q and q': of all motors referred to the first one's speed, lifting positive
-    elements: tuple[Element, ...]  # everything nonlinear, in the order of its rows
+    motor_torque: np.ndarray  # (2, n) on q and q': of all motors referred to the speed of the first, lifting positive
+    elements: tuple[Element, ...]  # all nonlinear forces, in the order of their rows
     rows: np.ndarray  # B (m, n) of all elements
     row_names: tuple[str, ...]
-    rolls: np.ndarray  # (m,) motion of the row per motor angle of the elements whose forces work on it
-    observed: np.ndarray  # (k, n) rows that elements observe only, after the force rows
+    rolls: np.ndarray  # (m,) motion of the row per motor angle, 0 for elements whose forces do no work on it
+    observed: np.ndarray  # (k, n) rows that elements observe without a force on them
     table: Table  # the elements for compiled code
     gyroscopic: np.ndarray  # G (n, n) per motor speed; empty if left out
     channels: ChannelRows
-    frame: RollingFrame  # how the frame of q moves
+    frame: RollingFrame  # motion of the frame of q
     basis: np.ndarray  # Phi (n, r): q = Phi p, mass-orthonormal
     frequencies: np.ndarray  # omega (r,), rad/s
 
     @property
     def machine(self) -> Machine:
-        """The machine it was assembled from."""
+        """The machine from which the system was assembled."""
         return self.layout.machine
 
     def at(self, name: str) -> slice:
@@ -69,7 +87,7 @@ class System:
         return next(element for element in self.elements if element.name == name)
 
     def observed_by(self, name: str, motion: np.ndarray) -> np.ndarray:
-        """What the element called ``name`` observes, from displacements (row + observed,) of `all_rows`."""
+        """Rows observed by the element called ``name``, from displacements (row + observed,) of `all_rows`."""
         i = [element.name for element in self.elements].index(name)
         first, end = self.table.seen[i] + len(self.rows)
         return motion[first:end]
@@ -92,13 +110,13 @@ class System:
 def assemble(
     machine: Machine, casing: ReducedBody, channels: tuple[str, ...] | None = None, band: float = DEFAULT_BAND
 ) -> System:
-    """Put the machine into its casing.
+    """Assemble the machine in its casing.
 
     Parameters
     ----------
     machine, casing : the parts
-    channels : names from `mbd.parts.channels`; None asks for all but sensors
-    band : Hz, modes above it are kept only by their static response; inf keeps all
+    channels : names from `mbd.parts.channels`; None: all but sensors
+    band : Hz, modes above it contribute only by their static response; inf: all modes
 
     Raises
     ------
@@ -108,7 +126,7 @@ def assemble(
     parts = tuple(part for component in lay.components for part in component.parts(lay))
     assembly = Assembly(lay, parts, band)
     _check_rolling(parts, assembly.rolling)
-    for elements in SOURCES_OF_FORCE.values():
+    for elements in SOURCES_OF_FORCE:
         assembly.add(elements(assembly))
     rows, (basis, frequencies) = assembly.rows, assembly.modes
     table, observed = element_table(assembly.elements, lay.size)
@@ -147,7 +165,7 @@ def _rolls(assembly: Assembly) -> np.ndarray:
 
 
 def _check_rolling(parts: tuple[Part, ...], rolling: np.ndarray) -> None:
-    """Raise MachineError if rolling strains a part that does not state how its far ends turn."""
+    """Raise MachineError if rolling strains a part that does not define how its far ends turn."""
     for part in parts:
         own = rolling[part.index]
         force, size = part.stiffness @ own, abs(part.stiffness) @ abs(own)
@@ -165,7 +183,7 @@ def _motor_torque(parts: tuple[Part, ...], size: int) -> np.ndarray:
     for part in parts:
         if len(part.driven):
             for row, matrix in zip(rows, ("stiffness", "damping"), strict=True):
-                row -= part.driven @ part.summed(matrix) @ part.rows(size)
+                row -= part.driven @ part.own(matrix) @ part.rows(size)
     return rows
 
 

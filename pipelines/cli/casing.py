@@ -72,16 +72,16 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """Build the casing; print check-up, modes with uncertainty bands and coordinates; write the requested files."""
     from pipelines.io.errors import InputError, SceneWarning
     from pipelines.io.json_text import json_text
-    from pipelines.io.user_files import writable_folder
+    from pipelines.io.user_files import writable_file, writable_folder
     from pipelines.runs.single_results import build_casing, scene_graph
     from pipelines.steps.casing import misread_sensors
-    from pipelines.studies.housings.casing_export import checked_target, write_casing
+    from pipelines.studies.housings.casing_export import FORMATS, write_casing
     from pipelines.studies.housings.responses import checked_names
 
     if options.out and not options.response:
         raise InputError("--out is the folder of --response. Add --response, or delete --out.")
     folder = writable_folder(options.out or ".")
-    targets = [checked_target(name) for name in options.export]
+    targets = [writable_file(name, "--export", FORMATS) for name in options.export]
     loaded, work = scene_and_work(options)
     graph, plant = scene_graph(loaded)
     if "casing mesh" not in graph.steps and any(t.suffix == ".vtu" for t in targets):

@@ -76,7 +76,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.report.figures.film import save_figure
     from pipelines.report.figures.plots import transmission_error_figure
     from pipelines.runs.gear_numbers import (
-        checked_curve_file,
+        FORMATS,
         gear_curves,
         gear_rows,
         machine_states,
@@ -85,7 +85,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     )
     from pipelines.runs.single_results import build_pairs
 
-    target = None if options.out is None else checked_curve_file(options.out)
+    target = None if options.out is None else writable_file(options.out, endings=FORMATS)
     picture = None if options.plot is None else writable_file(options.plot)
     if options.tilt == "machine" and options.torque is not None:
         raise InputError(

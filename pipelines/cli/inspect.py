@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from pipelines.engine.run_graph import Outcome, Work
     from pipelines.engine.step import Graph
     from pipelines.machine.plant import Plant
-    from pipelines.report.figures.views import LeftOut
     from pipelines.runs.inspect_gears import InspectedStage
 
 HELP = """\
@@ -90,7 +89,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     if options.stress or options.mesh is not None:
         from pipelines.runs.inspect_stress import stress_files
 
-        yield from _listed(stress_files(plant, graph, options, work))
+        yield from _listed(stress_files, plant, graph, options, work)
         return
     folder.mkdir(parents=True, exist_ok=True)
     if options.casing_mode:
@@ -106,16 +105,18 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     if options.screen:
         show_mesh(shown.mesh_view(_cycles(shown, options)))
         return
-    yield from _listed(shown.write_overview(folder / f"gears_{stage}.png"))
+    yield from _listed(shown.write_overview, folder / f"gears_{stage}.png")
     yield from _write_mesh(shown, folder / f"mesh_{stage}", options, frames)
-    yield from _listed(shown.write_pattern(folder / f"pattern_{stage}.png"))
+    yield from _listed(shown.write_pattern, folder / f"pattern_{stage}.png")
     yield from _write_casing(graph, plant, folder, work)
 
 
 def _cycles(shown: InspectedStage, options: argparse.Namespace) -> np.ndarray:
     import numpy as np
 
-    return shown.film_cycles(options.frames) if options.position is None else np.array([options.position])
+    from pipelines.report.figures.mesh_frames import passage
+
+    return passage(shown.laws.cycle, options.frames) if options.position is None else np.array([options.position])
 
 
 def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, frames: int) -> Iterator[str]:
@@ -123,9 +124,10 @@ def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, 
     import numpy as np
 
     from pipelines.report.figures.mesh_pictures import write_film, write_still
+    from pipelines.steps.pair_curves import acting
 
-    cycle = shown.still_cycle() if options.position is None else options.position
-    yield from _listed(write_still(shown.mesh_view(np.array([cycle])), stem))
+    cycle = acting(shown.laws) if options.position is None else options.position
+    yield from _listed(write_still, shown.mesh_view(np.array([cycle])), stem)
     if frames == 1:
         return
 
@@ -134,22 +136,23 @@ def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, 
             sys.stderr.write(f"\rfilm {stem.name}: {100 * part:.0f} %" + "\n" * (part >= 1.0))
             sys.stderr.flush()
 
-    yield from _listed(write_film(shown.mesh_view(_cycles(shown, options)), stem, progress))
+    yield from _listed(write_film, shown.mesh_view(_cycles(shown, options)), stem, progress)
 
 
 def _write_casing(graph: Graph, plant: Plant, folder: Path, work: Work) -> Iterator[str]:
     from pipelines.report.figures.callouts import casing_figure
     from pipelines.report.figures.film import save_figure
-    from pipelines.report.figures.views import LeftOut
+    from pipelines.report.figures.views import NotRendered
     from pipelines.steps.pictures import rendered_casing
 
     if "casing mesh" not in graph.steps:
         yield f"casing {plant.models['casing']}: no mesh to show"
         return
     mesh = work.build(graph, ["casing mesh"]).value("casing mesh")
-    picture = rendered_casing(mesh, plant.sensors)
-    if isinstance(picture, LeftOut):
-        yield f"casing.png: {picture.reason}"
+    try:
+        picture = rendered_casing(mesh, plant.sensors)
+    except NotRendered as left_out:
+        yield f"casing.png: {left_out}"
         return
     save_figure(casing_figure(picture, f"Casing and key points of {plant.title}"), folder / "casing.png", dpi=115)
     yield str(folder / "casing.png")
@@ -164,20 +167,21 @@ def _casing_mode(graph: Graph, plant: Plant, number: int | str, folder: Path, wo
             "craig-bampton, and casing.housing to a shape, a CAD file or a mesh."
         )
     outcome = work.build(graph, ["casing", "casing modes"])
-    return _listed(_casing_mode_files(outcome, graph, plant.title, number, folder))
+    yield from _listed(_casing_mode_files, outcome, graph, plant.title, number, folder)
 
 
-def _listed(found: Path | list[Path] | LeftOut) -> Iterator[str]:
-    """The names of files, or why there are none."""
-    from pipelines.report.figures.views import LeftOut
+def _listed(write: Callable[..., Path | list[Path]], *given: object) -> list[str]:
+    """The names of the files that a function writes, or why it writes none."""
+    from pipelines.report.figures.views import NotRendered
 
-    names = found if isinstance(found, list) else [found]
-    return (one.reason if isinstance(one, LeftOut) else str(one) for one in names)
+    try:
+        written = write(*given)
+    except NotRendered as left_out:
+        return [str(left_out)]
+    return [str(path) for path in (written if isinstance(written, list) else [written])]
 
 
-def _casing_mode_files(
-    outcome: Outcome, graph: Graph, title: str, number: int | str, folder: Path
-) -> list[Path] | LeftOut:
+def _casing_mode_files(outcome: Outcome, graph: Graph, title: str, number: int | str, folder: Path) -> list[Path]:
     """Still, film and page of a natural mode of the casing in its ground, or a sheet of all modes in its band.
 
     Raises

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     import numpy as np
 
     from pipelines.engine.run_graph import Work
-    from pipelines.machine.layout import Layout
     from pipelines.scene.file import LoadedScene
+    from pipelines.signals.orders.kinematics import Kinematics
     from pipelines.signals.orders.order_spectra import Waterfall
 
 SPEEDS = 9  # of a Campbell diagram
@@ -153,6 +153,7 @@ def _read(folder: Path, options: argparse.Namespace) -> _RunUp:
     """
     import numpy as np
 
+    from pipelines.machine.kinematics import kinematics_of
     from pipelines.machine.machine import make_drivetrain
     from pipelines.scene.file import load_scene
     from pipelines.signals.analysis import DiagnosisError, channel, channel_names
@@ -178,7 +179,7 @@ def _read(folder: Path, options: argparse.Namespace) -> _RunUp:
             place=f"{sensor} {axis}",
             units=str(found.attrs["units"]),
             shaft=name,
-            orders=tuple(options.orders) or _mesh_orders(train.layout, number),
+            orders=tuple(options.orders) or _mesh_orders(kinematics_of(train.layout, train.rolling), name),
             signal=np.asarray(found.values, dtype=float),
             time=run.time.values,
             angle=run.shaft_angle.sel(shaft=name).values,
@@ -201,30 +202,23 @@ def _read_file(source: Path, options: argparse.Namespace) -> _RunUp:
         raise InputError(f"--shaft {number}: the machine has {len(shafts)} shafts. Give 1 to {len(shafts)}.")
     sensor, axis = chosen_channel(part, options.sensor, options.axis)
     shaft = shafts[number - 1]
-    meshes = sorted(
-        {round(k * order / shaft.ratio, 6) for order in part.kinematics.mesh_orders().values() for k in (1, 2)}
-    )
     return _RunUp(
         loaded=None,
         title=source.name,
         place=f"{sensor} {axis}",
         units="m/s2",
         shaft=shaft.name,
-        orders=tuple(options.orders or meshes),
+        orders=tuple(options.orders) or _mesh_orders(part.kinematics, shaft.name),
         signal=part.acceleration[part.channels.index((sensor, axis))],
         time=part.time,
         angle=shaft.ratio * part.rotation.angle,
     )
 
 
-def _mesh_orders(layout: Layout, shaft: int) -> tuple[float, ...]:
+def _mesh_orders(kinematics: Kinematics, shaft: str) -> tuple[float, ...]:
     """Tooth meshing of every stage and its double, in orders of a shaft."""
-    own = layout.shaft_ratios[shaft]
-    first = [
-        pair.pinion.teeth * layout.shaft_ratios[shafts[0]] / own
-        for pair, shafts in zip(layout.pairs, layout.pair_shafts, strict=True)
-    ]
-    return tuple(sorted({round(k * order, 6) for order in first for k in (1, 2)}))
+    own = kinematics.shaft(shaft).ratio
+    return tuple(sorted({round(k * order / own, 6) for order in kinematics.mesh_orders().values() for k in (1, 2)}))
 
 
 def _natural_over_speed(loaded: LoadedScene, work: Work, speeds: np.ndarray, up_to: float) -> dict[float, np.ndarray]:

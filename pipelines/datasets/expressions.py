@@ -91,16 +91,17 @@ def _check(node: ast.AST, names: dict[str, None]) -> None:
         or (isinstance(node, ast.UnaryOp) and type(node.op) in _UNARY)
         or (isinstance(node, ast.Compare) and all(type(op) in _COMPARED for op in node.ops))
         or isinstance(node, ast.BoolOp)
-        or (isinstance(node, ast.Call) and _known_function(node))
+        or (
+            isinstance(node, ast.Call)
+            and isinstance(node.func, ast.Name)
+            and node.func.id in FUNCTIONS
+            and not node.keywords
+        )
     )
     if not known:
         raise ExpressionError(f"{ast.unparse(node)!r} is not allowed; allowed functions: {', '.join(FUNCTIONS)}")
     for child in node.args if isinstance(node, ast.Call) else _operands(node):
         _check(child, names)
-
-
-def _known_function(node: ast.Call) -> bool:
-    return isinstance(node.func, ast.Name) and node.func.id in FUNCTIONS and not node.keywords
 
 
 def _operands(node: Any) -> list[ast.AST]:

@@ -31,7 +31,7 @@ def check_baseline(
     ----------
     recording, baseline : features of the judged recording and of the healthy ones
     names : of the healthy ones, as messages show them
-    exact : the healthy one is the control, which a fault without effect leaves equal to the judged one
+    exact : the healthy ones are the control, which a fault without effect leaves equal to the judged one
     """
     if not baseline:
         raise BaselineError("no healthy recording to compare with. Give at least one.")
@@ -47,7 +47,9 @@ def check_baseline(
                 f"{name} does not have the same features ({', '.join(unlike[:3])}, ...). Give "
                 "recordings of about the same speed, length and sampling rate."
             )
-        if not exact and _same(other, recording):
+        if exact:
+            continue
+        if _same(other, recording):
             raise BaselineError(f"{name} is the recording to diagnose itself. Delete it from the healthy recordings.")
         twice = [first for first, one in zip(names[:number], baseline, strict=False) if _same(one, other)]
         if twice:

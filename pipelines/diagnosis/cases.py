@@ -79,7 +79,7 @@ def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
         if findings:
             case, one = min(findings, key=lambda pair: words.ratio(pair[1].evidence))
             weakest = "Weakest evidence" if len(findings) > 1 else "Evidence"
-            evidence.append(f"{weakest} ({case.name}): {words.standing(one.evidence, case.verdict.exact)}.")
+            evidence.append(f"{weakest} ({case.name}): {words.standing(one.evidence)}.")
         if damage.tooth is not None and findings:
             highest = sum(one.tooth == damage.tooth for _, one in findings)
             where = "" if highest == len(cases) == 1 else f" in {highest} of {len(findings)}"

@@ -47,22 +47,27 @@ def run_features(run: xarray.Dataset, settings: FeatureSettings, rotation: Rotat
     return feature_table(with_stated_noise(run), settings.kinematics, rotation, settings.windows)
 
 
-def window_features(run: xarray.Dataset, settings: FeatureSettings) -> dict[str, FeatureTable]:
-    """The features of a run in each of the windows by itself; arguments and errors as in `run_features`."""
-    rotation, noisy = rotation_of(run, settings.kinematics), with_stated_noise(run)
+def window_features(run: xarray.Dataset, settings: FeatureSettings, samples: int = 1) -> dict[str, list[FeatureTable]]:
+    """The features of a run in each of the windows by itself, with several samples of its sensor noise.
+
+    Arguments and errors otherwise as in `run_features`.
+    """
+    rotation = rotation_of(run, settings.kinematics)
+    noisy = [with_stated_noise(run, sample) for sample in range(samples)]
     return {
-        name: feature_table(noisy, settings.kinematics, rotation, {name: window})
+        name: [feature_table(one, settings.kinematics, rotation, {name: window}) for one in noisy]
         for name, window in settings.windows.items()
     }
 
 
-def with_stated_noise(run: xarray.Dataset) -> xarray.Dataset:
+def with_stated_noise(run: xarray.Dataset, sample: int = 0) -> xarray.Dataset:
     """A run with `sensor_noise_m_s2`, if that is among its attributes, in its accelerations.
 
-    The signals fix the noise: it is the same whenever a run is read, and another one in any other run.
+    The signals and the number of the sample fix the noise: it is the same whenever a run is read, and another one in
+    any other run.
     """
     name = "acceleration" if "acceleration" in run else "journal_acceleration"
-    stream = zlib.crc32(np.ascontiguousarray(run[name].values).tobytes())
+    stream = zlib.crc32(np.ascontiguousarray(run[name].values).tobytes()) + sample
     axes = [str(axis) for axis in run.axis.values]
-    signal = np.stack([noisy_channel(run, sensor, axes, stream) for sensor in channel_names(run)], axis=1)
-    return run.drop_vars(name).assign({name: (("time", *run[name].transpose("time", ...).dims[1:]), signal)})
+    signal = np.stack([noisy_channel(run, sensor, axes, stream).T for sensor in channel_names(run)])
+    return run.drop_vars(name).assign({name: ((*run[name].transpose(..., "time").dims[:-1], "time"), signal)})

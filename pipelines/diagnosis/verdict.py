@@ -8,9 +8,9 @@ fault. Nothing here knows of a fault. There are two answers, each for every chan
 - Damaged (one-sided): the evidence of a component, the mean of the deviations of its own features, is higher, with a
   probability of at most ALARM that one of all components of a healthy machine is so high.
 
-Features of the whole signal are no evidence of a component. Against a control a component is damaged if the mean
-increase of its own features is CONTROL_LIMIT or more at a channel: there is no scatter of healthy machines. With fewer
-than FEWEST_FOR_P healthy recordings there is only the order of the components.
+Features of the whole signal are no evidence of a component. A control is a baseline of the same machine: its
+recordings differ in their sensor noise alone. With fewer than FEWEST_FOR_P healthy recordings there is only the order
+of the components.
 """
 
 from __future__ import annotations
@@ -33,22 +33,20 @@ from pipelines.diagnosis.prediction import (
     moderated,
     probability,
 )
-from pipelines.signals.features.recorded import OF_SHAFT
+from pipelines.signals.features.recorded import OF_SHAFT, OF_WHITENED
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 
 LEAST_ORDER = -40.0  # dB over the rms of healthy recordings: weaker orders of a shaft come and go
 DIFFERENT, ALARM = 0.01, 0.001  # of healthy machines are called different, or damaged
-CONTROL_LIMIT = 6.0 * LEAST_SPREAD  # dB: six standard deviations of levels that repeat as well as any
 
 
 @dataclass(frozen=True, kw_only=True)
 class Evidence:
     """What a component shows at the channel where it shows most: the mean over its own `features`.
 
-    `increase` (dB) over the healthy mean; `deviation` in standard deviations of healthy machines with the `limit` that
-    makes it damaged, against a control both in dB, without p-values `limit` is None; `p` corrected for all components
-    and channels.
+    `increase` (dB) over the healthy mean; `deviation` in standard deviations of healthy recordings with the `limit`
+    that makes it damaged, None without p-values; `p` corrected for all components and channels.
     """
 
     features: tuple[str, ...]
@@ -159,7 +157,7 @@ def judge(
     recording, baseline : features of the same machine at the same channels
     kinematics : its machine
     names : of the healthy recordings; "healthy recording 1", ... if there are none
-    exact : the one healthy recording is the control of a simulation
+    exact : the healthy recordings are the control of a simulation with several samples of the sensor noise
 
     Raises
     ------
@@ -169,17 +167,17 @@ def judge(
     check_baseline(recording, baseline, names, exact)
     levels, healthy = _compared(recording, baseline)
     lines = _Lines(recording)
-    odd = outlying(healthy, lambda one, others: min(lines.chances(one, others)))
+    odd = [] if exact else outlying(healthy, lambda one, others: min(lines.chances(one, others)))
     kept = np.delete(healthy, odd, axis=0)
-    tested = len(kept) if len(kept) > FEWEST_FOR_P else 0
+    tested = len(kept) if len(kept) > FEWEST_FOR_P and not exact else 0
     others = [lines.chances(kept[i], np.delete(kept, i, axis=0)) for i in range(tested)]
     enough = len(kept) >= FEWEST_FOR_P
     different = lines.chances(levels, kept)[0] if enough else None
-    findings = _findings(lines, levels, kept, kinematics, exact)
+    findings = _findings(lines, levels, kept, kinematics)
     return Verdict(
         findings=findings,
         different=None if different is None else different <= DIFFERENT,
-        damaged=any(one.damaged for one in findings) if enough or exact else None,
+        damaged=any(one.damaged for one in findings) if enough else None,
         p_different=different,
         changes=_changes(lines, levels, kept) if enough else (),
         exact=exact,
@@ -210,15 +208,17 @@ def damage_p(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> float
 class _Lines:
     """The features of a table, and the groups that are the evidence of a component each.
 
-    A shaft has two of them, since unbalance raises the first order only; any other component has one.
+    A shaft has two of them, since unbalance raises the first order only. A gear has one of its whitened and one of its
+    other features: whitening shows small damage that deviations hide, but it hides a rise of the level.
     """
 
     def __init__(self, table: FeatureTable) -> None:
         self.table = table
-        groups: dict[tuple[str, str], list[int]] = {}
+        groups: dict[tuple[str, str | bool], list[int]] = {}
         for number, (component, feature) in enumerate(table.lines):
             if component != WHOLE:
-                groups.setdefault((component, feature if feature in OF_SHAFT else ""), []).append(number)
+                kind = feature if feature in OF_SHAFT else feature in OF_WHITENED
+                groups.setdefault((component, kind), []).append(number)
         self.groups = [(component, tuple(own)) for (component, _), own in groups.items()]
 
     def features(self, own: Sequence[int]) -> tuple[str, ...]:
@@ -256,15 +256,13 @@ class _Lines:
         return min(2.0 * min(apart, damaged), 1.0), damaged
 
 
-def _findings(
-    lines: _Lines, levels: np.ndarray, healthy: np.ndarray, kinematics: Kinematics, exact: bool
-) -> tuple[Finding, ...]:
+def _findings(lines: _Lines, levels: np.ndarray, healthy: np.ndarray, kinematics: Kinematics) -> tuple[Finding, ...]:
     """All components, the strongest evidence first."""
     table, count = lines.table, len(healthy)
     rises = levels - healthy.mean(axis=0)
     increase = np.stack([rises[:, own].mean(axis=1) for _, own in lines.groups], axis=1)
     deviation, p = increase, None
-    bounds: list[float | None] = [CONTROL_LIMIT if exact else None] * len(lines.groups)
+    bounds: list[float | None] = [None] * len(lines.groups)
     if count >= FEWEST_FOR_P:
         _, _, deviation, prior = lines.standardised(levels, healthy)
         p = lines.group_chances(deviation, count, prior)

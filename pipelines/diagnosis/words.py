@@ -9,6 +9,9 @@ from pipelines.io.grid import Grid
 NAMES = {
     "difference_rms": "difference signal",
     "fm4": "FM4",
+    "whitened_kurtosis": "kurtosis of the whitened average",
+    "whitened_contrast": "energy of one tooth, whitened",
+    "average_contrast": "energy of one tooth, whitened average",
     "fm0": "FM0",
     "sideband_ratio": "sideband ratio",
     "envelope_orders": "envelope",
@@ -25,10 +28,10 @@ NAMES = {
 
 STRENGTH = "evidence / limit"  # heading
 EVIDENCE = (
-    "Increase: mean of the features of a component at the channel of its strongest evidence. A component is damaged if "
-    f"{STRENGTH} is 1 or more."
+    "Increase: mean of a group of features of a component at the channel of its strongest evidence. A component is "
+    f"damaged if {STRENGTH} is 1 or more."
 )
-NO_LIMIT = "Increase: mean of the features of a component at the channel where it is highest."
+NO_LIMIT = "Increase: mean of a group of features of a component at the channel where it is highest."
 _NAMED = 3  # features that differ
 
 
@@ -48,8 +51,9 @@ def sentences(verdict: Verdict) -> tuple[str, ...]:
     """The answer, its evidence, what it was compared with, how often it would be wrong, and what was left out."""
     found = [headline(verdict)]
     if verdict.damaged is not False:
-        found.append(f"Evidence: {standing(verdict.first.evidence, verdict.exact)}.")
-        found += [_same_orders(one, verdict) for one in verdict.findings if one.component in verdict.first.alike]
+        found.append(f"Evidence: {standing(verdict.first.evidence)}.")
+        alike = [one for one in verdict.findings if one.component in verdict.first.alike]
+        found += [f"{one.component} has the same orders: {standing(one.evidence)}." for one in alike]
     if verdict.changes:
         named = [
             f"{NAMES.get(one.feature, one.feature)} of {one.component} at {one.sensor} {one.axis} "
@@ -64,20 +68,14 @@ def sentences(verdict: Verdict) -> tuple[str, ...]:
     return tuple(found)
 
 
-def standing(evidence: Evidence, exact: bool) -> str:
+def standing(evidence: Evidence) -> str:
     """The evidence of a component with its limit."""
     count = len(evidence.features)
     what = NAMES.get(evidence.features[0], evidence.features[0]) if count == 1 else f"mean of {count} features"
     text = f"{what} at {evidence.sensor} {evidence.axis} is {decibels(evidence.increase)} dB"
     if evidence.limit is None:
         return text
-    if exact:
-        return f"{text} over the control (limit {evidence.limit:g} dB)"
     return f"{text}, {evidence.deviation:.1f} standard deviations (limit {evidence.limit:.1f})"
-
-
-def _same_orders(finding: Finding, verdict: Verdict) -> str:
-    return f"{finding.component} has the same orders: {standing(finding.evidence, verdict.exact)}."
 
 
 def compared(verdict: Verdict) -> list[str]:
@@ -85,7 +83,8 @@ def compared(verdict: Verdict) -> list[str]:
     if verdict.exact:
         return [
             "The control is the same machine without the fault, which only a simulation has: every increase is an "
-            "effect of the fault. Add --baseline 8 to compare with healthy machines of other deviations."
+            f"effect of the fault. Limits follow from {verdict.healthy} samples of the sensor noise. Add --baseline 8 "
+            "to compare with healthy machines of other deviations."
         ]
     many = f"Compared with {verdict.healthy} healthy recording{'s' if verdict.healthy > 1 else ''}."
     found = [many]

@@ -11,7 +11,7 @@ import os
 import re
 import stat
 import uuid
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from pipelines.io.errors import InputError
@@ -133,12 +133,17 @@ def names_beside(path: Path, ending: str = "") -> list[str]:
         return []
 
 
-def writable_file(name: str | Path, option: str = "--out") -> Path:
+def writable_file(name: str | Path, option: str = "--out", endings: Collection[str] = ()) -> Path:
     """The path of a file that is to be written, tried before the work that fills it.
+
+    Parameters
+    ----------
+    name, option : of the file, and the option that it was given to
+    endings : the name has one of them; empty: any
 
     Raises
     ------
-    InputError : a folder, or below something that is no folder we may write to
+    InputError : a folder, or below something that is no folder we may write to; an ending that is not known
     """
     path = checked_path(name)
     try:
@@ -150,6 +155,9 @@ def writable_file(name: str | Path, option: str = "--out") -> Path:
             _check_folder(path.parent, name, option)
     except OSError as error:
         raise _not_writable(name, option, error.strerror or "") from error
+    if endings and path.suffix.lower() not in endings:
+        known = ", ".join(endings)
+        raise InputError(f"{option} {shown(name)}: the ending must be one of {known}. Correct the file name.")
     return path
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mbd.excitations.cage_slip import CageSlip
 from mbd.excitations.faulty_bearing import with_faults
@@ -14,12 +14,10 @@ from mbd.forces.bearing_models import Support
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.rolling_elements import RollingElements
 from pipelines.io.errors import Problems
+from pipelines.machine.layout import Layout
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.bearings import BearingModel
 from pipelines.scene.tables.shafts import ShaftTable
-
-if TYPE_CHECKING:
-    from pipelines.machine.layout import Layout
 
 
 @dataclass(frozen=True, kw_only=True)

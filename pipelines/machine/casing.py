@@ -122,8 +122,7 @@ def bores(table: HousingBase, layout: Layout) -> tuple[Bore, ...]:
 
 def dimensions(table: HousingBase, layout: Layout) -> Dimensions:
     """The dimensions of the housing, valid or not."""
-    made: Dimensions = table.made_part(Dimensions, bores=bores(table, layout), feet=feet(table))
-    return made
+    return table.made_part(Dimensions, bores=bores(table, layout), feet=feet(table))
 
 
 def feet(table: HousingBase) -> Feet:
@@ -135,8 +134,7 @@ def feet(table: HousingBase) -> Feet:
     if pitch is not None:
         count = max(2, math.ceil((last - first) / pitch - 1e-9) + 1)
         places = tuple(np.linspace(first, last, count).tolist())
-    made: Feet = table.made_part(Feet, x=places)
-    return made
+    return table.made_part(Feet, x=places)
 
 
 def housing(
@@ -160,10 +158,7 @@ def housing(
     SceneError : bearings that are not located or belong to no shaft
     """
     if isinstance(table, HousingBase):
-        made: Housing = table.made(
-            bores=bores(table, layout), feet=feet(table), sensors=sensors, bolted=table.joint is not None
-        )
-        return made
+        return table.made(bores=bores(table, layout), feet=feet(table), sensors=sensors, bolted=table.joint is not None)
     if problems := list(_seat_problems([seat.name for seat in table.bearings], len(points))):
         raise SceneError("scene", problems)
     if isinstance(table, MatricesHousingTable):

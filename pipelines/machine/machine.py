@@ -275,11 +275,10 @@ def film_spec(table: FilmModel, pair: GearPair) -> Film | None:
     slope = math.tan(pair.working_pressure_angle)
     pinion, wheel = pair.pinion.base_radius * slope, pair.wheel.base_radius * slope
     lead = math.cos(pair.base_helix_angle)
-    found: Film | None = table.made(
+    return table.made(
         radius=pinion * wheel / (pinion + wheel) / lead,
         length=pair.transverse_contact_ratio * pair.face_width / lead,
     )
-    return found
 
 
 def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault], problems: Problems) -> MachineParts:

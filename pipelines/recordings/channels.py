@@ -1,4 +1,4 @@
-"""Channels: what a file of signals holds, column by column, in every format. Samples are read when they are used."""
+"""Channels: signals of a file in any format. Samples are read when they are used."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ import numpy as np
 
 from pipelines.io.shown import shown
 
-LEAST_VALUES = 2  # fewer are a setting, not a signal
+LEAST_VALUES = 2  # fewer values are a setting, not a signal
 _NAME = re.compile(r"(?P<name>.*?)\s*[\[(](?P<units>[^\[\]()]*)[\])]\s*")
 _EXPORTED = re.compile(r"acceleration (?P<sensor>\S+) (?P<axis>[xyz])")
-_RATES = (  # a "rate" alone may be the speed of a shaft
+_RATES = (  # without "rate", which can be the speed of a shaft
     "fs", "fshz", "sr", "ratehz", "samplerate", "samplingrate", "samplefreq", "samplingfreq", "samplefrequency",
     "samplingfrequency",
 )  # fmt: skip
@@ -24,9 +24,9 @@ _RATES = (  # a "rate" alone may be the speed of a shaft
 class Channel:
     """One signal of a file.
 
-    `read` gives the samples of a slice; `units` and `rate` (Hz) are as the file says them, "" and None where it does
-    not; `place` is the sensor and axis that the file names; `stamps` says that it holds time stamps, as seconds;
-    `problem` is why its samples cannot be used, "" if they can.
+    `read` returns the samples of a slice; `units` and `rate` (Hz) are those in the file, "" and None without; `place`
+    is the sensor and axis named by the file; `stamps` is true for time stamps, as seconds; `problem` is the reason why
+    the samples cannot be used, "" if they can.
     """
 
     name: str
@@ -45,37 +45,37 @@ class Channel:
         return self.dtype.kind in "iuf"
 
     def blocks(self, length: int = 1 << 18) -> Iterator[tuple[int, np.ndarray]]:
-        """The number of the first sample and the samples, part by part."""
+        """Number of the first sample, and samples, block by block."""
         for first in range(0, self.size, length):
             yield first, self.read(slice(first, min(first + length, self.size)))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Contents:
-    """The channels of a file, in its order, and how it is closed."""
+    """The channels of a file, in its order, and the function that closes it."""
 
     channels: tuple[Channel, ...]
     close: Callable[[], None] = lambda: None
 
     def names(self) -> str:
-        """The names of all channels, for messages."""
+        """Names of the channels, for messages."""
         return ", ".join(shown(channel.name, 60) for channel in self.channels[:20]) or "none"
 
 
 def of_array(name: str, values: np.ndarray, **facts: Any) -> Channel:
-    """The channel of an array of one dimension, which may lie in a file; `facts` are other fields of `Channel`."""
+    """Channel of an array of one dimension, in memory or in a file; `facts` are other fields of `Channel`."""
     return Channel(name=name, size=len(values), dtype=values.dtype, read=lambda part: values[part], **facts)
 
 
 def array_channels(
     name: str, values: Any, *, units: str = "", rate: float | None = None, problem: str = ""
 ) -> Iterator[Channel]:
-    """The signals of an array of one or two dimensions, of which the longer one is time; none of any other.
+    """Channels of an array of one or two dimensions, of which the longer one is time; none for other arrays.
 
     Parameters
     ----------
-    name : of the array; its signals are numbered from 1 where there are several
-    values : array, or anything that is sliced like one, as a dataset of an HDF5 file
+    name : of the array; several signals are numbered from 1
+    values : array, or anything that can be sliced as one, such as a dataset of an HDF5 file
     units, rate, problem : of all its signals
     """
     shape = values.shape
@@ -95,24 +95,24 @@ def array_channels(
 
 
 def name_and_units(text: str) -> tuple[str, str]:
-    """A title such as "drive end [g]" or "time (ms)" as name and units; "" where there are none."""
+    """Name and units of a title such as "drive end [g]" or "time (ms)"; "" without units."""
     found = _NAME.fullmatch(text.strip())
     return (found["name"], found["units"].strip()) if found and found["name"] else (text.strip(), "")
 
 
 def exported_place(name: str) -> tuple[str, str] | None:
-    """Sensor and axis of a channel that `gearcase export` wrote, as "acceleration sensor_3 x"; else None."""
+    """Sensor and axis of a channel written by `gearcase export`, such as "acceleration sensor_3 x"; else None."""
     found = _EXPORTED.fullmatch(name)
     return (found["sensor"], found["axis"]) if found else None
 
 
 def says_rate(name: str) -> bool:
-    """Whether a setting of this name is the sampling rate; the last part of a path counts."""
+    """Whether a setting of this name is the sampling rate; only the last part of a path matters."""
     return re.sub(r"[^a-z]", "", name.lower().rpartition(".")[2]) in _RATES
 
 
 def distinct(names: list[str]) -> list[str]:
-    """The names, with " (2)" and so on behind those that come again."""
+    """The names made unique: repeated ones get " (2)" and so on."""
     seen: dict[str, int] = {}
     out = []
     for name in names:

@@ -1,8 +1,8 @@
-"""Text files of numbers in columns (CSV, TXT, LVM): read in blocks of lines, kept outside memory.
+"""Text files of numbers in columns (CSV, TXT, LVM): read in blocks of lines into a temporary file.
 
-Separators are tabulator, semicolon, comma or blanks, the decimal mark is a point or, with any other separator than the
-comma, a comma. The first line of which all cells are numbers begins the data; names and units are sought above it.
-Where there is none, columns may hold time stamps (ISO 8601 date and time, or hh:mm:ss) or text, too.
+Separators are tabulator, semicolon, comma or blanks; the decimal mark is a point or, unless the separator is a
+comma, a comma. The first line whose cells are all numbers begins the data; names and units are searched above it.
+If there is none, columns may also contain time stamps (ISO 8601 date and time, or hh:mm:ss) or text.
 """
 
 from __future__ import annotations
@@ -25,20 +25,20 @@ from pipelines.io.shown import shown
 from pipelines.recordings.channels import Channel, Contents, distinct, exported_place, name_and_units, of_array
 
 _LINES = 50_000  # read at once
-_HEAD = 100  # lines in which the data must begin
+_HEAD = 100  # lines within which the data must begin
 _COUNTER = "sample"
 _STAMP = re.compile(r"(?:(\d{4}-\d\d-\d\d)[T ])?(\d\d?):(\d\d):(\d\d(?:[.,]\d+)?)(?:Z|[+-]\d\d:?\d\d)?")
-_REMARKS = ("#", "%")  # begin lines that are no data
-NUMBER, STAMP, TEXT = "number", "stamp", "text"  # what a column holds
+_REMARKS = ("#", "%")  # first characters of comment lines
+NUMBER, STAMP, TEXT = "number", "stamp", "text"  # kinds of columns
 _DIALECTS = (("\t", "."), ("\t", ","), (";", "."), (";", ","), (",", "."), (None, "."), (None, ","))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Layout:
-    """How a file is written.
+    """Layout of a file: separator, decimal mark, titles.
 
-    `separator` is None for blanks; `ended` says that one stands at the end of each line, too; `first` is the number of
-    the first line of data, from 0; `kinds` says what each column holds, `rate` (Hz) is that of the header, if any.
+    `separator` is None for blanks; `ended` is true if one also ends each line; `first` is the number of the first line
+    of data, from 0; `kinds` are the kinds of the columns, `rate` (Hz) is that of the header, if any.
     """
 
     separator: str | None
@@ -52,12 +52,12 @@ class Layout:
 
 
 def open_channels(path: Path, text: Path | None = None) -> Contents:
-    """The channels of all columns.
+    """Channels of all columns.
 
     Parameters
     ----------
     path : of the file
-    text : file with its content as text, if `path` is of another format
+    text : file with its content as text, if `path` has another format
 
     Raises
     ------
@@ -92,7 +92,7 @@ def _channels(values: np.ndarray, layout: Layout) -> Iterator[Channel]:
 
 
 def _guessed(start: np.ndarray) -> str:
-    """The name of a first column without one: a counter of samples, time if it rises evenly, else ""."""
+    """Name of a first column without a title: counter of samples, time if it increases evenly, else ""."""
     steps = np.diff(start)
     if not len(steps) or not np.all(steps > 0.0):
         return ""
@@ -102,7 +102,7 @@ def _guessed(start: np.ndarray) -> str:
 
 
 def _blocks(path: Path, text: Path, encoding: str, layout: Layout) -> Iterator[np.ndarray]:
-    """The numbers (lines, columns), block by block: seconds of time stamps, NaN of text."""
+    """Numbers (lines, columns), block by block: seconds of time stamps, NaN for text."""
     read: dict[str, Callable[[str], float]] = {STAMP: _seconds(), TEXT: lambda _: float("nan")}
     found = ((column, kind) for column, kind in enumerate(layout.kinds) if kind != NUMBER)
     converters: dict[int | str, Callable[[str], Any]] = {column: read[kind] for column, kind in found}
@@ -124,7 +124,7 @@ def _blocks(path: Path, text: Path, encoding: str, layout: Layout) -> Iterator[n
 
 
 def _data_lines(file: Iterable[str], layout: Layout) -> Iterator[tuple[int, str]]:
-    """Numbers (from 1) and lines of data, without remarks: those at the end have no number in them."""
+    """Numbers (from 1) and lines of data, without comments, and without lines at the end that have no number."""
     held: list[tuple[int, str]] = []
     for number, line in enumerate(file, 1):
         if number <= layout.first or not line.strip() or line.startswith(_REMARKS):
@@ -136,18 +136,18 @@ def _data_lines(file: Iterable[str], layout: Layout) -> Iterator[tuple[int, str]
 
 
 def _seconds() -> Callable[[str], float]:
-    """What turns time stamps into seconds since the midnight before the first one."""
-    first: list[int] = []
+    """Function that converts time stamps to seconds since the first one."""
+    first: list[tuple[int, float]] = []
 
     def seconds(cell: str) -> float:
         found = _STAMP.fullmatch(cell.strip())
         if found is None:
             raise ValueError(f"{cell} is no time stamp")
         day = date.fromisoformat(found[1]).toordinal() if found[1] else 0
+        time = 60.0 * (60 * int(found[2]) + int(found[3])) + float(found[4].replace(",", "."))
         if not first:
-            first.append(day)
-        minutes = 60 * int(found[2]) + int(found[3])
-        return 86400.0 * (day - first[0]) + 60.0 * minutes + float(found[4].replace(",", "."))
+            first.append((day, time))
+        return 86400.0 * (day - first[0][0]) + (time - first[0][1])
 
     return seconds
 
@@ -161,7 +161,7 @@ def _plain(line: str, layout: Layout) -> str:
 
 
 def _damaged(path: Path, block: list[tuple[int, str]], layout: Layout) -> InputError | None:
-    """What is wrong in the first bad line of a block."""
+    """Error of the first bad line of a block."""
     for place, (number, line) in enumerate(block):
         cells = _cells(_plain(line, layout), layout.separator)
         if len(cells) != len(layout.names):
@@ -181,9 +181,9 @@ def _damaged(path: Path, block: list[tuple[int, str]], layout: Layout) -> InputE
 
 
 def _layout(head: list[str], path: Path) -> Layout:
-    """The first way of writing in which a line is all numbers and the line below it has as many cells.
+    """First layout for which a line is all numbers and the next line has as many cells.
 
-    Without one, that in which all lines to the end of the head have numbers, time stamps and text in the same columns.
+    Without one, that for which all lines to the end of the head have numbers, time stamps and text in the same columns.
     """
     for mixed, (separator, decimal) in itertools.product((False, True), _DIALECTS):
         rows = [_cells(line, separator) for line in head]
@@ -211,12 +211,16 @@ def _layout(head: list[str], path: Path) -> Layout:
 def _titled(
     head: list[str], first: int, row: list[str], separator: str | None, decimal: str, kinds: tuple[str, ...]
 ) -> Layout | None:
-    """The layout with the titles above the first row; None if a single title says that "0,5" is one number.
+    """The layout with the titles above the first row; None if a single title shows that "0,5" is one number.
 
-    A title more than there are columns is that of remarks at the ends of lines, as LabVIEW writes them.
+    One title more than columns is that of comments at the ends of lines, as LabVIEW writes them.
     """
     count = len(kinds)
-    titles = [_trimmed(_cells(line, separator)) for line in head[:first]]
+    laid = [_cells(line, separator) for line in head[:first]]
+    titles = [
+        *map(_trimmed, laid[:-1]),
+        *(one if len(one) in (count, count + 1) else _trimmed(one) for one in laid[-1:]),
+    ]
     above = [[cell.strip() for cell in cells[:count]] for cells in titles[-2:] if len(cells) in (count, count + 1)]
     if separator == "," and first and len(titles[-1]) == 1 and count == 2:
         return None
@@ -261,7 +265,7 @@ def _cells(line: str, separator: str | None) -> list[str]:
 
 
 def _trimmed(cells: list[str]) -> list[str]:
-    """Without the empty cell behind a separator at the end."""
+    """Cells without the empty one after a separator at the end."""
     return cells[:-1] if len(cells) > 1 and not cells[-1].strip() else cells
 
 
@@ -274,7 +278,7 @@ def _is_number(cell: str, decimal: str) -> bool:
 
 
 def _encoding(path: Path) -> str:
-    """UTF-8 or UTF-16 with its mark, else what Western instruments write if the start is no UTF-8."""
+    """UTF-8 or UTF-16 with a byte order mark; cp1252, usual for Western instruments, if the start is no UTF-8."""
     with path.open("rb") as file:
         start = file.read(1 << 16)
     if start.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):

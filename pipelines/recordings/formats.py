@@ -31,8 +31,7 @@ class Format:
 
     def open(self, path: Path) -> Contents:
         """The channels of a file."""
-        found: Contents = getattr(import_module(self.reader), self.opens)(path)
-        return found
+        return getattr(import_module(self.reader), self.opens)(path)
 
     def memory(self, path: Path) -> int:
         """Bytes of memory that `open` takes; 0 where it reads the file part by part."""

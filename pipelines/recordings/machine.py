@@ -1,6 +1,6 @@
-"""Machine: what a recording was made on, and how its file is to be read.
+"""Machine of a recording: its kinematics, and the rules for reading the file.
 
-It is described by a short file of its own (`pipelines.recordings.machine_table.MachineTable`) or by a scene.
+It is described by a machine file (`pipelines.recordings.machine_table.MachineTable`) or by a scene.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 
 @dataclass(frozen=True, kw_only=True)
 class Machine:
-    """The kinematics, and the `table` that says how the channels of a file become signals in m/s2.
+    """Kinematics, and the `table` by which the channels of a file become signals in m/s2.
 
-    A machine from a scene has the table of a machine file that sets nothing of this: every channel is a sensor.
+    A machine from a scene has the table of a machine file without such settings: every channel is a sensor.
     """
 
     name: str
@@ -30,12 +30,12 @@ class Machine:
 
 
 def read_machine(source: str | Path) -> Machine:
-    """The machine of a description, of a scene file (both end in .toml), or of a shipped scene by its name.
+    """Read the machine from a machine file or scene file (both end in .toml), or a shipped scene by its name.
 
     Raises
     ------
     SceneError : with all problems of the file
-    InputError : there is no such file or scene, or it is no TOML
+    InputError : there is no such file or scene, or it is not valid TOML
     """
     from pipelines.scene.file import find_source, parse, validate
     from pipelines.scene.merge import Merged
@@ -83,7 +83,7 @@ def _of_table(table: MachineTable, shafts: Sequence[Shaft], bearings: Sequence[B
 
 
 def shaft_name(number: int) -> str:
-    """The name of a shaft by its number in the machine file."""
+    """Name of a shaft from its number in the machine file."""
     return f"shaft_{number}"
 
 
@@ -93,7 +93,7 @@ def _pairs(table: MachineTable) -> Sequence[tuple[int, int]]:
 
 
 def _shafts(table: MachineTable) -> tuple[list[Shaft], list[Problem]]:
-    """The shafts with their speeds over that of shaft 1, and what does not fit together."""
+    """Shafts with their speeds divided by that of shaft 1, and contradictions."""
     speeds = dict(enumerate(table.ratios, 1)) or {1: 1.0}
     problems = []
     waiting = {
@@ -135,7 +135,7 @@ def _shafts(table: MachineTable) -> tuple[list[Shaft], list[Problem]]:
 
 
 def _bearings(table: MachineTable) -> tuple[list[Bearing], list[Problem]]:
-    """The bearings with their pass orders, and those whose rolling elements do not fit."""
+    """Bearings with their pass orders, and problems of those whose rolling elements do not fit."""
     from mbd.parts.checks import MachineError
 
     found, problems = [], []
@@ -154,7 +154,7 @@ def _geometric_orders(table: BearingTable) -> dict[str, float]:
 
     return pass_orders(
         RollingElements(
-            kind="ball",  # rollers pass as balls do
+            kind="ball",  # rollers have the same kinematics
             count=table.elements or 0,
             diameter=(table.element_diameter_mm or 0.0) / 1000,
             pitch_diameter=(table.pitch_diameter_mm or 0.0) / 1000,

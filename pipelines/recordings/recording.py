@@ -1,8 +1,8 @@
-"""Recording: the signals of a measured file in the form that the response of a run has.
+"""Recording: the signals of a measured file in the form of the response of a run.
 
-A dataset with `acceleration` (time, sensor, axis) in m/s2 over even steps of `time` in s, `tachometer` (time) where
-there is one, and `known_speed` (time) in Hz where the machine file gives it. Axes that a sensor does not have are NaN.
-Samples are read from the file when they are looked at.
+A dataset with `acceleration` (time, sensor, axis) in m/s2 over even steps of `time` in s, `tachometer` (time) if
+there is one, and `known_speed` (time) in Hz if the machine file gives it. Missing axes of a sensor are NaN.
+Samples are read from the file when they are used.
 """
 
 from __future__ import annotations
@@ -32,18 +32,18 @@ from pipelines.signals.response_file import has_checksum, open_response
 
 _LOG = logging.getLogger(__name__)
 _COUNTERS = ("sample", "index", "piece")
-_WORTH_A_LINE = 1e6  # bytes
+_WORTH_A_LINE = 1e6  # bytes: reading a smaller file is not logged
 
 
 def read_recording(source: str | Path, machine: Machine) -> xarray.Dataset:
-    """The recording in a file; close it, or use it in a `with` block, to let go of the file.
+    """Read the recording in a file; close it, or use it in a `with` block, to close the file.
 
-    A response of a run is given as it is. Attributes of others: `source` (name of the file), `format`, and `warnings`,
-    sentences by kind as JSON (clipped sensors, units that contradict the machine).
+    A response of a run is returned as it is. Attributes of others: `source` (name of the file), `format`, and
+    `warnings`, sentences by kind as JSON (clipped sensors, units that contradict the machine).
 
     Raises
     ------
-    InputError : the file cannot be read, or not as the machine says: what, where, value, limit and remedy
+    InputError : the file cannot be read, or contradicts the machine: what, where, value, limit and remedy
     """
     path = Path(source)
     form = format_of(path)
@@ -61,7 +61,7 @@ def read_recording(source: str | Path, machine: Machine) -> xarray.Dataset:
 
 
 def _response(path: Path) -> xarray.Dataset:
-    """A file that holds a recording already."""
+    """A file that is already in this form."""
     found = open_response(path)
     if "acceleration" not in found:
         found.close()
@@ -123,7 +123,7 @@ def _recording(contents: Contents, machine: Machine, path: Path, form: str) -> x
 def _variable(
     dims: tuple[str, ...], table: object, factors: object, attributes: Mapping[str, object]
 ) -> xarray.Variable:
-    """A variable over time and `dims` of channels in a nested list, times their factors."""
+    """Variable over time and `dims` from a nested list of channels, multiplied by their factors."""
     channels = np.empty(np.shape(np.array(table, dtype=object)), dtype=object)
     channels[...] = table
     view = _View(channels, np.array(factors, float))
@@ -131,7 +131,7 @@ def _variable(
 
 
 class _View(BackendArray):
-    """Channels as an array (time, ...) that is read when it is looked at; NaN where there is no channel."""
+    """Channels as an array (time, ...) that is read when it is used; NaN without a channel."""
 
     def __init__(self, channels: np.ndarray, factors: np.ndarray) -> None:
         self._channels, self._factors = channels, factors
@@ -155,11 +155,11 @@ class _View(BackendArray):
 
 
 def channel_of(contents: Contents, wanted: ChannelName, source: str) -> Channel:
-    """The channel of a name or number.
+    """Channel of a name or number.
 
     Raises
     ------
-    InputError : there is none; lists those there are
+    InputError : there is none; lists the existing ones
     """
     if isinstance(wanted, int):
         if wanted <= len(contents.channels):
@@ -177,7 +177,7 @@ def channel_of(contents: Contents, wanted: ChannelName, source: str) -> Channel:
 
 
 def _clock(contents: Contents, machine: Machine, source: str) -> Channel | None:
-    """The channel that holds the time: the one that the machine names, or the first that is called so."""
+    """Channel of the time: that of the machine file, or the first with such a name."""
     wanted = machine.table.time
     if wanted is False:
         return None
@@ -189,7 +189,7 @@ def _clock(contents: Contents, machine: Machine, source: str) -> Channel | None:
 def _places(
     contents: Contents, machine: Machine, others: Sequence[Channel], source: str
 ) -> dict[str, dict[str, Channel]]:
-    """Channels by sensor and axis: those that the machine names, else all that may be accelerations."""
+    """Channels by sensor and axis: those of the machine file, else all that can be accelerations."""
     if machine.table.sensors:
         return {
             name: {axis: channel_of(contents, channel, source) for axis, channel in axes.items()}
@@ -228,11 +228,11 @@ def _without_silent(
     machine: Machine,
     source: str,
 ) -> tuple[dict[str, dict[str, Channel]], dict[str, str]]:
-    """The places without channels that do not change, and a warning of each by its kind.
+    """The places without constant channels, and a warning of each by its kind.
 
     Raises
     ------
-    InputError : such a channel is needed, the machine names it, or there is no other
+    InputError : such a channel is needed, the machine file names it, or there is no other
     """
     left = {
         sensor: kept
@@ -274,7 +274,7 @@ def _check_lengths(channels: Sequence[Channel], source: str) -> None:
 
 
 def _units(channel: Channel, machine: Machine) -> str:
-    """Those of the machine, else those of the file, else m/s2."""
+    """Units of the machine file, else of the recording, else m/s2."""
     return plain_units(machine.table.units or channel.units) or "m/s2"
 
 
@@ -297,7 +297,7 @@ def _to_si(channel: Channel, sensor: str, machine: Machine, source: str) -> floa
 
 
 def _of_sensor(numbers: Mapping[str, float], sensor: str) -> float | None:
-    """That of a sensor, else that of all; None where there is none."""
+    """The number of a sensor, else the common number; None without one."""
     return numbers.get(sensor, numbers.get(""))
 
 
@@ -307,7 +307,7 @@ def _warnings(
     machine: Machine,
     scales: Mapping[tuple[str, str], float],
 ) -> Iterator[tuple[str, str]]:
-    """Sentences on what is suspicious, by kind."""
+    """Warnings by kind, as sentences."""
     table = machine.table
     for sensor, axes in places.items():
         for axis, channel in axes.items():

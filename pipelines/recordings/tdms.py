@@ -34,7 +34,7 @@ def open_channels(path: Path) -> Contents:
     InputError : nptdms is not installed, or had to guess: the file is damaged or was not closed
     """
     library = _library()
-    with path.open("rb") as raw, _complaints() as said:  # nptdms leaves open what it opens and cannot read
+    with path.open("rb") as raw, _complaints() as said:  # nptdms does not close a file that it cannot read
         file = library.read(raw)
     if said or file.file_status.incomplete_final_segment:
         reason = shown(said[0] if said else "its last segment is not whole", 100)

@@ -1,4 +1,4 @@
-"""The even time steps of a recording: the sampling rate from a time channel, from the file or from the machine."""
+"""Time axis of a recording: even steps, with the sampling rate from a time channel, the file or the machine."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from pipelines.recordings.channels import Channel
 from pipelines.recordings.units import TIMES, plain_units
 
 NAMES = ("time", "t", "zeit", "times", "timestamp", "time_s", "seconds", "x_value")
-AGREEMENT = 1e-4  # between the rates that the file and the machine say
-JITTER = 0.05  # of a step: how far an instant may lie off the even steps
-LOST = 0.4  # of a step: half a step is what one lost sample shifts at least
+AGREEMENT = 1e-4  # relative difference of the rates of the file and the machine
+JITTER = 0.05  # of a step: largest deviation of an instant from the even steps
+LOST = 0.4  # of a step: one lost sample shifts instants by at least half a step
 _DIGITS = 12
 
 
 def is_time(channel: Channel) -> bool:
-    """Whether a channel holds time stamps, or is the time by its name; the last part of a path counts."""
+    """Whether a channel contains time stamps, or has the name of a time; only the last part of a path matters."""
     return channel.stamps or (channel.name.lower().replace(" ", "_").rpartition(".")[2] in NAMES and channel.is_numeric)
 
 
@@ -28,8 +28,8 @@ def sampling(signals: Sequence[Channel], clock: Channel | None, rate: float | No
 
     Parameters
     ----------
-    signals : that are used, of equal length
-    clock : the channel that holds the time, if there is one
+    signals : the channels in use, of equal length
+    clock : the channel of the time, if there is one
     rate : that of the machine, Hz
     source : of the recording, for messages
 
@@ -57,7 +57,7 @@ def sampling(signals: Sequence[Channel], clock: Channel | None, rate: float | No
 
 
 def _even_steps(clock: Channel, source: str) -> tuple[float, float]:
-    """Rate and start of a time channel whose instants lie at even steps."""
+    """Rate and start of a time channel with even steps."""
     seconds = TIMES.get(plain_units(clock.units) or "s")
     where = f'{source}: the time in "{shown(clock.name, 60)}"'
     if seconds is None:
@@ -86,7 +86,7 @@ def _even_steps(clock: Channel, source: str) -> tuple[float, float]:
 
 
 def _last_digit(times: np.ndarray) -> float:
-    """The step of the last decimal digit that instants are written with, 0.0 if there are too many to tell."""
+    """Step of the last decimal digit of the instants, 0.0 if they have too many digits."""
     for digits in range(_DIGITS):
         if np.allclose(times, np.round(times, digits), rtol=0.0, atol=1e-13 * max(1.0, float(np.abs(times).max()))):
             return 10.0**-digits
@@ -94,5 +94,5 @@ def _last_digit(times: np.ndarray) -> float:
 
 
 def _spacing(kind: np.dtype, value: float) -> float:
-    """The distance of neighbouring numbers of a floating-point type at a value."""
+    """Distance between neighbouring numbers of a floating-point type at a value."""
     return float(np.spacing(kind.type(abs(value)))) if kind.kind == "f" else 0.0

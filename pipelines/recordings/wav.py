@@ -1,4 +1,4 @@
-"""WAV files. Whole numbers become shares of the full scale, -1 to 1."""
+"""WAV files. Integers become shares of the full scale, -1 to 1."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
 from pipelines.recordings.channels import Channel, Contents
 
-_UNSAID = 0xFFFFFFFF  # size of a file that was written as a stream
-_PADDING = 1  # byte that some programs count and do not write
+_UNSAID = 0xFFFFFFFF  # size in the header of a file that was written as a stream
+_PADDING = 1  # byte that some programs include in the size but do not write
 
 
 def memory(path: Path) -> int:
-    """Bytes that the samples take: 24 bits become 32."""
+    """Bytes of the samples in memory: 24 bits become 32."""
     return path.stat().st_size * 4 // 3
 
 
 def open_channels(path: Path) -> Contents:
-    """The channels of a WAV file, named by their numbers.
+    """Channels of a WAV file, named by their numbers.
 
     Raises
     ------
-    InputError : the file is shorter than its head says
+    InputError : the file is shorter than its header states
     """
     from scipy.io import wavfile
 
@@ -34,7 +34,7 @@ def open_channels(path: Path) -> Contents:
     if mark == b"RIFF" and size != _UNSAID and size + 8 > path.stat().st_size + _PADDING:
         raise InputError(f"{shown(path)}: is cut off, it has {path.stat().st_size} of {size + 8} bytes. Copy it again.")
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", wavfile.WavFileWarning)  # on chunks of text that are passed over
+        warnings.simplefilter("ignore", wavfile.WavFileWarning)  # about text chunks, which are ignored
         rate, samples = wavfile.read(path)
     samples = samples.reshape(len(samples), -1)
     scale, middle = _scale(samples.dtype)
@@ -50,7 +50,7 @@ def open_channels(path: Path) -> Contents:
 
 
 def _scale(kind: np.dtype) -> tuple[float, float]:
-    """Full scale and middle of a type; 24 bits come in the upper ones of 32."""
+    """Full scale and middle of a type; 24 bits are in the upper bits of 32."""
     if kind.kind == "f":
         return 1.0, 0.0
     return (128.0, 128.0) if kind.kind == "u" else (2.0 ** (8 * kind.itemsize - 1), 0.0)

@@ -7,15 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pipelines.report.figures.plots import FAULTY, HEALTHY, MARK, dress, fixed_figure, legend, plain, plain_symbols
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -27,10 +24,9 @@ class Average:
     """
 
     place: np.ndarray  # (n,), deg or teeth
-    value: np.ndarray  # (n,), in `unit`
-    reference: np.ndarray | None = None  # (n,), in `unit`
+    value: np.ndarray  # (n,), m/s2
+    reference: np.ndarray | None = None  # (n,), m/s2
     across: str  # what `place` is, with its unit: "tooth of the stage 1 wheel in mesh"
-    unit: str
     marked: tuple[float, float] | None = None
     marked_name: str = ""
     caption: str
@@ -40,11 +36,9 @@ class Average:
 class Envelope:
     """An envelope spectrum; `marked` are lines (place, label) that the verdict reads, `band` the words for its band."""
 
-    line: np.ndarray  # (n,), order or Hz
-    amplitude: np.ndarray  # (n,), in `unit`
-    reference: np.ndarray | None = None  # (n,), in `unit`
-    across: str  # what `line` is, with its unit
-    unit: str
+    line: np.ndarray  # (n,), Hz
+    amplitude: np.ndarray  # (n,), m/s2
+    reference: np.ndarray | None = None  # (n,), m/s2
     marked: Sequence[tuple[float, str]] = ()
     band: str
     caption: str
@@ -88,9 +82,9 @@ def average_figure(average: Average) -> Figure:
         )
     across = plain(average.across)
     compared = average.reference is not None
-    _finish(first, "Time-synchronous average", "" if compared else across, average.unit, compared)
+    _finish(first, "Time-synchronous average", "" if compared else across, "m/s²", compared)
     if compared:
-        _finish(last, "Difference: this run minus healthy", across, average.unit, compared=False)
+        _finish(last, "Difference: this run minus healthy", across, "m/s²", compared=False)
     return figure
 
 
@@ -119,7 +113,7 @@ def envelope_figure(envelope: Envelope) -> Figure:
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
         )
     title = f"Envelope, {plain(envelope.band)}"
-    _finish(axes, title, plain(envelope.across), envelope.unit, envelope.reference is not None)
+    _finish(axes, title, "frequency, Hz", "amplitude, m/s²", envelope.reference is not None)
     return figure
 
 

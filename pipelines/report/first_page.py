@@ -17,7 +17,6 @@ def first_screen(
     *,
     sentences: Sequence[str] = (),
     found: bool | None = None,
-    label: str = "",
     figures: Sequence[tuple[str, str]] = (),
     average: Average | None = None,
     envelope: Envelope | None = None,
@@ -29,26 +28,24 @@ def first_screen(
     Parameters
     ----------
     sentences, found : the verdict, the answer first; whether a fault is seen, None without a diagnosis
-    label : what was compared with, such as "against 8 healthy recordings"
     figures : names with their values: f_m, f_r, speed
     average, envelope : the two figures that the verdict rests on
     ranking : components with their increase in dB, their evidence ("-" where it has no limit), and a remark
     ranking_note : explains the columns of the ranking
     """
     return [
-        *_verdict(sentences, found, label),
+        *_verdict(sentences, found),
         *_figures(figures),
         *_evidence(average, envelope),
         *_ranking(ranking, ranking_note),
     ]
 
 
-def _verdict(sentences: Sequence[str], found: bool | None, label: str) -> list[str]:
+def _verdict(sentences: Sequence[str], found: bool | None) -> list[str]:
     if not sentences:
         return []
     style = {True: "fault", False: "none", None: "open"}[found]
     parts = [page.paragraph(sentence) for sentence in sentences]
-    parts += [page.paragraph(label, "label")] if label else []
     return [f'<div class="verdict {style}" id="verdict">{"".join(parts)}</div>']
 
 

@@ -101,11 +101,6 @@ def folded(summary: str, inside: str) -> str:
     return f"<details><summary>{html.escape(summary)}</summary>{inside}</details>"
 
 
-def preformatted(text: str) -> str:
-    """Text as it is."""
-    return f"<pre>{html.escape(text)}</pre>"
-
-
 def picture(figure: Figure, caption: str, style: str = "") -> str:
     """A figure with its caption, which also describes it to those who cannot see it."""
     mark = f' class="{style}"' if style else ""

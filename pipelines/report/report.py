@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -10,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 from pipelines.diagnosis.cases import Case, Damage, cases_grid
 from pipelines.diagnosis.line_words import criterion, directions
 from pipelines.diagnosis.words import note
+from pipelines.engine.progress import step_words
 from pipelines.io.grid import Grid
 from pipelines.report import page, spectra
 from pipelines.report.contents import RunCost, cell, grid, turned
-from pipelines.report.cost_words import count_words, step_words
 from pipelines.report.figures.plots import drive_figure
 from pipelines.report.figures.views import LeftOut
 
@@ -184,7 +185,7 @@ def _cost(cost: RunCost) -> list[str]:
     if cost.steps:
         longest = max(row["seconds"] for row in cost.steps) or 1.0
         steps = [
-            {**row, "": "█" * round(30 * row["seconds"] / longest), "result": step_words(str(row.get("step", "")))}
+            {**row, "": "█" * round(30 * row["seconds"] / longest), "result": _step_words(str(row.get("step", "")))}
             for row in cost.steps
         ]
         note = (
@@ -193,7 +194,9 @@ def _cost(cost: RunCost) -> list[str]:
         )
         parts = [page.table(grid("Computing time and memory of each step", steps)), page.note(note)]
     if cost.ledger:
-        rows = tuple((count_words(name), cell(value)) for name, value in cost.ledger.items() if value)
+        rows = tuple(
+            (_COUNTS.get(name, name.replace("_", " ")), cell(value)) for name, value in cost.ledger.items() if value
+        )
         parts.append(page.table(Grid(title="Size of the computation", headers=("quantity", "count"), rows=rows)))
     return parts
 
@@ -208,6 +211,50 @@ def _provenance(cost: RunCost) -> list[str]:
     for name, value in nested.items():
         title = "keys of the results in the cache" if name == "keys" else name
         parts.append(
-            page.folded(title, page.preformatted(json.dumps(value, indent=1, default=str, ensure_ascii=False)))
+            page.folded(
+                title, f"<pre>{html.escape(json.dumps(value, indent=1, default=str, ensure_ascii=False))}</pre>"
+            )
         )
     return parts
+
+
+_STARTS = {  # start of the name of a step -> what it computes; the rest of the name follows
+    "unmodified_law_": "mesh law without faults and modifications, stage ",
+    "law_": "mesh law, stage ",
+    "crack surface of ": "flexibility of a cracked tooth, ",
+    "trial casing": "coarse casing, from which the element size follows",
+    "coarse": "casing with larger elements, for the discretisation error: coarse",
+    "quadratic casing": "casing with quadratic elements, for the discretisation error",
+}
+_STEPS = {
+    "casing mesh": "finite-element mesh of the casing",
+    "casing modes": "natural modes and static shapes of the casing",
+    "casing error": "error of the reduced casing against the finite-element model",
+    "casing picture": "picture of the casing",
+    "casing": "reduced casing with damping and sensors",
+    "gear picture": "picture of the gear pair",
+    "stiffness curves": "figures of the mesh stiffness",
+    "diagnose": "lines of the faulty run compared with those of its control",
+    "error bars": "error bars of the lines",
+    "verdict": "ranking of the components",
+    "report": "text and figures of this report",
+}
+_COUNTS = {
+    "gear_meshes": "finite-element meshes of gears",
+    "factorisations": "matrix factorisations",
+    "gear_factorisations": "matrix factorisations for gears",
+    "casing_meshes": "finite-element meshes of the casing",
+    "casing_coordinates": "coordinates of the reduced casing",
+    "recovery_rows": "displacements recovered at sensors",
+    "simulations": "simulated motions",
+    "coordinates": "coordinates of the machine, sum over all motions",
+    "rope_coordinates": "coordinates of ropes, sum over all motions",
+    "time_steps": "time steps, sum over all motions",
+    "channels": "recorded signals, sum over all motions",
+}
+
+
+def _step_words(name: str) -> str:
+    """What a step computes."""
+    found = [text + name[len(start) :] for start, text in _STARTS.items() if name.startswith(start)]
+    return found[0] if found else _STEPS.get(name) or step_words(name)

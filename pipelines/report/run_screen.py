@@ -1,4 +1,4 @@
-"""The first screen of a run: what its diagnosis says, the speeds, one average over a turn and one envelope spectrum."""
+"""First screen of a run: verdict of its diagnosis, speeds, one average over a turn and one envelope spectrum."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from pipelines.signals.orders.rotation import Rotation
 if TYPE_CHECKING:
     import xarray
 
-IN_MESH = 1.0  # pitches to either side of the pitch point, about what a tooth is in mesh
+IN_MESH = 1.0  # pitches to either side of the pitch point, about the range in which a tooth is in mesh
 
 
 def first_screen(
@@ -43,12 +43,12 @@ def first_screen(
 
     Parameters
     ----------
-    plant : what was run
-    settings : windows and lines looked for, None where no diagnosis is possible
+    plant : the machine of the run
+    settings : windows and monitored lines, None if no diagnosis is possible
     diagnoses : lines of all cases, the scene's own first; none without a control
     runs : the response of the scene and that of its control, if there is one
     failure : why the diagnosis was not possible, "" if it was
-    cases, damages : verdicts, the scene's own first window first, none without a reference; what is known to be damaged
+    cases, damages : verdicts, the scene's own first window first, none without a reference; known damage
     """
     verdict = cases[0].verdict if cases else None
     return first_page.first_screen(
@@ -124,9 +124,10 @@ def shown_gear(plant: Plant, verdict: Verdict | None, kinematics: Kinematics) ->
 def _average(
     plant: Plant, settings: DiagnosisSettings, runs: Sequence[xarray.Dataset], verdict: Verdict | None
 ) -> Average | None:
-    """Over the teeth of the gear, the marked one in the middle; None if its shaft hardly turns in the first window.
+    """Average over the teeth of the gear, the marked one in the middle; None if its shaft hardly turns in the first
+    window.
 
-    The marked tooth is that of the verdict where it calls the gear damaged, else the damaged one of the scene.
+    The marked tooth is that of the verdict if it finds the gear damaged, else the damaged one of the scene.
     """
     kinematics = kinematics_of(plant.layout, ())
     gear = shown_gear(plant, verdict, kinematics)
@@ -144,7 +145,7 @@ def _average(
     if found[0] is None:
         return None
     place, values, turns = found[0]
-    axis = int(np.ptp(values, axis=1).argmax())  # of several axes the one that moves most
+    axis = int(np.ptp(values, axis=1).argmax())  # of several axes that with the largest motion
     other = found[1] if len(found) > 1 else None
     reference = None if other is None else np.interp(place, other[0], other[1][axis], period=gear.teeth)
     across = f"teeth of the {gear.name}"
@@ -166,7 +167,6 @@ def _average(
         value=values[axis],
         reference=reference,
         across=across,
-        unit="m/s²",
         marked=None if marked is None else (-IN_MESH, IN_MESH),
         marked_name="" if marked is None else f"tooth {marked}",
         caption=caption,
@@ -176,12 +176,12 @@ def _average(
 def over_teeth(
     run: xarray.Dataset, settings: DiagnosisSettings, stream: int, window: str, gear: Gear, meshes: Sequence[int]
 ) -> tuple[np.ndarray, np.ndarray, int] | None:
-    """Places (n,) in teeth within half a turn of 0, the residual (axis, n) there and how many turns are in it.
+    """Places (n,) in teeth within half a turn of 0, the residual (axis, n) there and the number of averaged turns.
 
     Parameters
     ----------
     run, settings, stream : signals, the channel, the number of its noise
-    window : whose turns are averaged
+    window : window of the average
     gear : its `cycle` is the place where the angle of its shaft is zero
     meshes : teeth of all gears on its shaft
     """
@@ -203,7 +203,8 @@ def over_teeth(
 def _envelope(
     settings: DiagnosisSettings, band: tuple[float, float] | None, runs: Sequence[xarray.Dataset]
 ) -> Envelope:
-    """Of the first window, up to a dozen orders of the shaft; `band` (Hz) is that of the diagnosis, if there is one."""
+    """Envelope spectrum of the first window, up to a dozen orders of the shaft; `band` (Hz) of the diagnosis, or
+    None."""
     window = next(iter(settings.windows))
     own, *healthy = (
         analyse(run, settings, stream=stream, band=band).envelopes[window]
@@ -215,8 +216,6 @@ def _envelope(
         line=own.frequency[shown],
         amplitude=own.amplitude[shown],
         reference=healthy[0].amplitude[shown] if healthy else None,
-        across="frequency, Hz",
-        unit="amplitude, m/s²",
         marked=[(k * f_r, "f_r" if k == 1 else f"{k} f_r") for k in range(1, settings.envelope_harmonics + 1)],
         band=f"band {own.band_low:.4g} to {own.band_high:.4g} Hz",
         caption=(

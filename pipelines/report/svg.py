@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-PICTURE_DPI = 110  # of rendered pictures inside a figure; all else is drawn with lines
+PICTURE_DPI = 110  # of rendered pictures inside a figure; all else consists of lines
 FONT = "system-ui, 'Segoe UI', Roboto, 'Liberation Sans', 'DejaVu Sans', sans-serif"
 _PIXELS_PER_INCH = 96  # of CSS
 _REFERENCE = re.compile(r'(?:url\(#|href="#)([^)"]+)')

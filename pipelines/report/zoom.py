@@ -1,8 +1,8 @@
-"""Charts that zoom within the page, without anything from outside: data in compact form, drawn by uPlot.
+"""Zoomable charts within the page, without external files: data in compact form, displayed by uPlot.
 
 Signals are 16-bit numbers with a scale (every sample of the verdict's channel: 32-bit floats), spectra the logarithm of
-their amplitudes in steps of 1/2000 of a decade, 0.06 % of the value. Figures of the class "static" are shown where no
-script runs, and on paper.
+their amplitudes in steps of 1/2000 of a decade, 0.06 % of the value. Figures of the class "static" replace them
+without scripts, and on paper.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from pipelines.report.zoom_data import Channel, Trace, View
 
 LEVELS = 32_767  # of a 16-bit number
 STEP = 1 / 2_000  # of a decade
-LEAST = 1e-15  # m/s2, an amplitude of zero
+LEAST = 1e-15  # m/s2, in place of an amplitude of zero
 
 
 def charts(
     runs: Sequence[str], shown: Sequence[View], found: Iterable[Channel], windows: Mapping[str, tuple[float, float]]
 ) -> str:
-    """The element that holds the charts, with its data, style and scripts.
+    """HTML element with the charts, their data, style and scripts.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def charts(
 
 
 def _packed(trace: Trace, logarithmic: bool, exact: bool) -> dict[str, Any]:
-    """A trace as base64 of little-endian numbers, and how to read them."""
+    """A trace as base64 of little-endian numbers, with their type and scale."""
     if logarithmic:
         numbers, scale = np.rint(np.log10(np.maximum(trace.values, LEAST)) / STEP).astype("<i2"), STEP
     elif exact:

@@ -1,7 +1,7 @@
-"""What the charts that zoom show: signals, spectra and envelope spectra of every channel, thinned where they are many.
+"""Data of the zoomable charts: signals, spectra and envelope spectra of every channel, reduced if they are long.
 
-The channel of the verdict keeps every sample; of the others stay the smallest and largest value of every stretch of a
-signal, and the largest line of every stretch of a spectrum.
+The channel of the verdict keeps every sample. The others keep the smallest and largest value of every interval of a
+signal, and the largest line of every interval of a spectrum.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 POINTS = 4_000  # of every curve but those of the verdict's channel
 MOST_POINTS = 200_000  # of a curve of the verdict's channel: more would make the page larger than 5 MB
-ENVELOPE_ORDERS = 12.5  # of f_r, how far an envelope spectrum is shown
+ENVELOPE_ORDERS = 12.5  # of f_r, range of an envelope spectrum
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -33,7 +33,7 @@ class Trace:
 
 @dataclass(frozen=True, kw_only=True)
 class View:
-    """A chart: its title, the window whose spectrum it is ("" for signals), axes with units, places that are named."""
+    """A chart: its title, the window of its spectrum ("" for signals), axes with units, labelled places."""
 
     title: str
     window: str = ""
@@ -45,7 +45,7 @@ class View:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Channel:
-    """A sensor and axis with its traces by view and, within a view, by run; `note` says what was thinned."""
+    """A sensor and axis with its traces by view and, within a view, by run; `note` describes the reduction."""
 
     name: str
     note: str
@@ -54,7 +54,7 @@ class Channel:
 
 
 def views(settings: DiagnosisSettings | None, band: tuple[float, float] | None) -> tuple[View, ...]:
-    """The charts of a run: its signal and, where there are settings, spectrum and envelope spectrum of every window."""
+    """Charts of a run: its signal and, with settings, spectrum and envelope spectrum of every window."""
     up = "acceleration, m/s²"
     found = [View(title="Signal without sensor noise", across="time, s", up=up)]
     if settings is None or band is None:
@@ -79,7 +79,7 @@ def views(settings: DiagnosisSettings | None, band: tuple[float, float] | None) 
 
 
 def streams(count: int) -> tuple[int, ...]:
-    """Numbers of the noise of one run, or of a run and its control, as the diagnosis draws them."""
+    """Numbers of the noise of one run, or of a run and its control, as in the diagnosis."""
     return (1, 0) if count > 1 else (0,)
 
 
@@ -111,7 +111,7 @@ def channels(
             exact = (sensor, axes[i]) == first
             by_run = [traces[i] for traces in found]
             if any(np.isnan(traces[0][0].values).any() for traces in by_run):
-                continue  # an axis that this sensor does not have
+                continue  # the sensor does not have this axis
             yield Channel(
                 name=f"{sensor} {axes[i]}",
                 note=_note(exact, max(stretch for traces in by_run for _, stretch in traces)),
@@ -138,7 +138,7 @@ def _of_sensor(
     band: tuple[float, float] | None,
     stream: int,
 ) -> Iterator[list[tuple[Trace, int]]]:
-    """By axis the traces of one run in the order of `views`, each with the samples of a stretch of it."""
+    """Traces of one run by axis, in the order of `views`, each with the number of samples in an interval."""
     signal = channel(run, sensor).transpose("time", "axis").values.astype(float)
     spectra = list(_spectra(run, sensor, settings, band, stream)) if settings is not None and band is not None else []
     time = run.time.values
@@ -153,7 +153,7 @@ def _signal(signal: np.ndarray, start: float, step: float, most: int) -> tuple[T
     values, stretch = extremes(signal, most)
     if stretch == 1:
         return Trace(start=start, step=step, values=values), 1
-    half = step * stretch / 2  # the two points of a stretch, at a quarter and at three quarters of it
+    half = step * stretch / 2  # the two points of an interval are at a quarter and at three quarters of it
     return Trace(start=start + half / 2, step=half, values=values), stretch
 
 
@@ -176,16 +176,16 @@ def _lines(amplitude: np.ndarray, resolution: float, most: int) -> tuple[Trace, 
 
 
 def extremes(values: np.ndarray, most: int) -> tuple[np.ndarray, int]:
-    """Smallest and largest value of stretches, in the order in which they come, and the samples of a stretch.
+    """Smallest and largest value of intervals, in their order in time, and the number of samples in an interval.
 
     Parameters
     ----------
     values : float (n,)
-    most : points that are wanted, an even number
+    most : largest number of points, an even number
 
     Returns
     -------
-    float (at most `most`,), two per stretch, and the length of a stretch; the values themselves and 1 if they are few
+    float (at most `most`,), two per interval, and the samples in one; the values themselves and 1 if they are few
     """
     if len(values) <= most:
         return values, 1
@@ -197,7 +197,7 @@ def extremes(values: np.ndarray, most: int) -> tuple[np.ndarray, int]:
 
 
 def largest(values: np.ndarray, most: int) -> tuple[np.ndarray, int]:
-    """The largest value of every stretch and the samples of a stretch, of float (n,), at most `most` of them."""
+    """Largest value of every interval, at most `most`, and the number of samples in an interval, of float (n,)."""
     if len(values) <= most:
         return values, 1
     stretch = -(-len(values) // most)
@@ -205,6 +205,6 @@ def largest(values: np.ndarray, most: int) -> tuple[np.ndarray, int]:
 
 
 def _laid(values: np.ndarray, stretch: int) -> np.ndarray:
-    """Rows of a stretch each; the last one is filled up with the last value."""
+    """Rows of an interval each; the last one is filled up with the last value."""
     missing = -len(values) % stretch
     return np.concatenate([values, np.full(missing, values[-1])]).reshape(-1, stretch)

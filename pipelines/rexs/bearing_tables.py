@@ -1,11 +1,10 @@
-"""A bearing of a gear unit as a table of a scene: its rolling elements where they are known, springs elsewhere.
+"""Bearing of a gear unit as a table of a scene: its rolling elements if they are known, else springs.
 
 Rolling elements come from the file, from the catalogue by the designation, or for deep groove balls from boundary
 dimensions and static rating: D_w = 0.3 (D - d), D_pw = (d + D)/2, and the number from C_0 = f_0 Z D_w^2 cos(alpha) with
 f_0 = 14 (ISO 76:2006, 4.1 and table 1; D_w of usual bearings of series 62 and 63 is 0.29 to 0.31 of D - d).
-
-Springs follow the size: radial stiffness per mm of bore, an axial one of half that where thrust is carried, tilt by a
-lever of 0.4 bores. They are orders of magnitude, to be replaced by values of the maker.
+Springs depend on the size: radial stiffness per mm of bore, an axial one of half that where thrust is carried, tilt by
+a lever of 0.4 bores. They are orders of magnitude, to be replaced by values of the manufacturer.
 """
 
 from __future__ import annotations
@@ -17,20 +16,20 @@ from pipelines.rexs.gear_unit import Bearing, Note, Shaft
 
 BALL_SHARE, BALL_RATING = 0.3, 14.0
 RADIAL = {"ball": 4.0, "roller": 8.0}  # N/um per mm of bore
-FREE = 0.01  # N/um, the least that a scene takes
+FREE = 0.01  # N/um, the lowest stiffness that a scene accepts
 LEVER = 0.4  # of the bore
-RIGID = 1e6  # N/um: stiffer ones mean rigid
+RIGID = 1e6  # N/um: a higher stiffness means rigid
 BOTH = "its balls hold both"
 BALLS = ("radial_grooved_ball_bearing", "angular_contact_ball_bearing", "four_point_contact_ball_bearing")
 
 
 def bearing_table(bearing: Bearing, shaft: Shaft, path: str) -> tuple[dict[str, Any], list[Note]]:
-    """The table of a bearing, and what was assumed.
+    """Table of a bearing, and the assumptions made.
 
     Parameters
     ----------
-    bearing : to be expressed
-    shaft : that it carries; gives the bore where the bearing has none
+    bearing : the bearing of the gear unit
+    shaft : in the bearing; its diameter replaces a missing bore
     path : of the table in the scene
     """
     if bearing.axial == "no_direction" or not bearing.radial:
@@ -52,7 +51,7 @@ def bearing_table(bearing: Bearing, shaft: Shaft, path: str) -> tuple[dict[str, 
 
 
 def between_table(bearing: Bearing, shaft: Shaft, path: str) -> tuple[dict[str, float], list[Note]]:
-    """The keys of [[couplings]] for a bearing between two shafts: springs that leave the rotation free."""
+    """Keys of [[couplings]] for a bearing between two shafts: springs in all directions but the rotation."""
     springs, notes = _springs(bearing, shaft, path, "between two shafts", 0.0)
     return {
         "torsional_stiffness_N_m_per_rad": 0.0,
@@ -97,7 +96,7 @@ def _estimated(
 
 
 def _one_way(bearing: Bearing, path: str, both: str) -> list[Note]:
-    """Balls and springs hold `both` directions; a file may say that the seat lets go of one."""
+    """Note on a bearing with thrust in one direction in the file; `both` states that the scene carries both."""
     if bearing.axial not in ("positive", "negative"):
         return []
     reason = f"{bearing.label} carries thrust in the {bearing.axial} direction only; {both}"

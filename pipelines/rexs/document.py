@@ -1,6 +1,6 @@
-"""A REXS document: components with attributes, and the relations between them, whatever file they came from.
+"""REXS document: components with attributes, and the relations between them, from any version of the file.
 
-Attributes carry their unit in the file; `Component.number` gives them in the unit that is asked for.
+Attributes have a unit in the file; `Component.number` converts them to the requested unit.
 """
 
 from __future__ import annotations
@@ -37,12 +37,12 @@ _UNITS = {  # unit: (quantity, factor to the first unit of that quantity)
 
 
 class RexsError(InputError):
-    """A REXS file cannot be read into a scene; says where, what, and what to do."""
+    """A REXS file cannot be converted to a scene; gives the place, the cause and the remedy."""
 
 
 @dataclass(frozen=True)
 class Attribute:
-    """A value as the file has it: its text, or the numbers of an array."""
+    """A value of the file: its text, or the numbers of an array."""
 
     text: str = ""
     numbers: tuple[float, ...] = ()
@@ -61,24 +61,24 @@ class Component:
 
     @property
     def label(self) -> str:
-        """How messages and comments call it."""
+        """Name of the component in messages and comments."""
         return f"{shown(self.name or self.kind, 60)} (id {self.number_in_file})"
 
     def error(self, message: str) -> RexsError:
-        """What is wrong with this component."""
+        """Error of this component."""
         return RexsError(f"{self.source}: {shown(self.kind)} {self.label}: {message}")
 
     def text(self, key: str) -> str:
-        """The text of an attribute, "" where it has none."""
+        """Text of an attribute, "" without one."""
         found = self.attributes.get(key)
         return found.text.strip() if found else ""
 
     def optional(self, key: str, unit: str = "none") -> float | None:
-        """The number of an attribute in `unit`, None where it is missing.
+        """Number of an attribute in `unit`, None if it is missing.
 
         Raises
         ------
-        RexsError : not a finite number, or a unit of something else
+        RexsError : not a finite number, or a unit of another quantity
         """
         found = self.attributes.get(key)
         if found is None or not (text := found.text.strip()):
@@ -92,14 +92,14 @@ class Component:
         return value * self._factor(key, found.unit, unit)
 
     def number(self, key: str, unit: str = "none") -> float:
-        """The number of an attribute in `unit`; RexsError if it is missing too."""
+        """Number of an attribute in `unit`; RexsError also if it is missing."""
         value = self.optional(key, unit)
         if value is None:
             raise self.error(f"{key} is missing. Add it.")
         return value
 
     def vector(self, key: str, unit: str = "mm") -> tuple[float, float, float] | None:
-        """Three numbers of an attribute, None where it is missing; RexsError if they are not three finite numbers."""
+        """Three numbers of an attribute, None if it is missing; RexsError if they are not three finite numbers."""
         found = self.attributes.get(key)
         if found is None:
             return None
@@ -119,7 +119,7 @@ class Component:
 
 @dataclass(frozen=True)
 class Relation:
-    """What some components are to one another: role -> component."""
+    """Relation between components: role -> component."""
 
     kind: str
     roles: Mapping[str, int]
@@ -127,7 +127,7 @@ class Relation:
 
 @dataclass(frozen=True)
 class Document:
-    """A whole file. `load_cases` hold the attributes that a load case gives its components, by case and component."""
+    """Content of a REXS file. `load_cases` are the attributes by load case and component."""
 
     source: str
     version: str
@@ -151,7 +151,7 @@ class Document:
         return [part for part in found if part is not None and part.kind == kind]
 
     def role(self, relation: Relation, name: str) -> Component:
-        """The component in a role; RexsError if there is none."""
+        """Component in a role; RexsError if there is none."""
         component = self.components.get(relation.roles.get(name, -1))
         if component is None:
             raise RexsError(
@@ -160,7 +160,7 @@ class Document:
         return component
 
     def in_load_case(self, case: int) -> Document:
-        """The document with the attributes of a load case laid over those of its components."""
+        """The document with the attributes of a load case in place of those of its components."""
         over = self.load_cases[case]
         components = {
             number: replace(component, attributes={**component.attributes, **over.get(number, {})})
@@ -170,7 +170,7 @@ class Document:
 
 
 def by_number(components: Iterable[Component], source: str) -> dict[int, Component]:
-    """Components by their number in the file; RexsError if two have the same."""
+    """Components by their number in the file; RexsError for a duplicate number."""
     found: dict[int, Component] = {}
     for component in components:
         number = component.number_in_file

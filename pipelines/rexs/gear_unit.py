@@ -1,4 +1,4 @@
-"""A gear unit as a REXS file describes it: plain data in the units of the format (mm, deg, 1/min, N m, N/mm2, kg/dm3).
+"""Gear unit of a REXS file: plain data in the units of the format (mm, deg, 1/min, N m, N/mm2, kg/dm3).
 
 Places are in the frame of the scene: y along the shafts, z up, x across; the input shaft turns about +y.
 """
@@ -21,7 +21,7 @@ class Section:
 
 @dataclass(frozen=True, kw_only=True)
 class Elements:
-    """What a bearing row says of its rolling elements."""
+    """Rolling elements of a bearing row."""
 
     count: int
     diameter: float
@@ -36,9 +36,9 @@ class Bearing:
 
     label: str
     y: float
-    kind: str  # as the format names the type, e.g. radial_grooved_ball_bearing
+    kind: str  # type in the format, e.g. radial_grooved_ball_bearing
     designation: str
-    axial: str  # both_directions, positive, negative, no_direction, or "" where the file says nothing
+    axial: str  # both_directions, positive, negative, no_direction, or "" if it is not in the file
     radial: bool
     inner_diameter: float | None
     outer_diameter: float | None
@@ -49,7 +49,7 @@ class Bearing:
 
 @dataclass(frozen=True, kw_only=True)
 class Between:
-    """A bearing between two shafts, by their places in the unit's tuple of shafts."""
+    """A bearing between two shafts, given by their positions in the unit's tuple of shafts."""
 
     shafts: tuple[int, int]
     bearing: Bearing
@@ -57,7 +57,7 @@ class Between:
 
 @dataclass(frozen=True, kw_only=True)
 class Gear:
-    """A cylindrical gear; a value that the file does not give is None."""
+    """A cylindrical gear; None for a value that is not in the file."""
 
     label: str
     teeth: int
@@ -97,7 +97,7 @@ class Shaft:
 
 @dataclass(frozen=True, kw_only=True)
 class Stage:
-    """A pair of gears; `shafts` are the places of the driving and the driven shaft in the unit's tuple of shafts."""
+    """A gear pair; `shafts` are the positions of the driving and the driven shaft in the unit's tuple of shafts."""
 
     label: str
     shafts: tuple[int, int]
@@ -108,7 +108,7 @@ class Stage:
 
 @dataclass(frozen=True, kw_only=True)
 class LoadCase:
-    """How the unit runs: speed of the input shaft and torque into it, None where the file gives none."""
+    """Operating condition: speed of the input shaft and torque into it, None if not in the file."""
 
     name: str
     speed: float | None
@@ -133,7 +133,7 @@ class GearUnit:
 
     @property
     def speeds(self) -> dict[int, float]:
-        """Turns of each shaft, by its place in the tuple, for one turn of the input."""
+        """Turns of each shaft, by its position in the tuple, for one turn of the input."""
         found = {0: 1.0}
         for stage in self.stages:
             driving, driven = stage.shafts
@@ -148,12 +148,12 @@ class GearUnit:
 
 @dataclass(frozen=True, kw_only=True)
 class Note:
-    """What a reader did not take as the file has it: `assumed` what the file lacks, `changed` what a scene cannot
-    express, `left out` what it does not hold."""
+    """Difference between file and scene: `assumed` a value missing in the file, `changed` what a scene cannot
+    express, `left out` what it does not contain."""
 
     kind: Literal["assumed", "changed", "left out"]
     where: str  # in the scene or in the file
-    value: str  # taken; "" where nothing is
+    value: str  # in the scene; "" without one
     reason: str
 
     def __str__(self) -> str:

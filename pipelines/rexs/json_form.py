@@ -9,7 +9,7 @@ from typing import Any
 from pipelines.io.shown import shown, shown_value
 from pipelines.rexs.document import Attribute, Component, Document, Relation, RexsError, by_number
 
-_ABOUT = ("id", "unit")  # keys of an attribute beside the one that holds its value
+_ABOUT = ("id", "unit")  # keys of an attribute, except the key of its value
 
 
 def document_of_json(content: bytes, source: str) -> Document:

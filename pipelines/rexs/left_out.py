@@ -1,4 +1,4 @@
-"""What a document holds and a scene does not take: parts, forces, attributes."""
+"""Contents of a document that a scene omits: parts, forces, attributes."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from pipelines.io.shown import shown
 from pipelines.rexs.document import Document
 from pipelines.rexs.gear_unit import Note
 
-_PARTS = {  # kinds that are read, or that only tie others together
+_PARTS = {  # kinds that are read, or that only connect others
     *("gear_unit", "gear_casing", "shaft", "shaft_section", "cylindrical_gear", "cylindrical_stage", "external_load"),
     *("flank_geometry", "cylindrical_gear_flank", "stage_gear_data", "cylindrical_stage_gear_data", "material"),
     *("rolling_bearing_with_catalog_geometry", "rolling_bearing_with_detailed_geometry", "concept_bearing"),
     *("rolling_bearing_row", "rolling_element"),
 }
-_FORCES = {  # of external loads, beside the torque about the axis
+_FORCES = {  # of external loads, in addition to the torque about the axis
     "force_u_direction": "N",
     "force_v_direction": "N",
     "force_w_direction": "N",
@@ -46,7 +46,7 @@ _ATTRIBUTES = {  # that change the motion of a unit, and are not read
 
 
 def left_out(document: Document) -> Iterator[Note]:
-    """Forces on shafts, other parts, and values of parts that are read, as far as they bear on the motion."""
+    """Notes on omitted forces on shafts, parts, and values of parts that are read, if they influence the motion."""
     for load in document.of_kind("external_load"):
         for key, unit in _FORCES.items():
             if value := load.optional(key, unit):
@@ -72,7 +72,7 @@ def left_out(document: Document) -> Iterator[Note]:
 
 
 def _empty(text: str) -> bool:
-    """Whether a text says nothing, or zero."""
+    """Whether a text is empty or zero."""
     try:
         return float(text or 0) == 0
     except ValueError:

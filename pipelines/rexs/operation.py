@@ -1,6 +1,6 @@
-"""How a unit runs: where power enters and leaves, in which load case, and the order of shafts and stages between.
+"""Operation of a unit: where power enters and leaves, the load case, and the order of shafts and stages between.
 
-Torque comes in and goes out at external loads that transmit it. Power T omega > 0 enters; without a torque the shaft
+External loads that transmit torque are the input and output. Power T omega > 0 enters; without a torque the shaft
 that defines the speed is the input.
 """
 
@@ -17,7 +17,7 @@ Gears = tuple[Component, Component]
 
 @dataclass(frozen=True, kw_only=True)
 class Operation:
-    """A load case with the order of the power flow; `sense` is +1 where the input turns about +y as the file has it."""
+    """A load case with the order of the power flow; `sense` is +1 if the input turns about +y in the file."""
 
     document: Document  # with the attributes of the load case
     shafts: list[Component]
@@ -31,13 +31,13 @@ class Operation:
 
 
 def read_operation(document: Document, carried: Mapping[int, int], senses: Mapping[int, int]) -> Operation:
-    """How the unit of a document runs.
+    """Read the operation of the unit of a document.
 
     Parameters
     ----------
     document : the file
     carried : the shaft of each gear, by numbers of the file
-    senses : +1 where a shaft's own axis points along y, -1 against it, by number
+    senses : +1 if the axis of a shaft points along y, -1 against it, by number
 
     Raises
     ------
@@ -75,7 +75,7 @@ def read_operation(document: Document, carried: Mapping[int, int], senses: Mappi
 
 
 class _Train:
-    """The shafts and stages of a document, and how fast each shaft turns over another."""
+    """Shafts and stages of a document, and the speed ratios between shafts."""
 
     def __init__(self, document: Document, carried: Mapping[int, int], senses: Mapping[int, int]) -> None:
         self.source = document.source
@@ -109,7 +109,7 @@ class _Train:
         return [self.shafts[number] for number in reached], stages
 
     def ratios(self, source: Component) -> dict[int, float]:
-        """Signed speed of every shaft over that of a shaft, about one direction."""
+        """Signed speed of every shaft divided by that of a shaft, about one direction."""
         found = {source.number_in_file: 1.0}
         for _, (pinion, wheel) in self.order(source)[1]:
             driving, driven = self._pair((pinion, wheel))
@@ -118,7 +118,7 @@ class _Train:
         return found
 
     def ends(self, document: Document) -> tuple[Component, Component]:
-        """The two shafts where torque comes in and goes out; RexsError if they are not two."""
+        """The two shafts with external torques; RexsError if they are not two."""
         loaded = [shaft for shaft in self.shafts.values() if self._loads(document, shaft)]
         free = [shaft for number, shaft in self.shafts.items() if self.meshes[number] == 1 and shaft not in loaded]
         if len(loaded) < 2 and len(loaded) + len(free) == 2:
@@ -133,7 +133,7 @@ class _Train:
     def direction(
         self, document: Document, ends: tuple[Component, Component]
     ) -> tuple[Component, Component, list[Note]]:
-        """The ends as input and output, and what that rests on where no torque tells."""
+        """The ends as input and output, with a note on the assumption if no torque determines them."""
         for one, other in (ends, ends[::-1]):
             torque = self._torque(document, one)
             if torque is not None and torque != 0:
@@ -163,7 +163,7 @@ class _Train:
         )
 
     def _speed(self, document: Document, shaft: Component) -> float | None:
-        """Speed of a shaft about y (1/min), from the one whose speed the file gives; None where it gives none."""
+        """Speed of a shaft about y (1/min), from the shaft whose speed is in the file; None without one."""
         given = {
             number: one.optional("rotational_speed", "1 / min")
             for number, one in document.components.items()
@@ -180,7 +180,7 @@ class _Train:
         return [load for load in document.parts(shaft, "external_load") if _transmits(load)]
 
     def _torque(self, document: Document, shaft: Component) -> float | None:
-        """Sum of the external torques on a shaft about y (N m); None where the file gives none."""
+        """Sum of the external torques on a shaft about y (N m); None if the file gives none."""
         torques = [load.optional("torque_around_u_axis", "N m") for load in self._loads(document, shaft)]
         given = [torque for torque in torques if torque is not None]
         return self.senses[shaft.number_in_file] * sum(given) if given else None

@@ -1,7 +1,7 @@
-"""Where the parts of a document are: places along and across the common direction of its shafts.
+"""Places of the parts of a document along and across the common direction of its shafts.
 
-A component gives its origin and its u and w axes in the frame of another one, in the end of the gear unit. The scene
-has y along u (of the first shaft, or against it where the input turns backwards), z along w, x along w x u.
+A component gives its origin and its u and w axes in the frame of another one, and finally of the gear unit. The scene
+has y along u (of the first shaft, or against it if the input turns backwards), z along w, x along w x u.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ class Frame:
 
 
 def frame(document: Document, component: Component) -> Frame | None:
-    """The frame of a component, None where it has no place of its own.
+    """Frame of a component, None if the file gives none.
 
     Raises
     ------
-    RexsError : axes without length or not at right angles, places that refer to one another in a circle
+    RexsError : axes without length or not perpendicular, places that refer to one another in a circle
     """
     return _frame(document, component, ())
 
@@ -73,7 +73,7 @@ class Directions:
     z: Vector
 
     def reversed(self) -> Directions:
-        """Turned by half a turn about z, so that what turned about -y turns about +y."""
+        """Directions after half a turn about z, so that a rotation about -y becomes one about +y."""
         return Directions(-self.x, -self.y, self.z)
 
     def across(self, place: Frame) -> tuple[float, float]:
@@ -85,7 +85,7 @@ class Directions:
         return float(self.y @ (place.origin + u * place.axes[:, 0]))
 
     def sense(self, shaft: Component, place: Frame) -> int:
-        """+1 if a shaft's own u axis points along +y, -1 against it; RexsError if it is not parallel."""
+        """+1 if the u axis of a shaft points along +y, -1 against it; RexsError if it is not parallel."""
         cosine = float(self.y @ place.axes[:, 0])
         if math.hypot(*np.cross(self.y, place.axes[:, 0])) > PARALLEL:
             raise shaft.error("its axis is not parallel to that of the first shaft. Only parallel shafts are read.")

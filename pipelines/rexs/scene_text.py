@@ -1,4 +1,4 @@
-"""A gear unit as the text of a scene: commented TOML that says what was assumed, changed and left out."""
+"""Gear unit as the text of a scene: TOML with comments on all that is assumed, changed and left out."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from pipelines.rexs.gear_unit import GearUnit, LoadCase, Material, Note, Section
 from pipelines.rexs.motion_tables import MotionTables, motion_tables
 from pipelines.rexs.stage_tables import StageTable, stage_table
 
-DIGITS = 12  # significant ones that are written
+DIGITS = 12  # significant digits that are written
 PIECES = 4  # cylinders in place of a conical stretch
-JOINT = 1e-6  # mm: sections closer than this join
+JOINT = 1e-6  # mm: sections with a smaller gap are connected
 STEEL = Material(elastic_modulus=206_000.0, poisson_ratio=0.3, density=7.85)
 GRADE = 5
-HARMONICS = 20  # of the fastest mesh, times two, that the record holds
+HARMONICS = 20  # least output rate divided by the fastest mesh frequency: ten harmonics
 HEADINGS = {
     "assumed": "Assumed: not given in the file.",
     "changed": "Changed: a scene cannot express it as the file has it.",
@@ -31,7 +31,7 @@ HEADINGS = {
 
 @dataclass(frozen=True)
 class SceneText:
-    """A scene, what it does not take from the file as it is, and the keys that its user must still give."""
+    """A scene, its differences from the file, and the keys that the user must still give."""
 
     text: str
     notes: tuple[Note, ...]
@@ -39,11 +39,11 @@ class SceneText:
 
 
 def scene_text(unit: GearUnit, name: str) -> SceneText:
-    """The scene of a gear unit; `name` is its title.
+    """Scene of a gear unit; `name` is its title.
 
     Raises
     ------
-    RexsError : what a scene cannot hold: gears that do not fit, gaps in a shaft, a shaft without bearings
+    RexsError : impossible in a scene: gears that do not fit, gaps in a shaft, a shaft without bearings
     """
     stages = [stage_table(unit, number) for number in range(1, len(unit.stages) + 1)]
     motion = motion_tables(unit)
@@ -61,7 +61,13 @@ def scene_text(unit: GearUnit, name: str) -> SceneText:
         f"title = {format_value(shown(name, 100))}",
         "",
         "[gear_material]",
-        *_keys(_material_keys(material)),
+        *_keys(
+            {
+                "elastic_modulus_GPa": material.elastic_modulus / 1000,
+                "poisson_ratio": material.poisson_ratio,
+                "density_kg_m3": 1000 * material.density,
+            }
+        ),
         *(line for number, stage in enumerate(stages, 1) for line in _stage_lines(unit, number, stage)),
         *shafts,
         *joints,
@@ -105,7 +111,7 @@ def _rounded(value: Any) -> Any:
 
 
 def _material(unit: GearUnit) -> tuple[Material, list[Note]]:
-    """One material for all: that of the first shaft that names one."""
+    """Material of all gears and shafts: that of the first shaft with a material."""
     given = [shaft.material for shaft in unit.shafts if shaft.material is not None]
     material = given[0] if given else STEEL
     value = f"E {material.elastic_modulus / 1000:g} GPa, nu {material.poisson_ratio:g}, {material.density:g} kg/dm3"
@@ -116,14 +122,6 @@ def _material(unit: GearUnit) -> tuple[Material, list[Note]]:
         reason = "one material for all, that of the first shaft that names one; the file has several"
         return material, [Note(kind="changed", where="gear_material", value=value, reason=reason)]
     return material, [Note(kind="assumed", where="gear_material", value=value, reason=reason)]
-
-
-def _material_keys(material: Material) -> dict[str, float]:
-    return {
-        "elastic_modulus_GPa": material.elastic_modulus / 1000,
-        "poisson_ratio": material.poisson_ratio,
-        "density_kg_m3": 1000 * material.density,
-    }
 
 
 def _grade(unit: GearUnit) -> tuple[int, list[Note]]:
@@ -185,7 +183,7 @@ def _shaft_lines(unit: GearUnit, number: int, shaft: Shaft) -> tuple[list[str], 
 
 
 def _between_lines(unit: GearUnit) -> tuple[list[str], list[Note]]:
-    """Bearings between two shafts, as couplings that leave the rotation free."""
+    """Bearings between two shafts, as couplings without torsional stiffness."""
     lines, notes = list[str](), list[Note]()
     for number, between in enumerate(unit.between, 1):
         bearing = between.bearing
@@ -198,7 +196,7 @@ def _between_lines(unit: GearUnit) -> tuple[list[str], list[Note]]:
 
 
 def _cylinders(unit: GearUnit, shaft: Shaft, notes: list[Note], path: str) -> Iterator[dict[str, float]]:
-    """Sections without gaps, conical ones as steps of the mean diameter."""
+    """Sections without gaps; conical ones become steps of the mean diameter."""
     before: Section | None = None
     for section in shaft.sections:
         if before is not None and abs(section.start - before.end) > JOINT:

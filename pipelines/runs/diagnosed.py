@@ -76,6 +76,7 @@ def judge_folder(folder: Path) -> dict[str, Any]:
     folder : of the results, that `diagnose_folder` can read
     """
     from pipelines.diagnosis.control_diagnosis import deviation_name
+    from pipelines.diagnosis.prediction import FEWEST_FOR_P
     from pipelines.diagnosis.simulated import FeatureSettings, window_features
     from pipelines.machine.kinematics import kinematics_of
     from pipelines.machine.machine import make_drivetrain
@@ -96,7 +97,10 @@ def judge_folder(folder: Path) -> dict[str, Any]:
     settings = FeatureSettings(kinematics=kinematics, windows=train.looked_for.windows)
     with _pair(folder, train.looked_for.noise) as runs:
         try:
-            own, control = ({"tables": window_features(run, settings), "failure": ""} for run in runs)
+            own, control = (
+                {"tables": window_features(run, settings, samples), "failure": ""}
+                for run, samples in zip(runs, (1, FEWEST_FOR_P), strict=True)
+            )
         except (FeatureError, RotationError) as error:
             return {"cases": (), "words": "", "failure": str(error)}
     return verdict.build(spec, own=[own], healthy=[control])

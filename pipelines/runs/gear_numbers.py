@@ -17,8 +17,7 @@ from fem.contact.contact_pressure import contact_pressure
 from fem.contact.evaluation.curves import StiffnessCurve
 from fem.contact.evaluation.evaluator import LawEvaluator
 from pipelines.io.errors import InputError
-from pipelines.io.shown import shown
-from pipelines.io.user_files import whole_file, writable_file
+from pipelines.io.user_files import whole_file
 from pipelines.report.figures.plots import TransmissionErrors
 from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, Passage, engagement
 
@@ -299,14 +298,6 @@ def relief_amounts(found: PairLaws, state: MeshState) -> tuple[float, float]:
     if found.pair.pinion.helix_angle:
         return float(deflection.mean()), float(deflection.mean())
     return 2 * float(np.ptp(deflection)), float(deflection.max())
-
-
-def checked_curve_file(name: str) -> Path:
-    """The path of a file of curves; InputError for an ending that is not known."""
-    path = writable_file(name)
-    if path.suffix.lower() not in FORMATS:
-        raise InputError(f"--out {shown(name)}: the ending must be one of {', '.join(FORMATS)}. Correct the file name.")
-    return path
 
 
 def write_curves(curves: xarray.Dataset, path: Path) -> None:

@@ -5,23 +5,19 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem.contact.faults.cracked_tooth import CrackedTooth
+from pipelines.machine.flanks import Fault
+from pipelines.machine.plant import Plant
 from pipelines.report.figures.damage import crack_depth
-from pipelines.report.figures.mesh_frames import mesh_frames, passage
+from pipelines.report.figures.mesh_frames import mesh_frames
 from pipelines.report.figures.mesh_pictures import MeshView
 from pipelines.report.figures.pattern import contact_pattern, damaged_part
 from pipelines.report.figures.pattern_pictures import PatternView, write_pattern
 from pipelines.report.figures.shapes import PlacedPair, placed_pair, shown_cycle, stage_view
-from pipelines.report.figures.views import LeftOut
-from pipelines.steps.pair_curves import PairLaws, acting
-
-if TYPE_CHECKING:
-    from pipelines.machine.flanks import Fault
-    from pipelines.machine.plant import Plant
+from pipelines.steps.pair_curves import PairLaws
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -72,14 +68,6 @@ class InspectedStage:
             states=tuple(states),
         )
 
-    def still_cycle(self) -> float:
-        """Where the damage acts."""
-        return acting(self.laws)
-
-    def film_cycles(self, frames: int) -> np.ndarray:
-        """Mesh cycles (frame,) around the passage of the damaged tooth."""
-        return passage(self.laws.cycle, frames)
-
     def gears_title(self) -> str:
         """Title of the overview: scene, position, load and size."""
         pair, fault = self.laws.pair, self.fault
@@ -94,8 +82,8 @@ class InspectedStage:
         ]
         return f"{self.title}\nmesh cycle {cycle}{meshes}, load {self.laws.force:.4g} N; {size}{''.join(webs)}"
 
-    def write_overview(self, path: Path) -> Path | LeftOut:
-        """The pair, the damaged tooth from near, and the stiffness; the reason if it cannot be rendered."""
+    def write_overview(self, path: Path) -> Path:
+        """The pair, the damaged tooth from near, and the stiffness."""
         from pipelines.report.figures.callouts import gear_figure
         from pipelines.report.figures.film import save_figure
         from pipelines.report.figures.render import render_gears, render_tooth
@@ -108,10 +96,6 @@ class InspectedStage:
             drawn_near = pool.submit(render_tooth, view) if view.tooth is not None else None
             curve = stiffness_plots([self.laws])[0]
             picture, near = drawn.result(), None if drawn_near is None else drawn_near.result()
-        if isinstance(picture, LeftOut):
-            return picture
-        if isinstance(near, LeftOut):
-            return near
         names = gear_names(placed)
         save_figure(gear_figure(picture, curve, names, self.gears_title(), near, view.tooth), path, dpi=115)
         return path

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipelines.io.errors import SceneWarning
-from pipelines.report.figures.views import LeftOut
+from pipelines.io.user_files import writable_file
 
 if TYPE_CHECKING:
     from fem.contact.models.mesh_model import LawSpec
@@ -25,8 +25,8 @@ _REMEDY = (
 )
 
 
-def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: Work) -> list[Path] | LeftOut:
-    """stress_<n>.png with `--stress` and the mesh file of `--mesh`; the reason if the picture cannot be rendered.
+def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: Work) -> list[Path]:
+    """stress_<n>.png with `--stress` and the mesh file of `--mesh`.
 
     The mesh holds the damaged state where there is one.
 
@@ -39,6 +39,7 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
     Raises
     ------
     InputError : unknown ending of the mesh file
+    NotRendered : the picture cannot be rendered
 
     Warns
     -----
@@ -47,8 +48,8 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
     from pipelines.engine.step import Graph
     from pipelines.report.figures.shapes import placed_pair, stage_view
     from pipelines.report.figures.stress_pictures import (
+        FORMATS,
         StressView,
-        checked_mesh_file,
         teeth_in_mesh,
         write_stress,
         write_teeth,
@@ -56,7 +57,7 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
     from pipelines.steps.pair_curves import acting, law_names, pair_laws
 
     stage = options.stage
-    target = None if options.mesh is None else checked_mesh_file(options.mesh)
+    target = None if options.mesh is None else writable_file(options.mesh, "--mesh", FORMATS)
     pair, model = plant.layout.pairs[stage - 1], stress_model(plant.laws[stage - 1])
     outcome = work.build(graph, law_names(plant))
     found = pair_laws(plant, outcome.value)[stage - 1]
@@ -96,8 +97,7 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
         names=("healthy", ", ".join(kind.replace("-", " ") for kind in kinds))[: len(states)],
         states=states,
     )
-    picture = write_stress(view, folder / f"stress_{stage}.png")
-    return picture if isinstance(picture, LeftOut) else [picture, *written]
+    return [write_stress(view, folder / f"stress_{stage}.png"), *written]
 
 
 def stress_model(law: LawSpec) -> Solid:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     import xarray
 
     from pipelines.diagnosis.comparison.part import Part
+    from pipelines.diagnosis.impacts import Impacts
     from pipelines.diagnosis.verdict import Verdict
     from pipelines.recordings.machine import Machine
     from pipelines.signals.features.table import FeatureTable
@@ -44,16 +45,18 @@ class Recorded:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class JudgedFile:
-    """A file with its features, and the verdict where healthy files were given."""
+    """A file with its features, and the verdict if healthy files were given."""
 
     recorded: Recorded
     kinematics: Kinematics
     verdict: Verdict | None
 
     @property
-    def no_verdict(self) -> str:
-        """Why there is none without healthy recordings."""
-        return "There is no verdict without healthy recordings to compare with. Give some: --baseline FILE FILE ..."
+    def impacts(self) -> tuple[Impacts, ...]:
+        """What the file shows of its bearings by itself."""
+        from pipelines.diagnosis.impacts import impacts
+
+        return impacts(self.recorded.table)
 
 
 def judge_file(
@@ -258,14 +261,15 @@ def _turning(
 
 
 def file_words(found: JudgedFile) -> str:
-    """Speed and verdict; without healthy files the features."""
+    """Verdict and speed; without healthy files the features."""
+    from pipelines.diagnosis.impacts import impact_words
     from pipelines.diagnosis.words import text
 
     parts = [found.recorded.turning, *(f"Warning: {warning}" for warning in found.recorded.warnings)]
     if found.verdict is not None:
         answer, _, tables = text(found.verdict).partition("\n\n")
         return "\n\n".join([answer, *parts, tables])
-    parts.append(found.no_verdict)
+    parts = [impact_words(found.impacts), *parts]
     parts.append(features_grid(found.recorded.table).to_text())
     if found.recorded.table.left_out:
         parts.append(f"Left out: {'; '.join(found.recorded.table.left_out)}.")
@@ -284,6 +288,7 @@ def file_facts(found: JudgedFile) -> dict[str, Any]:
         "turning": found.recorded.turning,
         "warnings": found.recorded.warnings,
         "verdict": found.verdict,
+        "impacts": found.impacts,
         "features": features,
         "left_out": table.left_out,
     }

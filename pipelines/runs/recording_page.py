@@ -4,21 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from pipelines.diagnosis import words
 from pipelines.diagnosis.comparison.curves import curves
 from pipelines.diagnosis.comparison.features import features_of
 from pipelines.diagnosis.comparison.part import Channel, Part, brought_together, chosen_channel
 from pipelines.diagnosis.comparison.words import LETTERS, recordings_grid
+from pipelines.diagnosis.impacts import impact_words
 from pipelines.io.user_files import write_whole
 from pipelines.report import page
 from pipelines.report.figures.comparison_plots import comparison_figures
-from pipelines.runs.recorded import features_grid
+from pipelines.runs.recorded import JudgedFile, features_grid
 from pipelines.signals.levels import level_grid
-
-if TYPE_CHECKING:
-    from pipelines.runs.recorded import JudgedFile
 
 _CAPTIONS = {  # by the beginning of the name of a figure
     "orders": "Order spectra. Dashed: mesh orders.",
@@ -44,8 +41,9 @@ def write_recording_page(path: Path, judged: JudgedFile, recorded: Sequence[Part
     FeatureError : too few revolutions for spectra
     """
     verdict, own, title = judged.verdict, judged.recorded, f"Diagnosis of {recorded[-1].name}"
-    answer = [judged.no_verdict] if verdict is None else words.sentences(verdict)
-    style = "open" if verdict is None or verdict.damaged is None else "fault" if verdict.damaged else "none"
+    answer = (impact_words(judged.impacts),) if verdict is None else words.sentences(verdict)
+    damaged = any(one.clear for one in judged.impacts) or None if verdict is None else verdict.damaged
+    style = "open" if damaged is None else "fault" if damaged else "none"
     sentences = "".join(map(page.paragraph, answer))
     body = [
         page.heading(title, 1),
@@ -79,10 +77,10 @@ def _figures(judged: JudgedFile, recorded: Sequence[Part]) -> list[str]:
 
 def _channel(judged: JudgedFile, part: Part) -> Channel:
     """That of the strongest evidence, else the one with the highest rms."""
-    if judged.verdict is not None:
-        evidence = judged.verdict.first.evidence
-        if (evidence.sensor, evidence.axis) in part.channels:
-            return evidence.sensor, evidence.axis
+    if judged.verdict is not None or judged.impacts:
+        shown = judged.impacts[0] if judged.verdict is None else judged.verdict.first.evidence
+        if (shown.sensor, shown.axis) in part.channels:
+            return shown.sensor, shown.axis
     return chosen_channel(part, None, None)
 
 
@@ -90,4 +88,4 @@ def _shaft(judged: JudgedFile, components: Sequence[str]) -> str:
     """The shaft of the strongest evidence, else the first one that turns often enough."""
     turning = [shaft.name for shaft in judged.kinematics.shafts if shaft.name in components]
     first = "" if judged.verdict is None else judged.kinematics.shaft_of(judged.verdict.first.component)
-    return first if first in turning else turning[0]
+    return first if first in turning else [*turning, judged.kinematics.shafts[0].name][0]

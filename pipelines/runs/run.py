@@ -13,14 +13,16 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from traceback import format_exception
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from mbd.output.trajectory import Trajectory
 from pipelines.diagnosis.uncertainty.words import bars_words
 from pipelines.engine.build_step import Result
 from pipelines.engine.code_version import library_versions
 from pipelines.engine.run_graph import Outcome, Work
 from pipelines.engine.step import Graph, Step, StepRecord
 from pipelines.io.errors import WorkError
+from pipelines.machine.plant import Plant
 from pipelines.report.contents import RunCost
 from pipelines.report.report import write_report
 from pipelines.runs import run_folder
@@ -29,10 +31,6 @@ from pipelines.scene.file import LoadedScene, control_differences
 from pipelines.signals.motion_warnings import log_warnings
 from pipelines.steps.results import BARS, DIAGNOSIS, REPORT, VERDICT, result_steps
 from pipelines.steps.study import Study, plan_study
-
-if TYPE_CHECKING:
-    from mbd.output.trajectory import Trajectory
-    from pipelines.machine.plant import Plant
 
 _LOG = logging.getLogger(__name__)
 _WRITERS = ("h5py", "h5netcdf", "xarray")  # of the signals

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipelines.io.errors import InputError, Problem, SceneError
+from pipelines.io.errors import InputError, Problem, SceneError, SceneWarning
 from pipelines.io.other_files import refuse_other_file
 from pipelines.io.shown import nearest_name, shown
 from pipelines.io.toml_text import TomlError, format_document, read_toml
@@ -17,7 +18,6 @@ from pipelines.io.user_files import checked_path, folder_name, names_beside, rea
 from pipelines.scene.limits import LONGEST_CHAIN, MOST_BYTES, over_limits
 from pipelines.scene.merge import Merged, Whole, differences, merge, settings_tree, without
 from pipelines.scene.shipped_files import anchored
-from pipelines.scene.windows import shortened
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
@@ -66,7 +66,8 @@ class LoadedScene:
             return text
         if self.source.folder is None:
             return text + "\n" + format_document(self.settings)
-        shown = "".join(f"# --set {line}\n" for line in _setting_lines(self.settings))
+        lines = (line.replace(": (none) -> ", "=") for line in differences({}, self.settings))
+        shown = "".join(f"# --set {line}\n" for line in lines)
         return f"{shown}{text}"
 
 
@@ -102,7 +103,7 @@ def _loaded(source: Source, change: Mapping[str, Any], problems: list[Problem]) 
     from pipelines.scene.scene import Scene
 
     name = folder_name(source.name)
-    scene, tree = validate(shortened(read_tree(source), change, source.shown), Scene, source.shown, problems)
+    scene, tree = validate(_shortened(read_tree(source), change, source.shown), Scene, source.shown, problems)
     return LoadedScene(name, source, change, tree, scene)
 
 
@@ -119,7 +120,7 @@ def changed(loaded: LoadedScene, settings: Settings, tables: Mapping[str, Any] |
     if tables:
         problems += over_limits(plain(tables))
         change = merge(Merged(change), plain(tables)).tree
-    merged = shortened(Merged(dict(loaded.tree)), change, loaded.source.shown)
+    merged = _shortened(Merged(dict(loaded.tree)), change, loaded.source.shown)
     scene, tree = validate(merged, Scene, loaded.source.shown, problems)
     both = merge(Merged(dict(loaded.settings)), change).tree
     return LoadedScene(loaded.name, loaded.source, both, tree, scene)
@@ -162,7 +163,7 @@ def control_of(loaded: LoadedScene) -> LoadedScene | None:
     settings = without_shaft_faults(loaded.settings, loaded.scene)
     settings = {key: value for key, value in settings.items() if key not in _OWN_KEYS}
     name = f"{source.shown} (control of {loaded.name})"
-    scene, tree = validate(shortened(read_tree(source), settings, None), Scene, name)
+    scene, tree = validate(_shortened(read_tree(source), settings, None), Scene, name)
     return LoadedScene(source.name, source, settings, tree, scene)
 
 
@@ -241,7 +242,7 @@ def read_tree(source: Source, seen: tuple[str, ...] = ()) -> Merged:
         raise InputError(f"{source.shown}: more than {LONGEST_CHAIN} scenes extend one another. Join some of them.")
     if "faults" in tree:  # the title of the other scene may name its fault
         tree.setdefault("title", f"{source.name}, which extends {below.name}")
-    return shortened(read_tree(below, chain), tree, source.shown)
+    return _shortened(read_tree(below, chain), tree, source.shown)
 
 
 def user_states(source: Source, key: str) -> bool:
@@ -316,5 +317,59 @@ def _shipped_source(name: str) -> Source:
     )
 
 
-def _setting_lines(settings: Mapping[str, Any]) -> list[str]:
-    return [line.replace(": (none) -> ", "=") for line in differences({}, settings)]
+_WINDOWS = ("diagnosis", "windows_s")
+
+
+def _shortened(base: Merged, change: Mapping[str, Any], source: str | None) -> Merged:
+    """`base` with `change` on top, without the windows of `base` that end after the ``end_s`` of `change`.
+
+    Windows are inherited: from a scene below by ``extends``, from the file by ``--set simulation.end_s=0.5``. Who
+    shortens the simulation has not asked for them, so that one which ends later is no mistake. A window that is written
+    beside ``end_s`` is one, and is refused as such.
+
+    Parameters
+    ----------
+    base : the tree below
+    change : what goes on top
+    source : of the scene, for the warning; None of a control, whose scene has said it
+
+    Warns
+    -----
+    SceneWarning : a window fell away
+    """
+    merged = merge(base, change)
+    end = _at(change, ("simulation", "end_s"))
+    windows, own = _at(base.tree, _WINDOWS), _at(change, _WINDOWS)
+    if not _is_number(end) or not isinstance(windows, Mapping) or isinstance(own, Whole):
+        return merged
+    inherited = {name: span for name, span in windows.items() if name not in (own or {})}
+    gone = [name for name, span in inherited.items() if _ends(span) > end]
+    if not gone:
+        return merged
+    if source is not None:
+        left = [name for name in _at(merged.tree, _WINDOWS) or {} if name not in gone]
+        spans = ", ".join(f"{shown(name)} (to {_ends(inherited[name]):g} s)" for name in gone)
+        kept = f"kept: {', '.join(map(shown, left))}" if left else "no window remains, so there is no diagnosis"
+        text = (
+            f"{source}: the diagnosis.windows_s that end after simulation.end_s = {end:g} are left out: {spans}; "
+            f"{kept}."
+        )
+        warnings.warn(text, SceneWarning, stacklevel=2)
+    return Merged(without(merged.tree, ((*_WINDOWS, name) for name in gone)), merged.offers, merged.problems)
+
+
+def _at(tree: Any, path: tuple[str, ...]) -> Any:
+    """The value at a path, None where there is none."""
+    for key in path:
+        tree = tree.get(key) if isinstance(tree, Mapping) else None
+    return tree
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _ends(span: Any) -> float:
+    """End of a window (s); -inf of what is none, which is refused later."""
+    whole = isinstance(span, list | tuple) and len(span) == 2 and _is_number(span[1])
+    return float(span[1]) if whole else float("-inf")

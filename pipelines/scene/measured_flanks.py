@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.gears.prescribed import FLANKS, MeasuredFlanks
-from pipelines.io.errors import InputError, Problem, SceneError
+from pipelines.io.errors import SceneError
 from pipelines.io.shown import shown
-from pipelines.io.user_files import read_text, regular_file
+from pipelines.io.user_files import read_text
+from pipelines.scene.tables.samples import reading, refused
 
 if TYPE_CHECKING:
     import xarray
@@ -38,20 +39,11 @@ def measured_flanks(name: str, path: str, sense: int) -> MeasuredFlanks:
     SceneError : no such file, a line or variable that does not fit, points that make no grid
     """
     file = Path(name)
-    try:
-        regular_file(file, _MOST_BYTES)
+    with reading(file, name, path, _MOST_BYTES):
         if file.suffix.lower() in NETCDF:
             found = _from_netcdf(file, path)
         else:
             found = _from_csv(read_text(file, _MOST_BYTES), path)
-    except FileNotFoundError:
-        raise _refused(
-            path, "there is no such file", "Correct the path; it starts at the folder of the scene", name
-        ) from None
-    except SceneError:
-        raise
-    except InputError as error:
-        raise _refused(path, str(error), "") from error
     axes = {name: np.asarray(found[name].values, dtype=float) for name in _AXES}
     tooth, diameter, position = axes.values()
     for name, axis in axes.items():
@@ -139,5 +131,5 @@ def _from_netcdf(file: Path, path: str) -> xarray.DataArray:
     return found
 
 
-def _refused(path: str, message: str, remedy: str, value: str | None = None) -> SceneError:
-    return SceneError("scene", [Problem(f"{path}.file", message, remedy, None if value is None else f'"{value}"')])
+def _refused(path: str, message: str, remedy: str) -> SceneError:
+    return refused(f"{path}.file", message, remedy)

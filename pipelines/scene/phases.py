@@ -20,14 +20,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
+from fem.gears.geometry import GearPair
 from pipelines.io.errors import Problem
 from pipelines.scene.tables.gears import StageTable
 from pipelines.scene.train import stage_shafts
-
-if TYPE_CHECKING:
-    from fem.gears.geometry import GearPair
 
 LOOP = 0.01  # mesh cycles by which a closed loop may miss: directions are given to some digits
 GIVEN = 1e-3  # mesh cycles by which a given phase may miss

@@ -46,7 +46,11 @@ def shaft_faults(scene: Scene) -> tuple[ShaftFault, ...]:
     return (
         *(_force_fault(table) for table in scene.forces if table.model in _FAULTY_MODELS),
         *(_eccentric(number, table) for number, table in enumerate(scene.disks, 1) if table.eccentricity_um),
-        *(_misaligned(number, table) for number, table in enumerate(scene.couplings, 1) if _lies_apart(table)),
+        *(
+            _misaligned(number, table)
+            for number, table in enumerate(scene.couplings, 1)
+            if any((*table.offset_um, *table.tilt_mrad))
+        ),
     )
 
 
@@ -66,10 +70,6 @@ def without_shaft_faults(tree: Mapping[str, Any], scene: Scene) -> dict[str, Any
         if table in found:
             found[table] = _without_keys(found[table], keys)
     return {key: value for key, value in found.items() if value != {} or tree[key] == {}}
-
-
-def _lies_apart(table: CouplingTable) -> bool:
-    return any((*table.offset_um, *table.tilt_mrad))
 
 
 def _force_fault(table: DerivedTable) -> ShaftFault:

@@ -29,8 +29,7 @@ def anchored(tree: dict[str, Any], folder: Path | None) -> dict[str, Any]:
         beside = folder is not None and isinstance(name, str) and is_regular_file(folder / name)
         return os.path.realpath(folder / name) if beside and folder is not None else name
 
-    found: dict[str, Any] = walked(tree)
-    return found
+    return walked(tree)
 
 
 def find_file(name: str) -> Path:

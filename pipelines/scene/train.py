@@ -9,14 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from fem.gears.geometry import GearPair
 from pipelines.io.errors import Problem
 from pipelines.scene.tables.gears import StageTable
 from pipelines.scene.tables.shafts import CouplingTable
-
-if TYPE_CHECKING:
-    from fem.gears.geometry import GearPair
 
 MEETING = 1e-5  # m: how close two ways to one axis must come
 

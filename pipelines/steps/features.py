@@ -13,21 +13,25 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class FeaturesSpec:
-    """Machine and windows, and the labels of the motion."""
+    """Machine and windows, the labels of the motion, and how many samples of sensor noise are added to it."""
 
     settings: FeatureSettings
     labels: Mapping[str, Any]
+    samples: int
 
 
 def build(spec: FeaturesSpec, *, motion: Trajectory) -> dict[str, Any]:
-    """The tables of features by window under "tables"; where there are none, the reason under "failure"."""
+    """The tables of features by window, one for each sample of noise, under "tables".
+
+    Where there are none, the reason is under "failure".
+    """
     from pipelines.diagnosis.simulated import window_features
     from pipelines.signals.features.recorded import FeatureError
     from pipelines.signals.orders.rotation import RotationError
     from pipelines.signals.response import make_response
 
     try:
-        tables = window_features(make_response(motion, spec.labels), spec.settings)
+        tables = window_features(make_response(motion, spec.labels), spec.settings, spec.samples)
     except (FeatureError, RotationError) as error:
         return {"tables": {}, "failure": str(error)}
     return {"tables": tables, "failure": ""}

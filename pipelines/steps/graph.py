@@ -11,17 +11,14 @@ Plants that are run together (`pipelines.steps.study`) share the steps that do n
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
+from fem.casing.models.stage import PlannedStage
+from fem.contact.models.mesh_model import LawSpec
 from mbd.integrators.methods import METHODS
 from pipelines.engine.step import Step
+from pipelines.machine.flanks_spec import FlanksSpec
 from pipelines.machine.plant import Plant
 from pipelines.steps import casing
-
-if TYPE_CHECKING:
-    from fem.casing.models.stage import PlannedStage
-    from fem.contact.models.mesh_model import LawSpec
-    from pipelines.machine.flanks_spec import FlanksSpec
 
 # s to compile what a step runs, by the beginning of its name: any motion, one of coupled slices, a law, casing modes
 _MOTION_CODE = {"mbd.integrators.": 8.0, "fem.contact.evaluation.": 4.0}

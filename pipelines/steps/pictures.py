@@ -17,7 +17,7 @@ from pipelines.engine.step import Step, Unkept
 from pipelines.machine.plant import Plant
 from pipelines.report.figures.damage import needs_law
 from pipelines.report.figures.shapes import PlacedPair, placed_pair
-from pipelines.report.figures.views import LeftOut, Picture
+from pipelines.report.figures.views import LeftOut, NotRendered, Picture
 from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, PairState, pair_states
 
 if TYPE_CHECKING:
@@ -71,8 +71,10 @@ def build_gears(placed: PlacedPair, *, laws: Laws | None = None) -> Picture | Un
     from pipelines.report.figures.render import render_gears
     from pipelines.report.figures.shapes import stage_view
 
-    picture = render_gears(stage_view(placed, laws[0] if laws else None))
-    return picture if isinstance(picture, Picture) else Unkept(picture)
+    try:
+        return render_gears(stage_view(placed, laws[0] if laws else None))
+    except NotRendered as error:
+        return Unkept(LeftOut(reason=str(error)))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -116,8 +118,10 @@ def build_casing(spec: CasingPictureSpec, *, mesh: CasingMesh) -> str | Unkept:
     """The casing with its key points as an element of the page, or why it is left out."""
     from pipelines.report import pictures
 
-    picture = rendered_casing(mesh, spec.sensors)
-    return Unkept(picture) if isinstance(picture, LeftOut) else pictures.casing(picture)
+    try:
+        return pictures.casing(rendered_casing(mesh, spec.sensors))
+    except NotRendered as error:
+        return Unkept(LeftOut(reason=str(error)))
 
 
 def stiffness_plots(pairs: Sequence[PairLaws]) -> list[StiffnessPlot]:
@@ -146,7 +150,7 @@ def gear_names(placed: PlacedPair) -> dict[str, str]:
     return names | ({"marked": fault.name.replace("-", " ")} if fault else {})
 
 
-def rendered_casing(mesh: CasingMesh, sensors: Sequence[Sensor]) -> Picture | LeftOut:
+def rendered_casing(mesh: CasingMesh, sensors: Sequence[Sensor]) -> Picture:
     """The meshed casing with ground, bearing and sensor points."""
     from fem.casing.reduced.attachment import nearest_surface_point
     from pipelines.report.figures.render import render_casing

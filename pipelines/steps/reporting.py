@@ -81,12 +81,11 @@ def build(
     settings, failure = _settings(plant, found, responses[0], failure)
     runs = dict(zip(spec.responses, responses, strict=False))
     cases, damages = verdict["cases"] if verdict else (), known_damages(plant)
+    failure = failure or (verdict["failure"] if verdict else "")
     with _collector_paused():
         page = report_body(
             plant.title,
-            first=first_screen(
-                plant, settings, found, list(runs.values()), failure or _failure(verdict), cases, damages
-            ),
+            first=first_screen(plant, settings, found, list(runs.values()), failure, cases, damages),
             cases=cases,
             damages=damages,
             summary=_summary(plant),
@@ -142,11 +141,6 @@ def _settings(
         return at_measured_speed(settings, [run]), failure
     except DiagnosisError as error:
         return None, str(error)
-
-
-def _failure(verdict: Mapping[str, Any] | None) -> str:
-    """Why there is no verdict, "" where there is one or none is possible."""
-    return str(verdict["failure"]) if verdict else ""
 
 
 def _summary(plant: Plant) -> dict[str, Any]:

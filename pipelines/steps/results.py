@@ -31,6 +31,7 @@ def verdict_steps(study: Study) -> list[Step]:
     With a baseline the scene's own motion is compared with it, else every case with its control.
     """
     from pipelines.diagnosis.control_diagnosis import deviation_name
+    from pipelines.diagnosis.prediction import FEWEST_FOR_P
     from pipelines.diagnosis.simulated import FeatureSettings
     from pipelines.machine.kinematics import kinematics_of
 
@@ -49,12 +50,15 @@ def verdict_steps(study: Study) -> list[Step]:
             name=f"features {motion}",
             kind="features",
             build=features.build,
-            spec=features.FeaturesSpec(settings=settings, labels=one.labels),
+            spec=features.FeaturesSpec(settings=settings, labels=one.labels, samples=samples),
             takes={"motion": motion},
             libraries=_NUMERIC,
             seconds=1.0,
         )
-        for one, motion in [*((case.plant, case.faulty) for case in cases), *healthy]
+        for one, motion, samples in [
+            *((case.plant, case.faulty, 1) for case in cases),
+            *((plant, motion, FEWEST_FOR_P if exact else 1) for plant, motion in healthy),
+        ]
     }
     spec = verdict.VerdictSpec(
         kinematics=kinematics,

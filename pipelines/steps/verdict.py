@@ -42,8 +42,8 @@ def build(spec: VerdictSpec, *, own: Sequence[dict[str, Any]], healthy: Sequence
     try:
         for number, ((load, deviations), one) in enumerate(zip(spec.cases, own, strict=True)):
             others = [healthy[number]] if spec.exact else healthy
-            for window, table in one["tables"].items() if not failure else ():
-                reference = [other["tables"][window] for other in others]
+            for window, (table,) in one["tables"].items() if not failure else ():
+                reference = [table for other in others for table in other["tables"][window]]
                 verdict = judge(table, reference, spec.kinematics, exact=spec.exact)
                 cases.append(Case(load=load, deviations=deviations, window=window, verdict=verdict))
     except BaselineError as error:

@@ -1,1 +1,1 @@
-"""Functions that hexahedra are given at the edges where stresses grow without bound."""
+"""Edge-singularity enrichment: functions added to hexahedra at edges where the exact stresses are singular."""

@@ -1,4 +1,4 @@
-"""Unknowns that are added to those of the nodes: displacements that the elements do not hold themselves.
+"""Unknowns added to those of the nodes, for displacements that the elements alone cannot represent.
 
 Their functions vanish at all nodes, so that the first 3 n unknowns remain the displacements there.
 """
@@ -17,12 +17,12 @@ from fem.elements.cubic import CubicFunctions, cubic_functions
 from fem.elements.materials import Material
 from fem.elements.solids import assemble
 
-KINDS_APART = 100  # between numbers of cubic functions and of those of edges: they may be at the same place
+KINDS_APART = 100  # offset between the numbers of cubic and of edge functions, which may have the same position
 
 
 @dataclass(frozen=True, eq=False)
 class AddedUnknowns:
-    """Those of cubic functions, if the mesh has any, then those of edges."""
+    """Unknowns of the cubic functions, if the mesh has any, then those of the edge functions."""
 
     cubic: CubicFunctions | None
     edges: EdgeFunctions
@@ -32,14 +32,14 @@ class AddedUnknowns:
 
     @property
     def numbers(self) -> np.ndarray:
-        """Of an unknown (m,) among those of its place."""
+        """Number of each unknown (m,) among those at the same position."""
         if self.cubic is None:
             return self.edges.numbers
         return np.concatenate([self.cubic.numbers, KINDS_APART + self.edges.numbers])
 
     @property
     def places(self) -> np.ndarray:
-        """Where their functions are (m, 3), m."""
+        """Positions of their functions (m, 3), m."""
         return self.edges.places if self.cubic is None else np.concatenate([self.cubic.places, self.edges.places])
 
     def matrices(self, elements: np.ndarray | None = None) -> tuple[sp.csr_matrix, sp.csr_matrix]:
@@ -47,7 +47,7 @@ class AddedUnknowns:
 
         Parameters
         ----------
-        elements : numbers of those that contribute; all by default
+        elements : numbers of the elements that contribute; all by default
         """
         mesh, material = self.edges.mesh, self.edges.material
         K, M = assemble(
@@ -73,7 +73,7 @@ def added_functions(
     rigid: Collection[str] = (),
     joined: Sequence[np.ndarray] = (),
 ) -> AddedUnknowns:
-    """Of a cubic mesh cubic ones, of hexahedra those of edges; none of others.
+    """Added unknowns: cubic functions for a cubic mesh, edge functions for hexahedra, none for other elements.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def added_functions(
 
 
 def _bordered(matrix: sp.csr_matrix, rows: sp.csr_matrix) -> sp.csr_matrix:
-    """A symmetric matrix (k, k) with further rows (m, k + m) and the columns that they are."""
+    """A symmetric matrix (k, k) bordered by further rows (m, k + m) and their transposes."""
     k = matrix.shape[0]
     columns = sp.csr_matrix(rows[:, :k].T)
     ends = np.append(matrix.indptr + columns.indptr, matrix.nnz + columns.nnz + rows.indptr[1:])

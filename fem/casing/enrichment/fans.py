@@ -1,8 +1,8 @@
-"""Edges of a mesh of hexahedra at which stresses grow without bound, and the fans of elements around them.
+"""Edges of a mesh of hexahedra at which stresses are singular, and the fans of elements around them.
 
-Such edges are the re-entrant ones, and the rims of clamped faces. The elements around one side of an element on such an
-edge form a fan, from one face of the body to the other; fans that go on from one to the next make a chain, in which
-the same local coordinates serve: xi along the first face of every element, eta along the second, s along the edge.
+These are the re-entrant edges and the rims of clamped faces. A fan is the set of elements around one side (element
+edge) on such an edge, ordered from one face of the body to the other. Consecutive fans form a chain. A chain has one
+system of local coordinates: xi along the first face of every element, eta along the second, s along the edge.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from fem.casing.enrichment.topology import Sector, Topology
 
 _NOTHING = 1e-9  # of the largest value of a function
-_LEAST_TURN = np.radians(30.0)  # by which a re-entrant edge exceeds a flat face: less is a surface that is smooth
+_LEAST_TURN = np.radians(30.0)  # least excess of a re-entrant angle over 180 degrees; below it the surface is smooth
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,24 +26,24 @@ class Fan:
     sectors: tuple[Sector, ...]
 
     def turned(self) -> Fan:
-        """From the last face to the first."""
+        """The fan from its last face to its first."""
         return Fan(self.vertices, tuple(sector.turned() for sector in self.sectors[::-1]))
 
     def backwards(self) -> Fan:
-        """Along the edge the other way."""
+        """The fan with s reversed."""
         return Fan(self.vertices[::-1], tuple(sector.backwards() for sector in self.sectors))
 
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """Fans one after the other; closed if the last joins the first."""
+    """Consecutive fans; closed if the last one joins the first."""
 
     fans: tuple[Fan, ...]
     closed: bool
 
 
 def chains(topology: Topology, clamped: np.ndarray) -> list[Chain]:
-    """All chains at edges where stresses grow without bound.
+    """All chains at edges where stresses are singular.
 
     Parameters
     ----------
@@ -69,9 +69,9 @@ def chains(topology: Topology, clamped: np.ndarray) -> list[Chain]:
 
 
 def continuation(topology: Topology, fan: Fan, end: int, values: list[np.ndarray]) -> list[Sector | None] | None:
-    """Elements behind the end of a chain into which functions can go on and fade; None if they cannot.
+    """Elements beyond the end of a chain into which its functions continue and decay; None if that is not possible.
 
-    They can if they vanish, or the body ends, wherever an element that has no part in them lies beside.
+    It is possible if the functions vanish, or the body ends, on every side towards an element outside the chain.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def continuation(topology: Topology, fan: Fan, end: int, values: list[np.ndarray
 
     Returns
     -------
-    the element behind every sector, None where the body ends
+    the element beyond every sector, None where the body ends
     """
     if any(topology.patch[topology.face_at(sector, 2, end)] >= 0 for sector in fan.sectors):
         return None
@@ -102,14 +102,14 @@ def continuation(topology: Topology, fan: Fan, end: int, values: list[np.ndarray
 
 
 def singular_sides(topology: Topology, clamped: np.ndarray) -> np.ndarray:
-    """Numbers of the sides on re-entrant edges and on rims of clamped faces.
+    """Numbers of the sides (element edges) on re-entrant edges and on rims of clamped faces.
 
     Parameters
     ----------
     topology : of the mesh
     clamped : bool (face,)
     """
-    faces, held = np.zeros((2, len(topology.ends)), int)  # of the body, at a side
+    faces, held = np.zeros((2, len(topology.ends)), int)  # number of faces of the body at each side
     for axis in range(3):
         for place, across in enumerate(one for one in range(3) if one != axis):
             number = topology.face[:, across]  # (e, side)
@@ -126,7 +126,7 @@ def _end(topology: Topology, fan: Fan, end: int) -> tuple[int, ...]:
 
 
 def _continued(topology: Topology, last: Fan, fan: Fan) -> Fan:
-    """A fan turned so that it goes on where the last one ends."""
+    """A fan reoriented so that it begins where the last one ends."""
     if _end(topology, fan, 0) != _end(topology, last, 1):
         fan = fan.backwards()
     first, before = fan.sectors[0], last.sectors[0]
@@ -134,7 +134,7 @@ def _continued(topology: Topology, last: Fan, fan: Fan) -> Fan:
 
 
 def _fan(topology: Topology, side: int) -> Fan | None:
-    """The elements around a side in their order; None if they do not make one fan."""
+    """The elements around a side in order; None if they do not form one fan."""
     members = {user[0]: topology.sector(*user) for user in topology.users(side)}
     at_face = defaultdict(list)
     for sector in members.values():

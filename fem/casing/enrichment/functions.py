@@ -1,14 +1,14 @@
-"""Hexahedra with functions of their edges: stiffness and mass of the unknowns that these add.
+"""Edge-singularity enrichment of hexahedra: stiffness and mass of the unknowns that it adds.
 
 The displacement in an element at an edge becomes
 
     u = sum_a N_a u_a + sum_ik N_i(s) R_i phi_ik(xi, eta) b_ik,
 
-N_a the functions of the element (cubic ones, too, where it has them), N_i the quadratic functions of the three nodes
-along the side, R_i the frame at such a node, phi_ik its functions across the edge. As these vanish at all nodes, u_a
-remains the displacement there; one unknown b_ik is added for every function of a node on an edge. Where a chain ends
-within the body, the functions of its last node go on into the elements behind it and fade there; where they would meet
-elements that have no part in them, that node has none.
+N_a the functions of the element (including cubic ones where it has them), N_i the quadratic functions of the three
+nodes along the side, R_i the frame at such a node, phi_ik its functions across the edge. As these vanish at all nodes,
+u_a remains the displacement there. One unknown b_ik is added for every function of a node on an edge. Where a chain
+ends within the body, the functions of its last node continue into the elements beyond it and decay there. If they would
+meet elements outside the chain, that node gets no functions.
 
 References: Szabo & Babuska (1991), Finite Element Analysis, section 10.1; Strouboulis, Copps & Babuska (2001), Comput.
 Methods Appl. Mech. Eng. 190(32-33), 4081-4193 (handbook functions, found numerically, in finite elements).
@@ -51,13 +51,13 @@ class _Part:
 
 @dataclass(frozen=True, eq=False)
 class EdgeFunctions:
-    """The unknowns of all nodes on edges, and the elements that have part in them."""
+    """The unknowns of all nodes on edges, and the elements in which their functions are not zero."""
 
-    numbers: np.ndarray  # (m,), of an unknown among those of its place
+    numbers: np.ndarray  # (m,), of each unknown among those at the same position
     places: np.ndarray  # (m, 3), m, see `_between`
     mesh: CasingMesh
     material: Material
-    cubic: CubicFunctions | None  # of the same mesh, whose unknowns stand before these
+    cubic: CubicFunctions | None  # of the same mesh, whose unknowns come before these
     parts: dict[int, list[_Part]]  # by element
 
     def __len__(self) -> int:
@@ -68,7 +68,7 @@ class EdgeFunctions:
 
         Parameters
         ----------
-        elements : numbers of those that contribute; all by default
+        elements : numbers of the elements that contribute; all by default
         """
         chosen = self.parts if elements is None else {one: self.parts[one] for one in elements if one in self.parts}
         same: dict[bytes, list[int]] = defaultdict(list)
@@ -101,7 +101,7 @@ class EdgeFunctions:
         return K, sp.csr_matrix((self.material.density * np.concatenate(mass), place), shape=shape)
 
     def _of_element(self, element: int) -> tuple[np.ndarray, np.ndarray]:
-        """Numbers (3, a) of its unknowns along x, y, z, -1 of those that are held, and signs (a,) of its functions."""
+        """Numbers (3, a) of its unknowns along x, y, z, -1 where held, and signs (a,) of its functions."""
         at = 3 * self.mesh.elements[element].astype(np.int64) + np.arange(3)[:, None]
         if self.cubic is None:
             return at, np.ones(at.shape[1])
@@ -109,7 +109,7 @@ class EdgeFunctions:
         return np.hstack([at, self.cubic.unknowns(one)[0]]), np.append(np.ones(at.shape[1]), self.cubic.signs(one)[0])
 
     def _several(self, alike: list[list[int]]) -> list[tuple[np.ndarray, ...]]:
-        """What `added_entries` gives for the first of every group of elements."""
+        """Results of `added_entries` for the first element of every group."""
         tables: dict[tuple[int, bytes], np.ndarray] = {}
         return [self._entries(members[0], tables) for members in alike]
 
@@ -152,8 +152,7 @@ def edge_functions(
     joined: Sequence[np.ndarray] = (),
     cubic: CubicFunctions | None = None,
 ) -> EdgeFunctions:
-    """Functions at all edges of a mesh where stresses grow without bound; none unless it is one of
-    hexahedra with mid-side nodes.
+    """Functions at all edges where stresses are singular; none unless the mesh has hexahedra with mid-side nodes.
 
     Parameters
     ----------
@@ -200,7 +199,7 @@ def edge_functions(
 
 
 def _between(topology: Topology, node: int, fan: Fan) -> np.ndarray:
-    """The middle of a node, a side and the elements around: it tells the node from the same node on another edge."""
+    """Mean of a node, a side and the elements around it: a position that differs for the same node on another edge."""
     side = topology.points(fan.sectors[0], np.array([[0.0], [0.0], [0.5]]))[0]
     corners = topology.elements[[sector.element for sector in fan.sectors], :8]
     middle = topology.nodes[corners].mean(axis=(0, 1))
@@ -212,7 +211,7 @@ def _unknowns(own: list[_Part]) -> np.ndarray:
 
 
 def _shape_key(nodes: np.ndarray, own: list[_Part]) -> bytes:
-    """Equal for elements of the same shape with the same functions."""
+    """Key that is equal for elements of the same shape with the same functions."""
     at = nodes - nodes[0]
     size = abs(at).max()
     found = [np.round(at / size, 7) + 0.0, np.round([np.log(size)], 9)]
@@ -228,7 +227,7 @@ def _shape_key(nodes: np.ndarray, own: list[_Part]) -> bytes:
 
 @lru_cache(maxsize=64)
 def _rule(kind: str, ends: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Points (3, i, j, k), weights (q,), functions (a, q) and slopes (a, 3, q) of an element graded to some sides."""
+    """Points (3, i, j, k), weights (q,), functions (a, q), slopes (a, 3, q) of an element graded to given sides."""
     lines = []
     for low, high in np.frombuffer(ends, bool).reshape(3, 2):
         cuts = np.concatenate([[0.0, 1.0], *([GRID] if low else []), *([1.0 - GRID] if high else [])])
@@ -248,7 +247,7 @@ def _along(kind: str, ends: bytes, origin: bytes, axes: bytes) -> np.ndarray:
 
 
 def _table(part: _Part, points: np.ndarray) -> np.ndarray:
-    """Functions, derivatives by xi and eta (function, 3, 3, q) at reference points (3, i, j, k), alike for all s."""
+    """Functions, derivatives by xi and eta (function, 3, 3, q) at reference points (3, i, j, k), constant along s."""
     axis, _ = part.sector.axis(2, 0)
     across = points.take(0, axis=1 + axis)
     xi, eta = part.sector.axes[:, :2].T @ (across.reshape(3, -1) - part.sector.origin[:, None])

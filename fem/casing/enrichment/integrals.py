@@ -1,7 +1,6 @@
 """Stiffness and mass of functions that are added to an element.
 
-Compiled loops lay out what the functions are at every point, one row of points after the other; products of matrices
-sum over the points.
+Compiled loops evaluate the functions at every point; matrix products then sum over the points.
 """
 
 from __future__ import annotations
@@ -10,7 +9,7 @@ import numpy as np
 
 from fem.numerics.compiled import stored
 
-_POINTS = 512  # worked on together: what is laid out of them stays in the processor's cache
+_POINTS = 512  # evaluated together, so that their values fit in the processor's cache
 
 
 def added_entries(
@@ -26,22 +25,23 @@ def added_entries(
     lam: float,
     mu: float,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Products of the added functions with those of the element and with one another.
+    """Stiffness and mass that couple the added functions with those of the element and with one another.
 
     Parameters
     ----------
     nodes : (n, 3), m, of the element
-    values, slopes, weights : (a, q), (a, 3, q) and (q,) of the element's functions, by the reference coordinates; those
-        of the nodes come first
+    values, slopes, weights : (a, q), (a, 3, q) and (q,), functions of the element, nodal ones first, their derivatives
+        by the reference coordinates, and the weights of the points
     tables : (f, 3, 3, q), an added function across the edge and its derivatives by xi and eta, three components each
     lines : (p, 2, q), the function of a node along the edge and its derivative
     owners : int (f,), the node of every added function
-    axes, frames : (p, 3, 3) of the nodes, columns: directions of xi, eta, s in the element, of components in space
+    axes, frames : (p, 3, 3) of the nodes; columns: directions of xi, eta, s in the element, and of the components in
+        space
     lam, mu : Lame constants, Pa
 
     Returns
     -------
-    stiffness with the element's (f, 3, a) and among themselves (f, f), mass of unit density alike
+    stiffness with the element's functions (f, 3, a) and among the added ones (f, f), then mass of unit density likewise
     """
     a, f, count = len(values), len(owners), len(weights)
     K_nodes, M_nodes = np.zeros((2, f, 3, a))
@@ -62,7 +62,7 @@ def added_entries(
 
 @stored(__file__)
 def _inverse(nodes, slopes, weights, first, end):
-    """Derivatives (3, 3, q) of the reference coordinates, rows, by the places, and the volume (q,) of every point."""
+    """Derivatives (3, 3, q) of the reference coordinates (rows) by position, and the volume (q,) of every point."""
     J, inverse, volume = np.zeros((3, 3, end - first)), np.empty((3, 3, end - first)), np.zeros(end - first)
     for a in range(len(nodes)):
         for d in range(3):
@@ -93,7 +93,7 @@ def _laid_out(tables, lines, owners, axes, frames, inverse, lam, mu, first, end)
     f_count, q_count, part = len(owners), end - first, -1
     moved, strains = np.empty((f_count, 3, q_count)), np.empty((f_count, 3, 3, q_count))
     stresses, local = np.empty((f_count, 3, 3, q_count)), np.empty((3, q_count))
-    turned = np.empty((3, 3, q_count))  # derivatives of xi, eta, s by the places, times the function along the edge
+    turned = np.empty((3, 3, q_count))  # derivatives of xi, eta, s by position, times the function along the edge
     for f in range(f_count):
         if owners[f] != part:
             part = owners[f]

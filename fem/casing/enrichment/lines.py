@@ -1,4 +1,4 @@
-"""Quadratic functions along a line, plain and on a grid that is graded to its beginning, and their products."""
+"""Quadratic functions along a line, on one element and on a grid graded towards its start, and their products."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ GAUSS = 3  # points in a cell: exact to degree 5
 
 
 def quadratic(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Values and slopes (q, 3) of the quadratic functions of the nodes 0, 1/2, 1 at places t (q,)."""
+    """Values and slopes (q, 3) of the quadratic functions of the nodes 0, 1/2, 1 at t (q,)."""
     value = np.stack([(1.0 - t) * (1.0 - 2.0 * t), 4.0 * t * (1.0 - t), t * (2.0 * t - 1.0)], axis=1)
     return value, np.stack([4.0 * t - 3.0, 4.0 - 8.0 * t, 4.0 * t - 1.0], axis=1)
 
 
 @cache
 def graded_nodes() -> np.ndarray:
-    """Places (k,) of the nodes of quadratic cells on `GRID`."""
+    """Coordinates (k,) of the nodes of quadratic cells on `GRID`."""
     out = np.empty(2 * len(GRID) - 1)
     out[::2], out[1::2] = GRID, 0.5 * (GRID[1:] + GRID[:-1])
     return out
 
 
 def graded(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Values and slopes (q, k) of the functions of `graded_nodes` at places x (q,) in 0 .. 1."""
+    """Values and slopes (q, k) of the functions of `graded_nodes` at x (q,) in 0 .. 1."""
     cell = np.clip(np.searchsorted(GRID, x, side="right") - 1, 0, len(GRID) - 2)
     width = np.diff(GRID)[cell]
     value, slope = quadratic((x - GRID[cell]) / width)
@@ -37,7 +37,7 @@ def graded(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def gauss(cuts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Places and weights (q,) of `GAUSS` points in every cell between the cuts."""
+    """Coordinates and weights (q,) of `GAUSS` points in every cell between the cuts."""
     at, weight = np.polynomial.legendre.leggauss(GAUSS)
     width = np.diff(cuts)
     places = cuts[:-1, None] + width[:, None] * 0.5 * (1.0 + at)

@@ -1,13 +1,13 @@
-"""Plane problem over the section across an edge: what elements around the edge miss, as a few functions.
+"""Plane problem over the section across an edge: a few functions for what the elements around it cannot represent.
 
-The fan of elements around the edge and the ring of elements around the fan are loaded by simple motions of the outer
-ends of the ring (rigid motions and even strains of every connected part of them, and of bearing seats). In the ring the
-displacement u is that of the elements as they are; in the fan it is solved for on a grid that is graded to the edge.
-What remains in the fan after the values at the nodes of the elements are interpolated by them,
+The fan of elements around the edge and the ring of elements around the fan are loaded at the outer ends of the ring.
+Each connected part of these ends, and each bearing seat, gets rigid motions and uniform strains. In the ring the
+displacement u is that of the elements. In the fan it is solved on a grid graded towards the edge. The difference to its
+interpolation I u by the elements from their nodal values,
 
     phi = u - I u,
 
-vanishes at all nodes, and on the sides that are closed: those towards other elements, and clamped ones.
+vanishes at all nodes and on closed sides: sides towards elements outside the fan, and clamped sides.
 
 References: Szabo & Babuska (1991), Finite Element Analysis, section 10.1 (stresses at edges); Hou & Wu (1997), J.
 Comput. Phys. 134(1), 169-189 (functions from local problems on a larger domain).
@@ -25,13 +25,13 @@ from scipy.sparse.csgraph import connected_components
 from fem.casing.enrichment.lines import GRID, eight_nodes, gauss, graded, graded_nodes, nine_nodes, products, quadratic
 
 _NODES = 2 * len(GRID) - 1  # along a side of the graded grid
-_LEAST_ENERGY = 1e-4  # of the first function: less is not worth an unknown
+_LEAST_ENERGY = 1e-4  # of the first function: functions with less are omitted
 _RIGID = 1e-9  # of the largest energy: motions without strain
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PlaneSection:
-    """Sections of elements, those of the fan first and in order, and what holds on their sides.
+    """Sections of elements, those of the fan first and in order, with the conditions on their sides.
 
     The sides of an element are xi = 0, xi = 1, eta = 0, eta = 1; xi = 0 of one element in a fan is eta = 0 of the next.
     """
@@ -39,7 +39,7 @@ class PlaneSection:
     points: np.ndarray  # (cell, 3, 3, 2), m, at xi, eta = 0, 1/2, 1
     corners: np.ndarray  # (cell, 2, 2), numbers
     sides: np.ndarray  # (cell, 4), numbers of the sides
-    fan: int  # how many of the cells make the fan
+    fan: int  # number of cells in the fan
     closed: np.ndarray  # bool (fan, 4): functions vanish there
     clamped: np.ndarray  # bool (cell, 4)
     loaded: np.ndarray  # bool (cell, 4): an outer end of the ring
@@ -47,20 +47,20 @@ class PlaneSection:
 
     @property
     def key(self) -> bytes:
-        """Equal for sections of the same shape, wherever they are."""
+        """Key that is equal for sections of the same shape at any position."""
         corners, sides = (np.unique(numbers, return_inverse=True)[1] for numbers in (self.corners, self.sides))
         shape = np.round(self.points / abs(self.points).max(), 8) + 0.0
         return b"".join(one.tobytes() for one in (shape, corners, sides, self.closed, self.clamped, self.loaded))
 
     def functions(self, poisson_ratio: float, in_plane: int, along_edge: int) -> np.ndarray:
-        """The functions with most energy (fan, function, 3, k, k) on the graded grids, largest value 1.
+        """The functions of highest energy (fan, function, 3, k, k) on the graded grids, largest value 1.
 
         Components in the plane come first (plane strain), then those along the edge (anti-plane shear).
 
         Parameters
         ----------
         poisson_ratio : of the material
-        in_plane, along_edge : numbers of functions, at most
+        in_plane, along_edge : largest numbers of functions
         """
         if not self.loaded.any():
             return np.zeros((self.fan, 0, 3, _NODES, _NODES))
@@ -79,7 +79,7 @@ class PlaneSection:
             K = np.asarray(T.T @ (T.T @ K_fan).T)
             head = components * n
             K[:head, :head] += _stiffness(of_ring, coarse[self.fan :], n, components, poisson_ratio)
-            known = np.repeat(held | loaded, components) | (np.diag(K) == 0.0)  # nodes within the fan carry nothing
+            known = np.repeat(held | loaded, components) | (np.diag(K) == 0.0)  # nodes within the fan: no stiffness
             data = self._motions(coarse, n, components)
             U = np.zeros((len(K), data.shape[1]))
             U[:head] = data
@@ -145,7 +145,7 @@ class PlaneSection:
         return out
 
     def _motions(self, coarse: np.ndarray, n: int, components: int) -> np.ndarray:
-        """Rigid motions and even strains (components n, case) of every connected part of the loaded sides."""
+        """Rigid motions and uniform strains (components n, case) of every connected part of the loaded sides."""
         places = np.empty((n, 2))
         places[coarse] = self.points
         sides = _on_sides(coarse)[self.loaded]
@@ -164,7 +164,7 @@ class PlaneSection:
         return np.array(cases).T
 
     def _products(self, cells: slice) -> np.ndarray:
-        """Integrals (cell, i, j, a, b) of products of slopes: in the fan on its graded grids, in the ring as it is."""
+        """Integrals (cell, i, j, a, b) of products of slopes: fan on its graded grids, ring on the elements."""
         in_fan = cells.start == 0
         x, weight = gauss(GRID if in_fan else np.array([0.0, 1.0]))
         X, Y = (one.ravel() for one in np.meshgrid(x, x, indexing="ij"))
@@ -181,7 +181,7 @@ class PlaneSection:
 
 
 def _stiffness(products: np.ndarray, numbers: np.ndarray, n: int, components: int, poisson_ratio: float) -> np.ndarray:
-    """For a shear modulus of 1, from the integrals (cell, i, j, a, b) and numbers (cell, k, k) of the nodes."""
+    """Stiffness for a shear modulus of 1, from integrals (cell, i, j, a, b) and node numbers (cell, k, k)."""
     lam = 2.0 * poisson_ratio / (1.0 - 2.0 * poisson_ratio)
     shear = products[:, 0, 0] + products[:, 1, 1]
     if components == 2:
@@ -202,7 +202,7 @@ def _on_sides(numbers: np.ndarray) -> np.ndarray:
 
 
 def _largest(energy: np.ndarray, least: float, count: int | None) -> np.ndarray:
-    """Combinations (case, m) of unit energy, those with most of it first; of fewer than `count`, all above `least`."""
+    """Combinations (case, m) above `least` by descending energy: the first `count`, or all, scaled to energy 1."""
     value, vector = la.eigh(0.5 * (energy + energy.T))
     order = np.argsort(-value)
     order = order[value[order] > least * max(value[-1], 0.0)][:count]

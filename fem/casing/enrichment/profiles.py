@@ -1,7 +1,7 @@
-"""Functions across the edges of a mesh, for every node on an edge.
+"""Enrichment functions across the edges of a mesh, for every node on an edge.
 
-Along a chain the section changes little, but not so what touches it: a wall may end, or a foot begin. A node takes the
-functions for all sides that are closed in the elements at it, so that the displacement stays continuous.
+Along a chain the section changes little, but its neighbours change: a wall may end, or a foot begin. The functions of a
+node vanish on every side that is closed in any element at it, so that the displacement stays continuous.
 """
 
 from __future__ import annotations
@@ -14,20 +14,20 @@ from fem.casing.enrichment.fans import Chain, Fan, Sector, Topology
 from fem.casing.enrichment.plane_section import PlaneSection
 
 ALONG = (0.0, 0.5, 1.0)  # s of the nodes of a fan
-_IN_PLANE, _ALONG_EDGE = 3, 1  # functions of a node, at most
+_IN_PLANE, _ALONG_EDGE = 3, 1  # largest numbers of functions of a node
 
 
 class Profiles:
     """Functions of the nodes of a chain: values (sector, function, 3, k, k) on the graded grids of a fan's elements.
 
-    Components along the first face of the fan, across it, and along the edge (`Topology.frame`).
+    The components are along the first face of the fan, across it, and along the edge (`Topology.frame`).
 
     Parameters
     ----------
     topology, chain : of the mesh
     clamped : bool (face,)
     poisson_ratio : of the material
-    known : functions of other sections of the same mesh, by their keys, to which those found here are added
+    known : functions of sections of the same mesh by their keys; new ones are added to it
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class Profiles:
         self._all = [self._of(number) for number in range(2 * len(chain.fans) + 1)]
 
     def at(self, number: int) -> list[np.ndarray]:
-        """Of the node `number` along the chain, 2 fan + 0, 1 or 2, by sector."""
+        """Functions of node `number` (2 fan + 0, 1 or 2) along the chain, by sector."""
         return self._all[number]
 
     def _of(self, number: int) -> list[np.ndarray]:
@@ -71,7 +71,7 @@ class Profiles:
 
 
 def plane_section(topology: Topology, fan: Fan, closed: np.ndarray, clamped: np.ndarray) -> PlaneSection:
-    """The section of a fan and its ring half-way along.
+    """The section across a fan and its ring, half-way along the edge.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def _ring(topology: Topology, fan: Fan) -> list[Sector]:
 
 
 def _closed(topology: Topology, fan: Fan, number: int) -> list[bool]:
-    """Whether functions vanish on the four sides of a sector: towards elements outside the fan, and on patches."""
+    """Whether functions vanish on the four sides of a sector: towards elements outside the fan and on patches."""
     faces = _faces(topology, fan.sectors[number])
     out = [not topology.outer[face] or topology.patch[face] >= 0 for face in faces]
     if number + 1 < len(fan.sectors):

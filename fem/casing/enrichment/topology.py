@@ -1,4 +1,4 @@
-"""Faces and sides of the hexahedra of a mesh by number, and local coordinates at a side."""
+"""Numbered faces and sides (element edges) of a mesh of hexahedra, and local coordinates at a side."""
 
 from __future__ import annotations
 
@@ -28,17 +28,17 @@ class Sector:
         return axis, round(float(self.origin[axis] + end * self.axes[axis, direction]))
 
     def turned(self) -> Sector:
-        """With xi and eta exchanged."""
+        """The sector with xi and eta exchanged."""
         return replace(self, axes=self.axes[:, [1, 0, 2]])
 
     def backwards(self) -> Sector:
-        """With s from the other end."""
+        """The sector with s reversed."""
         axes = np.column_stack([self.axes[:, :2], -self.axes[:, 2]])
         return replace(self, origin=self.origin + self.axes[:, 2], axes=axes)
 
 
 class Topology:
-    """What lies beside what in a mesh of hexahedra.
+    """Adjacency of the faces and sides of the elements in a mesh of hexahedra.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ class Topology:
     face : int (e, 3, 2), numbers of the faces by reference axis and side
     outer, patch : bool and int (face,), whether a face is one of the body, and its patch
     side : int (e, 3, 2, 2), numbers of the sides by the axis along them and the ends of the two other axes
-    ends : int (side, 2), corners
+    ends : int (side, 2), corner nodes
     """
 
     def __init__(self, nodes: np.ndarray, elements: np.ndarray, facets: np.ndarray, patch: np.ndarray) -> None:
@@ -71,7 +71,7 @@ class Topology:
         self._side_users = _grouped(number.ravel(), len(self.ends))
 
     def mark(self, facets: np.ndarray, patch: np.ndarray | int) -> None:
-        """Let facets (f, k) of the surface belong to a patch, or to one (f,) each."""
+        """Assign facets (f, k) of the surface to a patch, or each to its own (f,)."""
         at = [self._outer_at[tuple(corners)] for corners in np.sort(facets[:, :4], axis=1).tolist()]
         self.patch[at] = patch
 
@@ -81,7 +81,7 @@ class Topology:
         return [(int(e), int(axis), (int(b), int(c))) for e, axis, b, c in found]
 
     def sector(self, element: int, axis: int, across: tuple[int, int]) -> Sector:
-        """With s from the lower to the higher end (by number of its node)."""
+        """Sector of an element at a side; s runs from the end with the lower node number to the other."""
         first, second = (one for one in range(3) if one != axis)
         origin, axes = np.zeros(3), np.zeros((3, 3))
         origin[[first, second]] = across
@@ -92,7 +92,7 @@ class Topology:
         return found if low < high else found.backwards()
 
     def beyond(self, sector: Sector, end: int) -> Sector | None:
-        """The element across the face where s is 0 or 1, with the same xi and eta, s rising from there; or None."""
+        """The element across the face s = `end` (0 or 1): same xi and eta, s increases from there; or None."""
         face = self.face_at(sector, 2, end)
         if self.outer[face]:
             return None
@@ -153,7 +153,7 @@ class Topology:
 
 
 def _grouped(number: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Places of every number, one number after the other, and where each begins."""
+    """Indices at which each number occurs, sorted by number, and the start of each number in them."""
     order = np.argsort(number, kind="stable")
     return order, np.searchsorted(number[order], np.arange(count + 1))
 
@@ -175,7 +175,7 @@ def _corner_places() -> np.ndarray:
 
 @cache
 def _corner_at() -> np.ndarray:
-    """Local numbers (2, 2, 2) of the corners by their places."""
+    """Local numbers (2, 2, 2) of the corners by their reference coordinates."""
     out = np.empty((2, 2, 2), int)
     for number, place in enumerate(_corner_places().astype(int)):
         out[tuple(place)] = number
@@ -184,6 +184,6 @@ def _corner_at() -> np.ndarray:
 
 @cache
 def _number_at(kind: str) -> dict[tuple[int, ...], int]:
-    """Local numbers of nodes by their places times two."""
+    """Local numbers of nodes by twice their reference coordinates."""
     places = np.round(2 * SOLIDS[kind].library.doflocs).astype(int)
     return {tuple(place): number for number, place in enumerate(places.tolist())}

@@ -1,1 +1,1 @@
-"""Dimensions of a parametric housing, and whether they make a sound body."""
+"""Dimensions of a parametric housing, and checks that they form a valid body."""

@@ -1,8 +1,8 @@
-"""Dimensions of a parametric gearbox housing: a closed box with bearing bosses in its walls, feet and sensor places.
+"""Dimensions of a parametric gearbox housing: a closed box with bearing bosses in its walls, feet and sensors.
 
 Axes: x across the shafts, y along them (0 at mid width of the box), z up; the origin lies on the axis of shaft 1.
 Four walls, floor and cover, each with its thickness. Each boss is a cylinder along y, flush with the outer face of its
-side wall and standing into the box; the bore goes through it. Feet stand under the floor, flush with a side wall or
+side wall and protruding into the box; the bore passes through it. Feet are under the floor, flush with a side wall or
 beyond it; their undersides, or those of their bolt pads, are the ground faces. Ribs, a flange on the split plane of the
 cover and fillets are added on request (`fem.casing.geometry.features`).
 """
@@ -26,7 +26,7 @@ GLOBAL_AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 class HousingError(ValueError):
-    """The dimensions of a housing do not make a sound body."""
+    """The dimensions of a housing do not form a valid body."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,7 +46,7 @@ class Bore:
 class Sensor:
     """A triaxial accelerometer on the casing.
 
-    HousingError for axes that are not orthogonal; they get unit length.
+    The axes are scaled to unit length. HousingError for axes that are not orthogonal.
     """
 
     name: str = option(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", text="letters, digits, _ and -, at most 40")
@@ -77,7 +77,7 @@ def orthonormal(axes: Axes) -> Axes:
 
 @dataclass(frozen=True, kw_only=True)
 class Dimensions:
-    """The dimensions of a parametric housing (m) and the places that follow from them."""
+    """The dimensions of a parametric housing (m) and the positions that follow from them."""
 
     length: float = option(unit="mm", gt=0, le=LARGEST, text="outer length along x")
     width: float = option(unit="mm", gt=0, le=LARGEST, text="outer width along y; the middle is y = 0")
@@ -118,7 +118,7 @@ class Dimensions:
 
     @property
     def plain(self) -> bool:
-        """Whether the body is made of boxes and cylinders that do not run into each other (`rigid.housing_mass`)."""
+        """Whether the body consists of boxes and cylinders that do not intersect (`rigid.housing_mass`)."""
         return self.flange is None and self.ribs is None and self.fillets == Fillets() and not self.feet.pad_diameter
 
     @property
@@ -136,7 +136,7 @@ class Dimensions:
 
     @property
     def cover_start(self) -> float:
-        """z where the cover begins: the split plane of the flange, without one the underside of the top wall."""
+        """z where the cover begins: split plane of the flange or, without a flange, underside of the top wall."""
         return float(self.cavity[1][2]) if self.flange is None else self.flange.split
 
     def bore(self, name: str) -> Bore:
@@ -180,7 +180,7 @@ class Dimensions:
         return points
 
     def rib_boxes(self) -> dict[str, Box]:
-        """Corners of the outstanding parts of all ribs, by what they stand on."""
+        """Corners of the protruding parts of all ribs, by the part that carries them."""
         if (ribs := self.ribs) is None:
             return {}
         (low, high), half, boxes = self.box, ribs.thickness / 2, {}
@@ -207,7 +207,7 @@ class Dimensions:
         return boxes
 
     def with_sensors(self, *names: str) -> Self:
-        """The same housing with only the named sensors, in the order asked."""
+        """The same housing with only the named sensors, in the given order."""
         known = {sensor.name: sensor for sensor in self.sensors}
         if missing := [name for name in names if name not in known]:
             raise HousingError(f"housing: no sensor {', '.join(missing)}; known: {', '.join(known) or 'none'}")

@@ -30,7 +30,7 @@ class Walls:
 
 @dataclass(frozen=True, kw_only=True)
 class Feet:
-    """Equal feet under the floor, one row along each side wall; `x` are their middles, the same in both rows.
+    """Equal feet under the floor, one row along each side wall; `x` holds their middles, the same in both rows.
 
     A foot is a block, square below the floor and longer by `overhang` outside the side wall. A bolt pad is a disc under
     the foot, in the middle of its overhang (in the middle of the foot if there is none), with a bolt hole through both.
@@ -63,8 +63,8 @@ class Feet:
 class Flange:
     """The flange at the split plane, over which the cover is bonded or bolted to the lower part.
 
-    Unless the cover is bolted on (`Dimensions.bolted`), both are one body, as if their joint were closed everywhere.
-    Around the bearing bosses the rim is interrupted.
+    Unless the cover is bolted on (`Dimensions.bolted`), both form one body: the joint is closed everywhere. Around the
+    bearing bosses the rim is interrupted.
     """
 
     split: float = option(
@@ -84,7 +84,7 @@ class Ribs:
     """Ribs on the outside of the housing, all of one thickness and height.
 
     Below every boss `per_boss` vertical ribs reach from the underside of the floor up to the boss; each end wall has
-    `end_wall` vertical ribs over its height, the cover has `cover` ribs across its width, evenly spread.
+    `end_wall` vertical ribs over its height, the cover has `cover` ribs across its width, uniformly spaced.
     """
 
     thickness: float = option(unit="mm", gt=0, le=LARGEST, text="thickness of the plates")

@@ -1,4 +1,4 @@
-"""A parametric gearbox housing whose dimensions are known to make a sound body."""
+"""A parametric gearbox housing whose dimensions are checked to form a valid body."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from fem.casing.geometry.soundness import housing_problems
 class Housing(Dimensions):
     """The parametric housing: a closed box with bearing bosses in its two side walls, and feet.
 
-    HousingError lists everything that is wrong with its dimensions (m) at once.
+    HousingError lists all problems of its dimensions (m) at once.
     """
 
     def __post_init__(self) -> None:

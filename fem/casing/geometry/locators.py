@@ -34,14 +34,14 @@ class ByPoint:
 
 @dataclass(frozen=True, kw_only=True)
 class ByBox:
-    """Everything of the surface that lies inside a box (m)."""
+    """The part of the surface inside a box (m)."""
 
     box: tuple[Point, Point] = option(unit="mm", text="lower and upper corner of a box")
 
 
 @dataclass(frozen=True, kw_only=True)
 class ByPlane:
-    """Everything of the surface in the plane through a point (m) with a normal; falls into its unconnected parts."""
+    """The part of the surface in the plane through a point (m) with a normal, divided into its unconnected parts."""
 
     through: Point = option(unit="mm", text="a point of a plane; every face in it is a ground face")
     normal: Point = option(text="normal of that plane")

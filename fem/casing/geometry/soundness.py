@@ -1,4 +1,4 @@
-"""What is wrong with the dimensions of a parametric housing: every problem with its numbers, limit and remedy."""
+"""Checks of the dimensions of a parametric housing: every problem with its values, limit and remedy."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import numpy as np
 from fem.casing.geometry.dimensions import Box, Dimensions
 
 THINNEST_LIGAMENT = 0.3  # least material between two holes or bosses, or around a bore, in wall thicknesses
-SMALLEST_FILLET = 0.0005  # m: at 0.1 mm surfaces of housings could not be made or meshed
+SMALLEST_FILLET = 0.0005  # m; at 0.1 mm OpenCASCADE or gmsh fails to make or mesh surfaces
 _TOUCH = 1e-9  # m
 
 
 def housing_problems(housing: Dimensions) -> list[str]:
-    """All problems; the parts are looked at only once the box itself is sound."""
+    """All problems of the dimensions; the parts are checked only if the box itself has none."""
     if problems := list(_box_problems(housing)):
         return problems
     checks = (_bore_problems, _foot_problems, _pad_problems, _flange_problems, _rib_problems, _fillet_problems)
@@ -241,12 +241,12 @@ def _name_problems(housing: Dimensions) -> Iterator[str]:
 
 
 def _distance(low: np.ndarray, high: np.ndarray, x: float, z: float) -> float:
-    """From a point (x, z) to the rectangle of a box seen along y."""
+    """Distance from a point (x, z) to the rectangle of a box seen along y."""
     return math.hypot(max(low[0] - x, x - high[0], 0.0), max(low[2] - z, z - high[2], 0.0))
 
 
 def _gap(one: Box, two: Box) -> float:
-    """Free distance of two boxes along the axis that separates them most; negative when they overlap."""
+    """Clearance of two boxes along the axis that separates them most; negative when they overlap."""
     return float(max(max(a - b, c - d) for a, b, c, d in zip(two[0], one[1], one[0], two[1], strict=True)))
 
 

@@ -1,1 +1,1 @@
-"""Bodies that another program assembled or reduced: stiffness and mass matrices, read, checked and reduced further."""
+"""Imported bodies: stiffness and mass matrices exported from other programs, read, checked and reduced further."""

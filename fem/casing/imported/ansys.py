@@ -1,7 +1,7 @@
-"""Matrices of Ansys: Harwell-Boeing files of the command HBMAT, and the map of equations beside them.
+"""Matrices of Ansys: Harwell-Boeing files of the command HBMAT, and the mapping file next to them.
 
-Five lines of header give the counts of lines and the Fortran formats; then follow the pointers to the columns, the
-rows and the values. Type RSA holds one triangle of a symmetric matrix. A right-hand side may follow and is not read.
+Five header lines give the counts of lines and the Fortran formats; the column pointers, the rows and the values follow.
+Type RSA holds one triangle of a symmetric matrix. A right-hand side may follow and is not read.
 
 Reference: Duff, Grimes & Lewis (1992), Users' Guide for the Harwell-Boeing Sparse Matrix Collection, TR/PA/92/86.
 """
@@ -25,7 +25,7 @@ def harwell_boeing(path: Path) -> sp.coo_matrix:
 
     Raises
     ------
-    ForeignError : another type, or cut off
+    ForeignError : the file has another type, or is truncated
     """
     lines = path.read_text(encoding="latin-1").splitlines()
     if len(lines) < 5 or not re.match(r"[A-Z]{3}\s", lines[2].upper()):
@@ -48,7 +48,7 @@ def harwell_boeing(path: Path) -> sp.coo_matrix:
             f"{path.name} is cut off: it holds {len(values)} of {entries} values of {columns} columns. Export it again"
         )
     packed = sp.csc_matrix((values, indices.astype(int) - 1, pointers.astype(int) - 1), shape=(rows, columns))
-    packed.check_format(full_check=True)  # SciPy follows wrong indices beyond its memory
+    packed.check_format(full_check=True)  # with wrong indices SciPy accesses memory out of bounds
     matrix = packed.tocoo()
     if kind == "RUA":
         return matrix
@@ -56,7 +56,7 @@ def harwell_boeing(path: Path) -> sp.coo_matrix:
 
 
 def _fields(lines: Sequence[str], width: int) -> list[str]:
-    """The numbers of lines of fields of one width, which need no space between them.
+    """The numbers in lines of fixed-width fields, which may lack spaces between them.
 
     SciPy writes narrower fields than it states, with spaces.
     """
@@ -71,7 +71,7 @@ def mapped_equations(path: Path) -> np.ndarray:
 
     Raises
     ------
-    ForeignError : unknown axes (temperatures, pressures), or equations that are missing
+    ForeignError : unknown axes (temperatures, pressures), or missing equations
     """
     rows = [line.split() for line in path.read_text(encoding="latin-1").splitlines()]
     rows = [row for row in rows if len(row) == 3 and row[0].isdecimal() and row[1].isdecimal()]

@@ -1,6 +1,6 @@
-"""ForeignBody: stiffness and mass of another program in SI, and what every equation means.
+"""ForeignBody: imported stiffness and mass in SI, with the node and axis of every equation.
 
-Matrices in a system of units with length L, mass m and time t (in m, kg, s) become SI by what a unit of energy is:
+Matrices in a system of units with length L, mass m and time t (in m, kg, s) are converted by the unit of energy:
 
     A_SI = S A S m L^2 / t^2 (stiffness),  S A S m L^2 (mass),   S = diag(1 / L of translations, 1 of all others)
 """
@@ -14,7 +14,7 @@ import scipy.sparse as sp
 
 from fem.casing.geometry.dimensions import HousingError
 
-MODAL = -1  # axis of a coordinate that is no motion of a node
+MODAL = -1  # axis of a coordinate that is not the motion of a node
 POUND_FORCE_INCH = 175.12683524647636  # kg: 1 lbf s2/in, by 1 lbf = 4.4482216152605 N, 1 in = 0.0254 m
 SYSTEMS = {  # length m, mass kg, time s
     "kg-m-s": (1.0, 1.0, 1.0),
@@ -26,12 +26,12 @@ SYSTEMS = {  # length m, mass kg, time s
 
 
 class ForeignError(HousingError):
-    """Matrices of another program cannot be used: a file, its equations, its units, or the body itself."""
+    """Imported matrices cannot be used because of a file, its equations, its units, or the body itself."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ForeignBody:
-    """K and M with the meaning of their equations; SI."""
+    """Imported K and M with the node and axis of each equation; SI."""
 
     name: str
     stiffness: sp.csr_matrix  # (n, n)
@@ -39,16 +39,16 @@ class ForeignBody:
     node: np.ndarray  # int (n,), number of the node of every equation; of modal coordinates 0
     axis: np.ndarray  # int (n,), 0..5 for ux uy uz rx ry rz, MODAL
     numbers: np.ndarray  # int (k,), of the nodes
-    places: np.ndarray  # (k, 3), m; nan where no file tells them
+    places: np.ndarray  # (k, 3), m; nan where no file gives them
     dropped: int = 0  # equations without stiffness and mass that were left out
 
     @property
     def located(self) -> bool:
-        """Whether the places of all nodes are known."""
+        """Whether the positions of all nodes are known."""
         return bool(len(self.numbers) and np.isfinite(self.places).all())
 
     def place(self, number: int) -> np.ndarray:
-        """Place (3,) of a node. ForeignError if there is no such node."""
+        """Position (3,) of a node. ForeignError if there is no such node."""
         found = np.flatnonzero(self.numbers == number)
         if not len(found):
             raise ForeignError(f"{self.name} has no node {number}; it has {_some(self.numbers)}")
@@ -70,21 +70,21 @@ def foreign_body(
     frames: np.ndarray | None = None,
     system: str = "kg-m-s",
 ) -> ForeignBody:
-    """A body from what files hold.
+    """An imported body from the data of its files.
 
     Parameters
     ----------
     name : of the file, in messages
     stiffness, mass : (n, n), symmetric or one triangle
-    equations : int (n, 2), node and axis (1 to 6, 0 modal) of each; by default three or six per node in their order
-    nodes : (k, 4), number and place; or (k, 3), numbered from 1
+    equations : int (n, 2), node and axis (1 to 6, 0 modal) of each; by default three or six per node, in node order
+    nodes : (k, 4), number and position; or (k, 3), numbered from 1
     frames : (k, 3, 3), F with u = F u_node, of nodes whose equations are not written along x, y and z
     system : one of `SYSTEMS`
 
     Raises
     ------
-    ForeignError : shapes that do not fit, entries that are not finite, equations of unknown nodes, nodes in frames of
-        their own that lack an axis
+    ForeignError : shapes that do not match, entries that are not finite, equations of unknown nodes, nodes that lack an
+        axis in their local frame
     """
     if system not in SYSTEMS:
         raise ForeignError(f"units {system!r} are not one of {', '.join(SYSTEMS)}")
@@ -156,7 +156,7 @@ def _equations(
                 "equations_file (gearcase housing: --equations) to a file with a row of node and axis (1 to 6; 0 for a "
                 "modal coordinate) for each equation"
             )
-        if not per_node:  # nothing is known: coordinates without a place
+        if not per_node:  # no map of equations: coordinates without a position
             return np.zeros(count, int), np.full(count, MODAL)
         return np.repeat(numbers, per_node), np.tile(np.arange(per_node), len(numbers))
     rows = np.asarray(equations).astype(int)
@@ -170,7 +170,7 @@ def _equations(
 
 
 def _turned(name: str, node: np.ndarray, axis: np.ndarray, numbers: np.ndarray, frames: np.ndarray) -> sp.csr_matrix:
-    """T (n, n) with A = T A_nodes T^T: every node's translations and rotations from its frame into x, y and z."""
+    """T (n, n) with A = T A_nodes T^T: transforms the equations of every node from its frame to x, y and z."""
     turn = sp.lil_matrix(sp.eye_array(len(node)))
     for number, frame in zip(numbers, frames, strict=True):
         if np.allclose(frame, np.eye(3), rtol=0.0, atol=1e-12):

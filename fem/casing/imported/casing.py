@@ -1,4 +1,4 @@
-"""A housing of foreign matrices as the casing of a machine: bearings and feet by their nodes, reduced."""
+"""The casing of a machine from imported matrices: bearings and feet are given by their nodes, then reduced."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from fem.casing.reduced.checkup import CheckUp
 from fem.casing.reduced.grounded import GROUND_AXES
 from fem.casing.reduced.modes import CasingModes
 
-_OFF = 0.0005  # m: how far a single node may lie off its bearing point, and
-_OFF_SHARE = 0.3  # of the mean distance of the nodes from it: the middle of several
-_CHECKED = ("reduced_mass_definite", "reduced_stiffness_definite")  # the file itself: see `ForeignCheck`
+_OFF = 0.0005  # m: largest distance of a single node from its bearing point, and
+_OFF_SHARE = 0.3  # of the middle of several nodes, as a share of their mean distance from it
+_CHECKED = ("reduced_mass_definite", "reduced_stiffness_definite")  # `ForeignCheck` checks the file itself
 
 
 @dataclass(frozen=True, kw_only=True)
 class ForeignHousing:
-    """Matrices with the nodes (numbers) of bearings and feet; `origin` (m) is where that of the file lies."""
+    """Imported matrices with the node numbers of bearings and feet; `origin` (m): origin of the file."""
 
     files: MatrixFiles
     seats: tuple[tuple[str, tuple[int, ...], tuple[float, float, float]], ...]  # name, nodes, bearing point (m)
@@ -40,7 +40,7 @@ class ForeignHousing:
 
 
 def file_digests(files: MatrixFiles) -> tuple[str, ...]:
-    """SHA-256 of every file of a body. ForeignError if one is not there."""
+    """SHA-256 of every file of a body. ForeignError if one is missing."""
     found = []
     for name in (files.stiffness, files.mass, files.nodes, files.equations):
         if name is None:
@@ -62,18 +62,18 @@ def foreign_casing(
     attachment: Attachment,
     limit: float | None,
 ) -> tuple[CasingModes, CheckUp]:
-    """The reduced casing with its check-up.
+    """The reduced casing of imported matrices, with its check-up.
 
     Parameters
     ----------
     housing : files, bearings and feet
     model, ground, attachment : as in `CasingModes`
     interfaces : axes that carry loads, by bearing
-    limit : Hz, to which modes are kept; None for static condensation
+    limit : Hz, highest frequency of the modes kept; None for static condensation
 
     Raises
     ------
-    ForeignError : files, nodes or the body itself cannot be used, with what the check-up finds wrong
+    ForeignError : files, nodes or the body cannot be used; the message lists the errors of the check-up
     """
     if file_digests(housing.files) != housing.files.digests:
         raise ForeignError(f"{housing.files.stiffness} was changed while the scene was being built; run again")
@@ -167,7 +167,7 @@ def _modes(
 def _clamped_feet(
     housing: ForeignHousing, reduced: ReducedForeign, MX: np.ndarray, ground: str
 ) -> tuple[np.ndarray, np.ndarray]:
-    """What `clamped_reactions` gives; zeros where the feet stand on springs."""
+    """Results of `clamped_reactions`; zeros where the feet are on springs."""
     body, interface, count = reduced.body, reduced.interface, 3 * len(housing.grounds)
     if ground == "springs":
         return np.zeros((count, len(reduced.coordinate_names))), np.zeros((count, 3))
@@ -181,7 +181,7 @@ def _clamped_feet(
 
 
 def _check_up(reduced: ReducedForeign, check: ForeignCheck) -> CheckUp:
-    """Those items of the check-up that need no mesh."""
+    """The items of the check-up that need no mesh."""
     reduction = reduced.reduction
     held = reduction.stiffness + np.diag(np.append(reduced.springs, np.zeros(len(reduction.frequencies))))
     square, phi = la.eigh(held, reduction.mass)

@@ -1,4 +1,4 @@
-"""Check-up of a foreign body: what a structural analyst asks before trusting matrices of another program."""
+"""Check-up of an imported body: the checks of a structural analyst before use of matrices of another program."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ _FREE = 1e-7  # of max |K| max |R|
 _DENSE = 1500
 _MASSLESS = 1e-13  # of the largest value of the shifted problem
 _USUAL_MASS = (0.05, 1e5)  # kg, of a housing
-_USUAL_DENSITY = 2e4  # kg/m3 of the box around the body: more than any metal has
+_USUAL_DENSITY = 2e4  # kg/m3 of the box around the body; above that of metals
 _USUAL_FIRST = (1.0, 1e5)  # Hz, first elastic mode
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ForeignCheck:
-    """What was measured, and in words what is wrong."""
+    """Results of the check-up of an imported body, and its errors and warnings as text."""
 
     equations: int
     nodes: int
     dropped: int
     stiffness_asymmetry: float  # max |K - K^T| over max |K|
     mass_asymmetry: float
-    grounding: float  # max |K R| over max |K| max |R|; nan without places of the nodes
-    mass: float  # kg, by R^T M R; nan without places
+    grounding: float  # max |K R| over max |K| max |R|; nan without positions of the nodes
+    mass: float  # kg, by R^T M R; nan without positions
     centre: np.ndarray  # (3,) m
     inertia: np.ndarray  # (3, 3) kg m2 about the centre
     frequencies: np.ndarray  # Hz, the lowest, of the body as it was exported
-    rigid_modes: int  # of these, that are zero
+    rigid_modes: int  # number of zero frequencies among them
     wrong: tuple[str, ...]
     doubtful: tuple[str, ...]
 
@@ -65,12 +65,12 @@ def frequency_lines(frequencies: np.ndarray) -> list[str]:
 
 
 def check_foreign(body: ForeignBody, count: int = 30) -> ForeignCheck:
-    """Measure a body.
+    """Check up an imported body.
 
     Parameters
     ----------
-    body : with places of its nodes, if mass and ground are to be looked at
-    count : of the lowest frequencies
+    body : with positions of its nodes if mass and grounding are to be checked
+    count : number of lowest frequencies
     """
     K, M = body.stiffness, body.mass
     asymmetry = [float(abs(A - A.T).max() / max(abs(A).max(), 1e-300)) for A in (K, M)]
@@ -107,7 +107,7 @@ def check_foreign(body: ForeignBody, count: int = 30) -> ForeignCheck:
 
 
 def rigid_motion(body: ForeignBody, centre: np.ndarray) -> np.ndarray:
-    """Rigid motions (n, 6) about a point; modal coordinates stay at rest."""
+    """Rigid motions (n, 6) about a point; 0 in modal coordinates."""
     found = np.zeros((len(body.node), 6))
     where = np.searchsorted(body.numbers, body.node, sorter=np.argsort(body.numbers))
     order = np.argsort(body.numbers)
@@ -124,10 +124,10 @@ def rigid_motion(body: ForeignBody, centre: np.ndarray) -> np.ndarray:
 
 
 def lowest_frequencies(K: sp.csr_matrix, M: sp.csr_matrix, count: int) -> tuple[np.ndarray, int]:
-    """The lowest frequencies (Hz) of K u = omega^2 M u, zeros for rigid modes, and how many squares are negative.
+    """The lowest frequencies (Hz) of K u = omega^2 M u, zeros for rigid modes, and the number of negative omega^2.
 
-    Shift and invert: dense for small bodies, larger ones by ARPACK. None are found where the stiffness is negative in a
-    direction without mass; then negative values of K are counted.
+    Shift and invert: dense for small bodies, by ARPACK for larger ones. No frequencies are found if the stiffness is
+    negative in a direction without mass; then the negative eigenvalues of K are counted.
     """
     K, M = 0.5 * (K + K.T), 0.5 * (M + M.T)
     n = K.shape[0]
@@ -147,7 +147,7 @@ def lowest_frequencies(K: sp.csr_matrix, M: sp.csr_matrix, count: int) -> tuple[
         shift = -1e-6 * float(abs(K.diagonal()).max() / abs(M.diagonal()).max())
         try:
             solve = LinearOperator((n, n), factorize(K - shift * M).solve)
-        except SingularMatrixError:  # not definite below its modes either: wrong, and told as such
+        except SingularMatrixError:  # indefinite below its lowest mode too: reported as an error
             solve = None
         squares = eigsh(K, k=min(count, n - 2), M=M, sigma=shift, OPinv=solve, return_eigenvectors=False)
     squares = np.sort(squares)[:count]
@@ -156,17 +156,17 @@ def lowest_frequencies(K: sp.csr_matrix, M: sp.csr_matrix, count: int) -> tuple[
 
 
 def _dense(K: np.ndarray, M: np.ndarray) -> np.ndarray | None:
-    """Squares of the angular frequencies: 1 / m - s of the values m of L^-1 M L^-T, K + s M = L L^T.
+    """Squared angular frequencies 1 / m - s, from the eigenvalues m of L^-1 M L^-T with K + s M = L L^T.
 
-    Directions without mass have m = 0 and drop out; to condense them first loses digits where their stiffness is large.
-    The shift s is the smallest of a ladder from 1 Hz on that makes the sum definite; None where none does.
+    Directions without mass have m = 0 and drop out; condensing them first would lose digits where their stiffness is
+    large. The shift s is the smallest of a series from 1 Hz upwards that makes the sum definite; None if there is none.
     """
     for shift in (2.0 * math.pi * 10.0 ** np.arange(7.0)) ** 2:
         A = K + shift * M
         size = np.sqrt(np.maximum(np.diag(A), 1e-300))
         try:
             lower = la.cholesky(A / np.outer(size, size), lower=True)
-        except (la.LinAlgError, ValueError):  # not definite, or beyond the largest number
+        except (la.LinAlgError, ValueError):  # not definite, or overflow
             continue
         half = la.solve_triangular(lower, M / np.outer(size, size), lower=True)
         values = la.eigvalsh(la.solve_triangular(lower, half.T, lower=True))
@@ -197,7 +197,7 @@ def _wrong(asymmetry: list[float], mass: float, grounding: float, rigid: int, ne
 def _doubtful(body: ForeignBody, mass: float, elastic: np.ndarray) -> Iterator[str]:
     if np.isfinite(mass) and mass > 0.0:
         size = np.ptp(body.places, axis=0)
-        reduced = bool((body.axis < 0).any())  # its nodes do not span it
+        reduced = bool((body.axis < 0).any())  # its nodes do not span the body
         heavy = not reduced and size.min() > 0.0 and mass / size.prod() > _USUAL_DENSITY
         if heavy or not _USUAL_MASS[0] <= mass <= _USUAL_MASS[1]:
             words = " x ".join(f"{1000 * side:.4g}" for side in size)

@@ -1,13 +1,13 @@
-"""Read matrices of other programs; what the endings mean:
+"""Readers of imported matrices. The suffix of the file selects the format:
 
 .op4   Nastran OUTPUT4, ASCII or binary (package pyyeti); no map of equations
 .pch   Nastran punch file of DMIG, which names node and axis of each equation (package pyyeti)
 .mtx, .mmf  Matrix Market (Ansys *EXPORT,,MMF); or Abaqus *MATRIX GENERATE, rows of node, axis, node, axis, value
        (FORMAT=MATRIX INPUT) or of row, column, value (COORDINATE)
 .matrix, .hb, .rsa  Harwell-Boeing (Ansys HBMAT); the file .mapping names node and axis of each equation
-.sti   CalculiX (with .mas and .dof beside it)
-.npz   NumPy: arrays stiffness and mass, or one sparse matrix of scipy.sparse.save_npz; nodes, equations if there
-.h5    HDF5: datasets stiffness and mass, or groups of data, indices and indptr; nodes, equations if there
+.sti   CalculiX (with .mas and .dof next to it)
+.npz   NumPy: arrays stiffness and mass, or one sparse matrix of scipy.sparse.save_npz; optional nodes, equations
+.h5    HDF5: datasets stiffness and mass, or groups of data, indices and indptr; optional nodes, equations
 """
 
 from __future__ import annotations
@@ -39,13 +39,13 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 SUFFIXES = (".op4", ".pch", ".mtx", ".mmf", ".matrix", ".hb", ".rsa", ".sti", ".npz", ".h5", ".hdf5")
-_COMPILED = (".h5", ".hdf5")  # read by HDF5: may crash
+_COMPILED = (".h5", ".hdf5")  # read by the HDF5 library, which may crash
 _STIFFNESS, _MASS = (
     ("stiffness", "k", "kaa", "kgg", "kxx", "kbb", "kaax"),
     ("mass", "m", "maa", "mgg", "mxx", "mbb", "maax"),
 )
 
-_UNUSED = {  # matrices that are not read, and what to do
+_UNUSED = {  # matrices that are not read, and the remedy
     **dict.fromkeys(("damping", "baa", "baax"), "Set casing.damping_ratio in the scene instead."),
     "rows": "Each sensor measures at the nearest node: add a node at each sensor.",
 }
@@ -53,7 +53,7 @@ _UNUSED = {  # matrices that are not read, and what to do
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """Matrices of a file by their names in lower case, and what it tells of nodes and equations."""
+    """Matrices of a file by their names in lower case, and its nodes and equations if it has them."""
 
     matrices: Mapping[str, sp.spmatrix]
     equations: np.ndarray | None = None  # (n, 2)
@@ -62,7 +62,7 @@ class Found:
 
 @dataclass(frozen=True, kw_only=True)
 class MatrixFiles:
-    """Where a body stands: the matrices in one file or in two, nodes and equations where these do not tell them."""
+    """Files of an imported body: matrices in one file or two, and files of nodes and equations if these lack them."""
 
     stiffness: str
     mass: str | None = None
@@ -73,11 +73,11 @@ class MatrixFiles:
 
 
 def read_body(files: MatrixFiles) -> ForeignBody:
-    """The body in SI.
+    """The imported body in SI.
 
     Raises
     ------
-    ForeignError : unreadable, of unknown kind, matrices not told apart, or see `foreign_body`
+    ForeignError : unreadable, of unknown kind, ambiguous matrices, or see `foreign_body`
     """
     path = Path(files.stiffness)
     first = read_matrices(path)
@@ -103,7 +103,7 @@ def read_matrices(path: Path) -> Found:
 
     Raises
     ------
-    ForeignError : unreadable, or of unknown kind; ImportError becomes one, too, naming the package
+    ForeignError : unreadable, of unknown kind, or a package is missing, which the message names
     """
     if path.suffix.lower() not in _READERS:
         raise ForeignError(f"{path.name}: matrices are read from {', '.join(SUFFIXES)}; convert it")
@@ -119,7 +119,7 @@ def _read(path: Path) -> Found:
 
 @contextmanager
 def _in_our_words(path: Path) -> Iterator[None]:
-    """Whatever a reader meets in a damaged file is one sentence; what the reader says goes to the log."""
+    """Replace any error of a reader by one sentence; the output of the reader goes to the log."""
     said = io.StringIO()
     try:
         with redirect_stdout(said), redirect_stderr(said):
@@ -140,7 +140,7 @@ def _without_reader(path: Path) -> ForeignError:
 
 
 def _chosen(path: Path, found: Found, names: tuple[str, ...], what: str, *, alone: bool) -> sp.spmatrix:
-    """The matrix by its name; the only one of a file that holds one kind alone."""
+    """The matrix with one of the names; with `alone`, the only matrix of the file."""
     if alone and len(found.matrices) == 1:
         return next(iter(found.matrices.values()))
     if not (known := [name for name in names if name in found.matrices]):
@@ -164,7 +164,7 @@ def _matrix_text(path: Path) -> Found:
         head = file.readline()
     if head.startswith("%%MatrixMarket"):
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", DeprecationWarning)  # whatever kind of matrix it returns becomes ours
+            warnings.simplefilter("ignore", DeprecationWarning)  # the returned kind of matrix is converted
             return Found({"matrix": sp.coo_matrix(scipy.io.mmread(path))})
     text = path.read_text(encoding="latin-1").replace(",", " ")
     rows = np.loadtxt(io.StringIO(text), comments="*", ndmin=2)
@@ -219,7 +219,7 @@ def _hdf5(path: Path) -> Found:
                     packed = tuple(_complete(item[part], path) for part in ("data", "indices", "indptr"))
                     arrays[name.lower()] = _sound(sp.csr_matrix(packed))
             elif item.ndim == 2:
-                square = item.shape[0] == item.shape[1]  # such a matrix may leave out blocks of zeros
+                square = item.shape[0] == item.shape[1]  # such a matrix may omit blocks of zeros
                 arrays[name.lower()] = item[:] if square else _complete(item, path)
     if "ground_inertia" in arrays:
         raise ForeignError(
@@ -230,14 +230,14 @@ def _hdf5(path: Path) -> Found:
 
 
 def _complete(dataset: h5py.Dataset, path: Path) -> np.ndarray:
-    """The values of a dataset of HDF5. ForeignError if the file does not hold all of them."""
+    """The values of a dataset of HDF5. ForeignError if the file is incomplete."""
     if problem := blocks_missing(dataset):
         raise ForeignError(f"{path.name}: {str(dataset.name).strip('/')} {problem}; {DAMAGED}")
     return dataset[:]
 
 
 def _sound(matrix: Any) -> Any:
-    """A sparse matrix whose indices lie within it: SciPy follows others beyond its memory. ValueError otherwise."""
+    """A sparse matrix with valid indices. ValueError otherwise: SciPy would access memory out of bounds."""
     if hasattr(matrix, "check_format"):
         matrix.check_format(full_check=True)
     return matrix
@@ -249,7 +249,7 @@ def _of_arrays(arrays: Mapping[str, Any]) -> Found:
 
 
 def _nodes(path: Path) -> tuple[np.ndarray, np.ndarray | None]:
-    """Numbers and places, with the frames of the nodes where the file is one of Nastran."""
+    """Numbers and positions of the nodes, with their frames if the file is one of Nastran."""
     if path.suffix.lower() not in (".inp", *NASTRAN):
         return _table(path, "nodes", (3, 4)), None
     with _in_our_words(path):
@@ -257,7 +257,7 @@ def _nodes(path: Path) -> tuple[np.ndarray, np.ndarray | None]:
 
 
 def _holds_grid(path: Path) -> bool:
-    """Whether a punch file holds its nodes, too."""
+    """Whether a punch file also holds nodes."""
     if path.suffix.lower() != ".pch":
         return False
     with path.open(encoding="latin-1") as lines:
@@ -265,7 +265,7 @@ def _holds_grid(path: Path) -> bool:
 
 
 def _abaqus_nodes(path: Path) -> np.ndarray:
-    """Number and place (k, 4) of the nodes of a flat input file (no parts and instances with numbers of their own)."""
+    """Number and position (k, 4) of the nodes of a flat input file (without parts and instances)."""
     rows, inside = [], False
     for line in path.read_text(encoding="latin-1").splitlines():
         if line.startswith("*"):
@@ -281,7 +281,7 @@ def _abaqus_nodes(path: Path) -> np.ndarray:
 
 
 def _equations(path: Path) -> np.ndarray:
-    """Node and axis of every equation, as a file of Ansys or Nastran names them, or rows of them."""
+    """Node and axis of every equation, from a file of Ansys or Nastran, or from rows of numbers."""
     if path.suffix.lower() not in (".mapping", *NASTRAN):
         return _table(path, "equations", (2,))
     with _in_our_words(path):

@@ -1,8 +1,8 @@
 """Matrices, nodes and equations of Nastran files (package pyyeti).
 
-GRID places are turned into the basic frame by their field CP. The field CD names the frame in which the equations of a
-node are written: its directions are the columns of F, u_basic = F u_node. In cylindrical and spherical frames they
-follow the place of the node. EXTRN cards of a superelement (EXTSEOUT) name the equations of its matrices.
+GRID positions are transformed to the basic frame by their field CP. The field CD names the frame of the equations of a
+node; its directions are the columns of F, u_basic = F u_node. In cylindrical and spherical frames they depend on the
+position of the node. EXTRN cards of a superelement (EXTSEOUT) name the equations of its matrices.
 
 Reference: MSC Nastran Quick Reference Guide, entries GRID, CORD2R, CORD2C, CORD2S, EXTRN and DMIG.
 """
@@ -65,7 +65,7 @@ def superelement_equations(path: Path) -> np.ndarray:
 
 
 def grid_points(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Number and place in the basic frame (k, 4) of every node, and the frame F (k, 3, 3) of its motion.
+    """Number and position in the basic frame (k, 4) of every node, and the frame F (k, 3, 3) of its motion.
 
     Raises
     ------
@@ -83,7 +83,7 @@ def grid_points(path: Path) -> tuple[np.ndarray, np.ndarray]:
             "the file defines; write it as one of these, or export the nodes in the basic system"
         )
     table, systems = bulk.bulk2uset(str(path))
-    rows = table[["x", "y", "z"]].to_numpy().reshape(-1, 6, 3)  # place, (frame, kind, 0), origin, directions
+    rows = table[["x", "y", "z"]].to_numpy().reshape(-1, 6, 3)  # position, (frame, kind, 0), origin, directions
     numbers = table.index.get_level_values("id").to_numpy()[::6]
     places = rows[:, 0]
     frames = np.broadcast_to(np.eye(3), (len(places), 3, 3)).copy()
@@ -94,7 +94,7 @@ def grid_points(path: Path) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _local_directions(kind: int, place: np.ndarray) -> np.ndarray:
-    """Directions (3, 3), in columns, of a rectangular (1), cylindrical (2) or spherical (3) frame at a place in it."""
+    """Directions (3, 3), in columns, of a rectangular (1), cylindrical (2) or spherical (3) frame at a position."""
     if kind == 1:
         return np.eye(3)
     x, y, z = place

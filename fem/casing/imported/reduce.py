@@ -1,8 +1,8 @@
-"""Reduce a foreign body to points: RBE2 and RBE3 are made from lists of nodes, then Craig-Bampton.
+"""Reduction of an imported body to points: RBE2 and RBE3 attachments to lists of nodes, then Craig-Bampton.
 
-A point has the mean motion of its nodes (RBE3): of all rigid motions that which fits their translations best with equal
-weights, [t, r] = (sum R^T R)^-1 sum R^T u. Or its nodes move rigidly with it (RBE2). One node with rotations is its own
-point. The ground holds nodes, or is left to springs at points.
+With attachment `mean` (RBE3), a point has the rigid motion that fits the translations of its nodes best (least squares
+with equal weights), [t, r] = (sum R^T R)^-1 sum R^T u. With `rigid` (RBE2), the nodes move rigidly with the point. A
+single node with rotations is the point itself. The ground clamps nodes, or springs hold points.
 
 Reference: MSC Nastran Linear Static Analysis User's Guide, elements RBE2 and RBE3.
 """
@@ -22,12 +22,12 @@ from fem.casing.parts.names import Attachment
 from fem.casing.reduced.attachment import AXES
 from fem.casing.reduced.reduction import Interface, Reduction, held_interface, reduce_body
 
-_WELL = 1e10  # largest condition of the inertia of a point's nodes
+_WELL = 1e10  # largest condition number of the inertia of a point's nodes
 
 
 @dataclass(frozen=True, kw_only=True)
 class Point:
-    """A point of a body: its nodes, where it lies (m; None: the mean of the nodes), and the axes that carry loads."""
+    """A point of a body: its nodes, its position (m; None: the mean of the nodes), and the axes that carry loads."""
 
     nodes: tuple[int, ...]
     place: tuple[float, float, float] | None = None
@@ -37,14 +37,14 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class ReducedForeign:
-    """The reduction, its interface rows on the equations left, and u = E q from these to all equations."""
+    """A reduced imported body: interface rows on the remaining equations q, and u = E q for all equations."""
 
     body: ForeignBody
     reduction: Reduction
     coordinate_names: tuple[str, ...]  # of the interface
     places: Mapping[str, np.ndarray]  # (3,) m, of the points
     expansion: sp.csr_matrix  # E (n, q)
-    springs: np.ndarray  # (interface,) N/m, reference springs while factorising
+    springs: np.ndarray  # (interface,) N/m, auxiliary springs for the factorisation
     interface: Interface  # factorised
     free_stiffness: sp.csr_matrix  # (q, q)
     free_mass: sp.csr_matrix
@@ -58,19 +58,19 @@ def reduce_foreign(
     sprung: Sequence[str] = (),
     band: float | None,
 ) -> ReducedForeign:
-    """Reduce a body to its points and every fixed-interface mode up to `band`.
+    """Reduce an imported body to its points and all fixed-interface modes up to `band`.
 
     Parameters
     ----------
-    body : with places of its nodes
-    points : by name; they become the interface
-    held : numbers of nodes that the ground holds
-    sprung : names of points under which springs stand while factorising; together with `held` they hold the body
+    body : with positions of its nodes
+    points : by name; they form the interface
+    held : numbers of nodes that are clamped to the ground
+    sprung : names of points with auxiliary springs for the factorisation; with `held` they must hold the body
     band : Hz; None: static condensation, no modes
 
     Raises
     ------
-    ForeignError : unknown nodes or axes, a point whose nodes do not define its rotation, nodes that are used twice
+    ForeignError : unknown nodes or axes, a point whose nodes do not define its rotation, nodes used twice
     SingularMatrixError : the body is not held
     """
     clamped = np.isin(body.node, np.asarray(held, int)) & (body.axis >= 0)
@@ -147,7 +147,7 @@ def _mean_rows(body: ForeignBody, name: str, point: Point, place: np.ndarray) ->
     motion = rigid_motion(body, place)[members]
     gram = motion.T @ motion
     wanted = [AXES.index(axis) for axis in point.axes]
-    if len(point.nodes) == 1:  # its own motion; axes that it does not have carry nothing
+    if len(point.nodes) == 1:  # its own motion; axes that it lacks carry no load
         known = sorted({int(axis) for axis in body.axis[members]})
         if missing := [AXES[axis] for axis in wanted if axis not in known]:
             raise ForeignError(

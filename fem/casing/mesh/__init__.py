@@ -1,1 +1,1 @@
-"""From a housing, whatever it comes from, to solid elements with named patches."""
+"""Meshes of housings from any source: solid elements with named patches of the surface."""

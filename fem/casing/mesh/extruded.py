@@ -1,8 +1,8 @@
-"""27-node hexahedra of a plain housing: its x-z section extruded along y, layer by layer, where there is body.
+"""27-node hexahedra of a plain housing: its x-z section extruded along y in layers, wherever there is material.
 
-A plain housing is made of boxes and of cylinders along y, so every part of it is a union of cells of the section over
-an interval of y. Walls get one element through their thickness: a quadratic element bends exactly there. What such
-elements miss at the edges of the body, functions of these edges add (`fem.casing.enrichment`).
+A plain housing consists of boxes and of cylinders along y, so every part of it is a union of cells of the section over
+an interval of y. Walls get one element through their thickness, because a quadratic element represents bending exactly.
+Edge-singularity enrichment (`fem.casing.enrichment`) corrects the error at the edges of the body.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ def extruded_hexahedra(housing: Housing, size: float) -> tuple[np.ndarray, np.nd
 
     Parameters
     ----------
-    housing : a closed box with bosses and feet, nothing else
+    housing : a closed box with only bosses and feet
     size : m, largest side of an element
 
     Raises
@@ -44,7 +44,7 @@ def extruded_hexahedra(housing: Housing, size: float) -> tuple[np.ndarray, np.nd
 
 
 def inside(housing: Housing, points: np.ndarray) -> np.ndarray:
-    """Whether points (..., 3) lie in the body of a plain housing; those on its surface count as either."""
+    """Whether points (..., 3) are in the body of a plain housing; either result is possible on its surface."""
     body = _in_box(points, *housing.box) & ~_in_box(points, *housing.cavity)
     for corners in housing.foot_boxes().values():
         body |= _in_box(points, *corners)
@@ -83,7 +83,7 @@ def _extruded(housing: Housing, flat: Section, y_lines: np.ndarray) -> tuple[np.
     points = np.empty((len(middle), len(y_lines) - 1, 3))
     points[..., 0], points[..., 1], points[..., 2] = middle[:, None, 0], levels[1::2], middle[:, None, 1]
     cell, layer = np.nonzero(inside(housing, points))
-    across, turn, up = np.round(2 * ELEMENT.library.doflocs).astype(int).T  # places 0, 1, 2 of the local nodes
+    across, turn, up = np.round(2 * ELEMENT.library.doflocs).astype(int).T  # positions 0, 1, 2 of the local nodes
     number = flat.cells[cell][:, across, turn] * len(levels) + 2 * layer[:, None] + (2 - up)
     used, elements = np.unique(number, return_inverse=True)
     place, level = np.divmod(used, len(levels))

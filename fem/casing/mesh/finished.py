@@ -1,7 +1,7 @@
-"""What every casing mesh goes through, whatever made it: the element asked for, quality, surface, patches.
+"""Completion of every casing mesh: conversion to the requested element, check of quality, surface, patches.
 
-Nodes and facets are numbered by scikit-fem. Groups that were named with the mesh (physical groups, node sets, faces of
-the geometry) are carried over by the corners of their facets.
+scikit-fem numbers the nodes and facets. Named groups of the mesh (physical groups, node sets, faces of the geometry)
+are transferred by the corners of their facets.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ Found = tuple[Mapping[str, np.ndarray], Mapping[str, np.ndarray]]  # triangles (
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RawMesh:
-    """Solid elements (e, k) as they were made or read, and groups by name: corners (f, 3 or 4) or nodes (n,)."""
+    """Solid elements (e, k) as generated or read, and groups by name: corners (f, 3 or 4) or nodes (n,)."""
 
     nodes: np.ndarray  # (n, 3)
     elements: np.ndarray
     facets: Mapping[str, np.ndarray] = field(default_factory=dict)
     node_sets: Mapping[str, np.ndarray] = field(default_factory=dict)
-    divided: str = ""  # elements of a file that were divided into these, in words
+    divided: str = ""  # text: elements of a file that were divided into these
 
 
 def finished_mesh(
@@ -46,20 +46,20 @@ def finished_mesh(
     element_size: float | None,
     remedy: str,
 ) -> CasingMesh:
-    """The record of a mesh, checked and in the element asked for.
+    """The record of a mesh, checked and converted to the requested element.
 
     Parameters
     ----------
     raw : nodes in the frame of the scene, m
-    find_patches : triangles of the surface and reference point of every key point
+    find_patches : finds the triangles of the surface and the reference point of every key point
     name : of the mesh, in messages
     element : one of `fem.elements.solid_elements.SOLIDS`, of the same shape
-    element_size : m, that was asked for; None: the mean edge length
-    remedy : what to do about a bad element
+    element_size : m, as requested; None: the mean edge length
+    remedy : remedy for a bad element, in messages
 
     Raises
     ------
-    MeshError : another shape, a bad element (with its place), unconnected parts, two patches that share facets
+    MeshError : another shape, a bad element (with its position), unconnected parts, two patches that share facets
     """
     nodes, elements = converted(raw.nodes, raw.elements, SOLIDS[element])
     quality = checked_quality(nodes, elements, remedy)
@@ -93,7 +93,7 @@ def finished_mesh(
 
 
 def _check_connected(name: str, nodes: np.ndarray, elements: np.ndarray) -> None:
-    """MeshError if the mesh falls into parts that share no node, or no side: they would turn as in a hinge."""
+    """MeshError if parts of the mesh share no node, or no face: a shared edge or vertex acts as a hinge."""
     corners = elements[:, : solid_element(elements).corners]
     rows = np.repeat(corners[:, 0], corners.shape[1] - 1)
     label = connected_parts(len(nodes), rows, corners[:, 1:].ravel())[corners[:, 0]]
@@ -118,14 +118,14 @@ def _check_connected(name: str, nodes: np.ndarray, elements: np.ndarray) -> None
 
 
 def _over_sides(corners: np.ndarray) -> np.ndarray:
-    """Number (e,) of the part to which an element belongs, parts sharing no side; corners (e, 4 or 8)."""
+    """Number (e,) of the part of each element, for parts that share no face; corners (e, 4 or 8)."""
     mesh = solid_mesh(np.zeros((corners.max() + 1, 3)), corners)
     inner = mesh.f2t[:, mesh.f2t[1] >= 0]
     return connected_parts(len(corners), inner[0], inner[1])
 
 
 def _facet_groups(raw: RawMesh, facets: np.ndarray) -> dict[str, np.ndarray]:
-    """Groups of a mesh as bool (f,) over the outer facets, whose corners were numbered in the order of their nodes."""
+    """Groups of a mesh as bool (f,) over the outer facets, whose corners are sorted by node number."""
     kind = solid_element(raw.elements)
     number = np.full(len(raw.nodes), -1, np.int64)
     kept = np.unique(raw.elements[:, : kind.corners])

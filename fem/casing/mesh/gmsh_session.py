@@ -1,4 +1,4 @@
-"""A session of gmsh: the one module that imports it. What gmsh and OpenCASCADE print goes to the log."""
+"""Sessions of gmsh; no other module imports it. The output of gmsh and OpenCASCADE goes to the log."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _lock = threading.Lock()  # gmsh keeps one global model
 
 @contextmanager
 def session() -> Iterator[Any]:
-    """A fresh gmsh, alone in this process, closed whatever happens; works outside the main thread."""
+    """A new gmsh session, the only one in this process, always closed; works outside the main thread."""
     import gmsh
 
     with _lock, printed_to_log():
@@ -34,19 +34,19 @@ def session() -> Iterator[Any]:
                 "Mesh.MaxNumThreads3D": 1,
                 "Mesh.RandomSeed": 1,
                 "Mesh.Algorithm": 6,
-                "Mesh.Algorithm3D": 10,  # HXT: of gmsh's algorithms the one with the best worst element here
+                "Mesh.Algorithm3D": 10,  # HXT: its worst element is the best of gmsh's algorithms here
                 "Mesh.Optimize": 1,
                 "Mesh.ElementOrder": 1,
                 "Mesh.MeshSizeFromPoints": 0,
                 "Mesh.MeshSizeExtendFromBoundary": 0,
-                "Mesh.LcIntegrationPrecision": 1e-6,  # of element counts along edges; 1e-9 by default takes 1.4 s here
+                "Mesh.LcIntegrationPrecision": 1e-6,  # of element counts along edges; the default 1e-9 is slow
             }.items():
                 gmsh.option.setNumber(option, value)
-            gmsh.option.setString("Geometry.OCCTargetUnit", "MM")  # OpenCASCADE keeps the unit of an earlier session
+            gmsh.option.setString("Geometry.OCCTargetUnit", "MM")  # otherwise that of an earlier session is kept
             gmsh.model.add("housing")
             yield gmsh
         except Exception as error:
-            if isinstance(error, MeshError | AttributeError | TypeError):  # the last two are faults of ours
+            if isinstance(error, MeshError | AttributeError | TypeError):  # the last two are errors in this code
                 raise
             raise MeshError(
                 f"gmsh could not mesh the housing: {error}. Try another element size; `gearcase housing FILE` lists "
@@ -58,7 +58,7 @@ def session() -> Iterator[Any]:
 
 @contextmanager
 def _broken_pipes_kept() -> Iterator[None]:
-    """gmsh lets a write to a closed pipe end the process; put back what held before (the main thread alone may)."""
+    """Restore the handling of closed pipes, which gmsh sets to end the process (main thread only)."""
     main = threading.current_thread() is threading.main_thread()
     before = signal.getsignal(signal.SIGPIPE) if main and hasattr(signal, "SIGPIPE") else None
     try:
@@ -70,7 +70,7 @@ def _broken_pipes_kept() -> Iterator[None]:
 
 @contextmanager
 def printed_to_log() -> Iterator[None]:
-    """What libraries write to standard output by themselves goes to the log, a line of ours tells what is wrong."""
+    """Redirect what libraries print to standard output into the log; messages to users are raised as errors instead."""
     sys.stdout.flush()
     with tempfile.TemporaryFile() as sink:
         kept = os.dup(1)
@@ -79,7 +79,7 @@ def printed_to_log() -> Iterator[None]:
             yield
         finally:
             if os.name == "posix":
-                ctypes.CDLL(None).fflush(None)  # what C++ still holds
+                ctypes.CDLL(None).fflush(None)  # buffers of C++
             os.dup2(kept, 1)
             os.close(kept)
             sink.seek(0)

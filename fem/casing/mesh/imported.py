@@ -1,10 +1,10 @@
-"""Imported housing: a STEP solid or an existing mesh, with its key points located on its surface.
+"""Imported housing: a STEP solid or a mesh file, with its key points located on its surface.
 
 The file is placed in the frame of the scene (x across the shafts, y along them, z up) by an origin and three axes:
 
     x = origin + unit * (x_file, y_file, z_file) @ axes
 
-Everything else, the points that locate bearings and ground faces included, is in the frame of the scene.
+All else is in the frame of the scene, including the points that locate bearings and ground faces.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ from fem.elements.solid_elements import CHOICES, SOLIDS, solid_element
 
 UNITS = {"m": 1.0, "cm": 1 / 100, "mm": 1 / 1000, "um": 1 / 1_000_000, "inch": 127 / 5000}  # m
 STL_SUFFIXES = (".stl",)
-STEP_SUFFIXES = (".step", ".stp", ".brep", ".brp", ".iges", ".igs", *STL_SUFFIXES)  # that are meshed here
-OFF_AXIS = 0.0005  # m: how far the axis of a bore may lie off the axis of its shaft
+STEP_SUFFIXES = (".step", ".stp", ".brep", ".brp", ".iges", ".igs", *STL_SUFFIXES)  # files that are meshed here
+OFF_AXIS = 0.0005  # m: largest distance between the axis of a bore and that of its shaft
 ALONG_Y = 0.9999  # least cosine between the axis of a bore and that of its shaft
 
 
 @dataclass(frozen=True, kw_only=True)
 class Seat:
-    """A bearing: where it is found on the surface, and the point on the axis of its shaft where it must lie (m)."""
+    """A bearing seat: its locator on the surface, and the point (m) on the axis of its shaft where it must be."""
 
     name: str
     locator: Locator
@@ -45,17 +45,17 @@ class Seat:
 
 @dataclass(frozen=True, kw_only=True)
 class ImportedHousing:
-    """A housing from a file. `sha256` is that of the content when the scene was read; a changed file is refused."""
+    """A housing from a file. `sha256` is the hash of its content when the scene was read; a changed file is refused."""
 
     path: str
     sha256: str
     unit: str  # of the file: "m", "cm", "mm", "um", "inch"
     seats: tuple[Seat, ...]
     grounds: tuple[Locator, ...]  # ground_1, ground_2, ... in this order; a plane gives one for each of its parts
-    upgrade: bool = False  # linear elements to quadratic ones
-    solids: tuple[int, ...] = ()  # numbers of those that belong to the housing, from 1; all by default
-    glue: bool = False  # several solids are bonded where they touch
-    origin: Point = (0.0, 0.0, 0.0)  # where the origin of the file lies, m
+    upgrade: bool = False  # converts linear elements to quadratic ones
+    solids: tuple[int, ...] = ()  # numbers (from 1) of the solids of the housing; all by default
+    glue: bool = False  # bonds several solids where they touch
+    origin: Point = (0.0, 0.0, 0.0)  # position of the origin of the file, m
     axes: tuple[Point, Point, Point] = GLOBAL_AXES  # directions of the file's x, y and z
     sensors: tuple[Sensor, ...] = ()
 
@@ -87,7 +87,7 @@ class ImportedHousing:
 
     @property
     def file(self) -> Path:
-        """The file, its content checked against `sha256`. MeshError if it is gone or another."""
+        """The file, its content checked against `sha256`. MeshError if it is missing or changed."""
         path = Path(self.path)
         if not path.is_file():
             raise MeshError(f"{self.path}: no such file")
@@ -107,7 +107,7 @@ def content_hash(path: Path) -> str:
 
 
 def mesh_from_file(housing: ImportedHousing, element: str) -> CasingMesh:
-    """The mesh of an imported mesh file in the element asked for, its quality and its key points checked.
+    """The mesh of a mesh file in the requested element, with its quality and key points checked.
 
     Raises
     ------
@@ -137,7 +137,7 @@ def mesh_from_file(housing: ImportedHousing, element: str) -> CasingMesh:
 
 
 def _unfolded(raw: RawMesh) -> tuple[RawMesh, int]:
-    """Ten-node tetrahedra that curving folds lose their curvature, as those that are made here do; how many."""
+    """Straighten ten-node tetrahedra that their curvature folds, as for generated meshes; returns their number too."""
     if solid_element(raw.elements).name != "tetrahedron-10":
         return raw, 0
     nodes = straightened(raw.nodes, raw.elements)
@@ -148,14 +148,14 @@ def _unfolded(raw: RawMesh) -> tuple[RawMesh, int]:
 def finish(
     housing: ImportedHousing, raw: RawMesh, *, element: str, element_size: float | None, remedy: str
 ) -> CasingMesh:
-    """Check a mesh, find its surface and its key points.
+    """Check a mesh and find its surface and key points.
 
     Parameters
     ----------
-    housing : where the mesh lies in the frame of the scene, and where its key points are
+    housing : gives the position of the mesh in the frame of the scene, and the locators of its key points
     raw : nodes in units of the file, or in m if `element_size` is given
     element : one of `fem.elements.solid_elements.SOLIDS`, of the same shape
-    element_size : m, that a solid was meshed with; None for a mesh from a file
+    element_size : m, with which a solid was meshed; None for a mesh from a file
     remedy : what to do about a bad element
 
     Raises
@@ -193,7 +193,7 @@ def find_key_points(housing: ImportedHousing, surface: Surface) -> tuple[dict[st
 
 
 def check_extent(housing: ImportedHousing, points: np.ndarray, scale: float) -> None:
-    """MeshError when the bearings of the shafts cannot lie in the file; says which unit would fit."""
+    """MeshError if the bearings of the shafts cannot be in the body of the file; gives the unit that would fit."""
     wanted = np.array([seat.shaft_point for seat in housing.seats if seat.shaft_point is not None])
     if not len(wanted):
         return
@@ -219,7 +219,7 @@ def check_extent(housing: ImportedHousing, points: np.ndarray, scale: float) -> 
 
 
 def seat_point(surface: Surface, seat: Seat, facets: np.ndarray) -> np.ndarray:
-    """The bearing point: on the axis, in the middle of the seat; MeshError if it is not where the shaft is."""
+    """The bearing point on the axis in the middle of the seat; MeshError if it is not on the shaft."""
     if isinstance(seat.locator, ByCylinder):
         through, axis = np.array(seat.locator.through), np.array(seat.locator.axis)
         point, allowed = axis_place(surface, facets, through, axis), OFF_AXIS
@@ -229,7 +229,7 @@ def seat_point(surface: Surface, seat: Seat, facets: np.ndarray) -> np.ndarray:
         middle, allowed = centroid(surface, facets), OFF_AXIS
         if fitted is not None:
             middle[[0, 2]] = fitted[0]
-        else:  # a seat with grooves, or more than the seat in one group: its centroid lies off the axis
+        else:  # grooves, or a group larger than the seat: its centroid is not on the axis
             allowed = 0.3 * float(np.linalg.norm((corners - middle)[:, [0, 2]], axis=1).mean())
         point = axis_place(surface, facets, middle, axis)
     if seat.shaft_point is None:

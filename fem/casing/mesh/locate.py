@@ -1,7 +1,7 @@
-"""Find a key point of an imported housing on its surface: by name, by cylinder, by point, by box or by plane.
+"""Find a key point of an imported housing on its surface by name, cylinder, point, box or plane.
 
-Everything works on the corner triangles of the outer surface, whatever the housing came from. What is not found is
-answered with the nearest candidates.
+All searches use the corner triangles of the outer surface, for housings from any source. If nothing is found, the error
+lists the nearest candidates.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.nearest_candidates import cylinders_like, planes_like
 from fem.casing.mesh.surface import Surface
 
-RADIUS_TOLERANCE = 0.005  # of the radius: how far a corner may lie off the cylinder that is looked for
-PLANE_TOLERANCE = 5e-5  # m: how far a corner may lie off the plane
-FARTHEST_POINT = 0.005  # m: a named point farther from the surface is a mistake
-_FLAT = np.cos(np.radians(1.0))  # facets of one plane
-_FACING = 0.8  # least cosine between the normal of a facet and the radius of the cylinder it lies on
+RADIUS_TOLERANCE = 0.005  # of the radius: largest distance of a corner from the target cylinder
+PLANE_TOLERANCE = 5e-5  # m: largest distance of a corner from the plane
+FARTHEST_POINT = 0.005  # m: largest distance of a given point from the surface
+_FLAT = np.cos(np.radians(1.0))  # largest angle between facets of one plane
+_FACING = 0.8  # least cosine between the normal of a facet and the radius of its cylinder
 
 
 def locate(surface: Surface, name: str, locator: Locator) -> np.ndarray:
@@ -25,7 +25,7 @@ def locate(surface: Surface, name: str, locator: Locator) -> np.ndarray:
 
     Raises
     ------
-    MeshError : nothing there; says what lies nearest
+    MeshError : nothing found; the message gives the nearest candidates
     """
     match locator:
         case ByGroup():
@@ -60,7 +60,7 @@ def plane_parts(surface: Surface, name: str, locator: ByPlane) -> list[np.ndarra
 
 
 def axis_place(surface: Surface, facets: np.ndarray, through: np.ndarray, axis: np.ndarray) -> np.ndarray:
-    """The point (3,) of an axis in the middle of the stretch that the facets cover.
+    """The point (3,) of an axis in the middle of the extent of the facets along it.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def _face(surface: Surface, name: str, locator: ByPoint) -> np.ndarray:
 
 
 def _distance_to_triangles(corners: np.ndarray, point: np.ndarray) -> np.ndarray:
-    """Distance (f,) of a point to triangles (f, 3, 3): inside the prism the height, else the nearest edge."""
+    """Distance (f,) of a point to triangles (f, 3, 3): the height if its foot is inside, else to the nearest edge."""
     a, b, c = (corners[:, i] for i in range(3))
     normal = np.cross(b - a, c - a)
     normal = normal / np.linalg.norm(normal, axis=1)[:, None]

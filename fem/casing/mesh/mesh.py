@@ -14,12 +14,12 @@ from fem.storage.records import Record, array, integer, names, scalar, text
 
 
 class MeshError(ValueError):
-    """A casing mesh is too coarse, distorted, or lacks a surface that was asked for."""
+    """A casing mesh is too coarse, distorted, or lacks a requested surface."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CasingMesh(Record):
-    """Nodes, elements and surface of a casing; everything behind the mesher works from this record alone."""
+    """Nodes, elements and surface of a casing; all steps after meshing need only this record."""
 
     nodes: np.ndarray = array("node", "axis", units="m")
     elements: np.ndarray = array("element", "corner", units="1", dtype=np.int32)  # see fem.elements.solid_elements
@@ -29,14 +29,14 @@ class CasingMesh(Record):
     patch_points: np.ndarray = array("patch", "axis", units="m")  # reference point of each patch
     element_size: float = scalar(units="m")
     quality: float = scalar(units="1")  # worst signed inverse condition number, 1 is equilateral
-    curved: int = integer()  # 1: nodes lie off the straight lines between corners, on the curved surfaces
+    curved: int = integer()  # 1: mid-side nodes are on the curved surfaces
     cubic: int = dataclasses.field(default=0, metadata=integer().metadata)  # 1: `fem.elements.cubic` in every element
-    straightened: int = dataclasses.field(default=0, metadata=integer().metadata)  # elements of a file that were folded
-    divided: str = dataclasses.field(default="", metadata=text().metadata)  # of a file, into tetrahedra, in words
+    straightened: int = dataclasses.field(default=0, metadata=integer().metadata)  # number of folded elements of a file
+    divided: str = dataclasses.field(default="", metadata=text().metadata)  # of a file into tetrahedra, as text
 
     @property
     def element(self) -> SolidElement:
-        """Of which it is made."""
+        """Element type of the mesh."""
         return CUBIC[self.elements.shape[1]] if self.cubic else solid_element(self.elements)
 
     def patch(self, name: str) -> np.ndarray:
@@ -58,5 +58,5 @@ class CasingMesh(Record):
         return self.patch_points[self.patch_names.index(name)]
 
     def patches(self, prefix: str) -> tuple[str, ...]:
-        """Names of the patches that start with `prefix`, in their numeric order as stored."""
+        """Names of the patches that start with `prefix`, as stored: in numeric order."""
         return tuple(name for name in self.patch_names if name.startswith(prefix))

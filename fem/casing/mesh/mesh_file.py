@@ -1,11 +1,10 @@
-"""Read a mesh file through meshio or gmsh: solid elements and named groups, as they stand in the file.
+"""Read a mesh file through meshio or gmsh: solid elements and named groups, as in the file.
 
 Groups are named as in the file: physical groups of Gmsh (or the number of an unnamed one), node and element sets of
 Abaqus, property numbers of Nastran shells, groups of universal files and of MED, and the point or cell arrays of VTK,
-whose entries other than 0 belong.
-A group is held by its facets, or by its nodes where it has no facets. Nodes come in the order of
-`fem.elements.solid_elements`; a file that stores 13 and 23 of tetrahedra the other way round is recognised by their
-places.
+where entries other than 0 mark the members. A group is stored by its facets, or by its nodes if it has no facets. Nodes
+are in the order of `fem.elements.solid_elements`; files that swap the mid-side nodes 13 and 23 of tetrahedra are
+recognised by the positions of these nodes.
 """
 
 from __future__ import annotations
@@ -30,7 +29,7 @@ from fem.processes.own_process import DAMAGED, bounded_memory, opened_apart
 
 _log = logging.getLogger(__name__)
 SUFFIXES = (".msh", ".inp", ".bdf", ".nas", ".vtu", ".vtk", ".unv", ".med", ".mesh", ".xdmf", ".cgns", ".e")
-_COMPILED = (".unv", ".mesh", ".med", ".xdmf", ".cgns", ".e")  # read by gmsh, HDF5 or NetCDF: may crash
+_COMPILED = (".unv", ".mesh", ".med", ".xdmf", ".cgns", ".e")  # read by gmsh, HDF5 or NetCDF, which may crash
 _SWAPPED = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
 _MIRRORED = [0, 2, 1, 3, 6, 5, 4, 7, 9, 8]
 _IDENTIFIERS = ("gmsh:physical", "nastran:ref")
@@ -51,16 +50,16 @@ KINDS = {  # of meshio, by the number of nodes
 
 
 def read_mesh_file(path: Path, scale: float) -> RawMesh:
-    """The solid elements of a file, nodes in its unit; elements of several kinds, wedges and pyramids as tetrahedra.
+    """The solid elements of a file, nodes in its unit; mixed elements, wedges and pyramids are divided into tetrahedra.
 
     Parameters
     ----------
     path : the file
-    scale : mm per unit of the file, for places in messages
+    scale : mm per unit of the file, for positions in messages
 
     Raises
     ------
-    MeshError : unknown kind, unreadable, no solid elements, kinds that do not fit together, nodes in an unknown order
+    MeshError : unknown kind, unreadable, no solid elements, incompatible kinds, nodes in an unknown order
     """
     if path.suffix.lower() not in SUFFIXES:
         raise MeshError(
@@ -89,7 +88,7 @@ def read_mesh_file(path: Path, scale: float) -> RawMesh:
 
 
 def _solid_blocks(name: str, mesh: Any) -> dict[str, np.ndarray]:
-    """Solid elements by their kind, each once: Gmsh 2.2 writes an element again for every group that it is in."""
+    """Solid elements by their kind, without duplicates: Gmsh 2.2 writes an element once for every group of it."""
     found: dict[str, np.ndarray] = {}
     for kind in dict.fromkeys(block.type for block in mesh.cells if block.type.startswith(_SOLID)):
         sizes = {block.data.shape[1] for block in mesh.cells if block.type == kind}
@@ -113,7 +112,7 @@ def _solid_blocks(name: str, mesh: Any) -> dict[str, np.ndarray]:
 
 
 def read_quietly(path: Path) -> Any:
-    """The mesh of meshio; what it writes to the terminal goes to the log, or into the message when it fails.
+    """The mesh as meshio reads it; its terminal output goes to the log, or into the message if it fails.
 
     Raises
     ------
@@ -128,7 +127,7 @@ def _read(path: Path) -> Any:
     import meshio
     from meshio._mesh import topological_dimension
 
-    topological_dimension.update(pyramid13=3, wedge15=3)  # meshio 5.3 reads them, but for this
+    topological_dimension.update(pyramid13=3, wedge15=3)  # without this meshio 5.3 does not read them
     said = io.StringIO()
     try:
         with (
@@ -139,7 +138,7 @@ def _read(path: Path) -> Any:
             found = _READERS.get(path.suffix.lower(), meshio.read)(path)
     except ImportError as error:
         raise MeshError(f"{path.name} needs the package {error.name}: pip install {error.name}") from error
-    except (Exception, SystemExit) as error:  # meshio leaves the interpreter on some damaged files
+    except (Exception, SystemExit) as error:  # meshio exits on some damaged files
         _log.info("%s: %s %s", path.name, error, said.getvalue())
         raise MeshError(f"{path.name} cannot be read as a mesh{_reason(error, said.getvalue())}; {DAMAGED}") from error
     for line in said.getvalue().splitlines():
@@ -148,7 +147,7 @@ def _read(path: Path) -> Any:
 
 
 def _reason(error: BaseException, said: str) -> str:
-    """What a reader says by itself of a file, in brackets; where it stumbles, Python's words tell a user nothing."""
+    """Message of a reader, in brackets; "" for Python exceptions, which do not help a user."""
     import meshio
 
     if not isinstance(error, (MeshError, meshio.ReadError, SystemExit)):
@@ -159,7 +158,7 @@ def _reason(error: BaseException, said: str) -> str:
 
 
 def _nastran(path: Path) -> Any:
-    """A bulk data file, also one that holds nothing but cards, as gmsh writes it, without BEGIN BULK and ENDDATA."""
+    """A bulk data file, also without BEGIN BULK and ENDDATA, as gmsh writes it."""
     import meshio
 
     text = path.read_text(encoding="latin-1")
@@ -174,7 +173,7 @@ def _nastran(path: Path) -> Any:
 
 
 def _abaqus(path: Path) -> Any:
-    """An input deck; plane elements, which gmsh writes on the faces of a body, are read as shells."""
+    """An input deck; plane elements, as gmsh writes them on the faces of a body, are read as shells."""
     import meshio
     from meshio.abaqus._abaqus import abaqus_to_meshio_type
 
@@ -196,7 +195,7 @@ def _abaqus(path: Path) -> Any:
 
 
 def _med(path: Path) -> Any:
-    """A MED file; gmsh knows what meshio does not: files without groups, hexahedra of 27 nodes."""
+    """A MED file, by gmsh if meshio cannot read it: without groups, or with 27-node hexahedra."""
     import meshio
 
     try:
@@ -206,7 +205,7 @@ def _med(path: Path) -> Any:
 
 
 def _through_gmsh(path: Path) -> Any:
-    """A mesh that gmsh reads and meshio does not, or not as gmsh writes it: with its groups as physical groups."""
+    """A mesh read by gmsh, for formats that meshio cannot read or reads wrongly; groups become physical groups."""
     import meshio
 
     from fem.casing.mesh.gmsh_session import session
@@ -236,7 +235,7 @@ _READERS = {
 
 
 def _turned(nodes: np.ndarray, elements: np.ndarray) -> np.ndarray:
-    """Tetrahedra that are all inside out, as MED numbers them, turned over."""
+    """Tetrahedra reordered if all are inverted, as in the numbering of MED."""
     if solid_element(elements).corners != 4:
         return elements
     corners = nodes[elements[:, :4]]
@@ -270,7 +269,7 @@ def _ordered(name: str, nodes: np.ndarray, elements: np.ndarray, scale: float) -
 
 
 def _groups(mesh: Any, *, corners: int) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """Groups by their facets of 3 or 4 corners, quadrilaterals of divided elements cut as these are, or by nodes."""
+    """Groups by facets of 3 or 4 corners, or by nodes; quadrilaterals of divided elements are divided likewise."""
     facets: dict[str, list[np.ndarray]] = {}
     node_sets: dict[str, list[np.ndarray]] = {}
     for name, number, cells in _named_cells(mesh):
@@ -329,10 +328,10 @@ def write_hexahedra(
     ----------
     nodes : (node, 3) m
     cells : int (cell, 8), into the nodes, in the order of VTK
-    fields : (node,) or (node, 3) by name, kept by .vtu and .msh; the others have no place for them
-    groups : bool (cell,) by name; every cell is in one. Element sets in .inp, physical groups in .msh, property numbers
-        1, 2, ... in .bdf and in the array "group" of .vtu
-    path : its ending names the format
+    fields : (node,) or (node, 3) by name, written to .vtu and .msh only
+    groups : bool (cell,) by name; every cell is in one group. Element sets in .inp, physical groups in .msh, property
+        numbers 1, 2, ... in .bdf and in the array "group" of .vtu
+    path : its suffix selects the format
     """
     import meshio
 
@@ -343,7 +342,7 @@ def write_hexahedra(
         sets = {name: [np.flatnonzero(inside)] for name, inside in groups.items()}
         mesh = meshio.Mesh(nodes, blocks, cell_sets=sets)
     elif kind == ".bdf":
-        near = np.round(nodes, 10)  # the field of a coordinate has no room for exponents below
+        near = np.round(nodes, 10)  # smaller values need an exponent, for which the field of a coordinate has no room
         mesh = meshio.Mesh(near, blocks, cell_data={"nastran:ref": [number]})
     elif kind == ".msh":
         titles = {name: np.array([place, 3]) for place, name in enumerate(groups, 1)}

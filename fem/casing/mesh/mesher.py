@@ -1,7 +1,7 @@
-"""Geometry -> CasingMesh through gmsh and OpenCASCADE.
+"""Meshes of a geometry through gmsh and OpenCASCADE: geometry -> CasingMesh.
 
-Geometry is built in millimetres (the tolerances of OpenCASCADE are absolute) and returned in metres. One thread and a
-fixed seed: the same input gives the same mesh. Mid-side nodes lie on the curved surfaces unless `curved=False`.
+Geometry is built in millimetres (the tolerances of OpenCASCADE are absolute) and returned in metres. With one thread
+and a fixed seed the same input gives the same mesh. Mid-side nodes lie on the curved surfaces unless `curved=False`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from fem.casing.mesh.step_file import SMALL_EDGE, named, read_step, refinements,
 from fem.processes.own_process import DAMAGED, opened_apart
 
 _CRASHED = "if `gearcase housing` can read it, try another element size; otherwise export it again"
-_TO_VTK = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]  # gmsh stores the mid-sides 23 and 13 the other way round
+_TO_VTK = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]  # gmsh swaps the mid-side nodes 23 and 13
 
 
 def mesh_housing(
@@ -41,14 +41,14 @@ def mesh_housing(
     Parameters
     ----------
     housing : Housing
-    element_size : m, wanted edge length; bores get at least twelve elements around
+    element_size : m, target edge length; bores get at least twelve elements around
     sizes : instead of `element_size`, with finer bores and feet
     element : "tetrahedron-10" or "tetrahedron-4"
     curved : mid-side nodes on the true cylinders (else straight edges)
 
     Raises
     ------
-    MeshError : element size out of range, an element below a quality limit (with its place), a missing surface
+    MeshError : element size out of range, an element below a quality limit (with its position), a missing surface
     """
     sizes = sizes or Sizes(element=element_size)
     check_element_size(housing, sizes.element)
@@ -83,7 +83,7 @@ def mesh_housing(
 
 
 def check_element_size(housing: Housing, size: float) -> None:
-    """MeshError unless elements of a size (m) suit the walls and the box of a housing."""
+    """MeshError unless an element size (m) suits the walls and the box of a housing."""
     smallest, largest = housing.thinnest_wall / 10, min(housing.length, housing.width, housing.height)
     if not smallest <= size <= largest:
         raise MeshError(
@@ -97,8 +97,8 @@ def mesh_step(housing: ImportedHousing, sizes: Sizes, element: str) -> CasingMes
 
     Raises
     ------
-    MeshError : what `step_file` and `imported` refuse, an element below a quality limit (with its place), or a crash of
-        the mesher
+    MeshError : see `step_file` and `imported`; an element below a quality limit (with its position), or a crash of the
+        mesher
     """
     raw, small = opened_apart(housing.file, MeshError, _CRASHED, _mesh_solid, housing, sizes)
     remedy = f"Use an element size below {MM * sizes.element:.4g} mm"
@@ -112,7 +112,7 @@ def mesh_step(housing: ImportedHousing, sizes: Sizes, element: str) -> CasingMes
 
 
 def _mesh_solid(housing: ImportedHousing, sizes: Sizes) -> tuple[RawMesh, list[tuple[float, np.ndarray]]]:
-    """The tetrahedra of a STEP file, and its small edges."""
+    """The tetrahedra of the solid in a STEP file, and its small edges."""
     with session() as gmsh:
         read_step(gmsh, housing)
         small = small_edges(gmsh)
@@ -149,13 +149,13 @@ def tetrahedra(
     ----------
     gmsh : an open session whose model is in mm
     element : m, edge length where nothing is refined
-    refinements : where it is shorter
+    refinements : regions of smaller elements
     patches : tags of the surfaces of every patch by its name
-    curved : whether mid-side nodes follow the surfaces, or lie halfway between the corners
+    curved : whether mid-side nodes are on the curved surfaces, or halfway between the corners
 
     Raises
     ------
-    MeshError : gmsh made other elements than these
+    MeshError : gmsh made elements of another kind
     """
     set_sizes(gmsh, element, refinements)
     gmsh.option.setNumber("Mesh.SecondOrderLinear", 0 if curved else 1)

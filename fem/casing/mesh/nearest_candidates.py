@@ -1,7 +1,7 @@
-"""What lies near a key point that was not found: cylinders and flat faces of a surface, for messages.
+"""Candidates near a key point that was not found: cylinders and flat faces of a surface, for messages.
 
-Cylinders are looked for among the facets whose normals are perpendicular to the axis, in pieces that hang together
-over edges of less than 50 degrees; a circle is fitted to the corners of each piece (Kasa's linear least squares).
+Cylinders are searched among the facets whose normals are perpendicular to the axis. Facets that share an edge of less
+than 50 degrees form a piece. A circle is fitted to the corners of each piece (Kasa's linear least squares).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ _SHOWN = 3
 
 
 def cylinders_like(surface: Surface, axis: np.ndarray, through: np.ndarray) -> str:
-    """The cylinders along `axis` nearest to a point, as words."""
+    """The cylinders along `axis` nearest to a point, as text."""
     across = np.linalg.svd(axis[None])[2][1:]  # two directions perpendicular to the axis
     found = []
     for part in _smooth_pieces(surface, axis):
@@ -35,7 +35,7 @@ def cylinders_like(surface: Surface, axis: np.ndarray, through: np.ndarray) -> s
 
 
 def fitted_circle(points: np.ndarray) -> tuple[np.ndarray, float] | None:
-    """Centre (2,) and radius of the circle through points (n, 2); None if one lies off it by more than 2 %."""
+    """Centre (2,) and radius of the circle through points (n, 2); None if one deviates by more than 2 %."""
     system = np.column_stack([points, np.ones(len(points))])
     solution = np.linalg.lstsq(system, (points**2).sum(axis=1), rcond=None)[0]
     centre, square = solution[:2] / 2, solution[2] + (solution[:2] ** 2).sum() / 4
@@ -47,7 +47,7 @@ def fitted_circle(points: np.ndarray) -> tuple[np.ndarray, float] | None:
 
 
 def planes_like(surface: Surface, normal: np.ndarray, through: np.ndarray) -> str:
-    """The flat faces with this normal nearest to a plane, as words."""
+    """The flat faces with this normal nearest to a plane, as text."""
     vectors = surface.area_vectors
     area = np.linalg.norm(vectors, axis=1)
     level = (surface.corners.mean(axis=1) - through) @ normal

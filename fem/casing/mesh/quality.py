@@ -1,11 +1,11 @@
-"""Quality of solid elements, whatever made them: no inverted element passes, the worst one is named by its place.
+"""Quality of solid elements: inverted elements are refused, and the position of the worst one is given.
 
 Signed inverse condition number of the map from the ideal element (edges W) to the element (Jacobian J):
 
     SICN = 3 sign(det S) / (|S| |S^-1|),   S = J W^-1,   Frobenius norms
 
-1 is equilateral (a cube), 0 flat, below 0 inverted. Straight tetrahedra have one J; other elements are looked at in the
-points of a lattice, and the Jacobian determinant, a polynomial, is bounded from below over the whole element by its
+1 is equilateral (a cube), 0 flat, below 0 inverted. Straight tetrahedra have one J. Other elements are evaluated at the
+points of a lattice, and their Jacobian determinant, a polynomial, is bounded from below over the whole element by its
 Bezier coefficients: of degree 3 in a ten-node tetrahedron, 5 along each side of a quadratic hexahedron. Edge ratio:
 longest over shortest edge between corners.
 
@@ -29,20 +29,20 @@ from fem.elements.solid_elements import curved, shapes, solid_element, straight_
 _log = logging.getLogger(__name__)
 
 QUALITY_LIMIT = 0.05  # least SICN
-GOOD_QUALITY = 0.1  # below it a mesh is worked on before it is refused
+GOOD_QUALITY = 0.1  # below it a mesh is improved before it is refused
 EDGE_RATIO_LIMIT = 50.0
-_TURNS = 12  # of straightening; the last three make straight edges at once
-_CHUNK = 131072  # points worked on at once
+_TURNS = 12  # steps of straightening; the last three straighten edges completely
+_CHUNK = 131072  # points evaluated together
 
 _REGULAR = np.array([[1.0, 0.5, 0.5], [0.0, np.sqrt(3.0) / 2.0, np.sqrt(3.0) / 6.0], [0.0, 0.0, np.sqrt(2.0 / 3.0)]])
 
 
 @dataclass(frozen=True, eq=False)
 class Quality:
-    """Of every element: SICN, least Jacobian bound over that of the straight element, edge ratio."""
+    """Quality of every element: SICN, least Jacobian bound over that of the straight element, edge ratio."""
 
     sicn: np.ndarray  # (element,)
-    jacobian: np.ndarray  # (element,), <= 0 where the bound does not exclude an inverted place
+    jacobian: np.ndarray  # (element,), <= 0 where inversion is not excluded
     edge_ratio: np.ndarray  # (element,)
 
 
@@ -73,11 +73,11 @@ def measure(nodes: np.ndarray, elements: np.ndarray) -> Quality:
 
 
 def straightened(nodes: np.ndarray, elements: np.ndarray) -> np.ndarray:
-    """The nodes with the mid-sides of badly curved ten-node tetrahedra moved towards the middle of their edges.
+    """The nodes, with mid-side nodes of badly curved ten-node tetrahedra moved towards the middle of their edges.
 
-    Where elements are large for the radius they follow (a fillet, a small hole), curving one face can fold the element
-    or nearly so. Such elements, and no others, lose a third of their curvature at a time until they are sound; the
-    surface is then met at their corners only, an error of second order in the element size.
+    Where elements are large for the radius of a surface (a fillet, a small hole), a curved face can fold the element or
+    nearly so. The curvature of these elements alone is reduced by a third at a time until their quality is sufficient.
+    Only their corners are then on the surface, an error of second order in the element size.
     """
     mended = nodes
     for turn in range(_TURNS):
@@ -96,11 +96,11 @@ def straightened(nodes: np.ndarray, elements: np.ndarray) -> np.ndarray:
 
 
 def checked_quality(nodes: np.ndarray, elements: np.ndarray, remedy: str) -> float:
-    """The worst SICN of a mesh in which every element is within the limits.
+    """The worst SICN of a mesh, after a check that every element is within the limits.
 
     Raises
     ------
-    MeshError : inverted, flat, or needle-like elements: how many, how bad, and where the worst is
+    MeshError : inverted, flat, or needle-like elements: their number, and value and position of the worst
     """
     found = measure(nodes, elements)
     shape = "tetrahedra" if solid_element(elements).corners == 4 else "hexahedra"
@@ -140,7 +140,7 @@ def _sicn(S: np.ndarray) -> np.ndarray:
 
 @cache
 def _lattice() -> tuple[np.ndarray, np.ndarray]:
-    """The 20 points (20, 3) of the cubic lattice, and the matrix that turns values there into Bezier coefficients."""
+    """The 20 points (20, 3) of the cubic lattice, and the matrix from values there to Bezier coefficients."""
     powers = np.array([p for p in product(range(4), repeat=4) if sum(p) == 3])
     barycentric = powers / 3.0
     weights = np.array([6.0 / np.prod([factorial(k) for k in p]) for p in powers])
@@ -150,7 +150,7 @@ def _lattice() -> tuple[np.ndarray, np.ndarray]:
 
 @cache
 def _tensor_lattice() -> tuple[np.ndarray, np.ndarray]:
-    """The same on a cube: 6^3 points (216, 3) for polynomials of degree 5 along each side."""
+    """`_lattice` on a cube: 6^3 points (216, 3) for polynomials of degree 5 along each side."""
     places = np.linspace(0.0, 1.0, 6)
     bernstein = np.array([[comb(5, k) * x**k * (1.0 - x) ** (5 - k) for k in range(6)] for x in places])
     to_bezier = np.linalg.inv(bernstein)

@@ -1,7 +1,7 @@
-"""Bearing points of an imported housing without its volume mesh: from the cylinders of a STEP solid.
+"""Bearing points of an imported housing from the cylinders of a STEP solid, without a volume mesh.
 
-Every cylindrical face is laid out on a grid over its parameters; holes in it do not count. What is found by the axis
-and diameter of a bore is found there, too, in a fraction of the time of a mesh.
+Every cylindrical face is triangulated on a grid over its parameters; holes in it are ignored. Seats located by axis and
+diameter of a bore are found in a fraction of the meshing time.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from fem.casing.mesh.step_file import read_step
 from fem.casing.mesh.surface import Surface
 
 _ROUND, _LONG = 25, 2  # points of the grid around a cylinder and along it
-_EXACT = {"Plane", "Cylinder", "Cone", "Sphere", "Torus"}  # of a solid made of these, no other face can be a bore
+_EXACT = {"Plane", "Cylinder", "Cone", "Sphere", "Torus"}  # in a solid of these, only cylinders can be bores
 
 
 def seat_points(gmsh: Any, housing: ImportedHousing) -> dict[str, np.ndarray | MeshError]:
-    """Bearing point (3,), or why there is none, of every seat that can be judged; in an open gmsh session.
+    """Bearing point (3,), or the error, of every seat that can be located this way; in an open gmsh session.
 
     Raises
     ------
-    MeshError : the file cannot be read, or is in another unit
+    MeshError : the file cannot be read, or has another unit
     """
     read_step(gmsh, housing)
     box = np.array(gmsh.model.getBoundingBox(-1, -1)).reshape(2, 3)

@@ -1,9 +1,9 @@
-"""The x-z section of a plain housing in quadrilaterals of nine nodes, the outlines of all its parts imprinted.
+"""The x-z section of a plain housing in nine-node quadrilaterals that follow the outlines of all its parts.
 
 Lines through every face of the box, the cavity and the feet divide the section into rectangles, and these into cells of
-the wanted size. Around every shaft axis a rectangle of cells is left out and filled with rings of cells instead, whose
-sides are the circles of its bores and bosses; radial lines join the outermost circle to the nodes of the rectangle.
-Nodes between corners lie on the true circles.
+the target size. A rectangle around every shaft axis is filled with rings of cells between the circles of its bores and
+bosses; radial lines join the outermost circle to the nodes of the rectangle. Nodes between corners are on the true
+circles.
 
 Reference: Thompson, Soni & Weatherill (eds.), Handbook of Grid Generation (1999), chapters 3 and 13 (transfinite
 interpolation between two boundaries, O-grids in blocks).
@@ -21,14 +21,14 @@ import numpy as np
 from fem.casing.geometry.dimensions import Bore, HousingError
 from fem.casing.geometry.housing import Housing
 
-_SAME = 1e-9  # m: lines and nodes closer than this are one
-_LEAST = 3  # cells along a side of a shaft's rectangle, at least
-_MARGIN = 0.6  # wanted distance from the largest circle to the rectangle, in element sizes
+_SAME = 1e-9  # m: lines and nodes closer than this are merged
+_LEAST = 3  # least number of cells along a side of a shaft's rectangle
+_MARGIN = 0.6  # target distance from the largest circle to the rectangle, in element sizes
 
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """Nodes (n, 2) at x, z and cells (c, 3, 3) of node numbers; the corners of a cell turn from x towards z."""
+    """Nodes (n, 2) at x, z and cells (c, 3, 3) of node numbers; the corners of a cell are ordered from x towards z."""
 
     nodes: np.ndarray
     cells: np.ndarray
@@ -36,7 +36,7 @@ class Section:
 
 @dataclass(frozen=True)
 class ShaftPlace:
-    """What is round about one axis: radii of bores and bosses (m, ascending) and the rectangle that holds them."""
+    """Circles about one shaft axis: radii of bores and bosses (m, ascending), and the rectangle around them."""
 
     x: float
     z: float
@@ -46,11 +46,11 @@ class ShaftPlace:
 
 
 def divided(fixed: Sequence[float], size: float) -> np.ndarray:
-    """Lines (n,) through all of `fixed`, no farther apart than `size`.
+    """Lines (n,) through all of `fixed`, spaced by at most `size`.
 
     Parameters
     ----------
-    fixed : m, in any order; equal ones count once
+    fixed : m, in any order; equal ones are merged
     size : m
     """
     kept: list[float] = []
@@ -69,14 +69,14 @@ def with_middles(lines: np.ndarray) -> np.ndarray:
 
 
 def shaft_places(housing: Housing, size: float) -> list[ShaftPlace]:
-    """A rectangle around the bosses of every axis, apart from all others and inside the cavity.
+    """A rectangle around the bosses of every axis, inside the cavity and without overlap.
 
-    Axes whose bosses share a range of z stand in one row, and their rectangles have the height of the row. Sides that
-    may lie where they like end on the side of a foot that is near.
+    Axes whose bosses share a range of z form one row, and their rectangles have the height of the row. Sides that are
+    free to move are aligned with the side of a foot if one is near.
 
     Parameters
     ----------
-    housing : to be plain
+    housing : must be plain
     size : m, largest side of an element
 
     Raises
@@ -128,7 +128,7 @@ def shaft_places(housing: Housing, size: float) -> list[ShaftPlace]:
 
 
 def lines_across(places: Sequence[ShaftPlace], axis: int, size: float) -> list[float]:
-    """Lines (m) that rectangles ask for along x (axis 0) or z (axis 1): sides, and thirds for twelve cells around."""
+    """Lines (m) that rectangles need along x (axis 0) or z (axis 1): sides, and thirds for twelve cells around."""
     lines = []
     for place in places:
         low, high = place.low[axis], place.high[axis]
@@ -138,11 +138,11 @@ def lines_across(places: Sequence[ShaftPlace], axis: int, size: float) -> list[f
 
 
 def section(places: Sequence[ShaftPlace], x_lines: np.ndarray, z_lines: np.ndarray, *, size: float) -> Section:
-    """Quadrilaterals of a section.
+    """Nine-node quadrilaterals of a section.
 
     Parameters
     ----------
-    places : rings of cells, whose rectangles have their sides on the lines
+    places : shaft axes with rings of cells; the sides of their rectangles are on the lines
     x_lines, z_lines : m, ascending
     size : m, largest length of a cell along the radius
     """
@@ -176,9 +176,9 @@ def _apart(
     margin: float,
     lines: np.ndarray,
 ) -> list[tuple[float, float]]:
-    """Intervals around those given, wider by the margin where there is room; close neighbours share the middle.
+    """The given intervals, widened by the margin where there is room; close neighbours meet in the middle.
 
-    A margin becomes up to half of it smaller or larger to end on one of the `lines`.
+    A margin changes by up to half of itself to end on one of the `lines`.
     """
     for (_, end), (start, _) in pairwise(zip(starts, ends, strict=True)):
         if start - end < _SAME:
@@ -204,13 +204,13 @@ def _apart(
 
 
 def _moved(place: float, lines: np.ndarray, reach: float) -> float:
-    """The nearest of the lines within reach, else the place itself."""
+    """The nearest of the lines within reach, else `place` itself."""
     near = lines[abs(lines - place) < reach]
     return float(near[abs(near - place).argmin()]) if len(near) else place
 
 
 def _outline(block: np.ndarray) -> np.ndarray:
-    """Nodes (m + 1, 2) around a rectangular block (i, j, 2), turning from x towards z; the first one again last."""
+    """Nodes (m + 1, 2) around a rectangular block (i, j, 2), from x towards z; the first one is repeated at the end."""
     return np.concatenate([block[:-1, 0], block[-1, :-1], block[:0:-1, -1], block[0, ::-1]])
 
 
@@ -235,7 +235,7 @@ def _cells(rows: int, columns: int) -> np.ndarray:
 
 
 def _merged(nodes: np.ndarray, cells: np.ndarray) -> Section:
-    """Nodes at the same place become one, unused ones are left out, and every cell turns from x towards z."""
+    """Merge coincident nodes, drop unused ones, and order the corners of every cell from x towards z."""
     _, first, same = np.unique(np.round(nodes / _SAME).astype(np.int64), axis=0, return_index=True, return_inverse=True)
     cells = same.ravel()[cells]
     used, flat = np.unique(cells, return_inverse=True)

@@ -1,6 +1,6 @@
-"""Element sizes of a casing: from the wanted frequency band, and finer near bores and feet.
+"""Element sizes of a casing: from the required frequency band, and finer near bores and feet.
 
-Free bending waves of a plate of thickness t (Kirchhoff) have the length
+Free bending waves of a plate of thickness t (Kirchhoff) have the wavelength
 
     lambda_b = 2 pi / k = sqrt(2 pi) (D / (rho t))^(1/4) / sqrt(f),   D = E t^3 / (12 (1 - nu^2))
 
@@ -24,15 +24,15 @@ from fem.elements.solid_elements import solid_element
 
 MM = 1000.0
 AROUND_A_BORE = 12  # least number of elements around a bearing seat
-AROUND_A_BOLT = 12  # around a bolt hole, or a round pad
-AROUND_A_FILLET = 6  # around the full circle of anything round: with fewer, elements are folded and lose the curvature
-LEAST = 0.25  # of the element size, which no radius makes smaller
+AROUND_A_BOLT = 12  # least number around a bolt hole or a round pad
+AROUND_A_FILLET = 6  # least number around a full circle of any radius: fewer would fold elements
+LEAST = 0.25  # of the element size: lower limit for elements at small radii
 _HOLE = 0.6
 
 
 @dataclass(frozen=True, kw_only=True)
 class Sizes:
-    """Wanted edge lengths (m): everywhere, at the bearing seats and at the ground faces (None: as everywhere).
+    """Target edge lengths (m): general, at the bearing seats and at the ground faces (None: the general one).
 
     The least numbers of elements around bores, bolt holes and pads are divided by `fewer`.
     """
@@ -49,23 +49,23 @@ class Sizes:
                 raise MeshError(f"{name} size is {1000 * value!r} mm; give a positive, finite length")
 
     def times(self, factor: float) -> Sizes:
-        """All edge lengths longer by a factor."""
+        """All edge lengths multiplied by a factor."""
         bore, foot = (None if size is None else factor * size for size in (self.bore, self.foot))
         return Sizes(element=factor * self.element, bore=bore, foot=foot, fewer=factor * self.fewer)
 
     def at_bore(self, diameter: float) -> float:
-        """At a seat: as asked, and at least so many elements around it."""
+        """Edge length (m) at a bearing seat: as given, but short enough for the least number of elements around it."""
         return min(self.element, self.bore or self.element, self.fewer * math.pi * diameter / AROUND_A_BORE)
 
     def at_foot(self, diameter: float) -> float:
-        """At a ground face; at least so many elements around its round hole or outline (if diameter > 0)."""
+        """Edge length (m) at a ground face; keeps the least number around its hole or pad (if diameter > 0)."""
         around = self.fewer * math.pi * diameter / AROUND_A_BOLT if diameter else self.element
         return min(self.element, self.foot or self.element, around)
 
 
 @dataclass(frozen=True)
 class Refinement:
-    """`size` up to the distance `near` from the surfaces, growing to the size everywhere at `far` (m)."""
+    """`size` up to the distance `near` from the surfaces, growing to the general size at `far` (m)."""
 
     surfaces: Sequence[int]
     size: float
@@ -82,7 +82,7 @@ def bending_wavelength(material: Material, thickness: float, frequency: float) -
 
 
 def set_sizes(gmsh: Any, element: float, refinements: Sequence[Refinement]) -> None:
-    """Background field of an open gmsh model: the least of all refinements, `element` elsewhere."""
+    """Set the size field of an open gmsh model: the least of all refinements, `element` elsewhere."""
     field, made = gmsh.model.mesh.field, []
     for one in refinements:
         distance = field.add("Distance")
@@ -107,10 +107,10 @@ def set_sizes(gmsh: Any, element: float, refinements: Sequence[Refinement]) -> N
 
 
 def follow_fillets(gmsh: Any, element: float, refinements: Sequence[Refinement]) -> None:
-    """Elements small enough to follow whatever is round, where that does not ask for less than `LEAST`.
+    """Set elements small enough for curved surfaces and edges, but not below `LEAST`.
 
-    Not in a body with a hole of less than `_HOLE` of that: gmsh fails at it, or does not end (holes of 0.2 to 1 mm with
-    elements of 8 mm, least 2 mm; one of 2 mm is meshed).
+    A body with a hole smaller than `_HOLE` of that is left as it is: gmsh fails or does not terminate (holes of 0.2 to
+    1 mm with elements of 8 mm, least 2 mm; it meshes a hole of 2 mm).
     """
     least = MM * min([LEAST * element, *(one.size for one in refinements)])
     boxes = [gmsh.model.getBoundingBox(1, tag) for _, tag in gmsh.model.getEntities(1) if _whole_circle(gmsh, tag)]
@@ -121,11 +121,11 @@ def follow_fillets(gmsh: Any, element: float, refinements: Sequence[Refinement])
 
 
 def _whole_circle(gmsh: Any, curve: int) -> bool:
-    """Whether a curve is a circle that ends where it begins."""
+    """Whether a curve is a full circle."""
     return gmsh.model.getType(1, curve) == "Circle" and not gmsh.model.getBoundary([(1, curve)], combined=True)
 
 
 def mean_edge(nodes: np.ndarray, elements: np.ndarray) -> float:
-    """Mean edge length (m) of the elements: the element size of a mesh that was made elsewhere."""
+    """Mean edge length (m) of the elements: the element size of an imported mesh."""
     first, second = np.transpose(solid_element(elements).library.refdom.edges)
     return float(np.linalg.norm(nodes[elements[:, first]] - nodes[elements[:, second]], axis=2).mean())

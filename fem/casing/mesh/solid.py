@@ -2,7 +2,7 @@
 
     ((box - cavity) + bosses + feet, foot edges rounded) + pads + flange + ribs - bores - bolt holes
 
-A bolted cover is cut off where it begins.
+A bolted cover is cut off where it begins (`Dimensions.cover_start`).
 
 Functions take the gmsh module of an open session (`fem.casing.mesh.mesher`) and work on its current model.
 """
@@ -22,11 +22,11 @@ _Solid = tuple[int, int]
 
 
 def build_solid(gmsh: Any, housing: Housing) -> None:
-    """Make the one solid of a housing, or two that share their faces where the cover is bolted on.
+    """Make the solid of a housing, or two solids with common faces if the cover is bolted on.
 
     Raises
     ------
-    MeshError : the parts do not form one body, or OpenCASCADE cannot round the edges asked
+    MeshError : the parts do not form one body, or OpenCASCADE cannot round the given edges
     """
     occ, wall = gmsh.model.occ, housing.wall("side")
     shell, _ = occ.cut([_block(occ, *housing.box)], [_cavity(gmsh, housing)])
@@ -88,7 +88,7 @@ def _cylinder_z(occ: Any, x: float, y: float, start: float, end: float, diameter
 
 
 def _cavity(gmsh: Any, housing: Housing) -> _Solid:
-    """The space inside, its twelve edges rounded."""
+    """The cavity, its twelve edges rounded."""
     occ = gmsh.model.occ
     cavity, radius = _block(occ, *housing.cavity), housing.fillets.inner
     if not radius:
@@ -100,7 +100,7 @@ def _cavity(gmsh: Any, housing: Housing) -> _Solid:
 
 
 def _round_feet(gmsh: Any, housing: Housing, body: list[_Solid]) -> list[_Solid]:
-    """Round the edges between feet and side wall where the feet stand out, between feet and floor where they do not."""
+    """Round the edges between feet and side wall, or between feet and floor for feet without overhang."""
     gmsh.model.occ.synchronize()
     level, outer, edges = -MM * housing.axis_height, MM * housing.width / 2, []
     for _, tag in gmsh.model.getEntities(1):
@@ -118,7 +118,7 @@ def _round_feet(gmsh: Any, housing: Housing, body: list[_Solid]) -> list[_Solid]
 def _rounded(occ: Any, solids: list[_Solid], edges: list[int], radius: float, name: str) -> list[_Solid]:
     try:
         made = occ.fillet([tag for _, tag in solids], edges, [MM * radius])
-    except Exception as error:  # gmsh raises this class itself
+    except Exception as error:  # gmsh raises this class
         raise MeshError(
             f"OpenCASCADE cannot round the {len(edges)} edges of the {name} fillets with a radius of "
             f"{MM * radius:.4g} mm ({error}). Use a smaller radius, or 0 for sharp edges"
@@ -150,7 +150,7 @@ def _bolt_holes(occ: Any, housing: Housing) -> list[_Solid]:
 
 
 def _flange(occ: Any, housing: Housing) -> list[_Solid]:
-    """The rim: a frame that begins inside the walls, without what lies in front of the bosses."""
+    """The rim of the flange: a frame that starts inside the walls, interrupted in front of the bosses."""
     if (flange := housing.flange) is None:
         return []
     low, high = housing.box
@@ -166,7 +166,7 @@ def _flange(occ: Any, housing: Housing) -> list[_Solid]:
 
 
 def _part_cover(occ: Any, housing: Housing, body: list[_Solid]) -> None:
-    """Cut the body where the cover begins; both pieces keep the faces in which they touch."""
+    """Cut the body where the cover begins; both pieces share their contact faces."""
     far, start = 10.0 * sum((housing.length, housing.width, housing.height)), housing.cover_start
     below = _block(occ, np.full(3, -far), np.array([far, far, start]))
     above = _block(occ, np.array([-far, -far, start]), np.full(3, far))
@@ -176,7 +176,7 @@ def _part_cover(occ: Any, housing: Housing, body: list[_Solid]) -> None:
 
 
 def _ribs(occ: Any, housing: Housing) -> list[_Solid]:
-    """The ribs, each begun in the middle of its wall."""
+    """The ribs, each extended to the middle of its wall."""
     (low, high), solids = housing.box, []
     for a, b in housing.rib_boxes().values():
         start, end = a.copy(), b.copy()

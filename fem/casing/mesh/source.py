@@ -1,4 +1,4 @@
-"""Geometry of a casing, whatever it comes from, and its mesh."""
+"""Mesh of a casing from a geometry of any source."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Geometry = Housing | ImportedHousing
 
 
 def mesh_geometry(geometry: Geometry, sizes: Sizes, element: str = "tetrahedron-10") -> CasingMesh:
-    """Elements of one kind with the patches ground_1, ... and bearing_1, ...; a mesh file keeps its own sizes.
+    """Mesh of one kind of element with patches ground_1, ... and bearing_1, ...; a mesh file keeps its sizes.
 
     Raises
     ------
@@ -33,11 +33,11 @@ def mesh_geometry(geometry: Geometry, sizes: Sizes, element: str = "tetrahedron-
 
 
 def mesh_extruded(housing: Housing, sizes: Sizes, element: str = "hexahedron-20") -> CasingMesh:
-    """Hexahedra of a plain housing, one through every wall.
+    """Hexahedra of a plain housing, one through the thickness of every wall.
 
     Raises
     ------
-    MeshError : a housing that is not plain, bosses that leave no room, an element below a quality limit
+    MeshError : a housing that is not plain, bosses without enough space around them, an element below a quality limit
     """
     try:
         nodes, elements = extruded_hexahedra(housing, sizes.element)

@@ -1,6 +1,6 @@
-"""A CAD file -> tetrahedra, in an open gmsh session: read, choose solids, locate the key points, refine there.
+"""CAD files in an open gmsh session: read, select solids, locate the key points, refine there.
 
-And what names the content of a file that was written.
+`named` makes the content of a written file reproducible.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from fem.processes.own_process import DAMAGED, bounded_memory
 _log = logging.getLogger(__name__)
 _KINDS = {".step": "step", ".stp": "step", ".brep": "brep", ".brp": "brep", ".iges": "iges", ".igs": "iges"}
 _TOUCHING = 1e-3  # mm
-SMALL_EDGE = 0.1  # mm: elements beside a smaller one are needles
+SMALL_EDGE = 0.1  # mm: shorter ones cause needle-shaped elements
 _NO_EXTENT = 1e-5  # mm
 _SEWING = (1e-4, 1e-2)  # mm, between the edges of loose faces
 _ENDS = {"step": r"END-ISO-10303-21\s*;", "brep": r"^[+-]\d+ \d+\s*\Z", "iges": r"^.{72}T.*\Z"}
@@ -41,7 +41,7 @@ _DECLARED = {"": "m", ".MILLI.": "mm", ".CENTI.": "cm", ".MICRO.": "um"}
 
 
 def declared_unit(path: Path) -> str:
-    """Unit of length that a STEP file declares ("" if it declares none that is known)."""
+    """Unit of length that a STEP file declares ("" if none or unknown)."""
     text = re.sub(r"\s+", "", path.read_text(encoding="latin-1")).upper()
     for entity in re.findall(r"#\d+=\(([^;]*LENGTH_UNIT\(\)[^;]*)\);", text):
         if "CONVERSION_BASED_UNIT('INCH'" in entity:
@@ -54,10 +54,10 @@ def declared_unit(path: Path) -> str:
 
 
 def named(text: str, name: str) -> str:
-    """The STEP text under this name, without what differs from one writing of a solid to the next.
+    """The STEP text with this name, without the parts that differ each time a solid is written.
 
-    OpenCASCADE names the file by its path and the time, and the product by its own version and a count of the files
-    that this process has written; the count stays when gmsh is closed.
+    OpenCASCADE writes path and time into the file name. The product name has its version and a count of the files
+    written by this process, which continues when gmsh is closed.
     """
     header = f"FILE_NAME('{name}','2000-01-01T00:00:00',(''),(''),'','gearcase','');"
     text = re.sub(r"FILE_NAME\(.*?\);", lambda _: header, text, count=1, flags=re.DOTALL)
@@ -65,7 +65,7 @@ def named(text: str, name: str) -> str:
 
 
 def read_step(gmsh: Any, housing: ImportedHousing) -> None:
-    """Bring the chosen solids of the file into the current model, in millimetres; several are bonded where they touch.
+    """Load the selected solids of the file into the current model, in millimetres; several are bonded where they touch.
 
     Raises
     ------
@@ -116,7 +116,7 @@ def import_solids(gmsh: Any, path: Path, unit: str | None) -> list[int]:
     ----------
     gmsh : an open session
     path : the file; loose faces, as IGES has them, are sewn to solids
-    unit : that is stated, refused if the file declares another one; None: that of the file, mm if it declares none
+    unit : unit of the scene, refused if the file declares another one; None: unit of the file, mm if it declares none
 
     Raises
     ------
@@ -133,7 +133,7 @@ def import_solids(gmsh: Any, path: Path, unit: str | None) -> list[int]:
             f'{path.name} declares its unit of length as {declared}, the scene states unit = "{unit}". Set '
             f'unit = "{declared}", or export the file in {unit}'
         )
-    converts = bool(declared) or kind == "iges"  # OpenCASCADE reads the unit of these
+    converts = bool(declared) or kind == "iges"  # OpenCASCADE converts the unit of these
     gmsh.option.setString("Geometry.OCCTargetUnit", "MM" if kind == "step" and declared else "")  # IGES cannot set it
     try:
         with bounded_memory(path):
@@ -171,7 +171,7 @@ def import_solids(gmsh: Any, path: Path, unit: str | None) -> list[int]:
 
 
 def same_bodies(gmsh: Any, solids: Sequence[int]) -> list[tuple[int, int]]:
-    """Pairs of places in `solids` (tags, in mm) with the same box, volume and centre of gravity: one body twice."""
+    """Pairs of indices into `solids` (tags, in mm) with equal box, volume and centre of gravity: duplicate bodies."""
     occ = gmsh.model.occ
     marks = np.array(
         [(*gmsh.model.getBoundingBox(3, t), *occ.getCenterOfMass(3, t), np.cbrt(occ.getMass(3, t))) for t in solids]
@@ -182,7 +182,7 @@ def same_bodies(gmsh: Any, solids: Sequence[int]) -> list[tuple[int, int]]:
 def small_edges(gmsh: Any) -> list[tuple[float, np.ndarray]]:
     """Extent and middle (3,) in mm of the edges of the current solids below `SMALL_EDGE`, the smallest first.
 
-    The tip of a cone and the poles of a sphere are edges without extent and do not count.
+    The tip of a cone and the poles of a sphere are edges without extent and are ignored.
     """
     found = []
     for _, tag in gmsh.model.getEntities(1):
@@ -193,10 +193,10 @@ def small_edges(gmsh: Any) -> list[tuple[float, np.ndarray]]:
 
 
 def touching(gmsh: Any, solids: Sequence[int]) -> tuple[np.ndarray, dict[tuple[int, int], tuple[float, np.ndarray]]]:
-    """Which solids hang together, and how far the others are apart.
+    """Groups of touching solids, and the gaps between the groups.
 
-    The least spanning tree of the solids by their distances (Kruskal). A distance between boxes bounds that of the
-    solids from below and costs nothing; the true one is asked for only where the bound comes first.
+    Minimum spanning tree of the solids by their distances (Kruskal). The distance between boxes is an inexpensive lower
+    bound; the exact distance is computed only where this bound is the least.
 
     Parameters
     ----------
@@ -206,7 +206,7 @@ def touching(gmsh: Any, solids: Sequence[int]) -> tuple[np.ndarray, dict[tuple[i
     Returns
     -------
     label : int (solid,), the same for solids that touch, also through others
-    gaps : (mm, place (3,) in mm) of pairs of places in `solids`: the narrowest that lead from part to part
+    gaps : (mm, position (3,) in mm) of pairs of indices into `solids`: the narrowest gaps between the groups
     """
     boxes = np.array([gmsh.model.getBoundingBox(3, tag) for tag in solids]).reshape(-1, 2, 3)
     first, second = np.triu_indices(len(solids), 1)
@@ -233,13 +233,13 @@ def touching(gmsh: Any, solids: Sequence[int]) -> tuple[np.ndarray, dict[tuple[i
 
 
 def check_touching(gmsh: Any, name: str, solids: Sequence[int], numbers: Sequence[int]) -> None:
-    """MeshError unless all solids hang together; names the parts and the place of the narrowest gap.
+    """MeshError unless all solids are connected; gives the parts and the position of the narrowest gap.
 
     Parameters
     ----------
     gmsh : an open session with the solids in mm
     name : of the file
-    solids, numbers : tags of the solids, and the numbers by which the user knows them
+    solids, numbers : tags of the solids, and their numbers in the scene
     """
     label, gaps = touching(gmsh, solids)
     if not label.any():
@@ -258,7 +258,7 @@ def check_touching(gmsh: Any, name: str, solids: Sequence[int], numbers: Sequenc
 def fill_surface(gmsh: Any, path: Path, scale: float) -> None:
     """Make the volume inside a closed surface of triangles (STL) the solid of the current model, in millimetres.
 
-    Its faces are cut along edges of more than 40 degrees and may be meshed anew.
+    Its faces are divided along edges of more than 40 degrees and may be remeshed.
 
     Parameters
     ----------
@@ -268,7 +268,7 @@ def fill_surface(gmsh: Any, path: Path, scale: float) -> None:
 
     Raises
     ------
-    MeshError : unreadable, or open, with the place of the hole
+    MeshError : unreadable, or open (with the position of the hole)
     """
     points, triangles = read_triangles(path)
     if (hole := open_place(triangles)) is not None:
@@ -292,7 +292,7 @@ def fill_surface(gmsh: Any, path: Path, scale: float) -> None:
 
 
 def read_triangles(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Points (n, 3) in the unit of the file, those at the same place once, and triangles (t, 3) of an STL file.
+    """Points (n, 3) in the unit of the file, without duplicates, and triangles (t, 3) of an STL file.
 
     Raises
     ------
@@ -323,7 +323,7 @@ def open_place(triangles: np.ndarray) -> np.ndarray | None:
 
 
 def refinements(gmsh: Any, housing: ImportedHousing, sizes: Sizes) -> list[Refinement]:
-    """Finer elements at the bearing seats and, if asked, at the ground faces, which are found on a first surface mesh.
+    """Refinements at the bearing seats and, if set, at the ground faces, which are located on a coarse surface mesh.
 
     Raises
     ------
@@ -355,7 +355,7 @@ def refinements(gmsh: Any, housing: ImportedHousing, sizes: Sizes) -> list[Refin
 
 
 def _first_surface(gmsh: Any, housing: ImportedHousing, sizes: Sizes) -> tuple[Surface, np.ndarray]:
-    """A coarse mesh of the outer faces in the frame of the scene, and the face each triangle belongs to."""
+    """A coarse mesh of the outer faces in the frame of the scene, and the face of each triangle."""
     gmsh.option.setNumber("Mesh.MeshSizeMax", MM * sizes.element)
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 12)
     seats = [one.locator.diameter for one in housing.seats if isinstance(one.locator, ByCylinder)]
@@ -370,7 +370,7 @@ def _first_surface(gmsh: Any, housing: ImportedHousing, sizes: Sizes) -> tuple[S
             triangles.append(number[corners.reshape(-1, 3)])
             face.append(np.full(len(triangles[-1]), tag))
     if Path(housing.path).suffix.lower() in STL_SUFFIXES:
-        gmsh.model.mesh.generate(1)  # begins anew; clearing would take the triangles away that are the geometry
+        gmsh.model.mesh.generate(1)  # starts again; clearing would delete the triangles of the geometry
     else:
         gmsh.model.mesh.clear()
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 0)

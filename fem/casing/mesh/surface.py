@@ -1,4 +1,4 @@
-"""The outer surface of a housing as corner triangles, whatever it came from: what key points are located on."""
+"""The outer surface of a housing as corner triangles, on which key points are located."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ class Surface:
         return 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
     def parts(self, chosen: np.ndarray) -> list[np.ndarray]:
-        """The chosen facets as sets (indices) that hang together over edges, in the order of their first facet."""
-        from scipy.sparse import coo_matrix  # late: commands that only read a scene start sooner
+        """The chosen facets as sets (indices) connected over edges, in the order of their first facet."""
+        from scipy.sparse import coo_matrix  # imported here so that commands that only read a scene start sooner
         from scipy.sparse.csgraph import connected_components
 
         facets = np.flatnonzero(chosen)

@@ -1,7 +1,7 @@
-"""Casing models: what holds the bearings of a machine. Each is a frozen dataclass of options.
+"""Casing models, which connect the bearings of a machine to the ground. Each is a frozen dataclass of options.
 
-A model plans the stages from a structure to its reduced body; `reduce` runs them one after the other, a pipeline
-stores their results.
+A model plans the stages from a structure to its reduced body. `reduce` runs them in order; a pipeline also stores their
+results.
 """
 
 from __future__ import annotations
@@ -34,11 +34,12 @@ Frequency = Annotated[float, Option(text="Hz", ge=0)]
 
 @dataclass(frozen=True, kw_only=True)
 class Structure:
-    """What a casing model reduces.
+    """Input of a casing model.
 
-    `housing` is a shape, or matrices, with its sensors; of the model none the `bearings` by name (m) are enough. Every
-    bearing loads the casing along the axes `interfaces`, all by default, and `forced` points bear outside forces.
-    `wall` is the thickness (m) of the thinnest wall, None: not known; `joint` the bolts between two halves.
+    `housing` is a geometry or imported matrices, with its sensors. The model `none` needs only the positions of the
+    `bearings` by name (m). Every bearing loads the casing along the axes `interfaces`, all by default; external forces
+    act on the `forced` points. `wall` is the thickness (m) of the thinnest wall, None if unknown; `joint` are the bolts
+    between two halves.
     """
 
     housing: Geometry | ForeignHousing | None = None
@@ -62,11 +63,11 @@ class Structure:
 
 
 class Casing(ABC):
-    """A casing model. `limit` (Hz): modes up to it are kept, None where a model has none."""
+    """A casing model. Modes up to `limit` (Hz) are kept; None for a model without modes."""
 
     model: str
-    added_modes: ClassVar[int]  # to those of the machine, about
-    remedy: ClassVar[str] = 'it has no finite elements; set casing.model = "craig-bampton"'  # of an unknown error
+    added_modes: ClassVar[int]  # approximate number of modes added to those of the machine
+    remedy: ClassVar[str] = 'it has no finite elements; set casing.model = "craig-bampton"'  # for an unknown error
 
     @property
     def limit(self) -> float | None:
@@ -80,20 +81,20 @@ class Casing(ABC):
 
     @abstractmethod
     def stages(self, structure: Structure) -> tuple[PlannedStage, ...]:
-        """The stages in order; the last one makes the reduced body."""
+        """The stages in order; the last one returns the reduced body."""
 
     def error_check(self, structure: Structure, band: float) -> PlannedStage | None:
-        """The stage that compares the body with the full model up to a band (Hz), None where there is none."""
+        """The stage that compares the body with the full model up to a band (Hz); None without a full model."""
         return None
 
     def reduce(self, housing: Geometry | None = None, material: Material | None = None, **given: Any) -> ReducedBody:
-        """The reduced body of a structure, whose fields are given."""
+        """The reduced body of a structure, given by its fields."""
         return body_of(self.stages(Structure(housing=housing, material=material, **given)))
 
 
 @dataclass(frozen=True, kw_only=True)
 class HousingCasing(Casing):
-    """What the models with a housing share: its elements, where it needs any, and its damping."""
+    """Base of the models with a housing: its elements, if any, and its damping."""
 
     element_size: float = option(
         0.022,
@@ -138,6 +139,6 @@ class HousingCasing(Casing):
         return Sizes(element=self.element_size, bore=self.bore_element_size, foot=self.foot_element_size)
 
     def meshed(self, structure: Structure) -> PlannedStage:
-        """The stage that makes the mesh."""
+        """The stage that generates the mesh."""
         stage = Meshing(housing=structure.bare, sizes=self.sizes(structure), element=self.element)
         return PlannedStage(name=MESH, stage=stage, seconds=8.0)

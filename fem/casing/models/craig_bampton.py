@@ -1,4 +1,4 @@
-"""Casing model `craig-bampton`: every mode to 1.5 times the wanted band, with inertia correction."""
+"""Casing model `craig-bampton`: fixed-interface modes up to 1.5 times the band, with inertia correction."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class CraigBamptonReduction(CasingReduction):
-    """Constraint modes and every fixed-interface mode to 1.5 times `band` (Hz). A higher band serves a lower one."""
+    """Constraint modes and all fixed-interface modes up to 1.5 times `band` (Hz). It also serves a lower band."""
 
     enough: ClassVar[str] = "band"
     static: ClassVar[bool] = False
     band: float
 
     def reduced(self, casing: GroundedCasing) -> tuple[CasingModes, Reduction]:
-        """All modes below the limit, their number checked by the law of inertia."""
+        """All modes below the limit, their number verified by a Sturm-sequence count."""
         from fem.casing.reduced.halves import reduced_and_counted
         from fem.casing.reduced.modes import casing_modes
 
@@ -90,5 +90,5 @@ class CraigBamptonCasing(ElasticCasing):
         )
 
     def recovery(self, structure: Structure) -> Recovery:
-        """What is added to the modes, and which of them are left out."""
+        """The stage that adds damping, mounts and sensors, and selects the modes."""
         return replace(super().recovery(structure), frequency_error=self.frequency_error)

@@ -1,4 +1,4 @@
-"""A part of a casing whose loss factor is its own."""
+"""A part of a casing with a separate loss factor."""
 
 from __future__ import annotations
 
@@ -51,9 +51,9 @@ class DampedPart:
             )
 
     def region(self, housing: Any) -> Region | None:
-        """The box of its elements, None of a part without.
+        """The box of its elements; None for a part without elements.
 
-        A cover begins at the split plane of the flange, without a flange at the underside of the top wall; feet lie
+        A cover begins at the split plane of the flange or, without a flange, at the underside of the top wall; feet are
         below the floor.
         """
         from fem.casing.parts.regions import Region

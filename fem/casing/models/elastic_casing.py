@@ -1,4 +1,4 @@
-"""What the casing models with finite elements share."""
+"""Base of the casing models with finite elements."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ from fem.options import option
 if TYPE_CHECKING:
     from fem.casing.parts.regions import Region
 
-TRIAL = "trial casing"  # modes that the element size is predicted from
-COARSER = ("coarser casing", "coarsest casing")  # modes that a casing is extrapolated from: with larger elements, or
+TRIAL = "trial casing"  # modes from which the element size is predicted
+COARSER = ("coarser casing", "coarsest casing")  # modes for the extrapolation: with larger elements, or
 QUADRATIC = "quadratic casing"  # with quadratic displacements on the mesh of cubic elements
-MOST_ERROR = 0.05  # that can be asked of frequencies
+MOST_ERROR = 0.05  # largest target error of frequencies
 
 
 @dataclass(frozen=True, kw_only=True)
 class ElasticCasing(HousingCasing):
-    """A casing of finite elements."""
+    """A casing modelled by finite elements."""
 
     remedy: ClassVar[str] = "set casing.extrapolated = true and run the scene again"
     ground: Ground = option(
@@ -85,11 +85,11 @@ class ElasticCasing(HousingCasing):
 
     @property
     def target_error(self) -> float:
-        """Median band of the frequencies that the mesh is made for; 0.0 where its size is given."""
+        """Target of the median band of the frequencies, which sets the element size; 0.0 if that is given."""
         return 0.0 if self.error is None else float(self.error.removesuffix("%")) / 100.0
 
     def stages(self, structure: Structure) -> tuple[PlannedStage, ...]:
-        """Mesh, modes and body; those that it is extrapolated from, and that its size follows from, where asked."""
+        """Mesh, modes and body; on request also the modes for its extrapolation and for its element size."""
         first, reduction = self.meshed(structure), self.reduction(structure)
         extrapolated = self.extrapolated or self.error is not None
         cubic = SOLIDS[self.element].degree == 3
@@ -115,9 +115,9 @@ class ElasticCasing(HousingCasing):
         )
 
     def _sized(self, first: PlannedStage, reduction: CasingReduction, coarser: tuple[str, ...]) -> list[PlannedStage]:
-        """The mesh with the largest elements, its lowest modes, and the mesh whose size follows from them.
+        """Stages of the mesh with the largest elements, its lowest modes, and the mesh of the size that they give.
 
-        Without `coarser` stages it follows from quadratic displacements on the first mesh.
+        Without `coarser` stages the size follows from quadratic displacements on the first mesh.
         """
         trial, lower = replace(first, name=f"{TRIAL} mesh"), f"{QUADRATIC}, trial"
         band = 0.0 if self.limit is None else self.limit / MODES_OVER_BAND
@@ -130,7 +130,7 @@ class ElasticCasing(HousingCasing):
         ]
 
     def held(self, structure: Structure) -> Holding:
-        """The casing as its ground and its bearings hold it."""
+        """Supports of the casing by its ground and its bearings."""
         assert structure.material is not None, "elements need a material"
         return Holding(
             material=structure.material,
@@ -141,20 +141,20 @@ class ElasticCasing(HousingCasing):
         )
 
     def regions(self, structure: Structure) -> tuple[Region, ...]:
-        """Boxes of the damped parts that are made of elements."""
+        """Boxes of the damped parts that consist of elements."""
         found = (part.region(structure.housing) for part in self.damped_parts)
         return tuple(region for region in found if region is not None)
 
     @abstractmethod
     def reduction(self, structure: Structure) -> CasingReduction:
-        """The stage that makes the modes of a mesh."""
+        """The stage that computes the modes of a mesh."""
 
     def recovered(self, structure: Structure, coarser: tuple[str, ...] = ()) -> PlannedStage:
-        """The stage that makes the body, of modes and of those of `coarser` stages."""
+        """The stage that computes the body from its modes and those of `coarser` stages."""
         return PlannedStage(name=BODY, stage=self.recovery(structure), takes={"modes": MODES, "coarser": coarser})
 
     def recovery(self, structure: Structure) -> Recovery:
-        """What is added to the modes."""
+        """The stage that adds damping, mounts and sensors to the modes."""
         return Recovery(
             sensors=structure.sensors,
             damping=self.damping_ratio,

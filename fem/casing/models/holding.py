@@ -1,4 +1,4 @@
-"""Stage `casing modes` and those like it: a meshed casing in its ground, factorised and reduced."""
+"""Stage `casing modes` and related stages: a meshed casing on its ground, factorised and reduced."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _SPARSE = ("numpy", "scipy", "pymetis", "scikit-fem")
 
 @dataclass(frozen=True, kw_only=True)
 class Holding:
-    """How a meshed casing is held: `interfaces` are the axes along which every bearing loads it, all by default."""
+    """Supports of a meshed casing; `interfaces` are the axes along which every bearing loads it, all by default."""
 
     material: Material
     interfaces: Mapping[str, Sequence[str]] | None
@@ -40,22 +40,24 @@ class Holding:
 
 @dataclass(frozen=True, kw_only=True)
 class CasingReduction(Stage):
-    """Factorise and reduce. `regions` are parts whose stiffness is known separately, `forced` points bear forces.
+    """Factorise and reduce a casing.
 
-    `quadratic`: also the lowest modes without the cubic displacements of the elements, for the discretisation error.
+    The stiffness of `regions` is stored separately; external forces act on `forced` points.
+
+    `quadratic` adds the lowest modes without the cubic displacements of the elements, for the discretisation error.
     """
 
     kind: ClassVar[str] = "casing-modes"
     libraries: ClassVar[tuple[str, ...]] = _SPARSE
     compiles: ClassVar[Mapping[str, float]] = {"fem.numerics.multifrontal.": 5.0}
-    static: ClassVar[bool]  # inertia is condensed, too
+    static: ClassVar[bool]  # whether inertia is condensed too
     held: Holding
     regions: tuple[Region, ...]
     forced: tuple[ForcedPoint, ...]
     quadratic: bool = False
 
     def assembled(self, mesh: CasingMesh) -> AssembledCasing:
-        """The meshed casing in its ground."""
+        """The meshed casing on its ground."""
         from fem.casing.reduced.grounded import assembled_casing
 
         return assembled_casing(mesh, forced=self.forced, regions=self.regions, **vars(self.held))
@@ -66,14 +68,14 @@ class CasingReduction(Stage):
         Raises
         ------
         CasingError : items of the check-up fail
-        EigenError : the modes found are not as many as the Sturm-sequence count
+        EigenError : the number of modes differs from the Sturm-sequence count
         """
         from threadpoolctl import threadpool_limits
 
         from fem.casing.reduced.checkup import check_up
         from fem.casing.uncertainty.extrapolation import quadratic_modes
 
-        with threadpool_limits(1):  # the heavy steps run in two halves side by side
+        with threadpool_limits(1):  # the expensive steps run in two parallel halves
             assembled = self.assembled(mesh)
             casing = assembled.held()
             modes, reduction = self.reduced(casing)
@@ -90,7 +92,7 @@ class CasingReduction(Stage):
 
     @abstractmethod
     def reduced(self, casing: GroundedCasing) -> tuple[CasingModes, Reduction]:
-        """What is stored of a reduction, and the reduction."""
+        """The stored part of a reduction, and the reduction."""
 
     def lowest(self, name: str, mesh: PlannedStage, *, quadratic: bool = False) -> PlannedStage:
         """The stage of this name with the lowest modes on a mesh."""
@@ -100,7 +102,7 @@ class CasingReduction(Stage):
 
 @dataclass(frozen=True, kw_only=True)
 class LowestReduction(Stage):
-    """Natural modes to extrapolate a casing from; `quadratic`: without the cubic displacements of the elements."""
+    """Natural modes for the extrapolation of a casing; `quadratic`: without the cubic displacements of the elements."""
 
     kind: ClassVar[str] = "casing-coarser"
     libraries: ClassVar[tuple[str, ...]] = _SPARSE
@@ -119,7 +121,7 @@ class LowestReduction(Stage):
 
 @dataclass(frozen=True, kw_only=True)
 class QuadraticModes(Stage):
-    """The quadratic modes that a `CasingReduction` found in addition to its own."""
+    """The quadratic modes among the results of a `CasingReduction`."""
 
     kind: ClassVar[str] = "casing-coarser"
 
@@ -130,7 +132,7 @@ class QuadraticModes(Stage):
 
 @dataclass(frozen=True, kw_only=True)
 class ErrorCheck(Stage):
-    """A reduced casing against the full model up to a band (Hz), both with the stiffness factor of the body."""
+    """Comparison of a reduced casing with its full model up to a band (Hz), with the same stiffness factor."""
 
     kind: ClassVar[str] = "casing-error"
     libraries: ClassVar[tuple[str, ...]] = _SPARSE

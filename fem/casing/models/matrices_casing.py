@@ -1,4 +1,4 @@
-"""A casing of matrices that another program made, reduced as one of the models with finite elements does."""
+"""A casing of imported matrices, reduced by the method of one of the models with finite elements."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class MatricesReduction(Stage):
-    """Imported matrices, and how they are reduced; `limit` (Hz) of the modes, None for static condensation."""
+    """Imported matrices and the options of their reduction; `limit` (Hz) of the modes, None: static condensation."""
 
     kind: ClassVar[str] = "casing-matrices"
     libraries: ClassVar[tuple[str, ...]] = ("numpy", "scipy", "pyyeti")
@@ -66,7 +66,7 @@ class MatricesCasing(Casing):
 
     @property
     def model(self) -> str:  # type: ignore[override]
-        """That of its options."""
+        """Model of its options."""
         return self.of.model
 
     @property

@@ -1,4 +1,4 @@
-"""Stage `casing mesh`: solid elements of a housing. Sensors do not enter here."""
+"""Stage `casing mesh`: solid elements of a housing. It does not depend on sensors."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Meshing(Stage):
         return mesh_geometry(self.housing, sizes, self.element)
 
     def coarser(self) -> Iterator[CoarserMeshing]:
-        """Meshes with larger elements, by which the errors of this one are estimated."""
+        """Stages of meshes with larger elements, for the error estimate of this one."""
         from fem.casing.uncertainty.extrapolation import coarser_sizes
 
         return (CoarserMeshing(**{**vars(self), "sizes": sizes}) for sizes in coarser_sizes(self.sizes))
@@ -44,10 +44,10 @@ class Meshing(Stage):
 
 @dataclass(frozen=True, kw_only=True)
 class CoarserMeshing(Meshing):
-    """A mesh by which the error of a finer one is estimated."""
+    """A coarser mesh for the error estimate of a finer one."""
 
     def build(self) -> CasingMesh:
-        """The mesh. CasingError if elements as large as that make none."""
+        """The mesh. CasingError if elements of this size form no valid mesh."""
         from fem.casing.mesh.mesh import MeshError
 
         try:
@@ -62,9 +62,9 @@ class CoarserMeshing(Meshing):
 
 @dataclass(frozen=True, kw_only=True)
 class SizedMeshing(Meshing):
-    """A mesh whose size follows from the target `error` of the frequencies up to `band` (Hz, 0: of all modes).
+    """A mesh whose element size follows from the target `error` of the frequencies up to `band` (Hz, 0: of all modes).
 
-    `sizes` are the largest lengths.
+    `sizes` are upper limits.
     """
 
     kind: ClassVar[str] = "casing-asked-mesh"
@@ -78,11 +78,11 @@ class SizedMeshing(Meshing):
 
         Parameters
         ----------
-        trial, coarser : modes on the mesh with the largest lengths, and on those that its error is estimated by
+        trial, coarser : modes on the mesh with the largest sizes, and on the meshes for its error estimate
 
         Raises
         ------
-        CasingError : no size has the error, or the mesh would be too large
+        CasingError : no size reaches the target error, or the mesh would be too large
         """
         from fem.casing.uncertainty.extrapolation import ExtrapolationError, limits_from
         from fem.casing.uncertainty.frequency_limits import LEAST_MODES

@@ -12,8 +12,7 @@ from fem.casing.models.stage import BODY, PlannedStage
 
 @dataclass(frozen=True, kw_only=True)
 class NoCasing(Casing):
-    """The ground holds the bearings. The signals are bearing forces and shaft motions; there
-    are no sensors."""
+    """Bearings held by the ground. The channels are bearing forces and shaft motions; there are no sensors."""
 
     model: Literal["none"] = "none"
     added_modes: ClassVar[int] = 0

@@ -22,10 +22,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class Recovery(Stage):
-    """What is added to the modes of a casing, and how many of them are kept.
+    """Adds damping, mounts and sensor rows to the modes of a casing, and selects the modes kept.
 
-    `loss_factors` of the parts that have their own; `mounts` in N/m, a row for all feet or one per foot, None on fixed
-    ground; `limit` (Hz) of the kept modes, None for static condensation.
+    `loss_factors` belong to parts with a separate one. `mounts` are in N/m, a row for all feet or one per foot, None on
+    fixed ground. `limit` (Hz) is that of the modes kept, None for static condensation.
     """
 
     kind: ClassVar[str] = "casing"
@@ -44,7 +44,7 @@ class Recovery(Stage):
         Parameters
         ----------
         modes : of the casing, with their check-up
-        coarser : those that its stiffness is extrapolated from, if any
+        coarser : modes for the extrapolation of its stiffness, if any
 
         Raises
         ------
@@ -62,7 +62,7 @@ class Recovery(Stage):
 
 @dataclass(frozen=True, kw_only=True)
 class RigidRecovery(Stage):
-    """A rigid body on one spring (N/m) per foot; `housing` is None where a mesh gives mass and key points."""
+    """A rigid body on one spring (N/m) per foot; `housing` is None if a mesh gives mass and key points."""
 
     kind: ClassVar[str] = "casing"
     housing: Housing | None
@@ -84,7 +84,7 @@ class RigidRecovery(Stage):
 
 @dataclass(frozen=True, kw_only=True)
 class BearingsOnGround(Stage):
-    """Bearings (places in m, by name) that the ground holds."""
+    """Bearings (positions in m, by name) held by the ground."""
 
     kind: ClassVar[str] = "casing"
     bearings: Mapping[str, Sequence[float]]

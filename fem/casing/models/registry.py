@@ -11,7 +11,7 @@ CASINGS = {
     "rigid": ("fem.casing.models.rigid_casing", "RigidCasing"),
     "static": ("fem.casing.models.static_casing", "StaticCasing"),
     "craig-bampton": ("fem.casing.models.craig_bampton", "CraigBamptonCasing"),
-    "matrices": ("fem.casing.models.matrices_casing", "MatricesCasing"),  # imported, reduced as one of those above
+    "matrices": ("fem.casing.models.matrices_casing", "MatricesCasing"),  # imported, reduced as static or craig-bampton
 }
 
 

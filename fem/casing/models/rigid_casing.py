@@ -23,7 +23,7 @@ class RigidCasing(HousingCasing):
     mount_stiffness: float = option(2e8, unit="N/um", gt=0, le=1e7, text="stiffness of each mount along x, y and z")
 
     def needs_mesh(self, structure: Structure) -> bool:
-        """Of a plain box formulas give mass and key points."""
+        """False for a plain box, whose mass and key points follow from formulas."""
         return self._box(structure) is None
 
     def _box(self, structure: Structure) -> Housing | None:
@@ -32,7 +32,7 @@ class RigidCasing(HousingCasing):
         return structure.housing if isinstance(structure.housing, Housing) and structure.housing.plain else None
 
     def stages(self, structure: Structure) -> tuple[PlannedStage, ...]:
-        """The body; of a housing that is no plain box after its mesh, which gives mass and key points."""
+        """The body; unless the housing is a plain box, first its mesh, which gives mass and key points."""
         box, material = self._box(structure), structure.material
         assert material is not None, "the mass needs a density"
         body = RigidRecovery(

@@ -1,8 +1,8 @@
-"""Stages from a casing to its reduced body: each holds what it depends on, so that its result can be stored.
+"""Stages from a casing to its reduced body; each contains all its input, so that its result can be stored.
 
-    mesh -> modes -> body       of a model with finite elements; others have the last stage alone
+    mesh -> modes -> body       for models with finite elements; others have only the last stage
 
-A stage takes results of earlier ones by the names of the parameters of `build`.
+A stage receives results of earlier ones through the parameters of `build`.
 """
 
 from __future__ import annotations
@@ -18,30 +18,30 @@ MESH, MODES, BODY = "casing mesh", "casing modes", "casing"
 
 
 class CasingError(RuntimeError):
-    """The work on a casing failed; the message states what to set."""
+    """A computation on a casing failed; the message gives the remedy."""
 
 
 class CasingInputError(ValueError):
-    """What a casing is made of cannot be used."""
+    """The input of a casing cannot be used."""
 
 
 class Stage:
-    """A computation, with all that it depends on besides results of other stages.
+    """A computation with all its input except the results of other stages.
 
-    `kind` names the stored results; `libraries` are those that they depend on. A stored result of a stage whose number
-    `enough` is larger serves as well. `compiles`: s to compile, by the beginning of the name of the code.
+    `kind` names the stored results, which depend on the `libraries`. If `enough` names a number, a stored result of a
+    stage with a larger one is valid too. `compiles` gives the time of compilation (s) by the prefix of the code's name.
     """
 
     kind: ClassVar[str]
     libraries: ClassVar[tuple[str, ...]] = ("numpy",)
     enough: ClassVar[str] = ""
     compiles: ClassVar[Mapping[str, float]] = {}
-    build: ClassVar[Callable[..., Any]]  # the result, of those of other stages; CasingError, CasingInputError
+    build: ClassVar[Callable[..., Any]]  # from results of other stages; CasingError, CasingInputError
 
 
 @dataclass(frozen=True, kw_only=True)
 class PlannedStage:
-    """A stage by its name: which results it takes by the parameters of `build`, and about how many seconds it runs."""
+    """A stage with its name, the results that it takes by the parameters of `build`, and its estimated run time (s)."""
 
     name: str
     stage: Stage
@@ -50,7 +50,7 @@ class PlannedStage:
 
 
 def body_of(stages: Iterable[PlannedStage]) -> ReducedBody:
-    """All stages, one after the other; the result of the last."""
+    """Run all stages in order; returns the result of the last."""
     results: dict[str, Any] = {}
     for one in stages:
         results[one.name] = one.stage.build(

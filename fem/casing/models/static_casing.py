@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class StaticReduction(CasingReduction):
-    """Static condensation to the bearing points; its inertia is right only far below resonance."""
+    """Static condensation to the bearing points; its inertia is accurate only far below resonance."""
 
     static: ClassVar[bool] = True
 

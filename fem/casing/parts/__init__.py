@@ -1,1 +1,1 @@
-"""What a housing is put together of: its parts, the joints between them, and what their weight asks of the feet."""
+"""Parts of a housing, the joints between them, and the forces of their weight on the feet."""

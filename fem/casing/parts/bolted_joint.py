@@ -1,17 +1,19 @@
-"""Two halves of a casing that hold together by bolts: closed in a ring around every bolt, open elsewhere.
+"""Bolted joint between two halves of a casing: closed in a ring around every bolt, open elsewhere.
 
-A preloaded joint stays closed where the pressure cone of a bolt meets the interface, between its hole and the diameter
-of the cone there; beyond, the halves may part and slide. In the ring of area A they are held by springs, evenly spread,
+A preloaded joint stays closed where the pressure cone of a bolt meets the contact plane, between the hole and the
+diameter of the cone there; outside, the halves may separate and slide. In the ring of area A uniformly distributed
+springs connect them,
 
     K = int N^T [k_n n n^T + k_t (1 - n n^T)] N dA / A,      N u = u_above - u_below
 
-with k_n from the deformation cone (`fem.casing.parts.bolts`) and k_t = k_n 2 (1 - nu)/(2 - nu), the ratio of an area
-that sticks (Mindlin 1949, J. Appl. Mech. 16, 259-268). A rigid motion of both halves strains none of them.
+with k_n from the deformation cone (`fem.casing.parts.bolts`) and k_t = k_n 2 (1 - nu)/(2 - nu), the ratio for a
+sticking contact area (Mindlin 1949, J. Appl. Mech. 16, 259-268). A common rigid motion of both halves strains no
+spring.
 
-The cone is the resilience of the parts between head and nut. The elements of both halves have most of it as well, so
-that these springs are on the soft side; ten times as stiff, they leave it to the elements. Far stiffer ones close all
-of a facet of which the ring holds a part, and the result depends on the mesh. Joints that open beyond their rings, or
-slip, are not linear and lie outside this model; halves may pass through each other between the rings.
+The cone represents the resilience of the parts between head and nut. The elements of both halves contain most of it
+already, so these springs are too soft; with ten times the stiffness the elements dominate. Still stiffer springs close
+every facet that the ring touches, and the result depends on the mesh. The model excludes joints that open beyond their
+rings, or slip, as they are nonlinear. Between the rings the halves may penetrate each other.
 """
 
 from __future__ import annotations
@@ -28,14 +30,14 @@ from fem.elements.facets import facet_element
 from fem.elements.materials import Material
 from fem.elements.solid_elements import shapes
 
-_FINE = 12  # pieces along the side of a facet, of which those within the ring count
+_FINE = 12  # pieces along the side of a facet; those within the ring are integrated
 
 
 @dataclass(frozen=True, kw_only=True)
 class BoltedJoint:
-    """Equal bolts across a plane; `places` (m) lie on their axes, which stand on it.
+    """Equal bolts across a plane; `places` (m) are points on their axes, which are normal to it.
 
-    `stiffness` (N/m, normal and tangential, of every bolt) replaces what follows from the deformation cone.
+    `stiffness` (N/m, normal and tangential, per bolt) replaces that of the deformation cone.
     """
 
     plane: Plane
@@ -44,7 +46,7 @@ class BoltedJoint:
     stiffness: tuple[float, float] | None = None
 
     def stiffness_in(self, material: Material) -> tuple[float, float]:
-        """Of every bolt along and across its axis, N/m, in parts of a material."""
+        """Stiffness of every bolt along and across its axis, N/m, for clamped parts of a material."""
         if self.stiffness is not None:
             return self.stiffness
         normal, nu = self.bolt.stiffness(material.elastic_modulus), material.poisson_ratio
@@ -52,13 +54,13 @@ class BoltedJoint:
 
 
 def contact_areas(joint: BoltedJoint, split: SplitMesh) -> np.ndarray:
-    """Area (bolt,) on which each bolt holds the halves together, m2; less than its ring where the interface ends."""
+    """Contact area (bolt,) around each bolt, m2; smaller than its ring where the contact plane ends."""
     points, weights, _, _ = _pieces(split)
     return np.array([float(weights[_inside(joint, np.array(place), points)].sum()) for place in joint.places])
 
 
 def _inside(joint: BoltedJoint, place: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Which points (q, 3) of the interface lie in the ring of a bolt."""
+    """Whether points (q, 3) of the contact plane are in the ring of a bolt."""
     off, normal = points - place, np.array(joint.plane.normal)
     radius = np.linalg.norm(off - np.outer(off @ normal, normal), axis=1)
     return np.asarray((radius > joint.bolt.hole / 2.0) & (radius < joint.bolt.contact_diameter / 2.0))
@@ -69,7 +71,7 @@ def joint_stiffness(joint: BoltedJoint, split: SplitMesh, material: Material) ->
 
     Parameters
     ----------
-    joint, split, material : the bolts, the halves that they hold, and what these are made of
+    joint, split, material : the bolts, the two halves, and their material
 
     Raises
     ------
@@ -102,7 +104,7 @@ def joint_stiffness(joint: BoltedJoint, split: SplitMesh, material: Material) ->
 
 
 def _pieces(split: SplitMesh) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Middles (q, 3) of small pieces of the interface, their areas (q,), shape functions (q, k) and facets (q,)."""
+    """Centres (q, 3) of small pieces of the contact plane, their areas (q,), shape functions (q, k) and facets (q,)."""
     element = facet_element(split.above)
     local, share = _middles(element.refdom.nnodes)
     values, slopes = shapes(element, local)
@@ -119,7 +121,7 @@ def _pieces(split: SplitMesh) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.nd
 
 
 def _middles(corners: int) -> tuple[np.ndarray, float]:
-    """Middles (2, q) of equal pieces of the reference triangle or square, and the area of one."""
+    """Centres (2, q) of equal pieces of the reference triangle or square, and the area of one."""
     step = (np.arange(_FINE) + 0.5) / _FINE
     if corners == 4:
         return np.array(np.meshgrid(step, step)).reshape(2, -1), 1.0 / _FINE**2

@@ -1,12 +1,13 @@
-"""Forces of the ground on clamped feet, from what moves above them: rows of a reduced casing at rest.
+"""Reactions of the ground on clamped feet, as rows of a reduced casing at rest.
 
-A body K u = f - M X a at rest, u = E q with clamped nodes left out, bearings at u_b = B q, and f forces at the bearings
-alone. With the constraint modes Psi and P, the inverse of E^T K E on B q = 0 (see `fem.casing.reduced.reduction`),
+The body obeys K u = f - M X a at rest. u = E q excludes clamped nodes, u_b = B q are the bearings, and the forces f act
+only at the bearings. With the constraint modes Psi and P, the inverse of E^T K E on B q = 0 (see
+`fem.casing.reduced.reduction`),
 
     q = Psi u_b - P E^T M X a,    F = W (K E q + M X a) = (W K E Psi) u_b + W (M X - K E P E^T M X) a
 
-W sums the nodes of every foot along x, y, z, X moves all of the body by 1 along these axes. The second term does not
-come from the modes that a reduction keeps, so that all feet together carry the whole weight, whatever these are.
+W sums the nodes of every foot along x, y, z; X moves the whole body by 1 along these axes. The second term is
+independent of the modes kept, so that the feet together always carry the whole weight.
 """
 
 from __future__ import annotations
@@ -18,11 +19,11 @@ import scipy.sparse as sp
 
 
 def foot_sums(unknowns: Sequence[np.ndarray], size: int) -> sp.csr_matrix:
-    """W (3 feet, size), which sums the unknowns of every foot; what two feet share counts half for each.
+    """W (3 feet, size), which sums the unknowns of every foot; unknowns shared by two feet contribute half to each.
 
     Parameters
     ----------
-    unknowns : of every foot those along x, along y, along z
+    unknowns : per foot, those along x, along y, along z
     size : number of unknowns
     """
     rows = np.repeat(np.arange(len(unknowns)), [len(one) for one in unknowns])
@@ -39,8 +40,10 @@ def clamped_reactions(
     constraint: np.ndarray,
     inverse: Callable[[np.ndarray], np.ndarray],
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Force (3 feet, b) per displacement of the b interface coordinates (N/m, N/rad), and force (3 feet, 3) per
-    acceleration of the ground along x, y, z with the interface held (kg).
+    """Force on the feet per displacement of the interface, and per acceleration of the ground.
+
+    The first is (3 feet, b) for b interface coordinates (N/m, N/rad); the second is (3 feet, 3) along x, y, z with the
+    interface held (kg).
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
-"""Parts of a meshed housing: the elements whose middle lies in a box, and the stiffness that they bring.
+"""Parts of a meshed housing: the elements whose centre is in a box.
 
-Whatever lies in no region is the rest of the housing. Mounts under the feet and bolted joints are parts, too, without
+Elements in no region form the rest of the housing. Mounts under the feet and bolted joints are also parts, but without
 elements (`fem.casing.parts.names`).
 """
 

@@ -1,4 +1,4 @@
-"""A mesh cut in two along a plane in which its elements meet: every node of the plane becomes two."""
+"""A mesh split in two along a plane between its elements: every node on the plane is duplicated."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from fem.casing.mesh.mesh import CasingMesh, MeshError
 from fem.elements.facets import outer_facets
 from fem.elements.solid_elements import solid_element
 
-_IN_PLANE = 1e-3  # of the element size: as far as nodes may lie off the plane
+_IN_PLANE = 1e-3  # of the element size: largest distance of nodes from the plane
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +27,7 @@ class Plane:
 
 @dataclass(frozen=True, eq=False)
 class SplitMesh:
-    """Two halves that touch facet by facet; column by column the nodes of `below` and `above` (f, k) coincide."""
+    """Two halves with matching facets: the nodes `below` and `above` (f, k) coincide entry by entry."""
 
     mesh: CasingMesh
     below: np.ndarray
@@ -35,7 +35,7 @@ class SplitMesh:
 
 
 def split_mesh(mesh: CasingMesh, plane: Plane) -> SplitMesh:
-    """The mesh with what lies above the plane (along its normal) apart from what lies below.
+    """The mesh split into the elements above the plane (along its normal) and those below.
 
     Raises
     ------

@@ -1,1 +1,1 @@
-"""What a housing from a file holds: solids, bores, flat faces, bolt patterns, and where the shafts of a machine fit."""
+"""Geometry recognition of an imported housing: solids, bores, flat faces, bolt patterns, and positions of shafts."""

@@ -1,4 +1,4 @@
-"""What a file of a housing holds, in the frame of the file, in metres."""
+"""Recognised contents of a housing file, in the frame of the file, in metres."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Solid:
-    """A body: its number from 1, volume (m3), corners of its box (2, 3) m, and the number of the part it belongs to.
+    """A body: its number from 1, volume (m3), corners of its box (2, 3) m, and the number of its part.
 
-    Solids of one part touch each other; a file of one part is a connected body. `open_at` (3,) m is where its faces do
-    not close, or cannot be meshed; None if they close.
+    Touching solids form one part; a file of one part is a connected body. `open_at` (3,) m is a position where its
+    faces do not close or cannot be meshed; None for a closed body.
     """
 
     number: int
@@ -24,7 +24,7 @@ class Solid:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Bore:
-    """A hole with the shape of a cylinder."""
+    """A cylindrical hole."""
 
     number: int
     solid: int
@@ -32,11 +32,11 @@ class Bore:
     centre: np.ndarray  # (3,) m, on the axis in the middle of its length
     diameter: float  # m
     length: float  # m, along the axis
-    angle: float  # rad, of the part of a full turn that is there
+    angle: float  # rad, covered of a full turn
 
     @property
     def ends(self) -> np.ndarray:
-        """Of the axis inside the bore (2, 3), m."""
+        """End points (2, 3) of the axis inside the bore, m."""
         return self.centre + 0.5 * self.length * np.outer([-1.0, 1.0], self.axis)
 
 
@@ -53,21 +53,21 @@ class FlatFace:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BoltPattern:
-    """Equal parallel holes that begin in one plane; on a circle (its diameter and middle, m), or not (0)."""
+    """Equal parallel holes that begin in one plane, on a circle (diameter and centre, m) or not (diameter 0)."""
 
     bores: tuple[int, ...]
     hole_diameter: float
     circle_diameter: float
     centre: np.ndarray
-    around: int  # number of the bore in its middle, 0 for none
+    around: int  # number of the bore in its centre, 0 for none
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Contents:
-    """What a file holds. `gaps` are (solid, solid, m, place (3,) m) between neighbours that do not touch."""
+    """Recognised contents of a file. `gaps` are (solid, solid, m, position (3,) m) of neighbours that do not touch."""
 
     name: str
-    unit: str  # the lengths were read in
+    unit: str  # unit in which lengths were read
     declared: str  # unit that the file declares, "" for none
     points: np.ndarray  # (n, 3) m, of the surface
     triangles: np.ndarray  # (t, 3), seen from outside counter-clockwise

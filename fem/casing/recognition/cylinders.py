@@ -1,8 +1,8 @@
 """Cylinders and planes through the triangles of one face.
 
-The axis of a cylinder is first the direction to which the normals are perpendicular (the eigenvector of sum a n n^T
-with the least eigenvalue), its circle that of Kasa's linear least squares; both are then refined on the corners, which
-lie on the cylinder however coarse the triangles are.
+The first estimate of the axis is the direction perpendicular to the normals (the eigenvector of sum a n n^T with the
+least eigenvalue); that of the circle follows from Kasa's linear least squares. Both are then refined on the corners,
+which are on the cylinder even for coarse triangles.
 
 Reference: Shakarji (1998), J. Res. NIST 103(6), 633-641 (least squares cylinder).
 """
@@ -17,13 +17,13 @@ import numpy as np
 _PERPENDICULAR = 0.01  # largest mean square cosine between the normals and the axis
 _ROUND = 0.004  # of the radius, largest deviation of a corner
 _LEAST_TURN = 0.003  # least second eigenvalue: about 20 degrees of a cylinder
-_ENOUGH = 400  # corners for five unknowns; the others are compared with the result
+_ENOUGH = 400  # corners in the fit of five unknowns; the result is checked at all corners
 _FLAT = math.cos(math.radians(0.5))
 
 
 @dataclass(frozen=True, eq=False)
 class Cylinder:
-    """A cylinder (m) with the corners that lie on it; `hole` if the material is outside."""
+    """A cylinder (m) with its corners; `hole` if the material is outside."""
 
     axis: np.ndarray  # (3,)
     point: np.ndarray  # (3,), a point of the axis
@@ -58,7 +58,7 @@ def fitted_cylinder(points: np.ndarray, triangles: np.ndarray, area_vectors: np.
 
 
 def _refined(points: np.ndarray, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray, float] | None:
-    """Axis, a point of it, and radius of the least squares cylinder, begun at a direction."""
+    """Axis, a point of it, and radius of the least-squares cylinder, from a first direction."""
     from scipy.optimize import least_squares
 
     origin, size = points.mean(axis=0), float(np.ptp(points, axis=0).max())

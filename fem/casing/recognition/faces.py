@@ -1,7 +1,7 @@
-"""Faces of a surface of triangles: those of a CAD file are known, those of a mesh are found by the angles at its edges.
+"""Faces of a surface of triangles, found by the angles at its edges; a CAD file gives its faces itself.
 
-Triangles in one plane form flat faces where they reach farther than an element; the others hang together over edges of
-less than 40 degrees and form the curved faces.
+Coplanar triangles form flat faces if they are wider than an element. The others form the curved faces, connected over
+edges of less than 40 degrees.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from fem.numerics.connected import connected_parts
 
 _PLANE = np.cos(np.radians(0.5))
 _SMOOTH = np.cos(np.radians(40.0))
-_REACH = 2.5  # mean edges: a set of coplanar triangles as wide as that is a flat face
-_SHARP_BORDER = 0.5  # of its border: a narrower one is a flat face if so much of it is sharp
+_REACH = 2.5  # mean edges: coplanar triangles of this width form a flat face
+_SHARP_BORDER = 0.5  # of its boundary: a narrower set is a flat face if this share is sharp
 
 
 def split(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
@@ -52,7 +52,7 @@ def _flat_parts(
     length: np.ndarray,
     cosine: np.ndarray,
 ) -> np.ndarray:
-    """Bool (part,): coplanar triangles that are a flat face, not a strip of a curved one."""
+    """Bool (part,): whether coplanar triangles are a flat face, not a strip of a curved one."""
     count = part.max() + 1
     border = part[one] != part[two]
     sharp = border & (cosine < _SMOOTH)

@@ -13,10 +13,10 @@ from fem.casing.recognition.contents import BoltPattern, Bore, FlatFace
 from fem.casing.recognition.cylinders import Cylinder, fitted_cylinder, is_flat, turn
 
 _SAME_AXIS = 2e-5  # m, and
-_SAME_RADIUS = 1e-3  # of the radius: what lies nearer is one bore
+_SAME_RADIUS = 1e-3  # of the radius: tolerances within which cylinders are one bore
 _PARALLEL = math.cos(math.radians(0.2))
-_LEAST_ANGLE = math.radians(170.0)  # of a bore: the two halves of a parted one count, fillets do not
-_LEVEL = 2e-4  # m: holes of a pattern begin in one plane
+_LEAST_ANGLE = math.radians(170.0)  # of a bore: includes one half of a split bore, excludes fillets
+_LEVEL = 2e-4  # m: tolerance of the plane in which holes of a pattern begin
 _ON_CIRCLE = 1e-4  # m
 
 
@@ -55,7 +55,7 @@ def _flat(corners: np.ndarray, vectors: np.ndarray, solid: int) -> FlatFace:
 
 
 def _bores(cylinders: Sequence[tuple[Cylinder, int]]) -> list[Bore]:
-    """Faces about one axis with one radius that touch along it, together."""
+    """Merge cylindrical faces of one axis and radius that touch along it."""
     rest, found = list(cylinders), []
     while rest:
         first, solid = rest.pop(0)
@@ -98,9 +98,9 @@ def _same(one: Cylinder, two: Cylinder) -> bool:
 
 
 def bolt_patterns(bores: Sequence[Bore]) -> tuple[BoltPattern, ...]:
-    """Equal parallel holes, three or more, that begin in one plane, on circles where they are.
+    """Groups of three or more equal parallel holes that begin in one plane, with their circles.
 
-    Circles about a wider parallel bore come first, then one circle through all that is left of a group.
+    Circles about a wider parallel bore are tried first, then one circle through the remaining holes of a group.
     """
 
     def kind(bore: Bore) -> tuple:
@@ -143,7 +143,7 @@ def _circles(holes: list[Bore], bores: Sequence[Bore]) -> list[BoltPattern]:
 
 
 def _on(places: np.ndarray, middle: np.ndarray, radius: float) -> bool:
-    """Whether points (k, 2) lie on a circle that they surround; a row of holes lies on one without end."""
+    """Whether points (k, 2) are on a circle and surround its centre; a straight row of holes is not a circle."""
     return abs(np.linalg.norm(places - middle, axis=1) - radius).max() < _ON_CIRCLE and _around(places - middle)
 
 

@@ -1,4 +1,4 @@
-"""From a file to what it holds: CAD through gmsh (faces as in the file), meshes and STL by their edges."""
+"""Geometry recognition of a file: CAD through gmsh (faces as in the file), meshes and STL by their edges."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from fem.numerics.connected import connected_parts
 from fem.processes.own_process import DAMAGED, opened_apart
 
 _log = logging.getLogger(__name__)
-_AROUND = 16  # elements of a full turn; with 12, the wide triangles of short bores lean too far to be told from cones
-_COARSE, _FINE = 10, 400  # elements along the diagonal of the box, at least and at most
+_AROUND = 16  # elements of a full turn; with 12, short bores cannot be distinguished from cones
+_COARSE, _FINE = 10, 400  # least and largest number of elements along the diagonal of the box
 
 
 def survey(path: Path, unit: str | None = None) -> Contents:
@@ -33,7 +33,7 @@ def survey(path: Path, unit: str | None = None) -> Contents:
     Parameters
     ----------
     path : the file
-    unit : of length; None: the one that the file declares, mm if it declares none
+    unit : of length; None: the declared one, mm if the file declares none
 
     Raises
     ------
@@ -83,7 +83,7 @@ def _surface(gmsh: Any, tags: list[int]) -> tuple[np.ndarray, np.ndarray, np.nda
     gmsh.option.setNumber("Mesh.MeshSizeMax", diagonal / _COARSE)
     gmsh.option.setNumber("Mesh.MeshSizeMin", diagonal / _FINE)
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", _AROUND)
-    gmsh.option.setNumber("Mesh.Algorithm", 5)  # Delaunay: looked at, not computed with; less work than frontal
+    gmsh.option.setNumber("Mesh.Algorithm", 5)  # Delaunay: faster than frontal, sufficient for recognition
     try:
         gmsh.model.mesh.generate(2)
     except Exception as error:  # gmsh raises this class itself
@@ -108,7 +108,7 @@ def _surface(gmsh: Any, tags: list[int]) -> tuple[np.ndarray, np.ndarray, np.nda
 
 
 def outward(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """The triangles (t, 3) of the surface of one body turned so that they are seen from outside counter-clockwise."""
+    """The triangles (t, 3) of the surface of one body, oriented counter-clockwise as seen from outside."""
     sides = triangles[:, [[0, 1], [1, 2], [2, 0]]]
     forward = (sides[:, :, 0] < sides[:, :, 1]).reshape(-1)
     number = np.unique(np.sort(sides, axis=2).reshape(-1, 2), axis=0, return_inverse=True)[1].ravel()
@@ -116,8 +116,8 @@ def outward(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     owner = np.repeat(np.arange(len(triangles)), 3)[order]
     pair = np.flatnonzero(np.diff(number[order]) == 0)
     one, two = owner[pair], owner[pair + 1]
-    against = forward[order][pair] == forward[order][pair + 1]  # an edge is run through both ways
-    # every triangle stands once as it is and once turned over; from the first of a part one of the two is reached
+    against = forward[order][pair] == forward[order][pair + 1]  # same direction of the edge: opposite orientations
+    # every triangle is present in both orientations; the search from the first one of a part reaches one of them
     count = len(triangles)
     rows = np.concatenate([one, one + count])
     columns = np.concatenate([two + count * against, two + count * ~against])
@@ -127,7 +127,7 @@ def outward(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     turned = either[0] != either[0, first][label]
     triangles = np.where(turned[:, None], triangles[:, [0, 2, 1]], triangles)
     volume = np.bincount(label, weights=np.linalg.det(points[triangles] - points[triangles].mean(axis=(0, 1))))
-    hollow = np.arange(len(volume)) != np.abs(volume).argmax()  # parts inside the outermost one
+    hollow = np.arange(len(volume)) != np.abs(volume).argmax()  # cavities inside the outermost part
     return np.where(((volume < 0.0) ^ hollow)[label][:, None], triangles[:, [0, 2, 1]], triangles)
 
 
@@ -159,7 +159,7 @@ def _of_mesh(path: Path, unit: str) -> Contents:
 
 
 def _connected(cells: np.ndarray, count: int) -> np.ndarray:
-    """Number (c,) from 0 of the part to which each cell belongs, parts sharing no point."""
+    """Number (c,) from 0 of the part of each cell; parts share no point."""
     rows = np.repeat(cells[:, 0], cells.shape[1] - 1)
     return np.unique(connected_parts(count, rows, cells[:, 1:].ravel())[cells[:, 0]], return_inverse=True)[1].ravel()
 

@@ -1,10 +1,10 @@
-"""Which bores of a file are the bearing seats of which shaft, and where the file then lies in the frame of a machine.
+"""Assignment of the bores of a file to the bearing seats of shafts, and the resulting position of the file.
 
     x = origin + x_file @ axes
 
-Bores about one line are what a shaft can run in. Two lines laid on the axes of two shafts give the turn about y and the
-place; the other shafts and the bearings along y tell how good that is. Every pair of lines whose distance is that of
-the two shafts, within a tolerance, is tried, with y along the bores and against them.
+Coaxial bores form a line in which a shaft can run. Two lines placed on two shaft axes give the rotation about y and the
+origin in the frame of the machine; the other shafts and the bearings along y rate this fit. Every pair of lines with
+the distance of the two shafts, within a tolerance, is tried, with y in both directions of the bores.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ import numpy as np
 from fem.casing.recognition.contents import Bore
 
 OFF = 0.002  # m, or
-OFF_SHARE = 0.03  # of the distance: how far centre distances of file and machine may differ to be offered
+OFF_SHARE = 0.03  # of the distance: tolerance of centre distances between file and machine
 _ONE_LINE = 1e-4  # m
-_IN_PLACE = 1e-4  # m: seats farther from their bearings are all moved, to the middle of what they are off
+_IN_PLACE = 1e-4  # m: beyond it all seats are shifted by the middle of their deviations
 _PARALLEL = math.cos(math.radians(0.5))
 
 
 @dataclass(frozen=True, kw_only=True)
 class ShaftPlace:
-    """A shaft: its axis at (x, z), y of its bearings in the casing, its diameter there, which a seat exceeds (m)."""
+    """A shaft: its axis at (x, z), y of its bearings in the casing, its diameter there; a seat is wider (m)."""
 
     x: float
     z: float
@@ -37,7 +37,7 @@ class ShaftPlace:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SeatFit:
-    """A bearing in its bore: how far the axis is off that of the shaft, and the middle of the seat along y (m)."""
+    """A bearing in its bore: distance `off` of the axes of bore and shaft, and the middle of the seat along y (m)."""
 
     bearing: str
     shaft: int  # from 0
@@ -49,7 +49,7 @@ class SeatFit:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ShaftFit:
-    """Where the file lies in the frame of the machine, and the seats that were found."""
+    """Position of the file in the frame of the machine, and the bearing seats found."""
 
     origin: np.ndarray  # (3,) m
     axes: np.ndarray  # (3, 3), directions of the file's x, y, z, one per row
@@ -74,15 +74,15 @@ class _Line:
 
 
 def fit_shafts(bores: Sequence[Bore], shafts: Sequence[ShaftPlace]) -> ShaftFit | None:
-    """The best place of the file; None where no two bores have the distance of two shafts.
+    """The best position of the file; None if no two bores have the distance of two shafts.
 
-    Of several, that with the most bearings in seats, then the least distance off, then the least turn of the file, then
-    with the wider bores at the thicker shafts.
+    Fits are ranked by the number of bearings in seats, the least deviation, the fewest incomplete bores, the least
+    rotation of the file, and by wider bores at thicker shafts.
 
     Parameters
     ----------
     bores : of the file, m
-    shafts : of the machine that have bearings in the casing
+    shafts : shafts of the machine with bearings in the casing
     """
     wide = [bore for bore in bores if bore.diameter > min((shaft.diameter for shaft in shafts), default=0.0)]
     found = [fit for axis in _directions(wide) for fit in _fits(_lines(wide, axis), axis, shafts)]
@@ -159,7 +159,7 @@ def _turns(
 
 
 def _nearest_turn(y: np.ndarray) -> np.ndarray:
-    """The least rotation that takes the direction y of the file to y of the machine."""
+    """The least rotation from the direction y of the file to y of the machine."""
     target = np.array([0.0, 1.0, 0.0])
     if y @ target < -1.0 + 1e-12:
         return np.diag([1.0, -1.0, -1.0])
@@ -172,7 +172,7 @@ def _nearest_turn(y: np.ndarray) -> np.ndarray:
 def _along(
     lines: Sequence[_Line], shafts: Sequence[ShaftPlace], turn: np.ndarray, place: np.ndarray
 ) -> ShaftFit | None:
-    """The same, moved along y to where most bearings lie in seats."""
+    """The fit shifted along y so that most bearings are in seats."""
     of_shaft: list[tuple[float, list[tuple[Bore, float]]]] = []
     for shaft in shafts:
         at = np.array([line.point @ turn + place for line in lines])
@@ -215,7 +215,7 @@ def _along(
 
 
 def tilt(bores: Sequence[Bore]) -> tuple[np.ndarray, float]:
-    """The axis of the file along which the widest bores run, nearly, and the angle (rad) between the two."""
+    """The axis of the file nearest to the direction of the widest bores, and the angle (rad) between the two."""
     axis = bores[0].axis
     nearest = np.eye(3)[int(np.abs(axis).argmax())]
     return nearest, math.acos(min(1.0, float(abs(axis @ nearest))))

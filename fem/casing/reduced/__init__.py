@@ -1,1 +1,1 @@
-"""From solid elements to a reduced body: condensation, modes, damping, and how good they are."""
+"""Reduction of solid elements to a reduced body: condensation, modes, damping, and their accuracy."""

@@ -1,15 +1,14 @@
-"""Error statement of a reduced casing: its frequencies and its bearing-to-sensor responses against the full model.
+"""Error statement of a reduced casing: its frequencies and bearing-to-sensor responses compared with the full model.
 
-Modal damping cannot be written down for a finite element model without all of its modes. Here the full model responds
-with every mode up to a limit well above the band, each with its damping, and with the rest of the spectrum by the
-powers of K^-1 M that act on the loads (hybrid expansion):
+Modal damping of the full model would need all its modes. Its response is therefore the sum of the damped modes up to a
+limit well above the band, and of the remaining spectrum by powers of K^-1 M on the loads (hybrid expansion):
 
     H(w) = sum_k c phi_k phi_k^T b / (w_k^2 - w^2 + 2 i zeta_k w_k w)
            + sum_p w^(2p) c (Q K^-1 M)^p Q K^-1 b,   p = 0 .. P - 1,   Q = 1 - sum_k phi_k phi_k^T M
 
-What is left out of the second sum is (w/w_next)^(2P) of it, 4e-3 at the end of the band for P = 7 and modes to 1.5
-times the band, and the damping of modes beyond the limit (at most 2.4 zeta of their share). The same modes give the
-frequencies of the full model.
+The truncation error of the second sum is (w/w_next)^(2P) of it: 4e-3 at the end of the band for P = 7 and modes to 1.5
+times the band. The damping of modes beyond the limit is neglected (at most 2.4 zeta of their share). The same modes
+give the frequencies of the full model.
 
 Reference: Leung (1978), J. Sound Vib. 59(4), 563-580; Qu (2000), AIAA J. 38(2), 340-347.
 """
@@ -35,7 +34,7 @@ from fem.numerics.linear_solver import Solver, factorize
 from fem.storage.records import Record, array, names, scalar
 
 _POWERS = 7
-LINES = 24  # frequencies per third octave: half of the half-power bandwidth at 1 % damping lies between two
+LINES = 24  # frequencies per third octave: their spacing is half the half-power bandwidth at 1 % damping
 LOWEST = 100.0  # Hz, middle of the first third octave
 
 
@@ -43,12 +42,12 @@ LOWEST = 100.0  # Hz, middle of the first third octave
 class ErrorStatement(Record):
     """Deviation of a reduced casing from its full model.
 
-    A pair is a bearing (forces along the axes it loads) and a sensor (its three axes); its error in a third octave is
+    A pair is a bearing (forces along its load-carrying axes) and a sensor (three axes). Its error in a third octave is
     the norm of the difference of all its responses over the norm of those of the full model.
     """
 
     band: float = scalar(units="Hz")
-    full_frequencies: np.ndarray = array("mode", units="Hz")  # of the full model in its ground, up to the band
+    full_frequencies: np.ndarray = array("mode", units="Hz")  # of the grounded full model, up to the band
     frequency_errors: np.ndarray = array("mode", units="1")  # reduced over full - 1
     third_octaves: np.ndarray = array("third", units="Hz")  # mid frequencies
     bearings: tuple[str, ...] = names("bearing")
@@ -89,21 +88,21 @@ def state_error(
     springs: np.ndarray | None = None,
     solver: Solver = "auto",
 ) -> ErrorStatement:
-    """Compare a reduced casing with its mesh; as expensive as the reduction itself.
+    """Compare a reduced casing with its full model; as expensive as the reduction.
 
     Parameters
     ----------
-    casing : full model in its ground
+    casing : grounded full model
     body : reduced from it
     band : Hz, up to which both are compared
-    sensors : whose responses are compared, along their own axes
-    damping, loss_factors : of the full model, as they were given to the body
-    springs : (interface,) N/m of the mounts, if the casing stands on springs; one factorisation more
+    sensors : sensors of the compared responses, along their axes
+    damping, loss_factors : of the full model, as given for the body
+    springs : (interface,) N/m of the mounts, if the casing is on springs; needs one more factorisation
     solver : of that factorisation, see `fem.numerics.linear_solver.factorize`
 
     Raises
     ------
-    ValueError : the body has no row of a sensor that is asked for
+    ValueError : the body has no row of a requested sensor
     """
     solve = casing.interface.factor.solve
     if springs is not None and not np.array_equal(springs, casing.springs):
@@ -172,7 +171,7 @@ def third_octaves(band: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def sensor_rows(casing: GroundedCasing, sensors: Sequence[Sensor]) -> sp.csr_matrix:
-    """Rows (3 sensor, n) that read the sensors' own axes off the full model."""
+    """Rows (3 sensor, n) of the displacements along the sensor axes in the full model."""
     mesh, out = casing.mesh, []
     for sensor in sensors:
         corners, weights, _ = nearest_surface_point(mesh.nodes, mesh.facets, np.array(sensor.position))
@@ -213,7 +212,7 @@ def full_response(
     X, rest = loads.T.toarray(), []
     for _ in range(_POWERS):
         X = solve(X)
-        X -= phi @ (phi.T @ (M @ X))  # before the powers of the lowest modes drown what lies beyond
+        X -= phi @ (phi.T @ (M @ X))  # otherwise round-off of the lowest modes, amplified by the powers, would dominate
         rest.append(readings @ X)
         X = M @ X
     out = np.empty((len(frequencies), readings.shape[0], loads.shape[0]), complex)

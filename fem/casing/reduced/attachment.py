@@ -1,11 +1,11 @@
-"""Rows that read the motion of a point off the mesh: mean motion of a patch, displacement of a surface point.
+"""Rows that give the motion of a point from the mesh: mean motion of a patch, displacement of a surface point.
 
 Mean motion (RBE3-like, adds no stiffness): translation t and small rotation r of a patch minimise
 
     int |u - t - r x (x - x0)|^2 dA,   so   [t, r] = G^-1 int R^T N dA u,   G = int R^T R dA,   R = [1, -(x - x0) x]
 
-with the consistent weights of the facets. Rigid motions are reproduced exactly. By virtue of the transposed
-rows a force or moment at the point becomes tractions on the patch that vary linearly over it.
+with the consistent weights of the facets. Rigid motions are reproduced exactly. The transposed rows distribute a force
+or moment at the point as tractions that vary linearly over the patch.
 
 Reference: MSC Nastran Linear Static Analysis User's Guide, element RBE3.
 """
@@ -19,11 +19,11 @@ from fem.elements.facets import nearest_on_facets, surface_weights
 from fem.elements.solids import rigid_body_modes
 
 AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
-FARTHEST_SENSOR = 0.05  # m: a sensor farther than this from the surface is a mistake in the scene
+FARTHEST_SENSOR = 0.05  # m: largest distance of a sensor from the surface
 
 
 class AttachmentError(ValueError):
-    """A point cannot be tied to the mesh."""
+    """A point cannot be attached to the mesh."""
 
 
 def mean_motion_rows(nodes: np.ndarray, facets: np.ndarray, centre: np.ndarray) -> sp.csr_matrix:
@@ -33,7 +33,7 @@ def mean_motion_rows(nodes: np.ndarray, facets: np.ndarray, centre: np.ndarray) 
     ----------
     nodes : float (node, 3), m
     facets : int (f, k), the patch
-    centre : float (3,), m, point whose translation is meant
+    centre : float (3,), m, point of the translation
 
     Raises
     ------
@@ -44,7 +44,7 @@ def mean_motion_rows(nodes: np.ndarray, facets: np.ndarray, centre: np.ndarray) 
     values, places, area = surface_weights(nodes, facets)
     motion = rigid_body_modes(places.reshape(-1, 3), centre).reshape(*area.shape, 3, 6)
     gram = np.einsum("fq,fqdi,fqdj->ij", area, motion, motion, optimize=True)
-    size = np.sqrt(np.trace(gram[3:, 3:]) / gram[0, 0])  # length that makes rotations comparable
+    size = np.sqrt(np.trace(gram[3:, 3:]) / gram[0, 0])  # length that scales rotations
     scale = np.array([1.0, 1.0, 1.0, size, size, size])
     if not (size > 0.0 and np.linalg.cond(gram / np.outer(scale, scale)) < 1e10):
         raise AttachmentError(f"patch at {_place(centre)} is too small to define its rotation; refine the mesh")
@@ -58,7 +58,7 @@ def mean_motion_rows(nodes: np.ndarray, facets: np.ndarray, centre: np.ndarray) 
 def nearest_surface_point(
     nodes: np.ndarray, facets: np.ndarray, position: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The point of the surface nearest to `position`; the nearest node of a body that is known by its nodes alone.
+    """The point of the surface nearest to `position`; the nearest node if the body has only nodes.
 
     Returns
     -------

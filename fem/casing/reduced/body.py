@@ -1,4 +1,4 @@
-"""ReducedBody: a casing as the multibody model sees it, whatever model made it."""
+"""ReducedBody: the interface of every casing model to the multibody model."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ import numpy as np
 from fem.casing.parts.names import MODES_OVER_BAND as MODES_OVER_BAND
 from fem.storage.records import Record, array, names, scalar, text
 
-BEARING_AXES = ("ux", "uy", "uz", "rx", "rz")  # of a bearing; the rotation ry about the shaft is free
+BEARING_AXES = ("ux", "uy", "uz", "rx", "rz")  # load-carrying axes of a bearing; the rotation ry is free
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ReducedBody(Record):
     """Mass, stiffness and damping in reduced coordinates q, and rows that give the motion of key points, u = rows @ q.
 
-    Coordinates are relative to the ground (grounding is already in `stiffness`). ``row_names`` are
-    ``"<point>:<axis>"`` with axis in ux uy uz (m) rx ry rz (rad), e.g. ``"bearing_3:ux"``, ``"sensor_3:uz"``;
-    a bearing's generalised force enters by the transposed row. Model `none` has 0 coordinates and zero rows. Feet are
-    the points ``"ground_1"``, ..., with x, y, z of each along ``foot_axis``.
+    Coordinates are relative to the ground; `stiffness` includes the grounding. ``row_names`` are ``"<point>:<axis>"``
+    with axis in ux uy uz (m) rx ry rz (rad), e.g. ``"bearing_3:ux"``, ``"sensor_3:uz"``; the transposed row applies a
+    bearing's generalised force. Model `none` has 0 coordinates and zero rows. Feet are the points ``"ground_1"``, ...,
+    with x, y, z of each along ``foot_axis``.
     """
 
     model: str = text()  # "none" | "rigid" | "static" | "craig-bampton"
@@ -31,12 +31,12 @@ class ReducedBody(Record):
     row_names: tuple[str, ...] = names("row")
     rows: np.ndarray = array("row", "coordinate", units="SI")
     ground_inertia: np.ndarray = array("coordinate", "axis", units="SI")  # T^T M X, X the motion by 1 along x, y, z
-    row_shifts: np.ndarray = array("row", "axis", units="1")  # X at every row: what it reads of a shifted body
+    row_shifts: np.ndarray = array("row", "axis", units="1")  # X at every row: its motion when the body is shifted
     point_names: tuple[str, ...] = names("point")
     point_positions: np.ndarray = array("point", "axis", units="m")
     foot_stiffness: np.ndarray = array("foot_axis", "coordinate", units="SI")  # force on the feet, see `foot_forces`
     foot_inertia: np.ndarray = array("foot_axis", "axis", units="kg")
-    stiffness_factor: float = dataclasses.field(default=1.0, metadata=scalar(units="1").metadata)  # by extrapolation
+    stiffness_factor: float = dataclasses.field(default=1.0, metadata=scalar(units="1").metadata)  # from extrapolation
 
     @property
     def feet(self) -> tuple[str, ...]:
@@ -48,7 +48,7 @@ class ReducedBody(Record):
 
         Parameters
         ----------
-        displacement : (coordinate,) in balance with the forces at the bearings and the body's own weight
+        displacement : (coordinate,) in equilibrium with the forces at the bearings and the weight of the body
         gravity : m/s2, along -z
         """
         return (self.foot_stiffness @ displacement + gravity * self.foot_inertia[:, 2]).reshape(-1, 3)

@@ -1,11 +1,12 @@
-"""Check-up of a reduced casing: the measures that a structural analyst looks at before trusting it.
+"""Check-up of a reduced casing: the usual checks of a structural analyst before its use.
 
 Before grounding (free body): symmetry, K R = 0, mass, centre of gravity and inertia from R^T M R against the mesh
-integral, and the six rigid body modes three ways: from geometry (R itself), from the stiffness (the free unknowns
-follow the feet, u_i = -K_ii^-1 K_ig R_g) and from the eigenvalues of the body condensed to its six feet.
-After grounding (a casing on mount springs stands on its reference springs here, which are stiffer than any mount): the
-reaction to gravity, definiteness, block forms of the reduced matrices, the static response of the
-interface against the full model, modal effective masses, optionally the frequencies of the full grounded model.
+integral, and the six rigid body modes in three ways: from geometry (R itself), from the stiffness (u_i = -K_ii^-1 K_ig
+R_g for given motions of the feet), and from the eigenvalues of the body condensed to its six feet.
+
+After grounding (for a casing on mounts: on the reference springs, which are stiffer than any mount): the reaction to
+gravity, definiteness, block forms of the reduced matrices, the static response of the interface against the full model,
+modal effective masses, optionally the frequencies of the full grounded model.
 
 The list follows the practice of NASTRAN-based Craig-Bampton checks (Young, Primer on the Craig-Bampton method, 2000).
 """
@@ -26,7 +27,7 @@ from fem.elements.solids import mass_properties, rigid_body_modes
 from fem.numerics.threads import side_by_side
 from fem.storage.records import Record, array, names, scalar
 
-_VECTORS = 4  # of random signs, by which blocks of matrices are checked
+_VECTORS = 4  # random sign vectors, for checks of matrix blocks
 _LIMITS = {
     "stiffness_asymmetry": 1e-12,
     "mass_asymmetry": 1e-12,
@@ -63,7 +64,7 @@ _MEANING = {
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CheckUp(Record):
-    """Measured deviations of a reduced casing from what must hold; all relative unless stated."""
+    """Deviations of a reduced casing from exact properties; all relative unless stated."""
 
     stiffness_asymmetry: float = scalar(units="1")
     mass_asymmetry: float = scalar(units="1")
@@ -84,8 +85,8 @@ class CheckUp(Record):
     inertia: np.ndarray = array("axis", "axis", units="kg m2")
     frequencies: np.ndarray = array("mode", units="Hz")  # of the grounded reduced body
     effective_mass: np.ndarray = array("mode", "motion", units="SI")  # kg and, about the centre, kg m2
-    movable: np.ndarray = array("motion", units="SI")  # mass and inertia that do not sit on clamped nodes
-    full_frequencies: np.ndarray = array("full_mode", units="Hz")  # of the full grounded model; empty if not asked
+    movable: np.ndarray = array("motion", units="SI")  # mass and inertia outside clamped nodes
+    full_frequencies: np.ndarray = array("full_mode", units="Hz")  # of the full grounded model; empty unless requested
     frequency_error: np.ndarray = array("full_mode", units="1")  # reduced over full - 1
     limit_names: tuple[str, ...] = names("limit")
 
@@ -127,11 +128,11 @@ class CheckUp(Record):
 
 
 def check_up(casing: GroundedCasing, reduction: Reduction, *, full_band: float | None = None) -> CheckUp:
-    """Measure a reduction against its mesh.
+    """Check a reduction against its full model.
 
     Parameters
     ----------
-    full_band : Hz; if given, modes of the full grounded model up to it are computed as well (costs a reduction)
+    full_band : Hz; if given, modes of the full grounded model up to it are computed too (as expensive as a reduction)
     """
     mesh = casing.mesh
     mass, centre, inertia = mass_properties(mesh.nodes, mesh.elements, casing.material.density)
@@ -173,7 +174,7 @@ def check_up(casing: GroundedCasing, reduction: Reduction, *, full_band: float |
 
 
 def _asymmetry(matrix: sp.csr_matrix) -> float:
-    """By one product with a random vector of signs, in which entries that differ do not cancel."""
+    """Asymmetry from one product with a random sign vector, in which differences do not cancel."""
     signs = np.random.default_rng(0).choice([-1.0, 1.0], matrix.shape[0])
     return float(abs(matrix @ signs - matrix.T @ signs).max(initial=0.0) / largest_entry(matrix))
 
@@ -214,10 +215,11 @@ def _rigid_items(
 def _on_clamped_feet(
     casing: GroundedCasing, R: np.ndarray, MR: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Motions led by the feet (n, 6 feet), with all feet as one body (n, 6), stiffness condensed to the former, and
-    reaction to unit gravity (3, 3).
+    """Motions of single feet (n, 6 feet), of all feet as one body (n, 6), condensed stiffness, reaction to gravity.
 
-    Each foot moves as a rigid patch, six columns per foot; the rest follows by the stiffness, without forces on it.
+    The stiffness is condensed to the motions of single feet; the reaction (3, 3) is that to unit gravity.
+
+    Each foot moves as a rigid patch, six columns per foot; the other unknowns follow by the stiffness, free of forces.
     """
     mesh, solve, E, clamped = casing.mesh, casing.interface.factor.solve, casing.expansion, casing.clamped
     feet, K_clamped = mesh.patches("ground_"), casing.K[clamped]
@@ -236,7 +238,7 @@ def _on_clamped_feet(
 def _on_springs(
     casing: GroundedCasing, R: np.ndarray, MR: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """The same where the feet stand on springs, led by the ground under the springs, three columns per foot."""
+    """As `_on_clamped_feet`, for feet on springs: the ground under the springs moves, three columns per foot."""
     from fem.numerics.sparse_product import product
 
     solve, E, at_feet = casing.interface.factor.solve, casing.expansion, np.flatnonzero(casing.springs)

@@ -1,10 +1,10 @@
-"""Damping of a reduced body: a damping ratio for every mode, by one number, by a table over frequency, or by part.
+"""Damping of a reduced body: damping ratios of its modes, from one number, a table over frequency, or loss factors.
 
-Parts with loss factors eta_p of their own damp a mode by their shares s_p of its strain energy,
+Parts with separate loss factors eta_p damp a mode by their shares s_p of its strain energy,
 
     zeta = sum_p s_p eta_p / 2 + (1 - sum_p s_p) zeta_0,    s_p = phi^T K_p phi / phi^T K phi
 
-zeta_0 being the ratio of all the rest. The modes stay those of the undamped body, which is good for small damping.
+with the ratio zeta_0 of the remaining body. Modes are those of the undamped body: valid for small damping.
 
 References: Ungar & Kerwin (1962), J. Acoust. Soc. Am. 34(7), 954-957; Johnson & Kienholz (1982), AIAA J. 20(9),
 1284-1290 (modal strain energy method).
@@ -26,7 +26,7 @@ def damping_ratios(damping: DampingRatio, frequencies: np.ndarray) -> np.ndarray
 
     Raises
     ------
-    ValueError : a ratio outside 0 <= zeta < 1, frequencies of the table that do not rise
+    ValueError : a ratio outside 0 <= zeta < 1, table frequencies that do not increase
     """
     table = np.atleast_2d(np.asarray([[0.0, damping]] if np.isscalar(damping) else damping, float))
     if table.ndim != 2 or table.shape[1] != 2 or not len(table) or not np.isfinite(table).all():
@@ -39,11 +39,11 @@ def damping_ratios(damping: DampingRatio, frequencies: np.ndarray) -> np.ndarray
 
 
 def ratios_with_parts(ratios: np.ndarray, shares: np.ndarray, loss_factors: Sequence[float]) -> np.ndarray:
-    """Zeta (mode,) of modes some of whose parts have loss factors of their own.
+    """Zeta (mode,) of modes of a body whose parts have separate loss factors.
 
     Parameters
     ----------
-    ratios : (mode,), zeta_0 of all the rest at the frequencies of the modes
+    ratios : (mode,), zeta_0 of the remaining body at the frequencies of the modes
     shares : (part, mode) of the strain energy, see `energy_shares`
     loss_factors : (part,)
 
@@ -58,7 +58,7 @@ def ratios_with_parts(ratios: np.ndarray, shares: np.ndarray, loss_factors: Sequ
 
 
 def energy_shares(parts: Sequence[np.ndarray], vectors: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
-    """Share (part, mode) of the strain energy of every vector (coordinate, mode) that parts of a stiffness store."""
+    """Share (part, mode) of each part of the stiffness in the strain energy of every vector (coordinate, mode)."""
     whole = np.einsum("ik,ij,jk->k", vectors, stiffness, vectors, optimize=True)
     found = [np.einsum("ik,ij,jk->k", vectors, part, vectors, optimize=True) for part in parts]
     return np.array(found).reshape(len(parts), vectors.shape[1]) / np.maximum(whole, np.finfo(float).tiny)
@@ -76,7 +76,7 @@ def modal_damping(
     ----------
     mass, stiffness : float (n, n), positive definite
     damping : zeta of all modes, or rows (Hz, zeta)
-    parts : stiffness (n, n) of every part that has a loss factor of its own, and that factor
+    parts : stiffness (n, n) and loss factor of every part with a separate one
     """
     if not len(mass):
         damping_ratios(damping, np.zeros(1))

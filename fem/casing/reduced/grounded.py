@@ -1,11 +1,11 @@
-"""A meshed casing with its points tied to it and its ground: matrices and constraint modes, ready for reduction.
+"""A meshed casing with attached points and its ground: matrices and constraint modes for the reduction.
 
 Ground. `fixed` clamps every node under the feet. `springs` leaves the body free: the mean motion (ux, uy, uz) of every
-foot becomes an interface, to which mount springs are added afterwards without finite elements; only for the
-factorisation the feet stand on reference springs D, which the reduced matrices do not contain.
+foot becomes an interface, to which mount springs are added later without finite elements. Only the factorisation uses
+reference springs D under the feet; the reduced matrices do not contain them.
 
 Attachment of points to their patches: `mean` (RBE3) adds no stiffness. `rigid` (RBE2) makes the patch move as a rigid
-body, as a stiff outer ring pressed into its seat does: u = E [other unknowns, six per patch], K -> E^T K E.
+body, like a stiff outer ring pressed into its seat: u = E [other unknowns, six per patch], K -> E^T K E.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ GROUND_AXES = ("ux", "uy", "uz")
 
 @dataclass(frozen=True, kw_only=True)
 class ForcedPoint:
-    """A sensor's point that bears outside forces along some of its ``axes`` (ux, uy, uz)."""
+    """A sensor's point loaded by external forces along some of its ``axes`` (ux, uy, uz)."""
 
     sensor: Sensor
     axes: tuple[str, ...]
@@ -45,25 +45,25 @@ class ForcedPoint:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class AssembledCasing:
-    """Free-body matrices, the unknowns q left by clamping and rigid patches, u = E q, and the rows of the interface."""
+    """Free-body matrices, the unknowns q after clamping and rigid patches, u = E q, and the rows of the interface."""
 
     mesh: CasingMesh
     material: Material
     ground: Ground
     attachment: Attachment
-    K: sp.csr_matrix  # (u, u), the free body with its joints: 3 node + axis, then what is added to them
+    K: sp.csr_matrix  # (u, u), the free body with its joints: 3 node + axis, then added unknowns
     M: sp.csr_matrix
     expansion: sp.csr_matrix  # E (u, n)
     clamped: np.ndarray  # of the unknowns; empty on springs
-    added: Places  # of all nodes, and of what is added to them
+    added: Places  # positions of all nodes and added unknowns
     coordinate_names: tuple[str, ...]  # of the interface, "ground_1:ux", ..., "bearing_1:ux", ...
     rows: sp.csr_matrix  # of the interface (interface, n)
-    springs: np.ndarray  # (interface,), reference springs D, N/m; zero but at feet on springs
-    parts: Mapping[str, sp.csr_matrix]  # what parts bring to K_free (n, n), by their names
+    springs: np.ndarray  # (interface,), reference springs D, N/m; zero except at feet on springs
+    parts: Mapping[str, sp.csr_matrix]  # contributions of parts to K_free (n, n), by their names
 
     @property
     def unknowns(self) -> int:
-        """n, of the unknowns that are left."""
+        """n, number of the unknowns q."""
         return int(self.expansion.shape[1])
 
     @property
@@ -81,20 +81,20 @@ class AssembledCasing:
         return self.expansion[: 3 * len(self.mesh.nodes)] @ q
 
     def rigid_motions(self, centre: np.ndarray) -> np.ndarray:
-        """Unit translations and rotations about a centre (u, 6): added ones have no part in them."""
+        """Unit translations and rotations about a centre (u, 6); zero in added unknowns."""
         out = np.zeros((self.K.shape[0], 6))
         out[: 3 * len(self.mesh.nodes)] = rigid_body_modes(self.mesh.nodes, centre)
         return out
 
     @property
     def not_cubic(self) -> np.ndarray:
-        """Whether an unknown q (n,) is anything but a cubic displacement of an element."""
+        """Whether an unknown q (n,) is not a cubic displacement of an element."""
         left = np.ones(self.unknowns, bool)
         left[self.unknowns - len(self.added.numbers) :] = self.added.numbers >= KINDS_APART
         return left
 
     def quadratic(self) -> AssembledCasing:
-        """The same casing without the cubic displacements of its elements, which are hierarchic."""
+        """The same casing without the cubic displacements of its elements, which are hierarchical."""
         cubic, left = self.added.numbers < KINDS_APART, self.not_cubic
         kept = np.ones(self.K.shape[0], bool)
         kept[3 * len(self.mesh.nodes) :] = ~cubic
@@ -110,7 +110,7 @@ class AssembledCasing:
         )
 
     def held(self, solver: Solver = "auto") -> GroundedCasing:
-        """Factorised, with the constraint modes of its interface; see `ground_casing`."""
+        """The factorised casing with the constraint modes of its interface; see `ground_casing`."""
         on_springs = self.ground == "springs"
         interface = interface_of(
             None if self.attachment == "rigid" else self.added,
@@ -127,7 +127,7 @@ class AssembledCasing:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class GroundedCasing(AssembledCasing):
-    """A casing whose interface is held."""
+    """A factorised casing with held interface."""
 
     interface: Interface
 
@@ -156,7 +156,7 @@ def ground_casing(
     joint: BoltedJoint | None = None,
     solver: Solver = "auto",
 ) -> GroundedCasing:
-    """Assemble, hold or free the feet, tie the points, and factorise.
+    """Assemble a casing, clamp or free the feet, attach the points, and factorise.
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ def ground_casing(
 
     Raises
     ------
-    SingularMatrixError : a part of the mesh hangs loose; or see `assembled_casing`
+    SingularMatrixError : a part of the mesh is not connected; or see `assembled_casing`
     """
     return assembled_casing(
         mesh,
@@ -190,22 +190,22 @@ def assembled_casing(
     regions: Sequence[Region] = (),
     joint: BoltedJoint | None = None,
 ) -> AssembledCasing:
-    """Assemble, hold or free the feet, and tie the points.
+    """Assemble a casing, clamp or free the feet, and attach the points.
 
     Parameters
     ----------
     mesh, material : of the casing
     interfaces : bearing patches that carry loads with the axes they carry; all with `BEARING_AXES` by default
-    forced : surface points that bear outside forces, interfaces too
-    ground : "fixed" clamps the feet, "springs" leaves them free and holds them by springs while factorising
+    forced : surface points with external forces, part of the interface
+    ground : "fixed" clamps the feet, "springs" leaves them free; reference springs hold them in the factorisation
     attachment : a point has the "mean" motion of its patch, or the patch is "rigid"
-    regions : parts of the housing whose stiffness is told from that of the rest
-    joint : bolts that hold two halves together, else they are one body
+    regions : parts of the housing whose stiffness is stored separately
+    joint : bolts between two halves; None: one body
 
     Raises
     ------
     AttachmentError : no ground patch, an interface that touches the clamped nodes, rigid patches that share nodes
-    MeshError : unknown patch, a region without elements or with those of another, a joint that is none of this mesh
+    MeshError : unknown patch, an empty region or one that shares elements, a joint that does not fit the mesh
     """
     split = None if joint is None else split_mesh(mesh, joint.plane)
     mesh = mesh if split is None else split.mesh
@@ -263,7 +263,7 @@ def _tied(
     clamped: np.ndarray,
     added: int,
 ) -> tuple[sp.csr_matrix, sp.csr_matrix, tuple[str, ...]]:
-    """E, rows of the interface and their names, with the added unknowns behind those of the nodes."""
+    """E, rows of the interface and their names, with the added unknowns after those of the nodes."""
     expansion, rows = (_rigid_patches if attachment == "rigid" else _mean_patches)(mesh, points, clamped)
     rows = sp.csr_matrix(sp.vstack([rows, *(_point_rows(mesh, point) @ expansion for point in forced)]))
     names = [f"{name}:{axis}" for name, axes in points.items() for axis in axes]
@@ -291,7 +291,7 @@ def _point_rows(mesh: CasingMesh, point: ForcedPoint) -> sp.csr_matrix:
 def _mean_patches(
     mesh: CasingMesh, points: Mapping[str, Sequence[str]], clamped: np.ndarray
 ) -> tuple[sp.csr_matrix, sp.csr_matrix]:
-    """E leaves out the clamped nodes; rows of the mean motions."""
+    """E without the clamped nodes; rows of the mean motions."""
     free = _unknowns(np.setdiff1d(np.arange(len(mesh.nodes)), clamped))
     n = 3 * len(mesh.nodes)
     expansion = sp.csr_matrix((np.ones(len(free)), (free, np.arange(len(free)))), shape=(n, len(free)))
@@ -305,7 +305,7 @@ def _mean_patches(
 def _rigid_patches(
     mesh: CasingMesh, points: Mapping[str, Sequence[str]], clamped: np.ndarray
 ) -> tuple[sp.csr_matrix, sp.csr_matrix]:
-    """E replaces the nodes of every patch by six motions of its point; unit rows of the axes that are interfaces."""
+    """E replaces the nodes of every patch by six motions of its point; unit rows of the interface axes."""
     owner = np.full(len(mesh.nodes), -1)
     owner[clamped] = len(points)
     for number, name in enumerate(points):
@@ -332,7 +332,7 @@ def _rigid_patches(
 
 
 def _projected(matrix: sp.csr_matrix, expansion: sp.csr_matrix) -> sp.csr_matrix:
-    """E^T A E; a plain choice of unknowns is sliced."""
+    """E^T A E; a selection of unknowns is sliced."""
     if (chosen := choice_of(expansion)) is not None:
         return sp.csr_matrix(matrix[chosen][:, chosen])
     return sp.csr_matrix(expansion.T @ matrix @ expansion)

@@ -1,13 +1,13 @@
-"""A body with a mirror plane, taken apart into its symmetric and its antisymmetric half.
+"""Decomposition of a body with a mirror plane into a symmetric and an antisymmetric half.
 
 A reflection S (S S = 1) maps the unknowns of such a body and its interface onto themselves, S K S = K, S M S = M and
-B S = R B. Motions with S u = u and with S u = -u then have nothing to do with each other:
+B S = R B. Motions with S u = u and with S u = -u are then uncoupled:
 
     u = Q_s q_s + Q_a q_a,   u_b = C_s v_s + C_a v_a,   K_h = Q_h^T K Q_h,   M_h = Q_h^T M Q_h,   B_h = C_h^T B Q_h
 
-Each half has half of the unknowns and about half of the modes, its factor less than half of the numbers, and both are
-worked on side by side. On the plane one half or the other moves: the unknowns that rest stay there alone, with a
-stiffness and without mass, so that every node keeps three.
+Each half has half of the unknowns and about half of the modes; its factor has less than half of the entries, and both
+are computed in parallel. On the plane an unknown moves in only one half. In the other it is kept with a stiffness,
+without coupling and mass, so that every node has three unknowns.
 
 Reference: Bossavit (1986), Comput. Methods Appl. Mech. Eng. 56(2), 167-215 (symmetry of boundary value problems).
 """
@@ -33,15 +33,15 @@ from fem.numerics.threads import side_by_side
 Result = TypeVar("Result")
 
 _SAME = 1e-7  # of the size of the body: a node this close to the image of another is its image
-_ROUNDING = 1e-10  # relative difference of products that ought to be equal
-_SHARE = 0.6  # of the modes wanted that are sought in each half at first
+_ROUNDING = 1e-10  # relative tolerance of products that should be equal
+_SHARE = 0.6  # of the requested modes: first number computed in each half
 
 
 @dataclass(frozen=True, eq=False)
 class Half:
-    """One of the two, with its own interface."""
+    """One of the two halves, with its interface."""
 
-    motions: sp.csr_matrix  # Q (n, n_h), orthonormal columns; those of unknowns at rest are 0
+    motions: sp.csr_matrix  # Q (n, n_h), orthonormal columns; 0 for unknowns at rest
     coordinates: np.ndarray  # C (b, b_h), orthonormal
     K: sp.csr_matrix
     M: sp.csr_matrix
@@ -50,13 +50,13 @@ class Half:
 
 @dataclass(frozen=True, eq=False)
 class MirroredInterface(Interface):
-    """The interface of a whole body, held by halves."""
+    """The interface of a body, factorised by halves."""
 
     halves: tuple[Half, Half]
 
     @property
     def whole(self) -> Interface:
-        """Without the matrices of the halves."""
+        """The interface without the matrices of the halves."""
         return Interface(self.factor, self.rows, self.constraint, self.stiffness)
 
 
@@ -72,7 +72,7 @@ class _Reflection:
         return self.sign * u[self.image]
 
     def share(self, parity: float) -> np.ndarray:
-        """Entries of Q (n_h,) at the unknowns that are kept; 0 of those at rest."""
+        """Entries of Q (n_h,) at the kept unknowns; 0 for those at rest."""
         alone = self.image[self.kept] == self.kept
         return np.where(alone, np.where(self.sign[self.kept] == parity, 1.0, 0.0), math.sqrt(0.5))
 
@@ -88,7 +88,7 @@ class _Reflection:
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Where the unknowns u are: three at every node, then those that are added."""
+    """Positions of the unknowns u: three at every node, then the added ones."""
 
     nodes: np.ndarray  # (n, 3), m
     functions: np.ndarray  # (m, 3), m, those of `fem.casing.enrichment.added.AddedUnknowns`
@@ -109,10 +109,10 @@ def interface_of(
 
     Parameters
     ----------
-    places : of the unknowns u; None: not to be looked at
+    places : positions of the unknowns u; None: no search for a mirror plane
     K, M : sparse (u, u), stiffness and mass in SI
     rows, penalty, solver : those of `held_interface`
-    expansion : E (u, n), a plain choice of unknowns if there are `places`
+    expansion : E (u, n), a selection of unknowns if `places` are given
 
     Raises
     ------
@@ -133,7 +133,7 @@ def interface_of(
 
 
 def choice_of(expansion: sp.csr_matrix) -> np.ndarray | None:
-    """Numbers (n,) of the unknowns u that E (u, n) chooses; None if it combines some."""
+    """Numbers (n,) of the unknowns u that E (u, n) selects; None if it combines some."""
     return expansion.tocsc().indices if expansion.nnz == expansion.shape[1] else None
 
 
@@ -144,16 +144,16 @@ def reduced_and_counted(
     highest: float,
     enrich: bool = True,
 ) -> tuple[Reduction, int]:
-    """`reduce_and_count`, of both halves if there are any.
+    """`reduce_and_count`, by halves if the body has them.
 
     Parameters
     ----------
     interface, highest, enrich : those of `reduce_body`
-    whole : makes K and M of the body in one piece, if it is needed
+    whole : returns K and M of the undivided body, if needed
 
     Raises
     ------
-    EigenError : not as many modes found as the law of inertia counts; or see `reduce_body`
+    EigenError : the number of modes differs from the Sturm-sequence count; or see `reduce_body`
     """
     if not isinstance(interface, MirroredInterface):
         return reduce_and_count(interface, *whole(), highest=highest, enrich=enrich)
@@ -166,12 +166,12 @@ def reduced_and_counted(
 
 
 def lowest(interface: Interface, whole: Callable[[], sp.csr_matrix], count: int) -> tuple[np.ndarray, np.ndarray]:
-    """The lowest natural modes of a body that is definite as it stands, its interface free.
+    """The lowest natural modes of a body with free interface and definite stiffness.
 
     Parameters
     ----------
     interface : of the body, without penalty
-    whole : makes M (n, n) of the body in one piece, if it is needed
+    whole : returns M (n, n) of the undivided body, if needed
     count : number of modes
 
     Returns
@@ -187,7 +187,7 @@ def lowest(interface: Interface, whole: Callable[[], sp.csr_matrix], count: int)
     found = _lowest_of_halves(interface, math.ceil(_SHARE * count))
     theta = np.concatenate([values for values, _ in found])
     order = np.argsort(-theta)[:count]
-    if theta[order[-1]] < max(values[-1] for values, _ in found):  # one half may have more above it
+    if theta[order[-1]] < max(values[-1] for values, _ in found):  # one half may have further modes above it
         found = _lowest_of_halves(interface, count)
         theta = np.concatenate([values for values, _ in found])
         order = np.argsort(-theta)[:count]
@@ -205,12 +205,12 @@ def _by_halves(work: Callable[[Half], Result], interface: MirroredInterface) -> 
 
 
 def _reflection(places: Places, axis: int, K: sp.csr_matrix, chosen: np.ndarray) -> _Reflection | None:
-    """The reflection of the chosen unknowns about the middle of the body, None if some have no images."""
+    """The reflection of the chosen unknowns about the centre of the body; None if some have no image."""
     low, high = places.nodes.min(axis=0), places.nodes.max(axis=0)
     near = _SAME * float(np.linalg.norm(high - low))
     nodes = places.nodes
     image = _images(nodes, low[axis] + high[axis], axis, near)
-    numbered = np.column_stack([places.functions, places.numbers])  # those of one node lie apart by their numbers
+    numbered = np.column_stack([places.functions, places.numbers])  # the number separates those of one node
     other = _images(numbered, low[axis] + high[axis], axis, near)
     if image is None or other is None:
         return None
@@ -233,7 +233,7 @@ def _reflection(places: Places, axis: int, K: sp.csr_matrix, chosen: np.ndarray)
 
 
 def _images(points: np.ndarray, twice: float, axis: int, near: float) -> np.ndarray | None:
-    """Numbers of the points at the reflected places, None if one is missing."""
+    """Numbers of the points at the reflected positions; None if one is missing."""
     mirrored = points.copy()
     mirrored[:, axis] = twice - points[:, axis]
     if not len(points):
@@ -245,7 +245,7 @@ def _images(points: np.ndarray, twice: float, axis: int, near: float) -> np.ndar
 
 
 def _signs(K: sp.csr_matrix, image: np.ndarray, sign: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Whether a reflected added function is its image, or that times -1, by the forces of both on the nodes."""
+    """Sign (1 or -1) of a reflected added function relative to its image, from the forces of both on the nodes."""
     n = len(image)
     forces = K[n:, :n]
     reflected = forces[:, image] @ sp.diags_array(sign)
@@ -265,7 +265,7 @@ def _unchanged(matrix: sp.csr_matrix, reflection: _Reflection, expansion: sp.csr
 
 
 def _of_interface(rows: sp.csr_matrix, reflection: _Reflection) -> np.ndarray | None:
-    """R of B S = R B, None if there is no such matrix or it is no reflection itself."""
+    """R of B S = R B, None if there is no such matrix or it is not a reflection."""
     B = rows.toarray()
     turned = B[:, reflection.image] * reflection.sign
     gram = B @ B.T
@@ -308,7 +308,7 @@ def _mirrored(
 
     halves = side_by_side(lambda: held(1.0), lambda: held(-1.0))
 
-    solvers = tuple((half.motions, half.interface.factor.solve) for half in halves)  # all that is kept by `solve`
+    solvers = tuple((half.motions, half.interface.factor.solve) for half in halves)  # only these are kept by `solve`
 
     def solve(b: np.ndarray) -> np.ndarray:
         def of(motions: sp.csr_matrix, inverse: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
@@ -329,7 +329,7 @@ def _mirrored(
 
 
 def _joined(interface: MirroredInterface, *reductions: Reduction) -> Reduction:
-    """The reduction of the whole body by those of its halves."""
+    """The reduction of the whole body from those of its halves."""
     b = len(interface.stiffness)
     mass, between, frequencies, late = np.zeros((b, b)), [], [], []
     for half, own in zip(interface.halves, reductions, strict=True):

@@ -2,9 +2,9 @@
 
     OP x = theta x,   OP = P M,   <x, y> = x^T M y,   theta = 1 / omega^2
 
-P is a symmetric (pseudo-)inverse of the stiffness. Blocks of right sides cost a fraction of single ones; every new
-block is orthogonalised against all earlier ones (twice), so no false copies of eigenvalues appear, and the basis
-grows until every eigenvalue above the limit has converged: the number of modes need not be known beforehand.
+P is a symmetric (pseudo-)inverse of the stiffness. A block of right-hand sides costs a fraction of single ones. Every
+new block is orthogonalised twice against all earlier ones, so that no spurious copies of eigenvalues appear. The basis
+grows until every eigenvalue above the limit has converged; the number of modes need not be known in advance.
 
 Reference: Grimes, Lewis & Simon (1994), SIAM J. Matrix Anal. Appl. 15(1), 228-272.
 """
@@ -20,9 +20,9 @@ import scipy.sparse as sp
 from fem.numerics import blas
 from fem.numerics.threads import side_by_side
 
-_TOLERANCE = 1e-7  # residual of a Ritz pair over its theta; the eigenvalue is then good to about its square
+_TOLERANCE = 1e-7  # residual of a Ritz pair over its theta; the error of theta is about its square
 _CHUNK = 8  # blocks that share one array
-_NOTHING = 1e-11  # share of a new block that reorthogonalisation removes, below which M times it need not be computed
+_NOTHING = 1e-11  # share removed by reorthogonalisation below which its product with M is not computed
 _RANK = 1e-12  # directions of a new block below this part of its largest (in mass norm squared) are dropped
 
 
@@ -31,7 +31,7 @@ class EigenError(RuntimeError):
 
 
 def m_orthonormal(X: np.ndarray, MX: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Combinations (k, r) that make X orthonormal in M, and their inverse (r, k); rank-deficient directions dropped.
+    """Combinations (k, r) that make X orthonormal in M, and their inverse (r, k); dependent directions are dropped.
 
     (Stathopoulos & Wu (2002), SIAM J. Sci. Comput. 23(6), 2165-2182, method SVQB.)
     """
@@ -60,8 +60,8 @@ def block_lanczos(
     operator : X (n, k) -> P X (n, k), symmetric, positive semidefinite
     M : sparse (n, n), kg
     smallest, count : s2 and number of eigenpairs; give one of them
-    block : vectors that are iterated together
-    largest_basis : vectors of the basis beyond which it gives up
+    block : number of vectors iterated together
+    largest_basis : largest number of basis vectors
 
     Returns
     -------
@@ -97,7 +97,7 @@ def block_lanczos(
         removed = basis.products(MW)
         basis.remove(W, removed)  # full reorthogonalisation
         T = _bordered(T, link, diagonal)
-        combine, rest = m_orthonormal(W, MW)  # MW of before: what was removed is small, and a second pass follows
+        combine, rest = m_orthonormal(W, MW)  # MW from before: the removed part is small, and a second pass follows
         exhausted = basis.used >= n or not rest.size or abs(rest).max() < 1e-13 * abs(np.diag(T)).max()
         if exhausted or step % 2 == 0:
             value, vector = la.eigh(T)
@@ -120,10 +120,10 @@ def block_lanczos(
 def _wanted(
     value: np.ndarray, residual: np.ndarray, smallest: float | None, count: int | None, exhausted: bool
 ) -> int | None:
-    """How many leading Ritz pairs answer the question, None while they have not converged.
+    """Number of leading Ritz pairs requested, None while they have not converged.
 
-    The pair after the last wanted one must be on its way, too: then none can still appear in between. An exhausted
-    basis (an invariant subspace) holds all modes that exist.
+    The pair after the last requested one must have partly converged too, so that no other can appear in between. An
+    exhausted basis (an invariant subspace) contains all modes.
     """
     number = int((value >= smallest).sum()) if smallest is not None else int(count or 0)
     if exhausted:
@@ -145,7 +145,7 @@ def _bordered(T: np.ndarray, link: np.ndarray, diagonal: np.ndarray) -> np.ndarr
 
 
 class _Basis:
-    """Vectors (n,) added in blocks; they lie in chunks, so that growing copies nothing."""
+    """Vectors (n,) added in blocks, stored in chunks so that growth copies nothing."""
 
     def __init__(self, n: int, chunk: int) -> None:
         self._n, self._chunk = n, chunk
@@ -184,7 +184,7 @@ class _Basis:
         return out
 
     def _add(self, W: np.ndarray, coefficients: np.ndarray, factor: float) -> None:
-        """W += factor Q @ coefficients in place, W by rows; by halves of these."""
+        """W += factor Q @ coefficients in place, W by rows; in two parallel halves."""
         turned = np.asfortranarray(coefficients.T)
 
         def run(rows: slice) -> None:

@@ -1,8 +1,8 @@
-"""CasingModes: the expensive result of a casing reduction, and the cheap step from it to a ReducedBody.
+"""CasingModes: the stored result of a casing reduction, and the inexpensive step from it to a ReducedBody.
 
-Sensors are recovered from the basis on the nodes, mount springs are added to the coordinates of the feet, damping comes
-from the modes of the grounded reduced body, fewer modes from what is stored (`fem.casing.reduced.truncation`). Changing
-any of these costs no factorisation and no eigensolution of the mesh.
+Sensors are recovered from the basis on the nodes. Mount springs are added to the coordinates of the feet. Damping
+follows from the modes of the grounded reduced body. `fem.casing.reduced.truncation` selects fewer modes. A change of
+any of these needs no factorisation or eigensolution of the mesh.
 """
 
 from __future__ import annotations
@@ -32,28 +32,28 @@ Mounts = Sequence[Sequence[float]]  # stiffness in x, y, z (N/m): one row for al
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CasingModes(Record):
-    """Reduced matrices of a casing in its ground and its basis on the mesh.
+    """Reduced matrices of a grounded casing and its basis on the mesh.
 
     On springs the matrices are those of the free body; `reduced_body` adds the mounts.
     """
 
     model: str = text()  # "static" | "craig-bampton"
-    solver: str = text()  # which code factorised the stiffness
+    solver: str = text()  # library that factorised the stiffness
     ground: str = text()  # "fixed" | "springs"
     attachment: str = text()  # "mean" | "rigid"
     mass: np.ndarray = array("coordinate", "coordinate", units="SI")
     stiffness: np.ndarray = array("coordinate", "coordinate", units="SI")
     coordinate_names: tuple[str, ...] = names("coordinate")  # interface, "mode_1", ..., "inertia_1", ...
-    reference_springs: np.ndarray = array("interface", units="N/m")  # under the feet while factorising
+    reference_springs: np.ndarray = array("interface", units="N/m")  # under the feet, in the factorisation only
     fixed_frequencies: np.ndarray = array("mode", units="Hz")  # fixed-interface modes, then inertia corrections
     band_limit: float = scalar(units="Hz")  # every fixed-interface mode below it is kept
-    counted: int = integer()  # fixed-interface modes below the limit by the law of inertia; -1: not counted
+    counted: int = integer()  # fixed-interface modes below the limit (Sturm-sequence count); -1: not counted
     unknowns: int = integer()  # of the grounded mesh
     participation: np.ndarray = array("coordinate", "motion", units="SI")  # T^T M R, R about the centre of gravity
     foot_stiffness: np.ndarray = array("foot_axis", "interface", units="SI")  # of clamped feet, see
     foot_inertia: np.ndarray = array("foot_axis", "axis", units="kg")  # `fem.casing.parts.feet`; 0 on springs
-    part_names: tuple[str, ...] = names("part")  # parts whose damping may be their own, see `fem.casing.parts.regions`
-    part_stiffness: np.ndarray = array("part", "coordinate", "coordinate", units="SI")  # what they bring to `stiffness`
+    part_names: tuple[str, ...] = names("part")  # parts with separate damping, see `fem.casing.parts.regions`
+    part_stiffness: np.ndarray = array("part", "coordinate", "coordinate", units="SI")  # their part of `stiffness`
     total_mass: float = scalar(units="kg")
     centre: np.ndarray = array("axis", units="m")  # of gravity
     inertia: np.ndarray = array("axis", "axis", units="kg m2")  # about the centre
@@ -71,12 +71,12 @@ class CasingModes(Record):
 
     @property
     def mode_set(self) -> ModeSet:
-        """The matrices with their layout."""
+        """The matrices with their numbers of coordinates."""
         n_fixed = sum(name.startswith("mode_") for name in self.coordinate_names)
         return ModeSet(self.stiffness, self.mass, len(self.interface_names), n_fixed, np.eye(len(self.mass)))
 
     def springs(self, mounts: Mounts | None) -> np.ndarray:
-        """Stiffness (interface,) that the mounts of the feet add.
+        """Stiffness (interface,) added by the mounts of the feet.
 
         Raises
         ------
@@ -105,14 +105,14 @@ class CasingModes(Record):
 def casing_modes(
     casing: GroundedCasing, reduction: Reduction, *, model: str, band_limit: float, counted: int = -1
 ) -> CasingModes:
-    """Collect what later stages need of a reduction.
+    """Collect the data of a reduction for later stages.
 
     Parameters
     ----------
-    casing, reduction : full model in its ground and what it was reduced to
+    casing, reduction : grounded full model and its reduction
     model : name of the casing model
     band_limit : Hz, below which every fixed-interface mode was kept
-    counted : fixed-interface modes below it by the law of inertia; -1: not counted
+    counted : fixed-interface modes below it (Sturm-sequence count); -1: not counted
     """
     mesh = casing.mesh
     extra = reduction.modes.shape[1] - reduction.n_fixed
@@ -157,7 +157,7 @@ def _of_parts(casing: GroundedCasing, reduction: Reduction) -> np.ndarray:
 
 
 def _clamped_feet(casing: GroundedCasing, MX: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """What `clamped_reactions` gives; zeros where the feet stand on springs."""
+    """Results of `clamped_reactions`; zeros for feet on springs."""
     mesh, interface = casing.mesh, casing.interface
     feet = [np.unique(mesh.patch(name)) for name in mesh.patches("ground_")]
     if casing.ground == "springs":
@@ -180,15 +180,15 @@ def _expanded(casing: GroundedCasing, reduction: Reduction) -> np.ndarray:
 def kept_modes(
     modes: CasingModes, springs: np.ndarray, *, limit: float | None = None, frequency_error: float | None = None
 ) -> ModeSet:
-    """The modes that a body keeps.
+    """The modes kept in a reduced body.
 
     Parameters
     ----------
-    modes : all that are known
+    modes : all stored modes
     springs : (interface,) N/m, of the mounts
     limit : Hz, fixed-interface modes up to it; all by default
-    frequency_error : with it, the fewest modes (of those up to the limit) that keep every frequency of the body up to
-        two thirds of the limit so close to that with all of them
+    frequency_error : if given, the fewest modes with which every frequency up to two thirds of the limit deviates at
+        most by this share from that with all modes up to the limit
     """
     whole = modes.mode_set
     if limit is None:
@@ -212,22 +212,22 @@ def reduced_body(
     stiffness_factor: float = 1.0,
     loss_factors: Mapping[str, float] | None = None,
 ) -> ReducedBody:
-    """The casing as the multibody model sees it.
+    """The reduced body of a casing, for the multibody model.
 
     Parameters
     ----------
     modes : of the casing
     sensors : three rows each, moved to the nearest surface point
     damping : modal damping ratio, or rows (Hz, ratio)
-    mounts : stiffness of every foot (N/m), if and only if the modes are those of a casing on springs
+    mounts : stiffness of every foot (N/m), only for modes of a casing on springs
     limit, frequency_error : see `kept_modes`
     stiffness_factor : of all but the mounts, see `fem.casing.uncertainty.extrapolation`
-    loss_factors : of parts whose damping is their own, by name; `damping` is that of the rest
+    loss_factors : of parts with separate damping, by name; `damping` is that of the rest
 
     Raises
     ------
     AttachmentError : a sensor far from the surface
-    ValueError : damping out of range, mounts that do not fit, more modes than are known, a part that is not known
+    ValueError : damping out of range, mounts that do not fit, more modes than stored, an unknown part
     """
     springs = modes.springs(mounts)
     chosen = kept_modes(modes, springs, limit=limit, frequency_error=frequency_error)
@@ -244,7 +244,7 @@ def reduced_body(
         corners, weights, place = nearest_surface_point(modes.nodes, modes.facets, np.array(sensor.position))
         shape = np.einsum("a,adk->dk", weights, modes.basis[corners].astype(float)) @ chosen.basis
         for axis, row in zip(GROUND_AXES, np.array(sensor.axes, float) @ shape, strict=True):
-            if f"{sensor.name}:{axis}" not in modes.interface_names:  # which a forced point is
+            if f"{sensor.name}:{axis}" not in modes.interface_names:  # unless it is a forced point
                 rows.append(row)
                 row_names.append(f"{sensor.name}:{axis}")
         places[sensor.name] = place
@@ -268,11 +268,11 @@ def reduced_body(
 
 
 def part_matrices(modes: CasingModes, chosen: ModeSet, springs: np.ndarray, factor: float) -> dict[str, np.ndarray]:
-    """Stiffness (coordinate, coordinate) of every part by its name, mounts among them if there are any.
+    """Stiffness (coordinate, coordinate) of every part by its name, including mounts if there are any.
 
     Parameters
     ----------
-    modes, chosen, springs : the casing, the modes kept of it, and its mounts (interface,) in N/m
+    modes, chosen, springs : the casing, its kept modes, and its mounts (interface,) in N/m
     factor : of all but the mounts
     """
     found = {
@@ -308,14 +308,14 @@ def _row_shifts(row_names: Sequence[str], sensors: Sequence[Sensor]) -> np.ndarr
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class NaturalModes(Record):
-    """Natural modes of a casing in its ground."""
+    """Natural modes of a grounded casing."""
 
     frequencies: np.ndarray = array("mode", units="Hz")
     effective_mass: np.ndarray = array("mode", "motion", units="SI")  # kg; about the centre of gravity kg m2
     total: np.ndarray = array("motion", units="SI")  # mass and inertia of the body
     vectors: np.ndarray = array("coordinate", "mode", units="SI")  # of the stored coordinates, mass-normalised
     part_names: tuple[str, ...] = names("part")
-    shares: np.ndarray = array("part", "mode", units="1")  # of the strain energy that parts store
+    shares: np.ndarray = array("part", "mode", units="1")  # share of each part in the strain energy
 
 
 def natural_modes(

@@ -1,15 +1,15 @@
 """Static condensation (Guyan) and Craig-Bampton reduction on linear interfaces u_b = B u.
 
-B holds rows of any kind: unit rows (plain degrees of freedom) or the mean motion of patches, which are no degrees of
-freedom and cannot be partitioned out. With A = K + B^T D B (D = 0 if K is already definite), S = B A^-1 B^T:
+B holds rows of any kind: unit rows (plain degrees of freedom) or the mean motion of patches, which are not degrees of
+freedom and cannot be partitioned. With A = K + B^T D B (D = 0 if K is already definite), S = B A^-1 B^T:
 
     Psi = A^-1 B^T S^-1                      constraint modes, B Psi = 1
     P = A^-1 - Psi B A^-1                    inverse of K on B u = 0
     P M phi = phi / omega^2                  fixed-interface modes, B phi = 0
-    E = P M Psi                              inertia correction: what the constraint modes lack at first order
+    E = P M Psi                              inertia correction of the constraint modes, first order
     u = Psi u_b + Phi eta,   K_r = diag(S^-1 - D, omega^2),   M_r = [[Psi^T M Psi, Psi^T M Phi], [., 1]]
 
-E is orthonormalised against Phi and brings more columns of Phi.
+E is orthonormalised against Phi and appended to its columns.
 
 References: Guyan (1965), AIAA J. 3(2), 380; Craig & Bampton (1968), AIAA J. 6(7), 1313-1319; Rixen (2004),
 J. Comput. Appl. Math. 168, 383-391; O'Callahan (1989), Proc. 7th IMAC, 17-21 (inertia correction).
@@ -27,8 +27,8 @@ import scipy.sparse as sp
 from fem.casing.reduced.lanczos import EigenError, block_lanczos, m_orthonormal
 from fem.numerics.linear_solver import Factor, Solver, factorize
 
-_DENSE = 400  # up to this many unknowns the modes come from a dense eigensolution on the null space of B
-_SPANNED = 1e-12  # share of its mass that a vector has beyond the modes, below which it is rounding
+_DENSE = 400  # largest number of unknowns for a dense eigensolution on the null space of B
+_SPANNED = 1e-12  # share of the mass of a vector outside the span of the modes, below which it is round-off
 
 
 class ReductionError(ValueError):
@@ -48,11 +48,11 @@ class Reduction:
 
     @property
     def basis(self) -> np.ndarray:
-        """T (n, b + m), a copy of both."""
+        """T (n, b + m), a copy."""
         return np.hstack([self.constraint, self.modes])
 
     def projected(self, loads: np.ndarray) -> np.ndarray:
-        """T^T loads of loads (n, k)."""
+        """T^T loads, for loads (n, k)."""
         return np.vstack([self.constraint.T @ loads, self.modes.T @ loads])
 
 
@@ -67,7 +67,7 @@ class Interface:
 
     @property
     def whole(self) -> Interface:
-        """Without what only a reduction needs."""
+        """The interface without data that only a reduction needs."""
         return self
 
     def inverse(self, X: np.ndarray) -> np.ndarray:
@@ -80,7 +80,7 @@ class Interface:
 def held_interface(
     K: sp.spmatrix, rows: sp.spmatrix, *, penalty: np.ndarray | None = None, solver: Solver = "auto"
 ) -> Interface:
-    """Factorise A = K + B^T D B and find the constraint modes.
+    """Factorise A = K + B^T D B and compute the constraint modes.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def held_interface(
 
     Raises
     ------
-    ReductionError : two interface rows depend on each other
+    ReductionError : interface rows are linearly dependent
     SingularMatrixError : A is not positive definite
     """
     rows = sp.csr_matrix(rows)
@@ -129,7 +129,7 @@ def reduce_body(
 
     Raises
     ------
-    ReductionError : more modes asked than exist
+    ReductionError : more modes requested than exist
     EigenError : the eigensolution did not converge
     """
     M = sp.csr_matrix(M)
@@ -150,10 +150,10 @@ def reduce_body(
 
 
 def count_fixed_modes(interface: Interface, K: sp.spmatrix, M: sp.spmatrix, highest: float) -> int:
-    """Number of fixed-interface modes below `highest`, without computing any: negative eigenvalues of K - s M.
+    """Sturm-sequence count of the fixed-interface modes below `highest`: negative eigenvalues of K - s M.
 
-    One factorisation more, by which an eigensolution shows that it has missed nothing (Sylvester's law of inertia; used
-    so by Grimes, Lewis & Simon 1994). On an eigenvalue itself the limit is lowered by a millionth.
+    One further factorisation verifies that an eigensolution has missed no mode (theorem of Sylvester; used by Grimes,
+    Lewis & Simon 1994). If the limit coincides with an eigenvalue, it is lowered by a millionth.
 
     Parameters
     ----------
@@ -162,7 +162,7 @@ def count_fixed_modes(interface: Interface, K: sp.spmatrix, M: sp.spmatrix, high
 
     Raises
     ------
-    EigenError : the limit lies on an eigenvalue that cannot be avoided
+    EigenError : the limit coincides with an eigenvalue, even when lowered
     """
     from fem.numerics.elimination import plan_elimination
     from fem.numerics.multifrontal import NearlySingularError, count_negative
@@ -181,7 +181,7 @@ def count_fixed_modes(interface: Interface, K: sp.spmatrix, M: sp.spmatrix, high
 def reduce_and_count(
     interface: Interface, K: sp.spmatrix, M: sp.spmatrix, *, highest: float, enrich: bool = True
 ) -> tuple[Reduction, int]:
-    """`reduce_body` after `count_fixed_modes`: both use two cores, and the memory of one is free for the other.
+    """`reduce_body` after `count_fixed_modes`, in sequence: each uses two cores, and memory is freed in between.
 
     Parameters
     ----------
@@ -189,7 +189,7 @@ def reduce_and_count(
 
     Raises
     ------
-    EigenError : not as many modes found as the law of inertia counts; or see the two
+    EigenError : the number of modes differs from the Sturm-sequence count; or see the two functions
     """
     counted = count_fixed_modes(interface, K, M, highest)
     reduction = reduce_body(interface, K, M, highest=highest, enrich=enrich)
@@ -202,9 +202,9 @@ def reduce_and_count(
 
 
 def _beyond(modes: np.ndarray, extra: np.ndarray, M: sp.csr_matrix) -> np.ndarray:
-    """What vectors (n, k) have beyond modes (n, m), (n, r) orthonormal in M; those that the modes span are dropped.
+    """Part (n, r) of vectors (n, k) outside the span of modes (n, m), orthonormal in M; dependent ones are dropped.
 
-    Scaled up, the rounding that is left of a vector within the modes would be a mode that does not exist.
+    Normalised, the round-off of a vector within the span would become a spurious mode.
     """
     whole = np.einsum("ij,ij->j", extra, M @ extra)
     extra = extra - modes @ (modes.T @ (M @ extra))
@@ -217,7 +217,7 @@ def _beyond(modes: np.ndarray, extra: np.ndarray, M: sp.csr_matrix) -> np.ndarra
 
 
 def largest_entry(matrix: sp.csr_matrix) -> float:
-    """By magnitude, without a copy."""
+    """Largest entry by magnitude, computed without a copy."""
     return float(max(matrix.data.max(initial=0.0), -matrix.data.min(initial=0.0)))
 
 
@@ -253,11 +253,11 @@ def _fixed_modes(
 def craig_bampton(
     K: sp.spmatrix, M: sp.spmatrix, interface: np.ndarray, n_modes: int, *, enrich: bool = False
 ) -> Reduction:
-    """Keep the plain degrees of freedom `interface` and the lowest fixed-interface modes.
+    """Craig-Bampton reduction to the degrees of freedom `interface` and the lowest fixed-interface modes.
 
     Parameters
     ----------
-    K, M : sparse (n, n), symmetric, N/m and kg; K may be singular as long as holding the interface makes it definite
+    K, M : sparse (n, n), symmetric, N/m and kg; K may be singular if it is definite with the interface held
     interface : int (b,), unknowns kept as physical coordinates
     n_modes : number of fixed-interface modes, 0 gives Guyan condensation
     enrich : add the inertia correction

@@ -1,4 +1,4 @@
-"""The model `rigid`: a rigid housing on six mount springs, its mass from the volumes of its parts; no mesh.
+"""The model `rigid`: a rigid housing on six mount springs, with its mass from the volumes of its parts, or a mesh.
 
 q = [translation of the centre of gravity, rotation], M = diag(m, m, m, I), K = sum R_i^T k_i R_i with
 u(x) = R q = t + r x (x - x_cg).
@@ -23,7 +23,7 @@ from fem.elements.solids import mass_properties, rigid_body_modes
 
 
 def housing_mass(housing: Housing, density: float) -> tuple[float, np.ndarray, np.ndarray]:
-    """Mass (kg), centre of gravity (3,) (m) and inertia about it (3, 3) (kg m2), exact for the parametric housing.
+    """Mass (kg), centre of gravity (3,) (m) and inertia about it (3, 3) (kg m2), exact for a plain housing.
 
     Box minus cavity plus boss cylinders inside the box minus bores plus feet.
     """
@@ -65,7 +65,7 @@ def rigid_body(
     damping_ratio: DampingRatio = 0.01,
     sensors: Sequence[Sensor] = (),
 ) -> ReducedBody:
-    """A plain parametric housing on springs, without a mesh.
+    """Reduced body of a plain parametric housing on springs, without a mesh.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def rigid_from_mesh(
     damping_ratio: DampingRatio = 0.01,
     sensors: Sequence[Sensor] = (),
 ) -> ReducedBody:
-    """The same for any housing: mass, key points and the places of the sensors come from its mesh.
+    """Rigid body of any housing: mass, key points and the positions of the sensors follow from its mesh.
 
     Parameters
     ----------

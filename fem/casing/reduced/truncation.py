@@ -1,9 +1,9 @@
-"""Fewer modes of a finished reduction, without finite elements.
+"""Truncation of a stored reduction to fewer modes, without finite elements.
 
 A reduction with modes Phi, inertia corrections E (mass-orthonormal, K-orthogonal) and c = Psi^T M [Phi, E]
-knows the whole correction P M Psi = [Phi, E] diag(1/omega^2) c^T. Leaving modes out therefore means: keep the wanted
-columns of Phi, and replace the others with E by what the correction has in their span. The result is the reduction that
-a computation to the lower limit would have found.
+determines the whole correction P M Psi = [Phi, E] diag(1/omega^2) c^T. Truncation keeps the selected columns of Phi,
+and replaces the other columns and E by the part of the correction in their span. The result equals a reduction computed
+to the lower limit.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from fem.casing.reduced.lanczos import m_orthonormal
 
 
 class TruncationError(ValueError):
-    """More is asked than the stored modes can give."""
+    """The request exceeds the stored modes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +29,7 @@ class ModeSet:
     mass: np.ndarray
     n_interface: int  # b
     n_fixed: int  # fixed-interface modes; the other m - n_fixed are inertia corrections
-    basis: np.ndarray  # (larger, b + m): columns in the coordinates that it was cut from
+    basis: np.ndarray  # (larger, b + m): columns in the coordinates of the full set
 
     @property
     def fixed_frequencies(self) -> np.ndarray:
@@ -78,16 +78,16 @@ def natural_frequencies(modes: ModeSet, springs: np.ndarray) -> np.ndarray:
 
 
 def fewest_modes(whole: ModeSet, springs: np.ndarray, *, band: float, frequency_error: float) -> int:
-    """Fewest fixed-interface modes with which every frequency up to `band` is within `frequency_error`.
+    """Least number of fixed-interface modes with which every frequency up to `band` is within `frequency_error`.
 
-    Found by bisection (the error falls with more modes: Rayleigh-Ritz).
+    The number is found by bisection, as the error decreases with more modes (Rayleigh-Ritz).
 
     Parameters
     ----------
     whole : modes to choose from
     springs : (b,) N/m, at the interface coordinates
     band : Hz
-    frequency_error : largest, as a part of the frequency with the whole set
+    frequency_error : largest error, relative to the frequency with the whole set
     """
     exact = natural_frequencies(whole, springs)
     exact = exact[(exact <= band) & (exact > 1e-3 * band / len(exact))]

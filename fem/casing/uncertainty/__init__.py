@@ -1,1 +1,1 @@
-"""Casings as uncertain as their meshes and their damping leave them: errors of their modes, and draws from these."""
+"""Numerical uncertainty of casings from mesh and damping: errors of their modes, and random samples of these."""

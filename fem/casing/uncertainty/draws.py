@@ -1,19 +1,19 @@
-"""Draws of a casing whose natural frequencies have errors, and whose modes turn into one another.
+"""Random samples of a casing with errors of its natural frequencies and with mode mixing.
 
-In its natural modes a casing has the stiffness diag(omega^2), one with errors
+In its natural modes a casing has the stiffness diag(omega^2); with errors it is
 
     omega_i omega_j (delta_ij + E_ij),    E_ii = (1 + e_i)^2 - 1,    E_ij ~ normal(0, sqrt(2 s_i s_j))
 
-with the error e_i of mean m_i and standard deviation s_i. The diagonal then spreads by 2 s_i, and with modes of one
-frequency nothing may depend on which two of their combinations are called the modes: the distribution has to be that
-of the Gaussian orthogonal ensemble, whose other terms have half the variance of the diagonal (Mehta 2004, Random
+with the error e_i of mean m_i and standard deviation s_i. The diagonal then has the standard deviation 2 s_i. For modes
+of equal frequency the distribution must not depend on the choice of their basis. It must therefore be that of the
+Gaussian orthogonal ensemble, whose off-diagonal terms have half the variance of the diagonal (Mehta 2004, Random
 Matrices, 2.5).
 
-Modes are close where their bands, two standard deviations, overlap: their part of the matrix is solved for frequencies
-and shapes. Modes that are not close take up some of each other's shape, by the angle E_ij omega_i omega_j /
-(omega_j^2 - omega_i^2) of the first order; what that does to their frequencies is in the limits already.
+Modes are close where their bands (two standard deviations) overlap; their part of the matrix is solved for frequencies
+and shapes. Other modes mix by the first-order angle E_ij omega_i omega_j / (omega_j^2 - omega_i^2); the extrapolated
+frequencies already contain its effect on the frequencies.
 
-Modes far above the frequencies that are looked at act by their flexibility alone; a draw scales all of it.
+Modes far above the evaluated frequencies contribute only their flexibility; a sample scales it by one factor.
 """
 
 from __future__ import annotations
@@ -27,29 +27,29 @@ from fem.casing.uncertainty.frequency_errors import FrequencyErrors
 from fem.casing.uncertainty.frequency_limits import WIDTH
 from fem.casing.uncertainty.modal_form import ModalForm
 
-NEAR = 1.5  # times the highest frequency looked at: modes above it act by their flexibility
+NEAR = 1.5  # times the highest evaluated frequency: modes above contribute only flexibility
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CasingDraws:
-    """Drawn casings in the `near` lowest modes of the one that they are drawn about; (draw, near) or (draw,)."""
+    """Sampled casings in the `near` lowest modes of the nominal casing; (sample, near) or (sample,)."""
 
-    squares: np.ndarray  # (draw, near), 1/s2
-    turns: np.ndarray  # (draw, near, near): columns are the drawn modes
-    stiffening: np.ndarray  # (draw,) of all other modes, relative
-    damping: np.ndarray  # (draw,) factor of all damping ratios
+    squares: np.ndarray  # (sample, near), 1/s2
+    turns: np.ndarray  # (sample, near, near): columns are the sampled modes
+    stiffening: np.ndarray  # (sample,) of all other modes, relative
+    damping: np.ndarray  # (sample,) factor of all damping ratios
 
     def __len__(self) -> int:
         return len(self.squares)
 
 
 def near_modes(form: ModalForm, highest: float) -> int:
-    """Number of modes that are drawn for themselves where frequencies up to `highest` (Hz) are looked at."""
+    """Number of individually sampled modes for frequencies up to `highest` (Hz)."""
     return max(1, int((form.frequencies <= NEAR * highest).sum()))
 
 
 def undrawn(form: ModalForm, near: int, count: int = 1) -> CasingDraws:
-    """The casing itself, `count` times."""
+    """The nominal casing, `count` times."""
     return CasingDraws(
         squares=np.tile(form.squares[:near], (count, 1)),
         turns=np.tile(np.eye(near), (count, 1, 1)),
@@ -59,12 +59,13 @@ def undrawn(form: ModalForm, near: int, count: int = 1) -> CasingDraws:
 
 
 def drawn_frequencies(form: ModalForm, near: int, errors: FrequencyErrors, count: int, seed: int) -> CasingDraws:
-    """Draws of the frequencies.
+    """Samples of the natural frequencies.
 
     Parameters
     ----------
-    form, near, errors : the casing, its modes that are drawn for themselves, and their errors
-    count, seed : number of draws, and of the random numbers
+    form, near, errors : the casing, its number of individually sampled modes, and their errors
+    count : number of samples
+    seed : of the random numbers
     """
     random = np.random.default_rng(seed)
     means, spreads, common = _moments(near, errors)
@@ -78,11 +79,11 @@ def drawn_frequencies(form: ModalForm, near: int, errors: FrequencyErrors, count
 
 
 def single_errors(form: ModalForm, near: int, errors: FrequencyErrors) -> CasingDraws:
-    """The casing with its mean errors, then with one mode after the other off by a standard deviation, then the rest.
+    """The casing with mean errors, then with an added standard deviation in one mode at a time, then in the rest.
 
     Returns
     -------
-    near + 2 casings: what each error does alone is told from the first one
+    near + 2 casings: the effect of each error alone is the difference to the first one
     """
     means, spreads, common = _moments(near, errors)
     single = np.vstack([means, means + np.diag(spreads), means + common])
@@ -91,13 +92,14 @@ def single_errors(form: ModalForm, near: int, errors: FrequencyErrors) -> Casing
 
 
 def drawn_damping(form: ModalForm, near: int, spread: float, count: int, seed: int) -> CasingDraws:
-    """Draws of one factor of all damping ratios, log-normal.
+    """Samples of one log-normal factor of all damping ratios.
 
     Parameters
     ----------
-    form, near : the casing, and its modes that are drawn for themselves
-    spread : from 1/(1 + spread) to 1 + spread are 5 to 95 % of the factors
-    count, seed : number of draws, and of the random numbers
+    form, near : the casing, and its number of individually sampled modes
+    spread : 5 % of the factors are below 1/(1 + spread), 5 % above 1 + spread
+    count : number of samples
+    seed : of the random numbers
     """
     factors = np.exp(np.log1p(spread) / NORMAL_95 * np.random.default_rng(seed).standard_normal(count))
     same = undrawn(form, near, count)
@@ -108,7 +110,7 @@ NORMAL_95 = 1.6448536269514722  # standard deviations below which 95 % of a norm
 
 
 def _moments(near: int, errors: FrequencyErrors) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Mean, own and common standard deviation (near,) of the errors of the modes."""
+    """Mean, individual and common standard deviation (near,) of the errors of the modes."""
     means, spreads, common = np.zeros(near), np.full(near, errors.rest_spread), np.full(near, errors.rest)
     known = slice(errors.first, min(near, errors.first + len(errors.means)))
     count = max(0, known.stop - known.start)
@@ -124,7 +126,7 @@ def _close(frequencies: np.ndarray, spreads: np.ndarray) -> np.ndarray:
 
 
 def _turned(squares: np.ndarray, off: np.ndarray) -> np.ndarray:
-    """Orthogonal matrices (draw, near, near) that turn modes by the angles of terms `off` beside the diagonal."""
+    """Orthogonal matrices (sample, near, near) that rotate modes by the angles of the off-diagonal terms `off`."""
     omega, apart = np.sqrt(squares), squares - squares[:, None]
     angles = off * omega * omega[:, None] / np.where(apart == 0.0, np.inf, apart)
     whole = np.eye(len(squares))
@@ -136,10 +138,10 @@ def _changed(form: ModalForm, near: int, single: np.ndarray, mixed: np.ndarray, 
 
     Parameters
     ----------
-    form, near : the casing, and its modes that are drawn for themselves
-    single : (draw, near) relative errors of the frequencies
-    mixed : (draw, near, near) terms E_ij of close modes
-    rest : (draw,) relative errors of all other modes
+    form, near : the casing, and its number of individually sampled modes
+    single : (sample, near) relative errors of the frequencies
+    mixed : (sample, near, near) terms E_ij of close modes
+    rest : (sample,) relative errors of all other modes
     """
     omega = np.sqrt(form.squares[:near])
     matrix = mixed * omega[:, None] * omega
@@ -150,7 +152,7 @@ def _changed(form: ModalForm, near: int, single: np.ndarray, mixed: np.ndarray, 
 
 
 def joined(parts: Sequence[CasingDraws]) -> CasingDraws:
-    """All draws of several sets, in their order."""
+    """All samples of several sets, in order."""
     return CasingDraws(
         squares=np.concatenate([part.squares for part in parts]),
         turns=np.concatenate([part.turns for part in parts]),

@@ -1,11 +1,13 @@
-"""Stiffness of a casing extrapolated to elements of size zero, by its natural modes on coarser meshes.
+"""Stiffness of a casing extrapolated to zero element size (Richardson), from its natural modes on coarser meshes.
 
-Elements of displacement are too stiff. The lowest modes on coarser meshes, with elements 1.3 and 1.7 times as large,
-paired by their shapes, tell the limit of every frequency and a band about it (`fem.casing.uncertainty.laws`). Of cubic
-elements those of quadratic ones on the same mesh do (`fem.casing.uncertainty.cubic_limits`).
+Displacement elements are too stiff. The lowest modes on coarser meshes, with elements 1.3 and 1.7 times as large, are
+paired by their shapes. They give the extrapolated frequency and uncertainty band of every mode
+(`fem.casing.uncertainty.laws`). For cubic elements the modes of quadratic ones on the same mesh are used
+(`fem.casing.uncertainty.cubic_limits`).
 
-The error of thin walls and sharp edges is nearly the same for all modes. One factor, from the mean m of what the limits
-lie lower than the frequencies, therefore corrects all of the stiffness: K = (1 - m)^2 K(h); mass and shapes stay.
+The error of thin walls and sharp edges is nearly the same for all modes. One factor, from the mean relative difference
+m of frequencies and extrapolated frequencies, therefore corrects all of the stiffness: K = (1 - m)^2 K(h); mass and
+shapes are unchanged.
 """
 
 from __future__ import annotations
@@ -32,51 +34,51 @@ from fem.elements.solid_elements import SOLIDS
 from fem.storage.records import Record, array, integer, scalar, text
 
 MODES = 60  # lowest natural modes that are compared
-LARGEST = 0.25  # change of a frequency from mesh to mesh that is extrapolated
-_GUARD = 12  # further modes that are iterated along: the last ones of a block converge least
-RIGID_MOTIONS = 6  # motions of a casing on springs, which stand outside its own stiffness
+LARGEST = 0.25  # largest change of a frequency between meshes for extrapolation
+_GUARD = 12  # additional modes in the iteration: the last ones of a block converge least
+RIGID_MOTIONS = 6  # motions of a casing on springs, independent of its stiffness
 
 
 class ExtrapolationError(ValueError):
-    """Meshes whose frequencies cannot be extrapolated."""
+    """The frequencies of the meshes cannot be extrapolated."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LowestModes(Record):
-    """Lowest natural modes on one mesh, at the places of `pairing.sample_nodes`."""
+    """Lowest natural modes on one mesh, at the nodes of `pairing.sample_nodes`."""
 
     frequencies: np.ndarray = array("mode", units="Hz")
-    shapes: np.ndarray = array("sample", "mode", units="1")  # displacements along x, y, z of every place
+    shapes: np.ndarray = array("sample", "mode", units="1")  # displacements along x, y, z of every node
     element_size: float = scalar(units="m")
     unknowns: int = integer()
     element: str = text()  # of `fem.elements.solid_elements.SOLIDS`
 
 
 def coarser_sizes(sizes: Sizes) -> tuple[Sizes, ...]:
-    """Element sizes of the meshes that the errors of one of quadratic tetrahedra are measured by."""
+    """Element sizes of the coarser meshes for the error estimate of quadratic tetrahedra."""
     return tuple(sizes.times(ratio) for ratio in RATIOS)
 
 
 def lowest_modes(assembled: AssembledCasing, *, static: bool) -> LowestModes:
-    """The modes of a casing on a coarser mesh, or on the same one without cubic displacements.
+    """The lowest modes of a casing on a coarser mesh, or on the same one without cubic displacements.
 
     Parameters
     ----------
     assembled : the casing
-    static : take the matrices condensed to the interface, as the model static has
+    static : use the matrices condensed to the interface, as in the model `static`
 
     Raises
     ------
     as `AssembledCasing.held` and `reduce_body`
     """
     ground = assembled.ground
-    with threadpool_limits(1):  # the heavy steps run in two halves side by side
+    with threadpool_limits(1):  # the expensive steps run in two parallel halves
         casing = assembled.held()
-        if ground == "fixed" and not static:  # definite as it stands: no interface needs to be held
+        if ground == "fixed" and not static:  # definite: no interface needs to be held
             theta, phi = lowest(casing.interface, lambda: casing.M_free, MODES)
             frequencies = 1.0 / (2.0 * np.pi * np.sqrt(theta))
         else:
-            count = 0 if static else 2 * MODES  # as many as leave no error in the lowest half
+            count = 0 if static else 2 * MODES  # enough for a negligible error in the lowest half
             reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=count, enrich=not static)
             frequencies, vectors = _elastic(reduction.stiffness, reduction.mass, ground)
             phi = reduction.basis @ vectors
@@ -86,12 +88,12 @@ def lowest_modes(assembled: AssembledCasing, *, static: bool) -> LowestModes:
 def quadratic_modes(assembled: AssembledCasing, reduction: Reduction, *, static: bool) -> LowestModes:
     """The modes of a casing without the cubic displacements of its elements, from those with them.
 
-    These, X with omega, are so near that one inverse iteration is enough,
+    The latter, X with omega, are so close that one inverse iteration is sufficient,
 
         Y = (K + B^T D B)^-1 (M X omega^2 + B^T D B X),
 
     followed by Rayleigh's method in the span of Y (Bathe 2014, Finite Element Procedures, section 11.6). On the shipped
-    hoist the frequencies are then within 3e-6 of converged ones, which differ from those of X by 2e-3 to 6e-3.
+    hoist the error of the frequencies is 3e-6, for differences to those of X of 2e-3 to 6e-3.
 
     Parameters
     ----------
@@ -131,7 +133,7 @@ def _sampled(casing: GroundedCasing, frequencies: np.ndarray, vectors: np.ndarra
 
 
 def measured_limits(modes: CasingModes, coarser: Sequence[LowestModes]) -> FrequencyLimits:
-    """Limits and bands of the lowest natural modes of a casing, rigid motions on springs left out.
+    """Extrapolated frequencies and bands of the lowest natural modes of a casing, without rigid motions on springs.
 
     Parameters
     ----------
@@ -140,7 +142,7 @@ def measured_limits(modes: CasingModes, coarser: Sequence[LowestModes]) -> Frequ
 
     Raises
     ------
-    ExtrapolationError : the coarser meshes are not the stiffer ones, or by more than can be trusted
+    ExtrapolationError : a coarser mesh is not stiffer, or the change exceeds `LARGEST`
     """
     frequencies, vectors = _elastic(modes.stiffness, modes.mass, modes.ground)
     if modes.band_limit:
@@ -153,7 +155,7 @@ def measured_limits(modes: CasingModes, coarser: Sequence[LowestModes]) -> Frequ
 def limits_from(
     frequencies: np.ndarray, shapes: np.ndarray, element_size: float, coarser: Sequence[LowestModes]
 ) -> FrequencyLimits:
-    """As `measured_limits`, of modes that are read already.
+    """`measured_limits` from given frequencies and shapes.
 
     Parameters
     ----------
@@ -191,12 +193,12 @@ def limits_from(
 
 
 def stiffness_factor(limits: FrequencyLimits) -> float:
-    """Factor of the stiffness that brings the frequencies to their limits in the mean."""
+    """Factor of the stiffness that removes the mean difference of frequencies and extrapolated frequencies."""
     return (1.0 - limits.correction) ** 2
 
 
 def _elastic(stiffness: np.ndarray, mass: np.ndarray, ground: Ground | str) -> tuple[np.ndarray, np.ndarray]:
-    """Hz (m,) and vectors (coordinate, m) of the lowest `MODES`, or of all there are."""
+    """Frequencies (m,) in Hz and vectors (coordinate, m) of the lowest `MODES` elastic modes, or of all."""
     squares, vectors = la.eigh(stiffness, mass)
     chosen = slice(RIGID_MOTIONS if ground == "springs" else 0, None)
     squares, vectors = squares[chosen][:MODES], vectors[:, chosen][:, :MODES]

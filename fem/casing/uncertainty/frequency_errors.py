@@ -1,13 +1,13 @@
-"""What is known of the errors of a casing's natural frequencies after its stiffness was extrapolated.
+"""Remaining errors of the natural frequencies of a casing after extrapolation of its stiffness.
 
-The limit of a mode at elements of size zero (`fem.casing.uncertainty.frequency_limits`) lies beside its frequency in
-the corrected body, because one factor corrects all modes: that is its mean error. Its band, twice a root mean square,
-gives the standard deviation.
+One factor corrects all modes, so the extrapolated frequency of a mode (`fem.casing.uncertainty.frequency_limits`)
+differs from its frequency in the corrected body. This difference is its mean error. Its band is twice the standard
+deviation.
 
-Modes that were not compared, and the flexibility of the seats that the highest of them make, have the correction but no
-limit of their own. They share one error whose standard deviation is half of the correction: at the rig's seats the
-correction of the flexibility was 1.6 % where 0.8 % were missing (`fem.casing.uncertainty.extrapolation`). Each of them
-spreads about it as the compared ones do in the mean.
+Modes above those compared, and the flexibility of the seats that they represent, are corrected without an extrapolated
+frequency. They share one error whose standard deviation is half of the correction: at the seats of the rig a correction
+of 1.6 % compared with a true one of 0.8 % (`fem.casing.uncertainty.extrapolation`). Their individual errors have the
+root-mean-square standard deviation of the compared modes.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ REST_SHARE = 0.5  # of the correction
 class FrequencyErrors:
     """Relative errors of natural frequencies: true frequency = frequency (1 + error).
 
-    `means` and `spreads` (standard deviations) belong to the modes from number `first` on that were compared; modes
-    below it are motions on mounts, without error. All others share an error of standard deviation `rest` and spread
-    about it by `rest_spread`.
+    `means` and `spreads` (standard deviations) belong to the compared modes, from number `first` on; modes below it are
+    motions on mounts, without error. All others share an error of standard deviation `rest`, and their individual
+    errors have the standard deviation `rest_spread`.
     """
 
     first: int
@@ -39,11 +39,11 @@ class FrequencyErrors:
 
 
 def frequency_errors(limits: FrequencyLimits, first: int = 0) -> FrequencyErrors:
-    """The errors of the body whose stiffness was corrected by `limits`.
+    """The frequency errors of a body whose stiffness was corrected by `limits`.
 
     Parameters
     ----------
-    limits : of the lowest modes, motions on mounts left out
+    limits : of the lowest modes, without motions on mounts
     first : number of the motions on mounts, 6 on springs
     """
     corrected = limits.frequencies * (1.0 - limits.correction)

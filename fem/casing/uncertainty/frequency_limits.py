@@ -1,27 +1,28 @@
-"""Natural frequencies at elements of size zero, with a band for each mode, from three meshes of one body.
+"""Frequencies extrapolated to zero element size with uncertainty bands, from three meshes of one body (Richardson).
 
-On meshes of sizes h_1 < h_2 < h_3 the frequency of a mode is taken as f = f_0 (1 + c g(h)), with an amplitude c of its
-own and a law g that all modes share: where the error comes from (edges, seats, thin walls) is the same for all. With
-r_i = h_i/h_1 and the changes e_i = f(h_i)/f(h_1) - 1
+On meshes of sizes h_1 < h_2 < h_3 the frequency of a mode is assumed to be f = f_0 (1 + c g(h)). The amplitude c
+depends on the mode. All modes share the function g, as their errors have the same sources (edges, seats, thin walls).
+With r_i = h_i/h_1 and the changes e_i = f(h_i)/f(h_1) - 1
 
     e_2 / e_3 = rho = (g(r_2) - g(1))/(g(r_3) - g(1)),    f_0 = f(h_1) (1 - gamma e_3),    gamma = g(1)/(g(r_3) - g(1))
 
-The median of e_2/e_3 can be read in two ways that give the same three frequencies and different limits:
+Two functions g fit the median of e_2/e_3, and hence the three frequencies, with different extrapolated values:
 
 - one power, g = h^p, with p between that of a re-entrant edge (1.09 at a right angle: Szabo & Babuska 1991, Finite
   Element Analysis, section 10.1) and that of smooth bodies;
-- these two orders together, g = theta h^1.09 + (1 - theta) h^4. What falls slowly is small on the coarse meshes and
-  most of what is left on the fine ones, so this limit lies lower.
+- these two orders together, g = theta h^1.09 + (1 - theta) h^4. The slowly decreasing term is small on the coarse
+  meshes but dominates on fine ones, so this extrapolated frequency is lower.
 
-Nothing in three frequencies tells them apart. The limit is the lower one, whose orders are those of theory. The band
-reaches to the other, and below to the limit of a mode whose error comes from edges alone, h^1.09: where it comes from
-is the same for most modes, not for all (in a tube on rails, those that bend the tube and those that move the rails).
-On a small housing with walls of 10 mm (tetrahedra of 17.6, 22.9 and 29.9 mm, 60 modes to 9 kHz, against hexahedra of
-16 mm with three layers at the edges) one power leaves 1.08 +- 0.34 %, both orders 0.25 +- 0.39 %. What a mode
-deviates from the common law by, d = e_2 - rho e_3, is scatter of the three meshes. It adds to the band twice the
-standard deviation that it leaves in the limit, the larger one of scatter that is the same on all meshes and of
-scatter in proportion to their errors. An order of one mode alone is told where its values are monotone; its limit is
-not used: on meshes that are made anew for every size it scatters four times as much.
+Three frequencies cannot distinguish them. The lower one is used, as its orders are those of theory. The band extends
+upwards to the other, and downwards to that of a mode with errors from edges alone, h^1.09, because not all modes have
+the same sources of error (for example bending of a tube and motions of the rails under it).
+
+On a small housing with walls of 10 mm (tetrahedra of 17.6, 22.9 and 29.9 mm, 60 modes to 9 kHz, against hexahedra of 16
+mm with three layers at the edges) the error is 1.08 +- 0.34 % with one power and 0.25 +- 0.39 % with both orders. The
+deviation of a mode from the common g, d = e_2 - rho e_3, is mesh scatter. The band includes twice its standard
+deviation in the extrapolated frequency: the larger value for equal scatter on all meshes, or for scatter in proportion
+to their errors. The order of a single mode is given where its values are monotone, but not used: its extrapolated
+frequency scatters four times as much.
 """
 
 from __future__ import annotations
@@ -35,56 +36,56 @@ import numpy as np
 from fem.numerics.root import brentq
 
 EDGE_ORDER = 1.09  # of a right-angled re-entrant edge
-SMOOTH_ORDER = 4.0  # of a smooth body, the largest that is believed
+SMOOTH_ORDER = 4.0  # of a smooth body, the upper bound that is accepted
 WIDTH = 2.0  # of a band, in standard deviations
-LEAST_MODES = 3  # from which a common order can be told
+LEAST_MODES = 3  # least number of modes for a common order
 
 
 class LimitError(ValueError):
-    """Meshes that no common order can be drawn from."""
+    """No common order can be determined from the meshes."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FrequencyLimits:
-    """Limits and bands of the modes of the finest mesh."""
+    """Extrapolated frequencies and uncertainty bands of the modes of the finest mesh."""
 
     frequencies: np.ndarray  # (mode,), Hz, on the finest mesh
-    order: float  # of what smaller elements take off all modes
-    orders: np.ndarray  # (mode,) of each alone, nan where its values are not monotone or not three
-    limits: np.ndarray  # (mode,), Hz
-    bands: np.ndarray  # (mode,), Hz: half width about the limit
-    fixed_bands: np.ndarray  # (mode,), Hz: part of them that smaller elements leave as it is
+    order: float  # of the part of the error that decreases with the element size
+    orders: np.ndarray  # (mode,) of each mode; nan unless it has three monotone values
+    limits: np.ndarray  # (mode,), Hz: extrapolated frequencies
+    bands: np.ndarray  # (mode,), Hz: half width about these
+    fixed_bands: np.ndarray  # (mode,), Hz: part of them independent of the element size
     correction: float  # mean of 1 - limit / frequency on the finest mesh
 
     def median_band_at(self, factor: float) -> float:
-        """Median band, in parts of the limit, that elements smaller by a factor would have."""
+        """Median relative band predicted for elements smaller by a factor."""
         rest = (self.bands - self.fixed_bands) * factor**self.order
         return float(np.median((self.fixed_bands + rest) / self.limits))
 
     @property
     def median_band(self) -> float:
-        """Half the modes have a narrower band, in parts of their limit."""
+        """Median band, relative to the extrapolated frequencies."""
         return float(np.median(self.bands / self.limits))
 
     @property
     def widest_band(self) -> float:
-        """In parts of the limit."""
+        """Widest band, relative to the extrapolated frequency."""
         return float(np.max(self.bands / self.limits))
 
 
 @dataclass(frozen=True, eq=False)
 class Changes:
-    """How the frequencies of two or more meshes differ, read and checked.
+    """Checked differences between the frequencies of two or more meshes.
 
     Parameters
     ----------
     sizes : element sizes, ascending, in any unit
     frequencies : float (size, mode), Hz, of the same modes; nan where a coarser mesh has no counterpart
-    formal_order : of frequencies in a smooth body, the largest that is believed
+    formal_order : of frequencies in a smooth body, the upper bound that is accepted
 
     Raises
     ------
-    LimitError : sizes that do not rise, fewer than three modes with counterparts, or none that changes
+    LimitError : sizes not ascending, fewer than three modes with counterparts, or no change of any frequency
     """
 
     sizes: np.ndarray
@@ -113,12 +114,12 @@ class Changes:
 
     @property
     def known(self) -> np.ndarray:
-        """Bool (mode,): on all meshes."""
+        """Bool (mode,): known on all meshes."""
         return np.asarray(np.isfinite(self.frequencies).all(axis=0))
 
     @property
     def monotone(self) -> np.ndarray:
-        """Bool (mode,): from mesh to mesh in one direction."""
+        """Bool (mode,): changes from mesh to mesh have the same sign."""
         steps = np.diff(self.frequencies, axis=0)
         return np.asarray(self.known & (steps * self.large > 0.0).all(axis=0))
 
@@ -131,13 +132,13 @@ class Changes:
     def limits(
         self, order: float, *, share: float, reach: float, walls: tuple[float, float] = (0.0, 0.0)
     ) -> FrequencyLimits:
-        """Limits f (1 - w - share `large`) and bands f (dw + reach `scale`), at least the spread where not monotone.
+        """Limits f (1 - w - share `large`) and bands f (dw + reach `scale`); non-monotone modes: at least their spread.
 
         Parameters
         ----------
-        order : with which smaller elements change what depends on their size
-        share, reach : of `large`
-        walls : least and most of what does not, w - dw and w + dw
+        order : order in the element size of the part that depends on it
+        share, reach : factors of `large` and `scale`
+        walls : range w - dw to w + dw of the part that does not depend on it
         """
         f, known = self.frequencies, self.known
         change = np.where(known, self.large, float(np.mean(self.large[known])))
@@ -155,7 +156,7 @@ class Changes:
         )
 
     def _orders(self) -> np.ndarray:
-        """Of every mode alone, nan where it is not monotone."""
+        """Order (mode,) of every mode; nan where it is not monotone."""
         logs = np.log(self.sizes[1:] / self.sizes[0])
         with np.errstate(divide="ignore", invalid="ignore"):
             ratios = np.where(self.monotone, self.middle / self.large, np.nan)
@@ -165,7 +166,7 @@ class Changes:
 def frequency_limits(
     sizes: Sequence[float], frequencies: np.ndarray, *, formal_order: float = SMOOTH_ORDER
 ) -> FrequencyLimits:
-    """Limits and bands of natural frequencies of tetrahedra.
+    """Extrapolated natural frequencies and uncertainty bands of tetrahedra.
 
     Parameters
     ----------
@@ -198,7 +199,7 @@ def _ratio(order: float, logs: np.ndarray) -> float:
 
 
 def _mixed_share(ratio: float, logs: np.ndarray, formal_order: float) -> float:
-    """gamma of two orders together that give the same ratio of changes."""
+    """gamma of two orders together, for the same ratio of changes."""
     slow, fast = np.expm1(EDGE_ORDER * logs), np.expm1(formal_order * logs)
     of_slow, of_fast = slow[0] - ratio * slow[1], ratio * fast[1] - fast[0]
     if of_slow + of_fast <= 0.0:
@@ -208,7 +209,7 @@ def _mixed_share(ratio: float, logs: np.ndarray, formal_order: float) -> float:
 
 
 def _gain(order: float, share: float, logs: np.ndarray) -> float:
-    """Standard deviation of a limit over that of the deviations, by scatter of the three meshes."""
+    """Standard deviation of an extrapolated frequency over that of the deviations d, by scatter of the three meshes."""
     ratio, gains = _ratio(order, logs), []
     for middle, large in (np.ones(2), np.exp(order * logs)):
         of_limit = math.hypot(1.0 + share, share * large)
@@ -217,7 +218,7 @@ def _gain(order: float, share: float, logs: np.ndarray) -> float:
 
 
 def _order(ratio: float, logs: np.ndarray, largest: float) -> float:
-    """The order of a ratio of changes, which falls with it; nan of nan."""
+    """The order that gives a ratio of changes; the ratio decreases with the order; nan for nan."""
     if math.isnan(ratio):
         return math.nan
     if ratio >= _ratio(EDGE_ORDER, logs):

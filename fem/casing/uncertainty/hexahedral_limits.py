@@ -1,10 +1,11 @@
-"""Limits and bands of natural frequencies on hexahedra that follow the stresses at edges, from meshes of several sizes.
+"""Extrapolated frequencies and bands of hexahedra with edge-singularity enrichment, from meshes of several sizes.
 
-One quadratic element through a wall misses some of its shear, and of the corners, at any size along the wall: on the
-shipped rig elements divided in the walls and beside them lower the frequencies by 0.23 % (22 mm) and 0.27 % (30 mm). No
-change of size shows that; the middle of `WALLS` is taken off. Cubic elements miss nothing of the kind. The rest falls
-with an order between `SLOW` and `FAST` and is told by the largest size alone: elements end on the faces of feet and
-bosses, so that near sizes give meshes that differ by chance. The limit lies half-way, the band reaches to both ends.
+One quadratic element through a wall cannot represent all of its shear, nor the corners, at any size along the wall. On
+the shipped rig, elements divided in and next to the walls lower the frequencies by 0.23 % (22 mm) and 0.27 % (30 mm). A
+change of size does not show this error, so the middle of `WALLS` is subtracted; cubic elements do not have it. The rest
+decreases with an order between `SLOW` and `FAST`. It is estimated from the largest size alone: elements end on the
+faces of feet and bosses, so that meshes of similar sizes scatter. The extrapolated frequency is the middle; the band
+extends to both ends.
 """
 
 from __future__ import annotations
@@ -22,12 +23,12 @@ WALLS = {2: (0.0005, 0.0035), 3: (0.0, 0.0)}  # of the frequencies
 
 
 def hexahedral_limits(sizes: Sequence[float], frequencies: np.ndarray, *, degree: int) -> FrequencyLimits:
-    """Limits and bands.
+    """Extrapolated frequencies and uncertainty bands.
 
     Parameters
     ----------
-    sizes, frequencies : those of `fem.casing.uncertainty.frequency_limits.Changes`; what lies between the finest and
-        the coarsest mesh tells which modes are monotone
+    sizes, frequencies : those of `fem.casing.uncertainty.frequency_limits.Changes`; meshes between the finest and the
+        coarsest only show which modes are monotone
     degree : of the elements, 2 or 3
 
     Raises

@@ -1,4 +1,4 @@
-"""The law by which limits and bands of frequencies follow from meshes of several sizes, by their elements."""
+"""Extrapolation of frequencies from meshes of several sizes, by the kind of their elements."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from fem.elements.solid_elements import SOLIDS
 
 Law = Callable[[Sequence[float], np.ndarray], FrequencyLimits]
 
-RATIOS = (1.3, 1.7)  # element sizes of the coarser meshes that quadratic tetrahedra are extrapolated from
+RATIOS = (1.3, 1.7)  # relative element sizes of the coarser meshes for quadratic tetrahedra
 
 
 def law_of(element: str) -> Law:
-    """What elements miss depends on their kind: one of `fem.elements.solid_elements.SOLIDS`."""
+    """The extrapolation for one of `fem.elements.solid_elements.SOLIDS`, as errors depend on the kind of element."""
     kind = SOLIDS[element]
     if kind.corners == 8:
         return partial(hexahedral_limits, degree=kind.degree)

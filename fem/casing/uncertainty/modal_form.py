@@ -1,6 +1,6 @@
 """A reduced body in its natural modes: K Phi = M Phi diag(omega^2), Phi^T M Phi = I, Phi^T C Phi = diag(2 zeta omega).
 
-Forces F on some coordinates move them by Y F with the receptance Y = Phi diag(1/(omega_k^2 - omega^2 + 2i zeta_k
+Forces F on some coordinates displace them by Y F with the receptance Y =  Phi diag(1/(omega_k^2 - omega^2 + 2i zeta_k
 omega_k omega)) Phi^T.
 """
 
@@ -17,7 +17,7 @@ from fem.casing.reduced.body import ReducedBody
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ModalForm:
-    """SI; modes in rising frequency."""
+    """Natural modes in SI, by ascending frequency."""
 
     squares: np.ndarray  # omega^2 (mode,), 1/s2
     ratios: np.ndarray  # zeta (mode,)
@@ -30,11 +30,11 @@ class ModalForm:
 
 
 def modal_form(body: ReducedBody) -> ModalForm:
-    """The natural modes of a body that is held or stands on springs; its damping is modal.
+    """The natural modes of a body that is held or on springs; its damping must be modal.
 
     Raises
     ------
-    ValueError : a body without coordinates, or one that nothing holds
+    ValueError : a body without coordinates or without support
     """
     if not len(body.mass):
         raise ValueError(f"casing {body.model}: has no coordinates and so no modes")

@@ -2,8 +2,8 @@
 
     MAC(a, b) = (phi_a . phi_b)^2 / ((phi_a . phi_a)(phi_b . phi_b))
 
-over displacements at the same places of both meshes. The pairs are those with the largest sum of MAC, so that modes
-which change their order from mesh to mesh find their counterparts; close modes that mix may not, and stay alone.
+over displacements at the same positions of both meshes. The pairs are those with the largest sum of MAC, so that modes
+are paired even if their order differs between meshes. Close modes that mix may remain without a counterpart.
 
 Reference: Allemang (2003), The modal assurance criterion - twenty years of use and abuse, Sound and Vibration 37(8).
 """
@@ -14,14 +14,14 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial import cKDTree
 
-LEAST_MAC = 0.5  # of a pair: two modes that share less may be two different ones
-_ALONG = 6  # places along each side of the box
+LEAST_MAC = 0.5  # of a pair: below it the two modes may differ
+_ALONG = 6  # grid points along each side of the box
 
 
 def sample_nodes(nodes: np.ndarray) -> np.ndarray:
-    """Numbers (s,) of the nodes (n, 3) nearest to a grid in the box around a body: on every mesh of it the same places.
+    """Numbers (s,) of the nodes (n, 3) nearest to a grid in the box around a body: the same positions on every mesh.
 
-    Off by half the distance of two nodes, a twentieth of the wave of the highest modes that are looked at.
+    They deviate by up to half the distance of two nodes, a twentieth of the wavelength of the highest modes compared.
     """
     low, high = nodes.min(axis=0), nodes.max(axis=0)
     share = np.linspace(0.0, 1.0, _ALONG)
@@ -36,12 +36,12 @@ def assurance(shapes: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 
 def counterparts(shapes: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """For every mode (m,) the number of its counterpart among the others, -1 where there is none.
+    """Number (m,) of the counterpart of every mode among the others, -1 if there is none.
 
     Parameters
     ----------
     shapes : (k, m), displacements of the modes at k unknowns
-    others : (k, n), of the modes of another mesh at the same places
+    others : (k, n), of the modes of another mesh at the same positions
     """
     mac = assurance(shapes, others)
     found = np.full(shapes.shape[1], -1)

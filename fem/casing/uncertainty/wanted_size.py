@@ -1,7 +1,7 @@
-"""Element size whose natural frequencies have the error that is asked for, predicted from those of a coarse mesh.
+"""Inverse problem: the element size for a target error of the natural frequencies, predicted from a coarse mesh.
 
-Part of the bands falls with the order of the error, the rest does not (`fem.casing.uncertainty.hexahedral_limits`).
-What is predicted is the band that half of the modes have or less.
+One part of the bands decreases with the order of the error, the other is constant
+(`fem.casing.uncertainty.hexahedral_limits`). The prediction is that of the median band.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ def wanted_factor(limits: FrequencyLimits, error: float, trial: LowestModes, coa
     Parameters
     ----------
     limits : of the trial mesh
-    error : median band that is asked for, in parts of the frequencies
-    trial, coarser : modes on the trial mesh and on one with larger elements, whose unknowns tell how they grow; with
-        elements of the same size, of lower degree, they are taken to grow as in walls one element thick
+    error : target median band, relative to the frequencies
+    trial, coarser : modes on the trial mesh and on one with larger elements, whose unknowns give their growth; for
+        elements of the same size and lower degree, growth as in walls one element thick is assumed
 
     Raises
     ------
-    ExtrapolationError : the mesh would have more than `MOST_UNKNOWNS`, or no size is enough
+    ExtrapolationError : the mesh would have more than `MOST_UNKNOWNS`, or no size is sufficient
     """
     larger = coarser.element_size / trial.element_size
     growth = math.log(trial.unknowns / coarser.unknowns) / math.log(larger) if larger > 1.0 else _OF_WALLS

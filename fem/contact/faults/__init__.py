@@ -1,1 +1,1 @@
-"""Faults of teeth: what each one is, whether it fits on a gear, and what it does to a mesh law. One file per kind."""
+"""Tooth faults: their dimensions, checks against a gear, and effect on a mesh law. One file per kind."""

@@ -1,4 +1,4 @@
-"""What modifications and faults do to a mesh law: gaps and compliances, added to the tables of a sound pair."""
+"""Effect of modifications and faults on a mesh law: gaps and compliances added to the tables of a healthy pair."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def modified_law(law: MeshLaw, pair: GearPair, modifications: PairModifications) -> MeshLaw:
-    """The law of the pair with its flanks modified and its axes misaligned; its compliances stay.
+    """The law of a pair with modified flanks and misaligned axes; compliances are unchanged.
 
     Raises
     ------
@@ -44,16 +44,16 @@ def damaged_law(
     faults: Sequence[ToothFault],
     surfaces: Mapping[float, CrackSurface] | None = None,
 ) -> MeshLaw:
-    """The law with a variant of the teeth of "pinion" or "wheel" that carries all of `faults` at once.
+    """The law with a variant of the teeth of "pinion" or "wheel" that has all of `faults`.
 
     Parameters
     ----------
     law : of one flank of the pair
     pair : the gears in mesh
     gear : "pinion" or "wheel"
-    faults : of one and the same tooth
-    surfaces : on which the teeth of this gear crack in space, by the angle of the crack; a crack at another angle is
-        the plane one in every slice that it covers
+    faults : of the same tooth
+    surfaces : crack surfaces of this gear in space, by the angle of the crack; a crack at another angle is computed as
+        a plane one in every slice
 
     Raises
     ------
@@ -73,11 +73,11 @@ def damaged_law(
 
 
 def evenly_damaged_law(law: MeshLaw, pair: GearPair, gear: str, fault: ToothFault) -> MeshLaw:
-    """The law of a pair all of whose teeth of "pinion" or "wheel" have a fault that is the same along the face.
+    """The law of a pair in which all teeth of "pinion" or "wheel" have a fault that is constant along the face.
 
     Parameters
     ----------
     law, pair, gear : those of `damaged_law`
-    fault : with a gap (position,), which alone enters
+    fault : with a gap (position,); only the gap is used
     """
     return law.replaced(gap=law.gap + fault.gap(law, pair, gear))

@@ -1,6 +1,6 @@
-"""A piece broken off a tooth: beyond it the pair goes on with the tip-edge contact of the short tooth, slice by slice.
+"""A piece broken off a tooth: in its slices contact continues as tip-edge contact of the shortened tooth.
 
-Slices are whole: the extent along the face is rounded to slices, an error of half a slice at most.
+The extent along the face is rounded to whole slices, with an error of at most half a slice.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class ChippedTooth(ToothFault):
         return np.where(inwards < self.extent, self.depth, 0.0)
 
     def gap(self, law: MeshLaw, pair: GearPair, gear: str) -> np.ndarray:
-        """Gap (slice, position), m: 0 where the flank is left, inf where nothing can touch."""
+        """Gap (slice, position), m: 0 on the remaining flank, inf where no contact is possible."""
         own = getattr(pair, gear)
         xi = law.position_start + law.position_step * np.arange(law.compliance.size)
         largest = 0.5 * pair.pinion.normal_module
@@ -68,6 +68,6 @@ class ChippedTooth(ToothFault):
         return added
 
     def movement(self, pair: GearPair, approach: float, *, alone: bool) -> float:
-        """Its part of the contact line is lost."""
+        """Movement from the lost share of the contact line."""
         lost = lost_share(pair) * self.extent / pair.face_width
         return approach * lost / (1 - lost)

@@ -1,13 +1,13 @@
-"""A crack in space as a few modes of added compliance: how a law holds it for all loads at once.
+"""A crack in space as a few modes of added compliance, which represent it in a mesh law for all loads.
 
-With the Cholesky factor L of the stiffness that resists the opening (`fem.contact.wheels.crack_surface`), loads i, j
-find the added compliance a_i . a_j, a = L^-1 F. Few directions u_k of the opening hold nearly all of it, the leading
-eigenvectors of the sum of a a^T over all places that can be loaded: tooth pairs before, on and after the cracked tooth,
-slices and positions. Kept fixed, they give modes
+L is the Cholesky factor of the stiffness that resists the opening (`fem.contact.wheels.crack_surface`). The added
+compliance between loads i, j is a_i . a_j, a = L^-1 F. Few directions u_k of the opening contribute nearly all of it:
+the leading eigenvectors of the sum of a a^T over all loads, that is tooth pairs before, on and after the cracked tooth,
+slices and positions. These fixed directions give the modes
 
     m_k(i) = u_k . a_i,    added displacement at i = sum_k m_k(i) sum_j m_k(j) F_j,
 
-positive semidefinite, smooth in the position, and never more than the crack adds.
+which are positive semidefinite, smooth in the position, and a lower bound of the added compliance.
 """
 
 from __future__ import annotations
@@ -37,14 +37,14 @@ def crack_modes(
 
     Parameters
     ----------
-    law : of the flank of the mouth
-    pair, gear : the gears in mesh, and which of them is cracked
+    law : of the flank of the crack mouth
+    pair, gear : the gears in mesh, and the cracked one
     depth_at, reach : depth (m) of the crack at face coordinates (n,), and both ends (m) of the cracked part of the face
     surface : of that gear at the angle of the crack
     """
     from scipy.linalg import solve_triangular
 
-    # the coordinate of the surface runs with the twist of its gear: that of the pinion is zeta, that of the wheel -zeta
+    # the coordinate of the surface follows the twist of its gear: it is zeta for the pinion, -zeta for the wheel
     sense = law.cycle_sign * pair.pinion.hand_sign * (1 if gear == "pinion" else -1)
     low, high = sorted(sense * y for y in reach)
     open_, factor = opened(surface, lambda place: depth_at(sense * place), (low, high))

@@ -1,14 +1,15 @@
-"""A root crack in model `energy`: what the potential-energy method of the literature makes of it.
+"""A root crack in model `energy`, by the potential-energy method of the literature.
 
-The tooth is a cantilever whose sections lose what lies outside the line through the crack tip parallel to the tooth
-axis. With the crack of depth q at the angle v to the axis, from the flank at the half thickness y_o, the cracked side
-keeps h_q = y_o - q sin(v) at most, and sections of half thickness y > h_q have
+The tooth is a cantilever; its sections lose the material outside the line through the crack tip parallel to the tooth
+axis. For a crack of depth q at the angle v to the axis, from the flank at the half thickness y_o, the half thickness of
+the cracked side is at most h_q = y_o - q sin(v), and sections of half thickness y > h_q have
 
     I = (y + h_q)^3 / 12,    A = y + h_q    instead of (2 y)^3 / 12 and 2 y.
 
-The papers let the crack start at the clamped end; here it starts in the fillet, and the wider sections below lose
-q sin(v), so that nothing is lost without a crack. Axial and contact compliance stay: they press the crack shut. Body
-and neighbours stay, too. It is there to be compared with the papers; other models take cracks from finite elements.
+In the papers the crack starts at the clamped end. Here it starts in the fillet, and the wider sections below lose q
+sin(v), so that nothing is lost without a crack. Axial and contact compliance are unchanged, since compression closes
+the crack; so are body and neighbours. The model serves the comparison with the papers; other models use finite elements
+for cracks.
 
 Wu, Zuo & Parey (2008), J. Sound Vib. 317, 608-624; Chaari, Fakhfakh & Haddar (2009), Eur. J. Mech. A/Solids 28,
 461-468.
@@ -34,8 +35,8 @@ def cracked_beam_compliance(pair: GearPair, gear: str, depth: float, angle: floa
     ----------
     pair : the gears in mesh
     gear : "pinion" or "wheel"
-    depth, angle : of the crack, m, and rad to the tooth axis; not beyond that axis, where the method ends
-    points : contact points (position,), on the flank of its mouth
+    depth, angle : of the crack, m, and rad to the tooth axis; the method is valid up to that axis
+    points : contact points (position,), on the flank of the crack mouth
     """
     own, material = getattr(pair, gear), getattr(pair, f"{gear}_material")
     radius = points.pinion_radius if gear == "pinion" else points.wheel_radius

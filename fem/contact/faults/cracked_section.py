@@ -1,4 +1,4 @@
-"""Compliance that a crack in the root adds: finite elements of the section with the slit, less those without."""
+"""Compliance added by a root crack: finite elements of the section with the slit, minus those without."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ def crack_compliance(
     refinement: float = 1.0,
     patch: float = 0.08,
 ) -> np.ndarray:
-    """Compliance (position,), m2/N, that a root crack adds at the contact points, per unit face width.
+    """Compliance (position,), m2/N, added by a root crack at the contact points, per unit face width.
 
-    Difference between a ring with the cracked tooth and the healthy ring, both of the plane model and on one mesh, so
-    that it vanishes with the crack.
+    It is the difference between a ring with the cracked tooth and the healthy ring, both by the plane model on one
+    mesh, so that it vanishes with the crack.
 
     Parameters
     ----------
     pair : the gears in mesh
     gear : "pinion" or "wheel"
     depth, angle : of the crack, m and rad
-    points : contact points (position,), on the flank of its mouth
+    points : contact points (position,), on the flank of the crack mouth
     refinement : of the section mesh, see `fem.gears.sector.sector_mesh`
-    patch : half-width of the loads in m_n, which cancels
+    patch : half-width of the loads in m_n; its effect cancels
     """
     from threadpoolctl import threadpool_limits
 

@@ -1,6 +1,6 @@
-"""A crack in the root fillet: it adds the compliance that finite elements find between the slit and the welded section.
+"""A crack in the root fillet, with the added compliance of finite elements with an open slit instead of a closed one.
 
-Slices are whole: the extent along the face is rounded to slices, an error of half a slice at most.
+The extent along the face is rounded to whole slices, with an error of at most half a slice.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ if TYPE_CHECKING:
 class CrackedTooth(ToothFault):
     """A crack in the root fillet. It is open while the tooth is loaded on the cracked side.
 
-    The depth goes evenly over to `far_depth` (m) at the far end of the extent, None: the same depth. 0: a crack across
+    The depth changes linearly to `far_depth` (m) at the far end of the extent; None: the same depth; 0: a crack across
     a corner.
 
-    It starts where the fillet runs at 45 degrees to the radius; angle pi/2 goes straight across the tooth, less goes
-    down into the rim. `extent` (m) of the face from `end`, None: the whole face. flank "drive" or "coast": the side of
-    the mouth. Under load on the other flank the crack is pressed shut and does nothing.
+    It starts where the fillet is at 45 degrees to the radius. The angle pi/2 is straight across the tooth; a smaller
+    one points down into the rim. `extent` is its length (m) along the face from `end`; None: the whole face. `flank`
+    "drive" or "coast" is the side of its mouth. Load on the other flank closes the crack, which then has no effect.
     """
 
     depth: float = option(
@@ -60,7 +60,7 @@ class CrackedTooth(ToothFault):
     flank: Literal["drive", "coast"] = option("drive", text="side of the tooth where the crack starts")
 
     def check(self, gear: Gear) -> None:
-        """Raises GeometryError for a crack that is none or nearly cuts the tooth or the rim off."""
+        """Raises GeometryError for a crack without depth, or one that nearly separates the tooth or the rim."""
         from fem.contact.wheels.crack_surface import DEEPEST
         from fem.gears.sector import root_chord
 
@@ -96,7 +96,7 @@ class CrackedTooth(ToothFault):
         )
 
     def reach(self, face_width: float) -> tuple[float, float]:
-        """Both ends (m) of the cracked part of the face, rising."""
+        """Both ends (m) of the cracked part of the face, ascending."""
         half = face_width / 2
         extent = face_width if self.extent is None else self.extent
         return (half - extent, half) if self.end == "+y" else (-half, extent - half)
@@ -109,9 +109,9 @@ class CrackedTooth(ToothFault):
         return np.where(inwards <= extent * (1 + 1e-12), self.depth + (far - self.depth) * inwards / extent, 0.0)
 
     def compliance(self, law: MeshLaw, pair: GearPair, gear: str) -> np.ndarray:
-        """Compliance (slice, position), m2/N, in the slices that the crack reaches, on the flank of its mouth.
+        """Compliance (slice, position), m2/N, in the cracked slices, on the flank of the mouth.
 
-        Every slice has that of the plane crack of its own depth: the sound part of the face lends it no support.
+        Every slice has the compliance of a plane crack of its depth, without support by the uncracked part of the face.
         """
         added = super().compliance(law, pair, gear)
         if self.flank == law.flank:
@@ -127,11 +127,11 @@ class CrackedTooth(ToothFault):
 
     @property
     def surface_angle(self) -> float:
-        """Its angle."""
+        """Angle of the crack."""
         return self.angle
 
     def modes(self, law: MeshLaw, pair: GearPair, gear: str, surface: CrackSurface) -> np.ndarray:
-        """Modes of the opening; none on the other flank, which presses the crack shut.
+        """Modes of the opening; none on the other flank, whose load closes the crack.
 
         Parameters
         ----------
@@ -145,4 +145,4 @@ class CrackedTooth(ToothFault):
         return crack_modes(law, pair, gear, lambda y: self.depth_at(y, face), self.reach(face), surface)
 
     def movement(self, pair: GearPair, approach: float, *, alone: bool) -> None:
-        """Not estimated: it depends on the depth far from evenly."""
+        """Not estimated: it is strongly nonlinear in the depth."""

@@ -1,16 +1,16 @@
-"""Gaps of damage that covers a part of the face, brought to the slices of a mesh law.
+"""Gaps of damage on a part of the face, converted to the slices of a mesh law.
 
 The face is cut at the edges of the slices, at the ends of the damage, and SUBDIVISIONS times within each slice. Each
-part has one gap at its own position on the path of contact. Of the parts i of a slice, of widths w_i, those whose gap
-is less than the approach x carry like x - g_i, together the mean of max(0, x - g_i). The gap g of the slice is the one
-under which it carries the same by itself where that mean is X:
+part has one gap at its position on the path of contact. The parts i of a slice, of widths w_i, carry loads in
+proportion to max(0, x - g_i) at the approach x. The gap g of the slice is the one for which the slice carries the same
+load where the mean of these values is X:
 
     sum_i w_i max(0, X + g - g_i) = X sum_i w_i         g = min_n (X W + sum_{i<n} w_i g_i) / sum_{i<n} w_i - X
 
-with the parts in the order of their gaps and W the whole width. A slice that is covered evenly has its gap, shallow
-damage the mean of the gaps, and where deep damage leaves nothing but a part of the slice, its load is right at X, that
-of a flank under a usual load: gaps of partly covered slices alone know of it. The gap is continuous and rises with
-every width and depth of damage.
+with the parts in ascending order of their gaps and the whole width W. A uniformly covered slice has its gap, and
+shallow damage has the mean of the gaps. Where deep damage leaves only a part of the slice in contact, its load is exact
+at X, the approach of a flank under a usual load; X affects only partly covered slices. The gap is continuous and
+increases with the width and depth of damage.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ from fem.contact.law import MeshLaw
 from fem.gears.geometry import GearPair
 
 SUBDIVISIONS = 8  # of a slice
-USUAL_APPROACH = 0.002  # X in m_n, without bodies and tooth bending that spreads: the local part of an approach
+USUAL_APPROACH = 0.002  # X in m_n: the local part of an approach, without bodies and spreading tooth bending
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FaceParts:
-    """Parts of the face: their slices, middles y and widths (part,), m, and their positions xi (part, position)."""
+    """Parts of the face: their slices, centres y and widths (part,), m, and positions xi (part, position)."""
 
     slice: np.ndarray
     face: np.ndarray
@@ -41,7 +41,7 @@ class FaceParts:
 def gap_on_slices(
     law: MeshLaw, pair: GearPair, ends: Iterable[float], gap: Callable[[FaceParts], np.ndarray]
 ) -> np.ndarray:
-    """Gap (slice, position), m.
+    """Gap (slice, position), m, of damage on parts of the face.
 
     Parameters
     ----------

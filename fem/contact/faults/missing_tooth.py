@@ -1,4 +1,4 @@
-"""A tooth broken off at the root: nothing touches it; the compliance of its neighbours changes by about 1 %."""
+"""A tooth broken off at the root: no contact; the change of its neighbours' compliance (about 1 %) is neglected."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from fem.contact.faults.tooth_fault import ToothFault
 class MissingTooth(ToothFault):
     """A tooth broken off at the root.
 
-    It is a clearance that nothing bridges; the law of the pair stays.
+    It is represented by an infinite clearance; the law of the pair is unchanged.
     """
 
     changes_flank: ClassVar[bool] = False

@@ -1,14 +1,13 @@
-"""Patches broken out of a flank: the gap that the mate sees is its envelope over the rim, not the depth.
+"""Patches broken out of a flank: the gap is that of the mate bridging the rim, not the depth.
 
-Within a patch the mate rests on the rim above and below it, so that the flanks come closer by no more than the gap of
-the nearer rim,
+Within a patch the mate is supported by the rim above and below it, so that the gap is at most that of the nearer rim,
 
     g(xi, y) = min(depth, gap of the lower rim, gap of the upper rim)        a rim at distance s: about s^2 / (2 rho)
 
-with rho the radius of relative curvature: a patch of half height a is bridged with a^2 / (2 rho) at most, 25 um for
-1 mm on a radius of 5 mm. A rim beyond the tip, or where the mate does not reach, bridges nothing; a tip edge of the
-mate finds the floor. Towards the ends of an elliptical patch its height falls to nothing and the gap with it. A sharp
-rim is taken as rigid: the load that it concentrates is not followed.
+with the radius rho of relative curvature. The largest gap of a patch of half height a is a^2 / (2 rho), for example 25
+um for 2 a = 1 mm on a radius of 5 mm. A rim beyond the tip, or out of reach of the mate, gives no support; a tip edge
+of the mate touches the floor. Height and gap of an elliptical patch decrease to zero at its ends. A sharp rim is
+assumed to be rigid: its load concentration is not modelled.
 """
 
 from __future__ import annotations
@@ -35,7 +34,7 @@ SHAPES = ("ellipse", "rectangle")
 
 @dataclass(frozen=True, kw_only=True)
 class FlankDamage(ToothFault):
-    """Where damage lies on a flank."""
+    """Base of the faults on an area of a flank."""
 
     height: float = option(unit="mm", gt=0, text="size of the damage along the flank, from root to tip")
     diameter: float | None = option(
@@ -47,8 +46,9 @@ class FlankDamage(ToothFault):
 
 @dataclass(frozen=True, kw_only=True)
 class Patch:
-    """A patch about the point at `radius` of the flank and `face` from mid face: height along the flank, length along
-    the face and depth, m.
+    """A patch around the point at `radius` of the flank and `face` from mid face.
+
+    height along the flank, length along the face and depth, m
 
     shape : "ellipse", or "rectangle"
     """
@@ -99,7 +99,7 @@ class Patch:
         return self.face - self.length / 2, self.face + self.length / 2
 
     def half_height(self, face: np.ndarray) -> np.ndarray:
-        """Half its height (m) at face coordinates inside it."""
+        """Half the height (m) of the patch at face coordinates inside it."""
         if self.shape == "rectangle":
             return np.full(np.shape(face), self.height / 2)
         part = 2.0 * (face - self.face) / self.length
@@ -117,12 +117,12 @@ def radius_at(gear: Gear, arc: np.ndarray) -> np.ndarray:
 
 
 def patches_gap(law: MeshLaw, pair: GearPair, gear: str, patches: Sequence[Patch]) -> np.ndarray:
-    """Gap (slice, position), m, of patches on the flank of the law; where two overlap the larger gap counts.
+    """Gap (slice, position), m, of patches on the flank of the law; the larger gap where two overlap.
 
     Parameters
     ----------
     law, pair : of one flank, and its gears
-    gear : "pinion" or "wheel" that has them
+    gear : gear with the patches, "pinion" or "wheel"
     patches : in the face coordinate of the law
     """
     ends = [end for patch in patches for end in patch.ends]
@@ -151,9 +151,9 @@ def _patch_gap(
     radius: np.ndarray,
     before: np.ndarray,
 ) -> np.ndarray:
-    """Gap (part, position), m, that a patch adds in parts of the face (part,) inside it.
+    """Gap (part, position), m, added by a patch in parts of the face (part,) inside it.
 
-    The sound flank is touched at the `radius`, and has the gap `before` where tip edges touch.
+    Contact with the undamaged flank is at the `radius`, with the gap `before` for tip-edge contact.
     """
     own: Gear = getattr(pair, gear)
     middle, half = arc_at(own, patch.radius), patch.half_height(face)[:, None]

@@ -1,10 +1,10 @@
-"""Pits: many small round patches on a flank, drawn with a seed.
+"""Pits: many small round patches on a flank, sampled with a seed.
 
-Centres are even over the pitted area. Diameters are log-normal: sizes are positive and spread by factors, a few large
-pits among many small ones; median and factor are stated, an assumption to be set by what is seen. Pits do not overlap.
-They are drawn until they cover the stated part of the area. Models of round pits around the pitch line by severity:
-Liang, Zhang, Liu & Zuo (2016), Mech. Mach. Theory 106, 1-15; ISO 6336-2 takes 4 % of the flank of one hardened tooth as
-the end of its life.
+Centres are uniformly distributed over the pitted area. Diameters are log-normal (few large pits among many small ones),
+with given median and geometric standard deviation: an assumption, to be set by observation. Pits do not overlap. They
+are sampled until they cover the given share of the area. Models of round pits around the pitch line by severity: Liang,
+Zhang, Liu & Zuo (2016), Mech. Mach. Theory 106, 1-15; ISO 6336-2 takes 4 % of the flank of one hardened tooth as the
+end of its life.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from fem.gears.geometry import GearPair
 from fem.gears.rack import require
 from fem.options import option
 
-DENSEST = 0.3  # part of the area: discs drawn one after the other do not fill it much further
+DENSEST = 0.3  # share of the area: limit for discs placed in sequence
 MOST_PITS = 2000
-_TRIES = 200  # for a place of one pit
+_TRIES = 200  # for the position of one pit
 
 
 @dataclass(frozen=True, kw_only=True)
 class PittedTooth(FlankDamage):
-    """Many round pits on an area of a flank, at random places."""
+    """Many round pits on an area of a flank, at random positions."""
 
     length: float | None = option(
         None, unit="mm", gt=0, text="size of the pitted area along the face; without it: whole face"
@@ -72,7 +72,7 @@ class PittedTooth(FlankDamage):
     def pits(self, gear: Gear) -> tuple[Patch, ...]:
         """All pits, the same for the same values.
 
-        A density that the area does not reach ends with the last pit that finds a place.
+        If the area cannot reach the density, sampling ends with the last pit that fits.
         """
         draw, area = np.random.default_rng(self.seed), self.area(gear)
         middle = float(arc_at(gear, area.radius))
@@ -110,7 +110,7 @@ class PittedTooth(FlankDamage):
         return patches_gap(law, pair, gear, self.pits(getattr(pair, gear)))
 
     def movement(self, pair: GearPair, approach: float, *, alone: bool) -> float:
-        """The covered part of the contact line is lost."""
+        """Movement from the loss of the covered share of the contact line."""
         length = pair.face_width if self.length is None else self.length
         lost = lost_share(pair) * self.density * length / pair.face_width
         return approach * lost / (1 - lost)

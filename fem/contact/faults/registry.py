@@ -1,4 +1,4 @@
-"""FAULTS: the faults of teeth by name."""
+"""FAULTS: the tooth faults by name."""
 
 from __future__ import annotations
 

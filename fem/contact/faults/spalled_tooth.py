@@ -19,7 +19,7 @@ from fem.options import option
 class SpalledTooth(FlankDamage):
     """A spall of a flank; the mating tooth bridges it on its edge.
 
-    It is cut off where it leaves the flank.
+    Parts beyond the flank are ignored.
     """
 
     length: float = option(
@@ -51,6 +51,6 @@ class SpalledTooth(FlankDamage):
         return patches_gap(law, pair, gear, [self.patch(getattr(pair, gear))])
 
     def movement(self, pair: GearPair, approach: float, *, alone: bool) -> float:
-        """Its part of the contact line is lost."""
+        """Movement from the lost share of the contact line."""
         lost = lost_share(pair) * self.length / pair.face_width
         return approach * lost / (1 - lost)

@@ -1,4 +1,4 @@
-"""Material worn off both flanks: a gap over the profile, on the whole face or from one end of it."""
+"""Wear of both flanks: a gap over the profile, on the whole face or from one end of it."""
 
 from __future__ import annotations
 
@@ -24,11 +24,10 @@ DEEPEST = 0.2  # modules
 class WornTooth(ToothFault):
     """Wear of both flanks of one tooth, or of all teeth.
 
-    place "flank": even over the whole flank. "pitch" (pitch point) or "root" (lower end of the active profile): a
-    cosine bell that has fallen to nothing at the roll length `width` / 2 (m) to either side. "profile": `parts` of the
-    depth at the `diameters` (m), linear between them and held beyond.
-    extent : part of the face (m) that is worn, from `end`; None: the whole face
-    fading : the wear falls evenly to nothing over the extent; otherwise it is the same over it
+    place "flank": constant over the whole flank. "pitch" (pitch point) or "root" (lower end of the active profile): a
+    cosine bell that reaches zero at the roll length `width` / 2 (m) on either side. "profile": `parts` of the depth at
+    the `diameters` (m), linear between them and constant beyond. extent : length (m) of the worn part of the face, from
+    `end`; None: the whole face fading : the wear decreases linearly to zero over the extent; otherwise it is constant
     """
 
     depth: float = option(unit="um", gt=0, text="largest depth of wear, normal to the flank")
@@ -52,7 +51,7 @@ class WornTooth(ToothFault):
     fading: bool = option(False, text="true: the wear falls to zero over the extent")
 
     def check(self, gear: Gear) -> None:
-        """Raises GeometryError for wear that is none or eats the tooth up."""
+        """Raises GeometryError for wear without depth, or more than the tooth allows."""
         label = f"worn tooth of gear z={gear.teeth}"
         limit = DEEPEST * gear.normal_module
         require(
@@ -98,7 +97,7 @@ class WornTooth(ToothFault):
         return self.depth * bell
 
     def gap(self, law: MeshLaw, pair: GearPair, gear: str) -> np.ndarray:
-        """Gap, m: (position,), or (slice, position) where only a part of the face is worn."""
+        """Gap, m: (position,), or (slice, position) if only a part of the face is worn."""
         if self.extent is None:
             xi = law.position_start + law.position_step * np.arange(law.compliance.size)
             return self._profile(xi, pair, gear)
@@ -121,7 +120,7 @@ class WornTooth(ToothFault):
         return worn[:, None] * self._profile(at.xi, pair, gear)
 
     def movement(self, pair: GearPair, approach: float, *, alone: bool) -> float:
-        """Its depth; of one tooth no more than if that were missing."""
+        """The depth of the wear; for one tooth at most the value of a missing tooth."""
         missing = super().movement(pair, approach, alone=alone)
         assert missing is not None
         return min(self.depth, missing) if alone else self.depth

@@ -1,1 +1,1 @@
-"""The models of the mesh stiffness, cheap to expensive: one file each."""
+"""The models of the mesh stiffness, from inexpensive to expensive: one file each."""

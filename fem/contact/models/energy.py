@@ -1,25 +1,25 @@
-"""Model `energy`: the potential-energy method of the literature, slice by slice on the true tooth profile.
+"""Model `energy`: the potential-energy method of the literature, for slices with the exact tooth profile.
 
 A tooth is a cantilever of varying section, clamped where its fillet meets the root circle. A force f per unit face
 width along the line of action at the height u_c and the half thickness y_c, inclined by alpha to the normal of the
-tooth axis, stores bending, shear and axial energy,
+tooth axis, causes bending, shear and axial energy with the compliances
 
     C_b = int (cos(alpha) (u_c - u) - y_c sin(alpha))^2 / (E I) du,    I = 2 y^3 / 3,
     C_s = int 1.2 cos(alpha)^2 / (G A) du,   C_a = int sin(alpha)^2 / (E A) du,   A = 2 y,
 
-and turns the body under the tooth (fillet foundation, fitted on an elastic ring of bore r_f / h by Sainsot et al.),
+and rotates the body under the tooth (fillet foundation, fitted on an elastic ring of bore r_f / h by Sainsot et al.),
 
     C_f = cos(alpha)^2 / E (L (u_f/s_f)^2 + M u_f/s_f + P (1 + Q tan(alpha)^2)),
 
 u_f from the root circle to where the line of action crosses the tooth axis, s_f = 2 r_f theta_f the arc of the
-root. The contact is linear, C_h = 2/pi sum (1 - nu^2)/E (Yang & Lin). A pair is the sum over both gears, per unit
-face width; helical gears are cut into slices whose transverse sections act as spur gears, with C_h / cos(beta_b) as
-in model `plane`.
+root. The contact is linear, C_h = 2/pi sum (1 - nu^2)/E (Yang & Lin). The compliance of a pair is the sum over both
+gears, per unit face width. Helical gears are divided into slices whose transverse sections act as spur gears, with C_h
+/ cos(beta_b) as in model `plane`.
 
-Known bias, measured in tests: neighbouring teeth do not feel each other, each brings its own foundation, so that a
-double contact counts the body twice apart; the root circle is taken as clamping line although the fillet yields
-with it; the contact does not stiffen with load; teeth bend in plane stress; slices are independent and have no
-axial bending. Root cracks are those of the method, too: `fem.contact.faults.cracked_beam`.
+Known bias, measured in tests: neighbouring teeth are uncoupled, each with a separate foundation, so that the body is
+too stiff in double contact. The root circle is the clamping line although the fillet deforms with it. The contact does
+not stiffen with load. Teeth bend in plane stress. Slices are independent, without axial bending. Root cracks are also
+those of the method: `fem.contact.faults.cracked_beam`.
 
 Weber & Banaschek (1953); Yang & Lin (1987), J. Mech. Trans. Autom. Des. 109(2), 189-196; Tian (2004), thesis,
 University of Alberta; Sainsot, Velex & Duverger (2004), J. Mech. Des. 126(4), 748-752.
@@ -77,7 +77,7 @@ class ToothParts:
 
 
 def foundation_factors(bore_ratio: float, root_angle: float) -> np.ndarray:
-    """L, M, P, Q (4,) for h = r_f / r_bore and theta_f, half the angle of the tooth at its root (rad)."""
+    """Factors L, M, P, Q (4,) for h = r_f / r_bore and theta_f, half the angle of the tooth at its root (rad)."""
     h, theta = bore_ratio, root_angle
     factors: np.ndarray = FOUNDATION @ np.array([theta**-2, h**2, h / theta, 1.0 / theta, h, 1.0])
     return factors
@@ -88,7 +88,7 @@ def tooth_parts(gear: Gear, material: Material, roll: np.ndarray) -> ToothParts:
 
     Raises
     ------
-    ModelError : a gear with a web, or the fit of the body gives no positive compliance
+    ModelError : a gear with a web, or a fit of the body without positive compliance
     """
     if gear.rim_thickness is not None:
         raise ModelError(
@@ -130,10 +130,10 @@ def tooth_parts(gear: Gear, material: Material, roll: np.ndarray) -> ToothParts:
 
 @dataclass(frozen=True, kw_only=True)
 class Energy(MeshModel):
-    """Mesh stiffness by the potential-energy method, to compare with literature. Takes milliseconds.
+    """Mesh stiffness by the potential-energy method, for comparison with literature; it takes milliseconds.
 
-    slices over the face; positions: grid points per base pitch; largest_gap: no-load gap up to which tip-edge contact
-    is followed, in m_n.
+    slices: number over the face; positions: grid points per base pitch; largest_gap: largest no-load gap for tip-edge
+    contact, in m_n.
     """
 
     model: Literal["energy"] = "energy"
@@ -159,7 +159,7 @@ class Energy(MeshModel):
         return np.asarray(pinion + wheel + hertz / math.cos(pair.base_helix_angle))
 
     def laws(self, pair: GearPair) -> tuple[MeshLaw, MeshLaw]:
-        """The laws of drive and coast flank, which share their tables."""
+        """The laws of drive and coast flank, with common tables."""
         largest = self.largest_gap * pair.pinion.normal_module
         first, last = contact_window(pair, largest)
         grid = np.arange(math.floor(first * self.positions), math.ceil(last * self.positions) + 1) / self.positions

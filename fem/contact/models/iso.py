@@ -1,4 +1,4 @@
-"""Model `iso`: tooth stiffness after ISO 6336-1:2019, clause 9, method B, spread evenly along the contact lines.
+"""Model `iso`: tooth stiffness after ISO 6336-1:2019, clause 9, method B, uniform along the contact lines.
 
 Single stiffness (N/(m m), per metre of face width and metre along the transverse line of action)
 
@@ -6,13 +6,14 @@ Single stiffness (N/(m m), per metre of face width and metre along the transvers
                                                       + C8 x1^2 + C9 x2^2    (mm um / N)
 
 below a line load F_t K_A / b of 100 N/mm times (F_t K_A / b / 100)^0.25; mean over a pitch c_gamma_alpha =
-c' (0.75 eps_alpha + 0.25); c_gamma_beta = 0.85 c_gamma_alpha for load distribution. The standard counts the deflection
-as arc of the base circle, so F_bt = c_gamma_alpha b delta with F and delta of a MeshLaw: no factor cos(beta_b).
+c' (0.75 eps_alpha + 0.25); c_gamma_beta = 0.85 c_gamma_alpha for load distribution. The standard measures the
+deflection as arc of the base circle, so F_bt = c_gamma_alpha b delta with F and delta of a MeshLaw, without the factor
+cos(beta_b).
 
-The law gives each metre of face width on the path of contact the stiffness c_gamma_alpha / eps_alpha: eps_alpha pairs
-share it on average, so the mean is exact and the shape is that of the contact line length. The standard knows no
-contact of tip edges; here their gap is at least `edge_onset`, which leaves the closed form untouched below that
-approach and still catches the teeth when one is missing.
+In the law each metre of face width on the path of contact has the stiffness c_gamma_alpha / eps_alpha. On average
+eps_alpha pairs are in contact, so the mean is exact and the shape is that of the contact line length. The standard has
+no tip-edge contact. Here its gap is at least `edge_onset`: below that approach the closed form is unchanged, and the
+contact continues if a tooth is missing.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ from fem.gears.modifications import PairModifications
 from fem.gears.path import bridging_window, path_points, slice_fraction
 
 COEFFICIENTS = (0.04723, 0.15551, 0.25791, -0.00635, -0.11654, -0.00193, -0.24188, 0.00529, 0.00182)
-LOW_LINE_LOAD = 100e3  # N/m; below it the stiffness falls with the load
+LOW_LINE_LOAD = 100e3  # N/m; below it the stiffness decreases with the load
 MAX_HELIX = math.radians(30.0)
 _PER_MM_UM = 1e9  # N/(mm um) in N/m2
 
@@ -50,7 +51,7 @@ class IsoStiffness:
 def blank_factor(web_ratio: float, rim_ratio: float) -> float:
     """C_R = 1 + ln(b_s/b) / (5 exp(s_R / (5 m_n))); b_s/b is taken within [0.2, 1.2], s_R/m_n at least 1.
 
-    A solid disc (b_s = b) has C_R = 1. Gears of different design: use the mean of their factors.
+    A solid disc (b_s = b) has C_R = 1. For gears of different design use the mean of their factors.
     """
     if not (web_ratio > 0.0 and rim_ratio > 0.0):
         raise ModelError(
@@ -72,12 +73,12 @@ def rack_factor(gear: Gear) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class Iso(MeshModel):
-    """Mesh stiffness by ISO 6336-1: mean by formula, variation by contact line length. Takes milliseconds.
+    """Mesh stiffness by ISO 6336-1: mean by formula, variation by contact line length; it takes milliseconds.
 
-    slices over the face; mean_factor C_M (0.8: theoretical stiffness against measurements); blank_factor C_R, None:
-    the mean of what rims and webs of both gears give (a web offset does not count); line_load F_t K_A / b (N/m) or None
-    for a load in the linear range; edge_onset (m_n): least approach at which tip edges carry, followed to the gap
-    largest_gap (m_n).
+    slices: number over the face; mean_factor C_M (0.8: correction of the theoretical stiffness by measurements);
+    blank_factor C_R, None: the mean for the rims and webs of both gears (a web offset is ignored); line_load F_t K_A /
+    b (N/m) or None for a load in the linear range; edge_onset (m_n): least approach with tip-edge contact; largest_gap
+    (m_n): its largest gap.
 
     Valid for steel-like pairs of elastic teeth with eps_alpha >= 1.2, beta <= 30 deg, -0.5 <= x1 + x2 <= 2.
     """
@@ -167,7 +168,7 @@ class Iso(MeshModel):
         return self.law(pair, "drive"), self.law(pair, "coast")
 
     def warnings(self, modifications: PairModifications) -> Iterator[str]:
-        """The low-load reduction where it acts, and relief, whose effect on the load sharing is not modelled."""
+        """Warnings: low-load reduction, if any; relief, as its effect on load sharing is not modelled."""
         if self.line_load is not None and self.line_load < LOW_LINE_LOAD:
             yield (
                 f"the line load of {self.line_load / 1000:.1f} N/mm is below {LOW_LINE_LOAD / 1000:g} N/mm, so that "
@@ -183,13 +184,13 @@ class Iso(MeshModel):
     def _contact(
         self, pair: GearPair, xi: np.ndarray, step: float, ramp: float, largest: float
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Gap and fraction: the path of contact with its ramps, beyond it tip edges from the onset on."""
+        """Gap and fraction: the path of contact with its ramps, and tip-edge contact beyond it."""
         start, end = pair.xi_start, pair.xi_end
         edge_gap = np.maximum(path_points(pair, xi, largest).gap, self.edge_onset * pair.pinion.normal_module)
         reach = ramp / 2 + 0.5 * step
         on_path = (xi > start - reach) & (xi < end + reach)
         fraction = slice_fraction(xi, start, end, ramp) if ramp > 0.0 else np.ones(xi.size)
-        # behind a ramp the edges begin after one empty point, so that no cell mixes them with the path
+        # after a ramp tip-edge contact begins beyond one empty point, so that no cell mixes it with the path
         beside = (xi > start - reach - step) & (xi < end + reach + step) if ramp > 0.0 else on_path
         gap = np.where(on_path, 0.0, edge_gap)
         return gap, np.where(beside, fraction, 1.0) * window_fraction(gap)
@@ -199,8 +200,9 @@ def _grid_step(contact_ratio: float, ramp: float) -> tuple[float, float]:
     """Grid step and ramp width, with grid points at both path ends and at the ends of the ramps.
 
     The step is eps_alpha / N with N from 300 to 600 such that the ramp is nearest to an even number of steps; the ramp
-    is then made exactly that (its width changes by at most about 1 %, its middle stays). For a ramp below two steps, as
-    for spur gears, N is 1200 and there is none: the gap rises from 0 to the onset in the first cell beyond the path.
+    is then made exactly that (its width changes by at most about 1 %, its centre is unchanged). For a ramp below two
+    steps, as for spur gears, N is 1200 without ramp: the gap increases from 0 to the onset in the first cell beyond the
+    path.
     """
     numbers = np.arange(300, 601)
     half = np.round(ramp / 2 / contact_ratio * numbers)

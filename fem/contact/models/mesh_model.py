@@ -1,4 +1,4 @@
-"""What a mesh model is: a frozen class of options that makes the mesh laws of a gear pair."""
+"""MeshModel: base of the mesh models, frozen classes of options that compute the mesh laws of a gear pair."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class MeshModel(ABC):
-    """Options of a mesh model as fields, checked when it is made.
+    """Options of a mesh model as fields, checked on creation.
 
-    A field ``line_load`` (N/m) or None is filled in from the load that the pair carries; all others are options of the
-    user. `seconds` is what the laws of one pair take from nothing, about; `libraries` are those its numbers depend on;
-    `places_webs` says whether a web counts where it stands along the face, or only by its thickness.
+    A field ``line_load`` (N/m) or None is set from the load of the pair; all others are options of the user. `seconds`
+    is the approximate time for the laws of one pair. `libraries` are those on which its results depend. `places_webs`
+    is True if the position of a web along the face is modelled, not only its thickness.
     """
 
     seconds: ClassVar[float] = 0.0
@@ -44,21 +44,21 @@ class MeshModel(ABC):
         """
 
     def check(self, pair: GearPair) -> None:
-        """Refuse what `laws` would refuse, before anything expensive is computed."""
+        """Raise the errors of `laws` before any expensive computation."""
         self.laws(pair)
 
     def crack_surface(self, pair: GearPair, gear: str, angle: float) -> CrackSurfaceSpec | None:
-        """What cracks of the teeth of "pinion" or "wheel" are computed on; None: the plane crack in every slice."""
+        """Crack surface of the teeth of "pinion" or "wheel"; None: a plane crack in every slice."""
         return None
 
     def warnings(self, modifications: PairModifications) -> Iterable[str]:
-        """What a user should know before trusting the model with these flanks; none for most models."""
+        """Warnings about limits of the model for these flanks; none for most models."""
         return ()
 
 
 @dataclass(frozen=True, kw_only=True)
 class LawSpec:
-    """A gear pair without its play, and the model of its laws."""
+    """A gear pair without its backlash, and the model of its laws."""
 
     pair: GearPair
     mesh: MeshModel

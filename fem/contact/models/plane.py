@@ -1,6 +1,6 @@
-"""Model `plane`: finite elements of the whole toothed rings in the transverse section, cut into slices along the face.
+"""Model `plane`: finite elements of the whole toothed rings in the transverse section, for slices along the face.
 
-The slices take the compliances of one section (`fem.contact.wheels.plane_section`) and are independent of one another.
+All slices have the compliances of one section (`fem.contact.wheels.plane_section`) and are mutually independent.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from fem.gears.geometry import GearPair
 
 @dataclass(frozen=True, kw_only=True)
 class Plane(PlaneSection, MeshModel):
-    """Mesh stiffness by plane finite elements of both gears, in slices along the face. Takes seconds.
+    """Mesh stiffness by plane finite elements of both gears, in slices along the face; it takes seconds.
 
-    The cost hardly depends on the number of slices.
+    The time hardly depends on the number of slices.
 
     slices : slices of equal width over the face; the other options are those of the section
     """
@@ -37,7 +37,7 @@ class Plane(PlaneSection, MeshModel):
         return self.laws(pair)[_flank_index(flank)]
 
     def laws(self, pair: GearPair) -> tuple[MeshLaw, MeshLaw]:
-        """The laws of drive and coast flank, which share their tables."""
+        """The laws of drive and coast flank, with common tables."""
         path = self.path(pair)
         tables = self.tables(pair, path)
         drive, coast = (

@@ -23,7 +23,7 @@ def mesh_model(name: str) -> type[MeshModel]:
 
 
 def loaded_model(model: MeshModel, line_load: float) -> MeshModel:
-    """The model at a line load (N/m, 0 for none), where it has a field for it."""
+    """The model at a line load (N/m, 0 for none), if it has a field for it."""
     if any(field.name == "line_load" for field in dataclasses.fields(model)):
         return dataclasses.replace(model, line_load=line_load or None)  # type: ignore[call-arg]
     return model

@@ -1,14 +1,13 @@
-"""Model `solid`: finite elements in space of both toothed wheels, whole rings with free end faces, and contact on them.
+"""Model `solid`: 3-D finite elements of both wheels, as whole rings with free end faces, and contact along the face.
 
-Twenty-seven-node hexahedra over the face; one sector of each wheel is condensed and closed to the ring exactly
-(`fem.contact.wheels.solid_ring`). The compliances between all contact places are kept
-(`fem.contact.wheels.compliance`): what a load does to its neighbours along the face, to the tooth pairs before and
-after it, and at the ends of the face. Loads, tilts, reliefs, missing teeth and both flanks are solutions on this one
-tensor (`fem.contact.wheels.contact`).
+One sector of each wheel, in 27-node hexahedra, is condensed and closed to the ring exactly
+(`fem.contact.wheels.solid_ring`). The compliances between all contacts are stored (`fem.contact.wheels.compliance`):
+the effect of a load on its neighbours along the face, on the tooth pairs before and after it, and at the ends of the
+face. Loads, tilts, reliefs, missing teeth and both flanks are solutions with this one tensor
+(`fem.contact.wheels.contact`).
 
-Range: bodies with the end faces free, solid or a rim on a web that stands where it is along the face. A web wider than
-the face enters as a ring whose modulus is raised by b_s / b. Narrow slices: the Hertz contact should stay narrower than
-a slice.
+Range: bodies with free end faces, solid or a rim on a web at its position along the face. A web wider than the face is
+modelled as a ring with its modulus raised by b_s / b. The Hertz contact should be narrower than a slice.
 """
 
 from __future__ import annotations
@@ -28,15 +27,15 @@ if TYPE_CHECKING:
     from fem.contact.wheels.compliance import ContactCompliance
     from fem.contact.wheels.crack_surface import CrackSurfaceSpec
 
-SECTION = 0.25  # section refinement against that of `sector_mesh`: 0.2 m_n along the flank
+SECTION = 0.25  # section refinement relative to `sector_mesh`: 0.2 m_n along the flank
 PATCH = 0.2  # half-width of the patches, in m_n
-PLACES = 31  # along the face, of the compliance that laws are condensed from, whatever their own slices
+PLACES = 31  # along the face, of the compliance from which laws of any number of slices are condensed
 MOST_ALONG = 16  # elements of a crack surface along the face, times the refinement
 
 
 @dataclass(frozen=True, kw_only=True)
 class Solid(MeshModel):
-    """Mesh stiffness by 3-D finite elements of both gears, contact along the face. Takes up to a minute a pair.
+    """Mesh stiffness by 3-D finite elements of both gears, contact along the face; up to a minute per pair.
 
     Parameters
     ----------
@@ -44,7 +43,7 @@ class Solid(MeshModel):
     refinement : divides all element sizes of section and face and the patches (1: 0.2 m_n along the flank, 8 elements
         along the face)
     positions : mesh positions per cycle
-    largest_gap : no-load gap up to which tip-edge contact is followed, in m_n, see `PlaneSection`
+    largest_gap : largest no-load gap for tip-edge contact, in m_n, see `PlaneSection`
     """
 
     seconds: ClassVar[float] = 3.0
@@ -62,12 +61,12 @@ class Solid(MeshModel):
             raise ModelError(f"model solid: largest_gap is {self.largest_gap!r}; give a value in [0.001, 0.08]")
 
     def axial_elements(self, pair: GearPair) -> int:
-        """Elements along the face: 8, and more where one would be longer than 1.25 m_n; times the refinement."""
+        """Number of elements along the face: 8, or more so that none is longer than 1.25 m_n; times the refinement."""
         longest = 1.25 * pair.pinion.normal_module
         return math.ceil(self.refinement * max(8.0, pair.face_width / longest) - 1e-9)
 
     def crack_surface(self, pair: GearPair, gear: str, angle: float) -> CrackSurfaceSpec:
-        """The surface in space, with as many elements along the face as the model has, up to `MOST_ALONG`."""
+        """The crack surface in space, with the elements of the model along the face, up to `MOST_ALONG`."""
         from fem.contact.wheels.crack_surface import CrackSurfaceSpec
 
         most = math.ceil(self.refinement * MOST_ALONG)
@@ -82,7 +81,7 @@ class Solid(MeshModel):
 
     @property
     def plane(self) -> PlaneSection:
-        """The section that gives what a load that is even along the face finds, and the path of contact."""
+        """The section for the compliance of a load uniform along the face, and for the path of contact."""
         return PlaneSection(
             refinement=max(1.0, self.refinement), positions=2 * self.positions, largest_gap=self.largest_gap
         )
@@ -99,7 +98,7 @@ class Solid(MeshModel):
         return condense(record, pair, flank, self.plane, self.model, self.slices)
 
     def laws(self, pair: GearPair) -> tuple[MeshLaw, MeshLaw]:
-        """The laws of drive and coast flank, condensed (`solid_condensation`) from one compliance if it serves both."""
+        """The laws of drive and coast flank, condensed (`solid_condensation`) from one compliance if valid for both."""
         from fem.contact.models.solid_condensation import condense
 
         drive = self.compliance(pair, "drive", PLACES)
@@ -110,9 +109,9 @@ class Solid(MeshModel):
         )
 
     def compliance(self, pair: GearPair, flank: str = "drive", places: int | None = None) -> ContactCompliance:
-        """Compliances between all contact places of one flank; of both, unless a web is offset.
+        """Compliances between all contacts of one flank, or of both unless a web is offset.
 
-        places : along the face; as many as slices unless given
+        places : number along the face; by default the number of slices
         """
         from fem.contact.wheels.compliance import contact_compliance
 

@@ -1,33 +1,33 @@
-"""A dense contact compliance in space condensed to a MeshLaw: few smooth terms along the face instead of all to all.
+"""Condensation of a dense contact compliance in space to a MeshLaw with few smooth terms along the face.
 
-The record holds x_i = sum_j C_ij F_j + A f_i (B_i - ln f_i) for all tooth pairs and slices i = (p, s) at every mesh
-position. A law whose slices are coupled along the face (`fem.contact.law`) says
+The record represents x_i = sum_j C_ij F_j + A f_i (B_i - ln f_i) for all tooth pairs and slices i = (p, s) at every
+mesh position. A law with slices coupled along the face (`fem.contact.law`) approximates
 
     C_ij ~ delta_ij C(xi_i) / w_i + delta_pq g(xi_i) g(xi_j) N_ij + delta_ss' c_|p-q|(xi) / w_i
            + E_0 + E_01 (y_i + y_j) + E_1 y_i y_j
 
-with N the influence function of 1 - a^2 d^2/dy^2 with free ends. The terms are fitted to C itself, to no load case,
-on slices of the record; how finely the law is cut afterwards does not change them:
+with N the influence function of 1 - a^2 d^2/dy^2 with free ends. The terms are fitted to C itself, not to a load case,
+on the slices of the record; they do not depend on the slices of the law:
 
-1. E_0, E_01, E_1 by least squares to the blocks of different pairs: wind-up and tilt that all pairs share;
-2. a and the parabola g(xi) by least squares to the rest of each pair's own block, off the diagonal;
-3. C(xi) so that a load that is even along the face finds the displacement of the record, on average over the slices at
-   that position (Galerkin projection on even loads), and c_n, >= 0, likewise.
+1. E_0, E_01, E_1 by least squares to the blocks of different pairs: wind-up and tilt common to all pairs;
+2. a and the parabola g(xi) by least squares to the residual of each pair's own block, off the diagonal;
+3. C(xi) so that a load uniform along the face gives the displacement of the record, on average over the slices at that
+   position (Galerkin projection on uniform loads), and c_n, >= 0, likewise.
 
-All terms are positive semidefinite, so the law is convex whatever the record; C(xi) takes from g^2 what the chain of
-coupled pairs needs for that.
+All terms are positive semidefinite, so that the law is convex for any record; g^2 is reduced where C(xi) would be too
+small for the chain of coupled pairs.
 
-Loss against the direct solution on the dense record (z 20/55, m_n 2 mm, 30 to 300 N/mm, level and tilted by 0.3 and
-0.12 mrad; 16 positions of a cycle):
+Error relative to the direct solution with the dense record (z 20/55, m_n 2 mm, 30 to 300 N/mm, level and tilted by 0.3
+and 0.12 mrad; 16 positions of a cycle):
 
     pair              mean stiffness   e peak-to-peak   tilt stiffness   centroid   largest e, missing tooth
     beta 12, b 12          0.4 %          +1 to +4 %        +1.0 %       0.08 mm          +5.5 %
     beta 15, b 30          0.3 %          -2 to +3 %        +2.4 %       0.20 mm          +0.5 %
     spur, b 12             0.06 %         -1.6 to 0 %       -0.9 %       0.06 mm          +0.6 %
 
-Very wide or narrow faces lose more: beta 35 with b / m_n 40 4 % in the mean, with b / m_n 2 20 % in e peak-to-peak.
-Without E_01 the largest error of e at beta 12 rises by 1 %; independent slices (`plane`) are 13 % too stiff in the
-mean, and 39 % (b 12) and 25 % (b 30) too soft in tilt.
+Very wide or narrow faces have larger errors: at beta 35, 4 % in the mean for b / m_n 40, and 20 % in e peak-to-peak for
+b / m_n 2. Without E_01 the largest error of e at beta 12 increases by 1 %. Independent slices (`plane`) are 13 % too
+stiff in the mean, and 39 % (b 12) and 25 % (b 30) too soft in tilt.
 """
 
 from __future__ import annotations
@@ -45,9 +45,9 @@ from fem.contact.wheels.plane_section import PlaneSection
 from fem.gears.geometry import GearPair
 
 KNOTS = 16  # per base pitch, of the fitted tables
-SMALLEST = 0.02  # of the largest spread compliance: floor of C(xi); at 0.001 the coupled solution may not settle
-MARGIN = 1.25  # of C(xi) over what the coupled pairs need: on the limit itself the compliance would be singular
-LONGEST = 10.0  # face widths: bound of the length a, where the influence is even within 0.1 %
+SMALLEST = 0.02  # of the largest spread compliance: floor of C(xi); at 0.001 the coupled solution may not converge
+MARGIN = 1.25  # factor of C(xi) over the limit of the coupled pairs, at which the compliance is singular
+LONGEST = 10.0  # face widths: upper bound of the length a, at which the influence is uniform within 0.1 %
 
 
 def condense(
@@ -58,7 +58,7 @@ def condense(
     model: str = "solid",
     slices: int | None = None,
 ) -> MeshLaw:
-    """The law of one flank.
+    """The mesh law of one flank, condensed from a record.
 
     Parameters
     ----------
@@ -66,15 +66,15 @@ def condense(
     pair : the gears in mesh
     flank : "drive" or "coast"
     plane : gives the path of contact and the positions of the tables
-    model : name of the model that the law carries
-    slices : of equal width, of the law; as many as the places of the record unless given
+    model : name of the model stored in the law
+    slices : number of equal slices of the law; by default that of the record
     """
     path = plane.path(pair)
     slope, cosine = record.contact_slope, math.cos(pair.base_helix_angle)
     radius = plane.contact_radius(pair, path) / cosine
     terms = fit_terms(record, path.xi)
     frame = flank_frame(pair, flank, slices or record.face.size)
-    terms["skew_compliance"] *= frame["cycle_sign"] * pair.pinion.hand_sign  # fitted along zeta, which reverses
+    terms["skew_compliance"] *= frame["cycle_sign"] * pair.pinion.hand_sign  # fitted along zeta, which may be -y
     return MeshLaw(
         model=model,
         **frame,
@@ -115,7 +115,7 @@ def fit_terms(record: ContactCompliance, xi: np.ndarray) -> dict[str, Any]:
     spread = g**2
     shared = _table(np.concatenate(coupled_at), np.concatenate(coupled), xi).clip(0.0) if coupled else np.zeros(xi.size)
     least = np.maximum(SMALLEST * spread.max(), chain_floor(xi, shared))
-    if spread.any():  # what the spread part overshoots is taken from it, so that even loads keep their displacement
+    if spread.any():  # its excess is subtracted, so that uniform loads keep their displacement
         short = np.maximum(least - table, 0.0)
         table, spread = table + short, np.maximum(spread - short, 0.0)
     return {
@@ -130,10 +130,10 @@ def fit_terms(record: ContactCompliance, xi: np.ndarray) -> dict[str, Any]:
 
 
 def chain_floor(xi: np.ndarray, with_neighbour: np.ndarray) -> np.ndarray:
-    """C(xi) at which the pairs that a slice can hold, each coupled to the next, are safely positive definite.
+    """C(xi) at which the coupled pairs of a slice are positive definite with a margin.
 
-    Eigenvalues of a chain of n equal pairs: C - 2 c_1 cos(k pi / (n + 1)), k = 1 ... n. c_1 stands at the xi of the
-    pair that is ahead and counts at xi - 1, too, if both pairs are on the grid.
+    Eigenvalues of a chain of n equal pairs: C - 2 c_1 cos(k pi / (n + 1)), k = 1 ... n. c_1 is tabulated at the xi of
+    the leading pair; it also applies at xi - 1 if both pairs are on the grid.
     """
     step = xi[1] - xi[0]
     pitch = round(1.0 / step)
@@ -199,14 +199,14 @@ def _spread(
         g = np.polynomial.polynomial.polyval(places[cycle, pair], unknown[1:])
         return target - g[of, one] * g[of, other] * influence[one, other]
 
-    shortest = math.log(0.5 * w.min() / face)  # below, N is diagonal and a large g would stand for any small rest
+    shortest = math.log(0.5 * w.min() / face)  # below it N is diagonal, and a large g would fit any small residual
     bounds = [shortest, -np.inf, -np.inf, -np.inf], [math.log(LONGEST), np.inf, np.inf, np.inf]
     fit = least_squares(difference, [max(math.log(0.3), shortest), 1.0, 0.0, 0.0], bounds=bounds)
     return face * math.exp(fit.x[0]), fit.x[1:] * math.sqrt(scale)
 
 
 def _table(at: np.ndarray, values: np.ndarray, xi: np.ndarray) -> np.ndarray:
-    """Least squares by straight pieces between knots, read at xi; held constant beyond the data."""
+    """Piecewise linear least-squares fit between knots, evaluated at xi; constant beyond the data."""
     first, last = math.floor(at.min() * KNOTS), math.ceil(at.max() * KNOTS)
     knots = np.arange(first, max(last, first + 1) + 1) / KNOTS
     place = (at - knots[0]) * KNOTS

@@ -1,8 +1,8 @@
-"""Displacement and von Mises stress of the loaded teeth at one solved contact state, on the hexahedra of the model.
+"""Displacement and von Mises stress of the loaded teeth in one contact state, on the hexahedra of the model.
 
-The line loads of a `ContactState` act on the flank rows as the patches of the compliance do (half-width 0.2 m_n at the
-default refinement: below that depth the subsurface stress of the Hertz contact is not resolved, its pressure stands in
-the state). The ring gives the motion of the cuts, the condensation is undone sector by sector.
+The line loads of a `ContactState` act on the flank rows with the patches of the compliance. Their half-width is 0.2 m_n
+at the default refinement: the subsurface stress of the Hertz contact is not resolved; its pressure is given in the
+state. The ring gives the motion of the cuts, from which the condensed unknowns of each sector are recovered.
 """
 
 from __future__ import annotations
@@ -32,7 +32,8 @@ _GAUSS = 1 / np.sqrt(3.0)
 class StressField:
     """A few teeth of one gear, in its own frame: axis z, the tooth of pair 0 on +x, loaded flank at y > 0.
 
-    The pinion's z runs with zeta, the wheel's against it. cells (cell, 8) are linear hexahedra in the order of VTK.
+    z of the pinion is along zeta, that of the wheel opposite to it. cells (cell, 8) are linear hexahedra in the order
+    of VTK.
     """
 
     pair: np.ndarray  # (tooth,) numbers of the tooth pairs whose teeth these are
@@ -44,10 +45,10 @@ class StressField:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LoadedTeeth:
-    """Stress fields of both gears and the contact they belong to, at the mesh cycle `cycle`."""
+    """Stress fields of both gears and their contact state, at the mesh cycle `cycle`."""
 
     cycle: float
-    hand: int  # the picture's z is hand * zeta
+    hand: int  # z of the plot is hand * zeta
     pinion: StressField
     wheel: StressField
     pair: np.ndarray  # (pair,) numbers
@@ -60,9 +61,9 @@ class LoadedTeeth:
 def stress_field(
     pair: GearPair, model: Solid, record: ContactCompliance, state: ContactState, index: int = 0
 ) -> tuple[StressField, StressField]:
-    """Pinion and wheel at one row of a solved state: the teeth of all candidate pairs, each with its share of the body.
+    """Fields of pinion and wheel at one row of a solved state: the teeth of all candidate pairs with their sectors.
 
-    Solves both gears anew with all factors kept: seconds.
+    Both gears are solved again with all factors stored; this takes seconds.
 
     Parameters
     ----------
@@ -113,14 +114,14 @@ def _gear_field(
     cuts = cut_motion(sector, forces, teeth)
     seen = (sector.direct @ forces.T + sector.transfer.T @ cuts) / load_size(mesh, rows, nodal.shape[2])[:, None]
     motion = prism.recover(unknowns, np.vstack([seen, cuts]))
-    for nodes in (mesh.cut_low, mesh.cut_high):  # tied nodes follow their functions
+    for nodes in (mesh.cut_low, mesh.cut_high):  # tied nodes follow from their functions
         place, node = np.meshgrid(np.arange(nodal.shape[2]), nodes, indexing="ij")
         for component in range(3):
             tied, columns = prism.ties.rows(node.ravel(), place.ravel(), np.full(node.size, component))
             at = (place.ravel() * len(mesh.points) + node.ravel()) * 3 + component
             motion[at] = tied @ motion[prism.size + columns]
     local = motion[: prism.size].reshape(nodal.shape[2], len(mesh.points), 3, len(teeth))
-    local = np.einsum("nij,znjt->tzni", node_frames(mesh), local, optimize=True)  # x, y, z of the turned section
+    local = np.einsum("nij,znjt->tzni", node_frames(mesh), local, optimize=True)  # x, y, z of the rotated section
     z = with_middles(ends)
     angle = 2 * np.pi * teeth[:, None] / mesh.teeth + mesh.twist * z
     turn = np.zeros((*angle.shape, 3, 3))
@@ -143,7 +144,7 @@ def _gear_field(
 
 
 def cut_motion(sector: SectorReduction, forces: np.ndarray, teeth: np.ndarray) -> np.ndarray:
-    """Unknowns (both cuts, tooth) of the sectors `teeth` when `forces` (tooth, load) act on these teeth together."""
+    """Unknowns (both cuts, tooth) of the sectors `teeth` for simultaneous `forces` (tooth, load) on these teeth."""
     z, half = sector.teeth, sector.stiffness.shape[0] // 2
     low, high = slice(0, half), slice(half, None)
     s, h = sector.stiffness, sector.transfer
@@ -159,7 +160,7 @@ def cut_motion(sector: SectorReduction, forces: np.ndarray, teeth: np.ndarray) -
 
 
 def _cells(mesh: SectorMesh, filled: np.ndarray) -> np.ndarray:
-    """Linear hexahedra (cell, 8): every section element gives four quadrilaterals, every layer of nodes a row.
+    """Linear hexahedra (cell, 8): four quadrilaterals per section element, a row per layer of nodes.
 
     filled : bool (section elements, axial elements)
     """
@@ -182,7 +183,7 @@ def _von_mises(
     """Von Mises stress (tooth, axial node, section node) of displacements (tooth, axial node, section node, 3).
 
     Stresses are taken at the two Gauss points of each direction, where they are most accurate (Barlow, 1976, Int. J.
-    Num. Meth. Eng. 10, 243-251), carried to the nodes linearly and averaged there.
+    Num. Meth. Eng. 10, 243-251), extrapolated linearly to the nodes and averaged there.
     """
     places, gradients, _ = geometry(mesh.points, mesh.elements, 2)
     values, _ = shape_functions(gauss_grid(2)[0])

@@ -1,1 +1,1 @@
-"""Compliance, contact and damage of toothed wheels: what the finite-element models are made from."""
+"""Compliance, contact and damage of toothed wheels, used by the finite-element models."""

@@ -14,7 +14,7 @@ _POINTS = 400  # on the fillet and on the involute
 
 
 def beam_contour(gear: Gear) -> tuple[np.ndarray, np.ndarray]:
-    """Height over the gear axis, rising, and half thickness (n,), m, from where the fillet meets the root circle."""
+    """Height above the gear axis, ascending, and half thickness (n,), m, from the start of the fillet at the root."""
     half = half_tooth_profile(gear, _POINTS, _POINTS, 1)
     width, height = half.points[: half.tip_index + 1].T
     first = int(np.flatnonzero(np.hypot(width, height) > gear.root_radius * (1.0 + 1e-9))[0]) - 1
@@ -31,10 +31,10 @@ def cantilever(
     Parameters
     ----------
     height, half_thickness : (n,) m, contour from the clamped end to the load
-    load_height, load_offset : m, where the force acts: along the axis, and from it
-    alpha : rad, inclination of the force to the normal of the axis, pressing towards the clamped end
+    load_height, load_offset : m, point of the force: along the axis, and distance from it
+    alpha : rad, inclination of the force to the normal of the axis, towards the clamped end
     elastic_modulus, shear_modulus : Pa
-    lost : (n,) m, thickness that bending and shear do not have because of a crack
+    lost : (n,) m, thickness lost for bending and shear by a crack
     """
     from scipy.integrate import trapezoid
 

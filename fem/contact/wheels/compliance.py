@@ -1,27 +1,27 @@
-"""Compliance of a gear pair between all tooth pairs and all places along the face, at every mesh position.
+"""Compliance of a gear pair between all tooth pairs and slices along the face, at every mesh position.
 
-The face is cut into slices. Slice s of tooth pair p carries the line load f over its width w; its free approach is
+The face is divided into slices. Slice s of tooth pair p has the line load f over its width w; its free approach is
 
     x_i = sum_j C_ij F_j + A f_i (B_i - ln f_i),     F_j = w_j f_j,     i, j = (pair, slice),
 
-with A, B the Hertz line contact of `fem.contact.models.plane`, counted to the depth d. C comes from the rings in space:
-G_ij is the displacement of one patch (an ellipse of half-width w_p across, a slice along the face) by a unit force on
-another. The section of that mesh is coarse; what this costs is made good slice by slice by what it costs in plane
-deformation, where a fine mesh is cheap,
+with A, B the Hertz line contact of `fem.contact.models.plane`, measured to the depth d. C follows from the rings in
+space: G_ij is the displacement of one patch (an ellipse of half-width w_p across, a slice along the face) by a unit
+force on another. The section of that mesh is coarse. Its error is corrected in each slice by that in plane deformation,
+where a fine mesh is inexpensive,
 
     C_ij = G_ij + delta_ij (C_fine(xi_i) - G_coarse(xi_i)) / w_i,
 
 C_fine from the model `plane` with its matched Hertz split, G_coarse from plane deformation of the same coarse section
-under the same patches. Both agree for a load that hardly changes along the face, and the difference shrinks as the
-section is refined, so the sum is exact for such loads and converges for all others. The end faces of the teeth are
-free. d is at most a fifth of a module: a larger one would make the approach of short slices negative without the Hertz
-term. It is lowered, and C raised with it, until C alone is positive definite.
+under the same patches. Both agree for a load that hardly changes along the face, and their difference decreases with
+refinement of the section. The sum is therefore exact for such loads and converges for all others. The end faces of the
+teeth are free. d is at most a fifth of a module: with a larger one the approach of short slices without the Hertz term
+would be negative. d is reduced, and C increased accordingly, until C alone is positive definite.
 
-A gear whose body is even about mid face comes to itself by half a turn about the radial axis through a tooth there. It
-swaps the flanks and the ends of the face. One tensor therefore serves both flanks, with the face coordinate
-zeta = sign * hand * y (sign +1 drive, -1 coast; hand +1 right-hand pinion, -1 left-hand), along which xi rises. It runs
-with the twist of the pinion and against that of the wheel. A web that is offset breaks this: seen along zeta it stands
-at the other end for the other flank, which then has a tensor of its own.
+A gear whose body is symmetric about mid face is invariant under half a turn about the radial axis through a tooth
+there, which exchanges the flanks and the ends of the face. One tensor is therefore valid for both flanks, with the face
+coordinate zeta = sign * hand * y (sign +1 drive, -1 coast; hand +1 right-hand pinion, -1 left-hand), along which xi
+increases. It follows the twist of the pinion and is opposite to that of the wheel. An offset web breaks this symmetry:
+along zeta it is at the other end for the other flank, which then needs a separate tensor.
 """
 
 from __future__ import annotations
@@ -51,13 +51,13 @@ _MARGIN = 0.2  # smallest eigenvalue of C, in A / width
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ContactCompliance(Record):
-    """Compliances of a pair over one mesh cycle; the equations stand in the module."""
+    """Compliances of a pair over one mesh cycle; see the equations above."""
 
     hand: int = integer()  # +1 right-hand pinion, -1 left-hand
-    flank: int = integer()  # +1 serves the drive flank alone, -1 the coast flank alone, 0 both
+    flank: int = integer()  # valid for: +1 only drive flank, -1 only coast flank, 0 both
     position: np.ndarray = array("cycle", units="1")  # c' on a uniform grid over [0, 1)
     pair: np.ndarray = array("pair", units="1", dtype=int)  # candidate pairs p; xi = c' - p + cycle_shift
-    face: np.ndarray = array("slice", units="m")  # zeta, rising
+    face: np.ndarray = array("slice", units="m")  # zeta, ascending
     slice_width: np.ndarray = array("slice", units="m")
     cycle_shift: np.ndarray = array("slice", units="1")  # zeta tan(beta_b) / p_bt
     compliance: np.ndarray = array("cycle", "pair", "slice", "pair_too", "slice_too", units="m/N")  # C, 0 if gap = inf
@@ -69,7 +69,7 @@ class ContactCompliance(Record):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Contacts:
-    """All (cycle, pair, slice) that can touch, as flat lists, and what the path of contact says there."""
+    """All (cycle, pair, slice) that can touch, as flat lists, with their points on the path of contact."""
 
     cycle: np.ndarray
     pair: np.ndarray
@@ -80,7 +80,7 @@ class _Contacts:
 def _contacts(
     pair: GearPair, position: np.ndarray, shift: np.ndarray, plane: PlaneSection
 ) -> tuple[_Contacts, np.ndarray]:
-    """The contacts within the reach of the model `plane`, and the candidate pair numbers."""
+    """The contacts within the range of the model `plane`, and the candidate pair numbers."""
     known = plane.path(pair)
     finite = np.isfinite(known.gap)
     first, last = known.xi[finite][[0, -1]]
@@ -127,7 +127,7 @@ def _body(
 
 
 def _add_ring(out: np.ndarray, at: _Contacts, body: _Body, turn: int) -> None:
-    """Add the compliances of one ring to C; turn = 1 for the pinion, -1 for the wheel, whose face runs against zeta.
+    """Add the compliances of one ring to C; turn = 1 for the pinion, -1 for the wheel, whose face coordinate is -zeta.
 
     Tooth pair p + n, which follows pair p, is tooth -n of the pinion and tooth n of the wheel, counted towards the
     loaded flank.
@@ -137,7 +137,7 @@ def _add_ring(out: np.ndarray, at: _Contacts, body: _Body, turn: int) -> None:
     starts = np.flatnonzero(np.diff(at.cycle * out.shape[1] + at.pair, prepend=-1))
     groups = {(at.cycle[a], at.pair[a]): slice(a, b) for a, b in zip(starts, [*starts[1:], len(at.cycle)], strict=True)}
     moved = np.empty((len(at.cycle), rows, out.shape[2]))  # rows and slices by a contact
-    for apart in range(out.shape[1]):  # pair p by loads on pair q = p - apart; the others by symmetry
+    for apart in range(out.shape[1]):  # pair p for loads on pair q = p - apart; the others by symmetry
         matrix = body.flank.matrix[-turn * apart].reshape(rows, len(means[0]), rows, -1)
         by_slice = np.einsum("sa,rabz,tz->srbt", means, matrix, means, optimize=True)
         for place in range(out.shape[2]):
@@ -165,17 +165,17 @@ def contact_compliance(
     plane: PlaneSection,
     patch: float,
 ) -> ContactCompliance:
-    """The record of a gear pair.
+    """The contact compliance of a gear pair.
 
     Parameters
     ----------
     pair : the gears in mesh
-    sign : +1 drive flank, -1 coast flank; the record says whether it serves the other, too
+    sign : +1 drive flank, -1 coast flank; `flank` of the record shows whether it is valid for both
     slices : slices of equal width over the face
     positions : grid points per mesh cycle
     section_refinement : of the section mesh of the rings in space, see `fem.gears.sector.sector_mesh`
     axial_elements : elements along the face, see `axial_ends`
-    plane : the model that gives C_fine, A, B and the reach of tip-edge contact
+    plane : the model for C_fine, A, B and the range of tip-edge contact
     patch : half-width of the patches on the coarse section, in m_n
     """
     width, module = pair.face_width / slices, pair.pinion.normal_module
@@ -185,7 +185,7 @@ def contact_compliance(
     at, numbers = _contacts(pair, position, shift, plane)
     along = sign * pair.pinion.hand_sign  # zeta along y
     common = (patch * module, section_refinement, axial_elements, len(numbers) - 1)
-    with threadpool_limits(1), ThreadPoolExecutor(2) as pool:  # the rings are independent of one another
+    with threadpool_limits(1), ThreadPoolExecutor(2) as pool:  # the rings are independent
         bodies = [
             pool.submit(_body, pair.pinion, along, pair.pinion_material, at.path.pinion_radius, *common),
             pool.submit(_body, pair.wheel, -along, pair.wheel_material, at.path.wheel_radius, *common),
@@ -219,7 +219,7 @@ def contact_compliance(
 
 
 def _lowest(compliance: np.ndarray, gap: np.ndarray) -> float:
-    """Smallest eigenvalue (m/N) over all positions, of the contacts that can be."""
+    """Smallest eigenvalue (m/N) over all positions, for the possible contacts."""
     size = gap[0].size
     loaded = np.isfinite(gap).reshape(len(gap), size)
     matrix = compliance.reshape(len(gap), size, size)

@@ -1,4 +1,4 @@
-"""Direct contact solution on a `ContactCompliance`: line loads of all tooth pairs along the face, at force or state.
+"""Direct contact solution on a `ContactCompliance`: line loads of all tooth pairs, for given force or approach.
 
 With i = (pair, slice), force F_i = w_i f_i and free approach x_i = delta + psi y_i - gap_i - h_i,
 
@@ -6,13 +6,12 @@ With i = (pair, slice), force F_i = w_i f_i and free approach x_i = delta + psi 
     sum F_i = F,   sum F_i y_i = M
 
 are the conditions of the convex problem min 1/2 F.C F + sum w_i f_i^2 A (B_i/2 + 1/4 - ln(f_i)/2) - x.F over F >= 0,
-with delta and psi as the multipliers of the two sums where those are given instead. Newton's method on the loaded set,
-for all mesh positions at once; contacts leave when their load falls to nothing and return where the surfaces would
-overlap.
+with delta and psi as the multipliers of the two sums if these are given instead. It is solved by Newton's method on the
+loaded set, for all mesh positions at once. A contact leaves the set when its load becomes zero and returns where the
+surfaces would overlap.
 
-Above ln f = B - 1, where the Hertz contact is nearly as wide as the depth it is counted to, its approach is held
-constant, as in `fem.contact.evaluation.hertz`. Reference: Johnson (1985), Contact Mechanics, 5.9 (quadratic
-programme).
+Above ln f = B - 1, where the Hertz contact is nearly as wide as its depth d, its approach is held constant, as in
+`fem.contact.evaluation.hertz`. Reference: Johnson (1985), Contact Mechanics, 5.9 (quadratic programme).
 """
 
 from __future__ import annotations
@@ -26,13 +25,13 @@ from fem.contact.frame import ModelError
 from fem.contact.wheels.compliance import ContactCompliance
 
 _ROUNDS = 200
-_CLOSE = 1e-9  # largest step at which the solution is taken, in the largest load
-_FIRST_REACH = 2e-6  # m, gaps of the contacts that are loaded at the start
+_CLOSE = 1e-9  # largest step of a converged solution, relative to the largest load
+_FIRST_REACH = 2e-6  # m, largest gap of the contacts loaded in the first iteration
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ContactState:
-    """Solved contacts at the grid positions index / positions per cycle, (state,) or (state, pair, slice)."""
+    """Solved contacts at the grid positions index / positions, with arrays (state,) or (state, pair, slice)."""
 
     cycle: np.ndarray  # c' of the flank
     approach: np.ndarray  # delta, m
@@ -40,7 +39,7 @@ class ContactState:
     force: np.ndarray  # F, N
     moment: np.ndarray  # M, N m
     energy: np.ndarray  # U, J
-    no_load: np.ndarray  # delta where the first slice touches at this tilt, m
+    no_load: np.ndarray  # delta at first contact of a slice at this tilt, m
     pair: np.ndarray  # (state, pair) tooth pair numbers
     line_load: np.ndarray  # f per face width, N/m
     half_width: np.ndarray  # a of the Hertz contact, m
@@ -58,21 +57,21 @@ def solve(
     tilt: np.ndarray | float | None = 0.0,
     clearance: Mapping[int, np.ndarray | float] | None = None,
 ) -> ContactState:
-    """Solve at given force or approach, and at given tilt or (tilt None) with the moment zero.
+    """Solve for given force or approach, and for given tilt or (tilt None) zero moment.
 
     Parameters
     ----------
     record : compliances of the pair
-    index : int (state,), grid positions: c' = index / positions, any whole numbers; default one cycle
+    index : int (state,), grid positions: c' = index / positions, any integers; default one cycle
     sign : +1 drive, -1 coast: the face coordinate is y = sign * hand * zeta
     force, approach : F in N or delta in m, one of them, (state,) or a number
     tilt : psi in rad, (state,) or a number
-    clearance : of tooth pairs by their number p, in m, for the whole face or by slice of zeta; +inf where a tooth is
-        missing. Pair p is at xi = c' - p + cycle_shift
+    clearance : of tooth pairs by their number p, in m, for the whole face or by slice of zeta; +inf for a missing
+        tooth. Pair p is at xi = c' - p + cycle_shift
 
     Raises
     ------
-    ModelError : no contact can carry the force, the iteration fails, or the record is of the other flank
+    ModelError : no contact can carry the force, the iteration fails, or the record is for the other flank
     """
     if record.flank == -sign:
         raise ModelError(
@@ -136,7 +135,7 @@ class _Problem:
     width: np.ndarray
 
     def at(self, states: np.ndarray) -> _Problem:
-        """The problem of some states alone."""
+        """The problem of selected states."""
         return _Problem(
             compliance=self.compliance[states],
             slope=self.slope,
@@ -147,11 +146,11 @@ class _Problem:
         )
 
     def approach(self, delta: np.ndarray, psi: np.ndarray) -> np.ndarray:
-        """x (state, i), -inf where no contact can be."""
+        """x (state, i), -inf where no contact is possible."""
         return delta[:, None] + psi[:, None] * self.y - self.gap
 
     def hertz(self, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Approach A f (B - ln f) and its derivative by the force, 0 and inf-free where there is no load."""
+        """Approach A f (B - ln f) and its derivative by the force, both finite and the former 0 without load."""
         line = np.where(loads > 0, loads / self.width, 1.0)
         depth = self.offset - np.log(line)
         top = self.slope * np.exp(np.minimum(self.offset - 1.0, 700.0))
@@ -159,7 +158,7 @@ class _Problem:
         return np.where(loads > 0, value, 0.0), np.where(depth > 1, self.slope * (depth - 1), 0.0) / self.width
 
     def energy(self, loads: np.ndarray) -> np.ndarray:
-        """Strain energy (state,), J: it equals the complementary energy with the Hertz part taken at its own value."""
+        """Strain energy (state,), J: the complementary energy with the Hertz part replaced by its strain energy."""
         line = np.where(loads > 0, loads / self.width, 1.0)
         depth = self.offset - np.log(line)
         top = np.exp(np.minimum(self.offset - 1.0, 700.0))
@@ -171,7 +170,7 @@ class _Problem:
 def _newton(
     problem: _Problem, force: np.ndarray | None, approach: np.ndarray | None, tilt: np.ndarray | None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Forces (state, i), delta and psi (state,); all states at once, finished ones rest."""
+    """Forces (state, i), delta and psi (state,); all states at once, converged states are skipped."""
     states = len(problem.gap)
     psi = np.zeros(states) if tilt is None else tilt.copy()
     free = np.where(np.isfinite(problem.gap), problem.gap - psi[:, None] * problem.y, np.inf)
@@ -228,13 +227,13 @@ def _step(
         if wanted is not None:
             matrix[:, :size, row], matrix[:, row, :size], matrix[:, row, row] = -weights, weights, 0.0
             right[:, row, 0] = wanted - (weights * loads).sum(axis=1)
-    scale = np.ones(size + 2)  # compliances and sums in like magnitudes
+    scale = np.ones(size + 2)  # scales compliances and sums to similar magnitudes
     scale[size:] = problem.compliance.max()
     answer = np.linalg.solve(matrix * scale[:, None] * 1.0, right * scale[:, None])[..., 0]
     move, delta, psi = answer[:, :size], delta + answer[:, size], psi + answer[:, size + 1]
     trial = np.where(active, loads + move, 0.0)
     new = np.maximum(trial, 0.0)
-    left = problem.approach(delta, psi) - np.einsum("cij,cj->ci", problem.compliance, new)  # approach left to itself
+    left = problem.approach(delta, psi) - np.einsum("cij,cj->ci", problem.compliance, new)  # approach minus deflection
     gone, back = active & (trial <= 0), ~active & (left > 1e-12 * np.abs(delta)[:, None] + 1e-18)
     new = np.where(gone & (left > 0), 0.1 * loads, new)
     own = np.diagonal(problem.compliance, axis1=1, axis2=2)

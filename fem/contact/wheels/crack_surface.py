@@ -1,18 +1,18 @@
-"""The surface on which a tooth may crack, in space: what it holds together, and what loads find when it opens.
+"""Crack surface of a tooth in space: its stiffness against opening, and the compliance added by a crack.
 
 A sector with a slit as deep as a crack can be, over the whole face, is condensed once
-(`fem.contact.wheels.cracked_ring`). A crack of any depth and extent then opens a part of that surface. Every pair of
-nodes stands for a cell of the surface; where the crack covers the part x of its depth and the part y of its width, the
-pair is held by the springs, alike in all three directions,
+(`fem.contact.wheels.cracked_ring`). A crack of any depth and extent opens a part of that surface. Every pair of nodes
+represents a cell of the surface. If the crack covers the share x of its depth and the share y of its width, the pair is
+connected by springs, equal in all three directions,
 
     k = E area (THROUGH (1 - x) / x / node spacing + ALONG (1 - y) / y / width),
 
-welded for x = 0 or y = 0, free for x = y = 1, so that the compliance changes continuously with the depth and extent of
-the crack, and never falls as it grows.
+rigidly for x = 0 or y = 0 and not at all for x = y = 1. The compliance is then a continuous function of depth and
+extent, and never decreases with them.
 
-The surface has few nodes, and springs are no crack front. What this costs is known in plane deformation, where a fine
-mesh is cheap: the depth at which the coarse section finds what the fine one finds at the true depth. The front is put
-there, at every place along the face; errors of the section then cancel, and so do those of the springs.
+The surface has few nodes, and springs only approximate a crack front. The error is corrected by plane deformation,
+where a fine mesh is inexpensive: at every position along the face the front is at the depth at which the coarse section
+has the compliance of the fine one at the true depth. Errors of the section and of the springs then cancel.
 """
 
 from __future__ import annotations
@@ -32,22 +32,22 @@ from fem.numerics.threads import side_by_side
 from fem.storage.records import Record, array, scalar
 
 DEEPEST = 0.8  # of the tooth's root chord: the deepest crack
-MARGIN = 0.05  # of the chord: by which the surface goes on behind the deepest crack
-THROUGH, ALONG = 0.5, 0.4  # of the springs; with CORNER found so that compliance grows evenly while cells open
-CORNER = 0.2  # part of an element that belongs to the cell of each of its ends, the rest to that of its middle
-BACK = 0.16  # of an element: the ends of the extent are drawn back by it, fitted to `benchmarks/cracked_teeth.py`
+MARGIN = 0.05  # of the chord: extension of the surface beyond the deepest crack
+THROUGH, ALONG = 0.5, 0.4  # of the springs; fitted together with CORNER for a smooth increase of compliance
+CORNER = 0.2  # share of an element in the cell of each of its ends; the rest is in that of its middle
+BACK = 0.16  # of an element: correction of the ends of the extent, fitted to `benchmarks/cracked_teeth.py`
 COARSE = 0.25  # section refinement and spacing (m_n) of the surface in space, at refinement 1
 SPACING = 0.25
 FINE, FINE_SPACING = 0.5, 0.05  # of the section in plane deformation: within 0.4 % for a fifth of the chord and more
-LOADED_ROWS = 8  # rows of flank nodes that are loaded; a load between them is interpolated
-DEPTHS = 48  # at which both sections are compared
-REACH = 1  # teeth on either side whose loads the surface feels
+LOADED_ROWS = 8  # loaded rows of flank nodes; a load between them is interpolated
+DEPTHS = 48  # number of depths for the comparison of both sections
+REACH = 1  # teeth on either side whose loads affect the surface
 _SAMPLES = 16  # of the depth, in the covered part of a cell
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CrackSurface(Record):
-    """Stiffness K of the surface against opening and the forces F that loads put on it, see `cracked_ring`.
+    """Stiffness K of the surface against opening and forces F on it from loads, see `cracked_ring`.
 
     Openings are numbered pair * 3 + component, pairs slit node * axial nodes + axial node.
     """
@@ -55,16 +55,16 @@ class CrackSurface(Record):
     stiffness: np.ndarray = array("opening", "opening_too", units="N/m")  # K
     force: np.ndarray = array("tooth", "row", "axial_node", "opening", units="1")  # F by loads on tooth -1, 0, 1
     load_arc: np.ndarray = array("row", units="m")  # arc length of the loaded rows from the base circle
-    ends: np.ndarray = array("axial_end", units="m")  # of the elements along the face, with the twist of the gear
-    slit_node: np.ndarray = array("slit_node", units="m")  # distance from the mouth, the tip is not among them
+    ends: np.ndarray = array("axial_end", units="m")  # of the elements along the face, in the direction of twist
+    slit_node: np.ndarray = array("slit_node", units="m")  # distance from the mouth, without the tip
     depth: np.ndarray = array("depth", units="m")  # of a crack, from 0
-    front: np.ndarray = array("depth", units="m")  # depth to which the cells are covered then
+    front: np.ndarray = array("depth", units="m")  # corresponding depth of covered cells
     elastic_modulus: float = scalar(units="Pa")
 
 
 @dataclass(frozen=True, kw_only=True)
 class CrackSurfaceSpec:
-    """What a crack surface is made from: the gear, and the angle (rad) of cracks to the centre line of its tooth.
+    """Input of a crack surface: the gear, and the angle (rad) of cracks to the centre line of its tooth.
 
     face_width : common face of the pair, m
     refinement : divides the element sizes of section and surface
@@ -80,7 +80,7 @@ class CrackSurfaceSpec:
 
 
 def crack_surface(spec: CrackSurfaceSpec) -> CrackSurface:
-    """Condense a tooth onto its crack surface and its flank; the mouth lies under the loaded flank.
+    """Condense a tooth onto its crack surface and its flank; the mouth is below the loaded flank.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def crack_surface(spec: CrackSurfaceSpec) -> CrackSurface:
 
 
 def _loaded_rows(mesh: SectorMesh) -> np.ndarray:
-    """Flank rows (row,) between elements, spread evenly over the involute."""
+    """Flank rows (row,) between elements, uniformly spaced over the involute."""
     between = np.arange(2, len(mesh.flank_arc), 2)
     wanted = np.linspace(mesh.form_arc, mesh.tip_arc, LOADED_ROWS)
     return np.unique(between[np.abs(mesh.flank_arc[between][:, None] - wanted).argmin(axis=0)])
@@ -136,7 +136,7 @@ def _distances(mesh: SectorMesh) -> np.ndarray:
 
 
 def _plane_release(mesh: SectorMesh, young: float, poisson: float, deepest: float) -> Callable[[float], float]:
-    """Function from depth (m) to the compliance (m2/N) that a crack adds in plane deformation, mean over the flank."""
+    """Function from depth (m) to the compliance (m2/N) added by a crack in plane deformation, mean over the flank."""
     from scipy.linalg import cho_solve
 
     loaded = np.flatnonzero(mesh.flank_arc >= mesh.form_arc)
@@ -144,7 +144,7 @@ def _plane_release(mesh: SectorMesh, young: float, poisson: float, deepest: floa
     nodes = _distances(mesh)
     low, high = _slit_cells(nodes)
     components = len(ring.stiffness) // len(nodes)
-    weight = np.gradient(mesh.flank_arc[loaded])  # nodes lie closer at the tip; all heights count alike
+    weight = np.gradient(mesh.flank_arc[loaded])  # nodes are closer at the tip; equal weight per height
     weight[[0, -1]] /= 2  # the trapezoidal rule
 
     def compliance(depth: float) -> float:
@@ -167,7 +167,7 @@ def node_cells(ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _slit_cells(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Bounds of the cells of evenly spaced slit nodes, mouth first, without the tip."""
+    """Bounds of the cells of uniformly spaced slit nodes, mouth first, without the tip."""
     low, high = node_cells(np.append(nodes, nodes[-1] + nodes[1])[::2])
     return low[:-1], high[:-1]
 
@@ -175,13 +175,13 @@ def _slit_cells(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def opened(
     surface: CrackSurface, depth_at: Callable[[np.ndarray], np.ndarray], extent: tuple[float, float]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Openings (o,) that a crack frees, and the Cholesky factor (o, o) of K_oo + k, lower.
+    """Free openings (o,) of a crack, and the lower Cholesky factor (o, o) of K_oo + k.
 
     Parameters
     ----------
-    surface : where it is
+    surface : crack surface
     depth_at : depth (m) at axial coordinates (n,), continuous within the extent
-    extent : both of its ends in the axial coordinate, m, rising
+    extent : both of its ends in the axial coordinate, m, ascending
     """
     low, high = _slit_cells(surface.slit_node)
     first, last = node_cells(surface.ends)
@@ -197,9 +197,9 @@ def opened(
 
 
 def _drawn_back(surface: CrackSurface, extent: tuple[float, float]) -> tuple[float, float]:
-    """The ends of the extent (m), drawn back inside the face, as freed pairs act a little beyond their cells.
+    """The ends of the extent (m), shortened inside the face, as free pairs act slightly beyond their cells.
 
-    Full a mean element away from the ends of the crack and of the face, nothing on them.
+    The correction is complete at one mean element from the ends of the crack and of the face, and zero at them.
     """
     low, high = float(surface.ends[0]), float(surface.ends[-1])
     size, reach = (high - low) / (len(surface.ends) - 1), extent[1] - extent[0]
@@ -219,7 +219,7 @@ def _released(stiffness: np.ndarray, springs: np.ndarray, components: int) -> tu
     Parameters
     ----------
     stiffness : (pairs * components, same), N/m or per unit face width
-    springs : (pair,) likewise; infinite where the pair is welded
+    springs : (pair,) likewise; infinite for a rigid connection
     components : of the displacement
     """
     each = np.repeat(springs, components)
@@ -230,7 +230,7 @@ def _released(stiffness: np.ndarray, springs: np.ndarray, components: int) -> tu
 
 
 def load_weights(surface: CrackSurface, arc: np.ndarray) -> np.ndarray:
-    """Weights (place, row) of the loaded rows for loads at arc lengths (place,), m, on the flank."""
+    """Weights (load, row) of the loaded rows for loads at arc lengths (load,), m, on the flank."""
     from scipy.interpolate import CubicSpline
 
     rows = surface.load_arc

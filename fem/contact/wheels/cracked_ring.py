@@ -1,19 +1,20 @@
-"""A toothed ring with a surface through one of its teeth that may come apart, in the plane or in space.
+"""A toothed ring with a crack surface through one of its teeth, in the plane or in space.
 
-The sector of the tooth has doubled nodes on the surface. Beside loads and cuts (`fem.contact.wheels.ring`) it keeps the
-relative displacement g of the two sides, g = u(tooth) - u(body). With the surface closed it is the sector of all other
-teeth, so the ring is known: B_n is the motion of the low cut of tooth n by forces on that of tooth 0, R the flexibility
-of the ring at the two cuts of the cracked tooth. What is left are the unknowns g,
+The sector of the tooth has duplicate nodes on the surface. In addition to loads and cuts (`fem.contact.wheels.ring`) it
+keeps the relative displacement g of the two sides, g = u(tooth) - u(body). With closed surface it equals the other
+sectors, so that the ring is known: B_n is the motion of the low cut of tooth n by forces on that of tooth 0, R the
+flexibility of the ring, at both cuts of the cracked tooth. For the remaining unknowns g
 
     K g = sum_n F_n f_n,    K = K_gg - K_gq R K_qg,    F_0 = H_g - K_gq R H_q,    F_n = -K_gq q_n,
 
-with H the forces that unit loads leave on g and on the cuts q when both are held, and q_n what loads on tooth n do to
-the cuts. F_n are the forces that the closed surface carries. Opened where springs k are finite (0: open), the surface
-lets the loads find the additional compliance
+with the forces H of unit loads on g and on the cuts q when both are held, and the motion q_n of the cuts by loads on
+tooth n. F_n are the forces on the closed surface. If the surface is opened where springs k are finite (0: open), the
+added compliance is
 
     F_o^T (K_oo + k)^-1 F_o,
 
-positive semidefinite, which grows as springs weaken: exact for the ring, by one small dense solution.
+which is positive semidefinite and increases as springs weaken. It is exact for the ring and needs one small dense
+solution.
 """
 
 from __future__ import annotations
@@ -34,9 +35,9 @@ from fem.storage.ledger import count
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CrackedRing:
-    """Stiffness K (g, g) against opening, N/m, and forces F_n (g, load) by unit loads on tooth n, for n = -reach ..
+    """Stiffness K (g, g) against opening, N/m, and forces F_n (g, load) by unit loads on tooth n.
 
-    reach; in the plane both are per unit face width. Tooth numbers are those of `ring_response`.
+    n is -reach .. reach. In the plane both are per unit face width. Tooth numbers are those of `ring_response`.
     """
 
     stiffness: np.ndarray
@@ -63,7 +64,7 @@ def plane_cracked_ring(mesh: SectorMesh, young: float, poisson: float, loads: sp
     opening = components * first + np.arange(len(on_tooth))
     places = np.tile(opening, 2), np.concatenate([on_tooth, opening])
     change = sparse.csc_matrix((np.repeat([1.0, -2.0], len(opening)), places), shape=full.shape)
-    turn = (turn @ (sparse.identity(full.shape[0], format="csc") + change)).tocsc()  # doubles: u(body) = u(tooth) - g
+    turn = (turn @ (sparse.identity(full.shape[0], format="csc") + change)).tocsc()  # u(body) = u(tooth) - g
     full = (turn.T @ full @ turn).tocsc()
     cut = degrees_of(np.concatenate([mesh.cut_low, mesh.cut_high]), components)
     schur, transfer, _ = condensed(mesh, full, np.concatenate([opening, cut]), loads)
@@ -78,7 +79,7 @@ def solid_cracked_ring(
     Parameters
     ----------
     mesh : section of the sector with a slit
-    young, poisson, ends, rows, reach : those of `solid_flank`; no load on the mouth, row 0
+    young, poisson, ends, rows, reach : those of `solid_flank`; no load on row 0, the mouth
     """
     prism = sector_prism(mesh, young, poisson, ends, rows, CUT)
     doubles = mesh.slit_first + np.arange(len(mesh.slit))
@@ -100,7 +101,7 @@ def solid_cracked_ring(
 
     flank, tooth, body = found(mesh.flank[rows], 1), found(mesh.slit, 3), found(doubles, 3)
     cut = np.flatnonzero(~on_mesh)
-    mouth = tooth[: 3 * (2 * len(ends) - 1)]  # the mouth lies on the flank, where unknowns follow the load's direction
+    mouth = tooth[: 3 * (2 * len(ends) - 1)]  # the mouth is on the flank, where unknowns are along the load direction
     turn = np.kron(np.eye(len(mouth) // 3), node_frames(mesh)[mesh.slit[0]])
     matrix[mouth] = turn @ matrix[mouth]
     matrix[:, mouth] = matrix[:, mouth] @ turn.T

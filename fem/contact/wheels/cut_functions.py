@@ -1,10 +1,10 @@
-"""Functions that carry the displacement of the two cut faces of a sector, products of radius and face coordinate.
+"""Functions for the displacement of the two cut faces of a sector: products of functions of radius and face coordinate.
 
-A solid body takes polynomials in the radius, zero at the bore, times Legendre polynomials along the face. A rim on a
-web is a face of three parts (rim over the web, rim beside it, web), whose displacement has a kink where they meet.
-There the functions are continuous polynomials part by part, as of one large element for every part (Szabo & Babuska,
-Finite Element Analysis, 1991, section 6.1): a hat at every joint and integrated Legendre polynomials between. Those of
-the rim end in the web, where they fall to zero at the bore in a straight line, so that rim and web join conformingly.
+A solid body has polynomials in the radius, zero at the bore, times Legendre polynomials along the face. The cut face of
+a rim on a web has three parts (rim above the web, rim next to it, web), and its displacement has a kink between them.
+There the functions are piecewise continuous polynomials, as of one large element per part (Szabo & Babuska, Finite
+Element Analysis, 1991, section 6.1): a hat function at every joint and integrated Legendre polynomials between. Those
+of the rim decrease linearly within the web to zero at the bore, so that rim and web conform.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from fem.elements.nested_condensation import Ties
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CutFunctions:
-    """Number of polynomials on a cut face, by radius and along the face; None takes every node of that direction.
+    """Number of polynomials on a cut face, by radius and along the face; None uses every node of that direction.
 
     radial, axial : of a solid body
     rim, web : degrees in the radius on rim and web
-    along : degree along the face on each part of it, beside and over the web
+    along : degree along the face on each part of it, next to and above the web
     """
 
     radial: int | None = 5
@@ -44,10 +44,10 @@ def cut_ties(
     ----------
     cut : numbers of functions
     side : int (section nodes,), 0 and 1 on the cuts, -1 elsewhere
-    at : int (section nodes,), place of a node in `radius`
-    radius : (cut nodes,) m, falling from the root, without the bore
+    at : int (section nodes,), index of a node in `radius`
+    radius : (cut nodes,) m, descending from the root, without the bore
     bore : radius, m
-    place : (axial nodes,) m, rising
+    place : (axial nodes,) m, ascending
     """
     height = (radius - bore) / (radius[0] - bore)
     legendre = np.polynomial.legendre.legvander
@@ -90,14 +90,14 @@ def webbed_ties(
 
 
 def piecewise(place: np.ndarray, joints: np.ndarray, degrees: tuple[int, ...]) -> np.ndarray:
-    """Continuous polynomials part by part (place, functions): hats at the joints, then what vanishes at them.
+    """Piecewise continuous polynomials (place, functions): hat functions at the joints, then those that vanish there.
 
-    A part that holds too few places for its degree gets a lower one.
+    A part with too few points for its degree gets a lower one.
 
     Parameters
     ----------
     place : (place,) within the joints
-    joints : (parts + 1,) rising
+    joints : (parts + 1,) ascending
     degrees : of every part, at least 1
     """
     found = [np.interp(place, joints, hat) for hat in np.eye(len(joints))]
@@ -112,7 +112,7 @@ def piecewise(place: np.ndarray, joints: np.ndarray, degrees: tuple[int, ...]) -
 
 
 def _ties(side: np.ndarray, at: np.ndarray, across: np.ndarray, along: np.ndarray, filled: np.ndarray) -> Ties:
-    """Products that are not zero on all nodes there are, filled (cut node, axial node)."""
+    """Ties with the products that are not zero on all existing nodes, `filled` (cut node, axial node)."""
     used = (across != 0).T.astype(float) @ filled @ (along != 0) > 0
     of_node = np.where((side >= 0)[:, None], across[at], 0.0)
     return Ties(side=side, across=of_node, along=along, used=used)

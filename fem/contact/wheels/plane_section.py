@@ -1,9 +1,9 @@
 """Compliance of one slice of a tooth pair in the transverse section, by finite elements of the whole toothed rings.
 
-Per slice and unit face width, transverse quantities. A ring model gives the displacement G_ij along the flank normal
-at position i by a load at position j, both spread over an elliptical patch of half-width w and averaged with the same
-weight (so G is symmetric and finite). It contains the local deformation of a patch w. A Hertz contact has the
-half-width a instead and its approach is counted at the centre, not as the mean. On a half plane in plane strain an
+All quantities are transverse, per slice and unit face width. A ring model gives the displacement G_ij along the flank
+normal at position i by a load at position j, both spread over an elliptical patch of half-width w and averaged with the
+same weight (so G is symmetric and finite). It includes the local deformation of a patch w. A Hertz contact has the
+half-width a instead, and its approach is that at the centre, not the mean. On a half plane in plane strain an
 elliptical pressure of resultant f gives
 
     u(x) = u(0) - K f x^2 / a^2,   K = 2 (1 - nu^2) / (pi E),   mean u = u(0) - K f / 4,   du(0) / d ln a = -K f,
@@ -13,12 +13,12 @@ A = 1/(pi E*) the sum over both bodies is
 
     x = C f + A f (B - ln f),   C = G_ii + G_ii' + 2 A ln(w/d),   B = 1/2 + ln(d^2 pi E* / (4 R)).
 
-The depth d divides the same approach between the two terms; d = m_n keeps a < d at any bearable load.
+The depth d divides the same approach between the two terms; with d = m_n, a < d at any permissible load.
 
-Helical teeth: the rings are helical bodies (`fem.elements.sections`), so that a tooth bends and twists in its own
+Helical teeth: the rings are helical bodies (`fem.elements.sections`), so that a tooth bends and twists in its oblique
 direction. The force normal to the flank is f / cos(beta_b) per unit face width, f per unit length of contact line, and
-the normal approach is x cos(beta_b); the normal radius is R / cos(beta_b). Hence R / cos(beta_b) stands for R above and
-A = 1/(pi E* cos(beta_b)).
+the normal approach is x cos(beta_b); the normal radius is R / cos(beta_b). Hence R above is replaced by R /
+cos(beta_b), and A = 1/(pi E* cos(beta_b)).
 
 Hertz (1881); Johnson (1985), Contact Mechanics, sections 2.5 and 4.2; Weber & Banaschek (1953) for the division of the
 approach.
@@ -67,8 +67,8 @@ class PlaneSection:
     refinement : divides all element sizes (1: 0.05 m_n along the flank)
     patch : half-width of the pressure patches in m_n; the result does not depend on it (below 0.2 %)
     positions : grid points per base pitch
-    tip_rounding : radius of the tip edges in m_n, used only where an edge touches beyond the path of contact
-    largest_gap : no-load gap up to which tip-edge contact is followed, in m_n; stay above the largest delta
+    tip_rounding : radius of the tip edges in m_n, used only for tip-edge contact beyond the path of contact
+    largest_gap : largest no-load gap for tip-edge contact, in m_n; must exceed the largest delta
     """
 
     refinement: float = option(1.0, ge=0.5, le=8, text="factor that divides all element sizes of the tooth sector")
@@ -91,7 +91,7 @@ class PlaneSection:
             )
 
     def path(self, pair: GearPair) -> PathPoints:
-        """The path of contact on the uniform grid that holds every position of its `bridging_window`."""
+        """The path of contact on a uniform grid over its `bridging_window`."""
         largest, first, last = bridging_window(pair, self.largest_gap * pair.pinion.normal_module)
         grid = np.arange(math.floor(first * self.positions), math.ceil(last * self.positions) + 1) / self.positions
         return path_points(pair, grid, largest)
@@ -105,8 +105,8 @@ class PlaneSection:
         here = np.arange(len(path.xi))
         for n in range(1, reach + 1):
             behind = np.clip(here - n * self.positions, 0, None)
-            # the loaded flank leads on the pinion and trails on the wheel, so tooth p + n, which follows, is tooth -n
-            # of the pinion and tooth +n of the wheel counted towards the loaded flank
+            # the loaded flank is the leading one of a pinion tooth and the trailing one of a wheel tooth: the following
+            # pair p + n has tooth -n of the pinion and tooth +n of the wheel, counted towards the loaded flank
             for weight, ring, tooth in zip(weights, rings, (-n, n), strict=True):
                 between[n - 1] += np.einsum("pi,ij,pj->p", weight[behind], ring.matrix[tooth], weight)
         slope, offset = self.contact_terms(pair, path)
@@ -123,7 +123,7 @@ class PlaneSection:
     def own_compliance(
         self, pair: GearPair, path: PathPoints, rings: tuple[FlankCompliance, FlankCompliance]
     ) -> tuple[list[np.ndarray], np.ndarray]:
-        """Patch weights (position, node) of pinion and wheel, and C (position,) in m2/N; any positions will do."""
+        """Patch weights (position, node) of pinion and wheel, and C (position,) in m2/N, at any positions."""
         depth = pair.pinion.normal_module
         cosine = math.cos(pair.base_helix_angle)
         gears, materials = (pair.pinion, pair.wheel), (pair.pinion_material, pair.wheel_material)
@@ -145,7 +145,7 @@ class PlaneSection:
         from fem.gears.sector import sector_mesh
 
         out = []
-        with threadpool_limits(1):  # the matrices are small: more threads only wait for one another
+        with threadpool_limits(1):  # small matrices: more threads only add waiting time
             for gear, material in ((pair.pinion, pair.pinion_material), (pair.wheel, pair.wheel_material)):
                 mesh = sector_mesh(gear, self.refinement)
                 count("gear_meshes")
@@ -155,8 +155,8 @@ class PlaneSection:
     def contact_radius(self, pair: GearPair, path: PathPoints) -> np.ndarray:
         """Transverse radius of relative curvature (position,), m.
 
-        Beyond the path a tip edge touches: there the radius goes over, evenly in its logarithm within the tenth of a
-        pitch that edge contact needs to develop, to that of the rounded edge (the gear's own, or `tip_rounding`).
+        Beyond the path a tip edge is in contact. Over a tenth of a pitch, in which edge contact develops, the radius
+        changes to that of the rounded edge (of the gear, or `tip_rounding`), linearly in its logarithm.
         """
         beyond = np.maximum(pair.xi_start - path.xi, path.xi - pair.xi_end).clip(0.0)
         usual = self.tip_rounding * pair.pinion.normal_module

@@ -1,12 +1,12 @@
 """Compliance of a whole toothed ring from one of its sectors.
 
-All teeth are alike. One sector is condensed onto its two cut lines (bore held rigid), and the ring of z such super
-elements is block-circulant: the discrete Fourier transform over the teeth splits it into z small systems,
+All teeth are equal. One sector is condensed onto its two cut lines (bore held rigid), and the ring of z such
+superelements is block-circulant. The discrete Fourier transform over the teeth divides it into z small systems,
 
     A_k = S_hh + S_ll + S_lh exp(i 2 pi k / z) + S_hl exp(-i 2 pi k / z),      k = 0 .. z-1,
 
-with l, h the cut at -pi/z, +pi/z of a sector in its own frame. The result is that of the fully meshed ring, to
-round-off, for the cost of one sector (Thomas, 1979, Int. J. Num. Meth. Eng. 14, 81-102).
+with l, h the cut at -pi/z, +pi/z of a sector in its frame. The result is that of the fully meshed ring, to round-off,
+at the cost of one sector (Thomas, 1979, Int. J. Num. Meth. Eng. 14, 81-102).
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ class RingError(RuntimeError):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SectorReduction:
-    """A sector with the bore fixed, as seen from its cut lines and from given load vectors p.
+    """A sector with fixed bore, condensed to its cut lines and given load vectors p.
 
     stiffness S (2 c, 2 c): cut at -pi/z first, polar components; transfer H (2 c, p): cut forces of unit loads with the
-    cuts held, sign reversed; direct (p, p): displacement along load i by load j with the cuts held.
+    cuts held, sign reversed; direct (p, p): displacement along load i by load j with held cuts.
     """
 
     teeth: int
@@ -44,7 +44,7 @@ class SectorReduction:
 class FlankCompliance:
     """Displacement normal to the flank by normal nodal forces per unit face width, in m2/N, transverse quantities.
 
-    matrix[n][i, j]: at flank node i of tooth n by a force at flank node j of tooth 0; tooth numbers rise with the
+    matrix[n][i, j]: at flank node i of tooth n by a force at flank node j of tooth 0; tooth numbers increase with the
     angle towards the loaded flank. matrix[n][i, j] = matrix[-n][j, i].
     """
 
@@ -55,8 +55,8 @@ class FlankCompliance:
     def patches(self, centre: np.ndarray, half_width: float) -> tuple[np.ndarray, np.ndarray]:
         """Elliptical pressure patches as nodal forces of unit sum.
 
-        A patch that would reach over the tip corner shrinks, to half of `half_width` at the least, and is then moved
-        to end at the corner; likewise it is moved up to stay on the meshed flank.
+        A patch that would extend beyond the tip corner is narrowed, to at least half of `half_width`, and then moved to
+        end at the corner. It is also moved up if necessary to remain on the meshed flank.
 
         Parameters
         ----------
@@ -70,7 +70,7 @@ class FlankCompliance:
         centre = np.asarray(centre, dtype=float)
         used = np.clip(self.tip_arc - centre, half_width / 2, half_width)
         centre = np.clip(centre, self.arc[0] + used, self.tip_arc - used)
-        n = 48  # Gauss-Chebyshev points of the second kind: the ellipse is their weight function
+        n = 48  # Gauss-Chebyshev points of the second kind: their weight function is the ellipse
         angle = np.pi * np.arange(1, n + 1) / (n + 1)
         weight = 2.0 / (n + 1) * np.sin(angle) ** 2
         place = centre[:, None] + used[:, None] * np.cos(angle)
@@ -86,8 +86,8 @@ class FlankCompliance:
 def flank_loads(mesh: SectorMesh) -> sparse.csc_matrix:
     """Unit forces into the tooth along the flank normal, one column per flank node; (dofs, flank).
 
-    Helical: the transverse component is 1, the axial one tan(beta) at the radius of the node times n_theta, so that the
-    force is normal to the flank in space and its moment about the axis is r_b on the involute.
+    On a helical gear the transverse component is 1 and the axial one tan(beta) at the radius of the node times n_theta,
+    so that the force is normal to the flank in space and its moment about the axis is r_b on the involute.
     """
     normal, place = mesh.flank_normal, mesh.points[mesh.flank]
     parts = [-normal[:, 0], -normal[:, 1]]
@@ -108,7 +108,7 @@ def reduce_sector(mesh: SectorMesh, young: float, poisson: float, loads: sparse.
     ----------
     mesh : section of the sector
     young, poisson : Pa, 1
-    loads : sparse (dofs, p), away from cuts and bore, as of `flank_loads`
+    loads : sparse (dofs, p), not on cuts and bore, e.g. `flank_loads`
 
     Raises
     ------
@@ -127,14 +127,14 @@ def reduce_sector(mesh: SectorMesh, young: float, poisson: float, loads: sparse.
 def condensed(
     mesh: SectorMesh, full: sparse.csc_matrix, kept: np.ndarray, loads: sparse.spmatrix
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Stiffness (kept, kept), the forces (kept, p) that loads put on what is kept, and their own compliance (p, p).
+    """Stiffness (kept, kept), forces (kept, p) of the loads on the kept unknowns, and compliance (p, p) of the loads.
 
     Parameters
     ----------
     mesh : its bore is held
     full : (dofs, dofs) stiffness of the sector
-    kept : numbers of the unknowns that stay
-    loads : sparse (dofs, p), away from what is kept or held
+    kept : numbers of the kept unknowns
+    loads : sparse (dofs, p), not on kept or held unknowns
 
     Raises
     ------
@@ -192,17 +192,17 @@ def flank_compliance(mesh: SectorMesh, young: float, poisson: float, reach: int 
     ----------
     mesh : section of one sector
     young, poisson : Pa, 1
-    reach : teeth; a tooth so far away must be another tooth, z > 2 reach
+    reach : in teeth; z > 2 reach, so that all these teeth differ
     """
     sector = reduce_sector(mesh, young, poisson, flank_loads(mesh))
     return FlankCompliance(arc=mesh.flank_arc, tip_arc=mesh.tip_arc, matrix=ring_response(sector, reach))
 
 
 def changed_tooth(sound: SectorReduction, changed: SectorReduction) -> np.ndarray:
-    """Compliance (p, p), m2/N, of the flank of one changed tooth in a ring whose other teeth are sound.
+    """Compliance (p, p), m2/N, of the flank of one changed tooth in a ring whose other teeth are healthy.
 
-    With the flexibility G of the sound ring at the two cuts of the tooth and D = S_changed - S_sound the motion of the
-    cuts under the loads h of the changed tooth is (1 + G D)^-1 G h: exact, at the cost of the sound ring.
+    With the flexibility G of the two cuts of the tooth in the healthy ring, and D = S_changed - S_healthy the motion of
+    the cuts under the loads h of the changed tooth is (1 + G D)^-1 G h. This is exact, at the cost of the healthy ring.
     """
     s, h, block = sound.stiffness, changed.transfer, cut_flexibility(sound, 1)
     ring = np.block([[block[0], block[-1]], [block[1], block[0]]])
@@ -224,5 +224,5 @@ def cut_rotation(mesh: SectorMesh, components: int) -> sparse.csc_matrix:
 
 
 def degrees_of(nodes: np.ndarray, components: int) -> np.ndarray:
-    """Numbers of the unknowns of nodes, node by node."""
+    """Numbers of the unknowns of nodes, in node order."""
     return (components * nodes[:, None] + np.arange(components)).ravel()

@@ -1,11 +1,11 @@
-"""Compliance of a whole toothed ring in space from one of its sectors, ends of the face free.
+"""Compliance of a whole toothed ring in space from one of its sectors, with free end faces.
 
-The sector of one tooth, a prism that follows the helix, is condensed onto what is loaded (the normal displacement of
-the nodes of one flank) and onto its two cut faces in the middle of the tooth spaces. There the displacement is smooth:
-its polar components are products of polynomials in the radius, zero at the rigid bore, and Legendre polynomials along
-the face. Both cuts carry the same functions, so sectors join conformingly, and the ring of z super elements is solved
-by the discrete Fourier transform over the teeth (`fem.contact.wheels.ring`). The number of functions is an option of
-the space alone; tests compare with all nodes of the cut.
+The sector of one tooth, a prism that follows the helix, is condensed onto the loaded unknowns (the normal displacement
+of the nodes of one flank) and onto its two cut faces in the middle of the tooth spaces. There the displacement is
+smooth: its polar components are products of polynomials in the radius, zero at the rigid bore, and Legendre polynomials
+along the face. Both cuts have the same functions, so that sectors conform, and the ring of z superelements is solved by
+the discrete Fourier transform over the teeth (`fem.contact.wheels.ring`). The number of functions is an option; tests
+compare with all nodes of the cut.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class SolidFlank:
     """Displacement normal to the flank by nodal forces normal to it, m/N, transverse quantities.
 
     matrix[n][i, j]: at flank node i of tooth n by a force at flank node j of tooth 0, nodes numbered row * axial nodes
-    + axial node; tooth numbers rise with the angle towards the loaded flank, the axial coordinate with the twist.
+    + axial node; tooth numbers increase with the angle towards the loaded flank, the axial coordinate with the twist.
     """
 
     rows: np.ndarray  # the flank rows (section nodes) that can be loaded, as indices of `SectorMesh.flank`
@@ -69,7 +69,7 @@ def sector_prism(
     cut: CutFunctions = CUT,
     web: tuple[float, float] | None = None,
 ) -> Prism:
-    """The sector of one tooth, ready to be condensed.
+    """The sector of one tooth, as a prism for condensation.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def reduce_prism(mesh: SectorMesh, prism: Prism, rows: np.ndarray) -> tuple[Sect
     """The condensed sector, and the numbers of its unknowns: loads, then cuts.
 
     Loads are unit transverse forces on the nodes of the kept rows, row by row; `load_size` times its unknown is the
-    displacement that a load sees.
+    displacement along a load.
     """
     numbers, matrix = prism.condense()
     loads = np.flatnonzero(numbers < prism.size)
@@ -158,10 +158,10 @@ def solid_flank(
     young, poisson : Pa, 1
     ends : axial element ends, m
     rows : int (rows,), indices into `mesh.flank`
-    reach : teeth up to which neighbours count
+    reach : number of neighbouring teeth on either side
     cut : functions on the cut faces
-    web : where the web stands along the axis, m, both among `ends`; None for a body below the rim that fills the face,
-        or counts as an equivalent ring
+    web : ends of the web along the axis, m, both among `ends`; None if the body below the rim fills the face or is an
+        equivalent ring
     """
     sector, _ = reduce_prism(mesh, sector_prism(mesh, young, poisson, ends, rows, cut, web), rows)
     return SolidFlank(rows=rows, ends=ends, matrix=ring_response(sector, reach))

@@ -1,7 +1,7 @@
-"""Where the web of a gear stands along its face, and the axial elements that follow it.
+"""Position of the web of a gear along its face, and the axial elements that fit it.
 
-A web wider than the face has no elements of its own beyond it: it stays a ring under the whole face whose modulus is
-raised by b_s / b.
+A web wider than the face has no elements beyond the face. It is modelled as a ring under the whole face with its
+modulus raised by b_s / b.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ _CLOSE = 1e-9  # of the face width: ends that are the same
 
 
 def web_ends(gear: Gear, turn: int) -> tuple[float, float] | None:
-    """Ends of the web along the axis (m, 0 at mid face); None where body or web fill the face.
+    """Ends of the web along the axis (m, 0 at mid face); None if body or web fill the face.
 
     Parameters
     ----------
     gear : with its web_offset along y
-    turn : +1 for an axis along y, -1 against it
+    turn : +1 for an axis along y, -1 for the opposite axis
     """
     if gear.web_ratio >= 1.0 - _CLOSE:
         return None
@@ -33,17 +33,17 @@ def web_ends(gear: Gear, turn: int) -> tuple[float, float] | None:
 
 
 def even_about_mid_face(pair: GearPair) -> bool:
-    """Whether half a turn about a radial axis at mid face brings both bodies to themselves."""
+    """Whether both bodies are symmetric under half a turn about a radial axis at mid face."""
     return all(web_ends(gear, 1) == web_ends(gear, -1) for gear in (pair.pinion, pair.wheel))
 
 
 def axial_ends(face_width: float, elements: int, web: tuple[float, float] | None = None) -> np.ndarray:
-    """Element ends along the face, m, smaller towards the free end faces by a half; the ends of a web are among them.
+    """Element ends along the face, m, with elements half as long at the free end faces; they include the ends of a web.
 
     Parameters
     ----------
     face_width : m
-    elements : over a face without a web; beside and over a web their share, rounded up
+    elements : over a face without a web; next to and above a web their share, rounded up
     web : ends of the web, m
     """
     fine = np.linspace(-1.0, 1.0, 2001)

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipelines.diagnosis.comparison.part import Channel, Part
-from pipelines.signals.features.band import squared_envelope
+from pipelines.signals.features.band import banded
 from pipelines.signals.features.recorded import FeatureError, envelope_band
 from pipelines.signals.orders.revolutions import HIGHEST, revolutions
 
@@ -109,7 +109,7 @@ def _turns(part: Part, row: int, ratio: float, places: int) -> np.ndarray:
 
 def _spectra(turns: np.ndarray, block: int, share: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
     """Amplitudes (order,) of a signal (turn, place), and those of its squared envelope over the mean of that."""
-    envelope = squared_envelope(turns.ravel(), share)
+    envelope = np.abs(banded(turns.ravel(), share, 1.0)[0]) ** 2
     return _amplitudes(turns.ravel(), block * turns.shape[1]), _amplitudes(
         envelope / envelope.mean(), block * turns.shape[1]
     )

@@ -183,7 +183,7 @@ def _seats_in_file(scene: Scene, layout: Layout, made: ImportedHousing) -> Itera
 @functools.lru_cache(maxsize=8)
 def _looked_up(made: ImportedHousing, element: str) -> dict[str, np.ndarray | MeshError] | MeshError:
     """Bearing points by name with what is wrong with them; empty where the file cannot be looked into quickly."""
-    if not looked_into(made):
+    if made.file.stat().st_size > LARGEST_LOOK:
         return {}
     try:
         if made.is_step:
@@ -198,8 +198,3 @@ def _looked_up(made: ImportedHousing, element: str) -> dict[str, np.ndarray | Me
         return error
     except ImportError:
         return {}  # without gmsh or meshio a stored mesh may still serve
-
-
-def looked_into(made: ImportedHousing) -> bool:
-    """Whether the seats of a file are looked up before it is meshed."""
-    return made.file.stat().st_size <= LARGEST_LOOK

@@ -1,12 +1,12 @@
-"""Rendered pictures with labels: a gear pair beside its stiffness curve, a casing with its key points."""
+"""Rendered pictures with labels: a gear pair with its stiffness curve, a casing with its key points."""
 
 from __future__ import annotations
 
 import textwrap
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
@@ -18,11 +18,8 @@ from pipelines.report.figures.render import AXES_PLACES, KINDS, kind_of
 from pipelines.report.figures.tooth_shape import DrawnTooth
 from pipelines.report.figures.views import Picture
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 AXES = ("x", "y", "z")
-LABEL_HEIGHT = 34.0  # picture rows a label takes
+LABEL_HEIGHT = 34.0  # rows of the picture for a label
 
 
 def gear_figure(
@@ -33,18 +30,18 @@ def gear_figure(
     near: Picture | None = None,
     tooth: DrawnTooth | None = None,
 ) -> Figure:
-    """The gear pair in three dimensions, its damaged tooth from near and its stiffness curve beside it.
+    """Gear pair in three dimensions, with its damaged tooth enlarged and its stiffness curve.
 
     Parameters
     ----------
     picture, curve : the rendered gears, and their curve or None
-    names : words for the places of the picture: "pinion", "wheel" and "marked" (the damaged tooth)
+    names : labels for the places of the picture: "pinion", "wheel" and "marked" (the damaged tooth)
     title : above both, "" for none
-    near, tooth : the rendered damaged tooth, and what it shows, or None
+    near, tooth : the enlarged damaged tooth, and its surface, or None
     """
     shown = 1 + (near is not None) + (curve is not None)
     height, width = 5.0, 6.25 * shown
-    if title:  # of several lines, and perhaps a scale of wear: a layout engine finds room for them
+    if title:  # of several lines, and perhaps a scale of wear: a layout engine makes room for them
         figure = new_figure(height, width)
     else:
         figure = fixed_figure(height, width, columns=shown, left=0.05, across=0.85)
@@ -77,7 +74,7 @@ def gear_figure(
 
 
 def _free_corner(box: tuple[float, float, float, float], column: float, row: float) -> tuple[float, float]:
-    """The corner of the picture that is nearest to a pixel."""
+    """Corner of the picture that is nearest to a pixel."""
     left, right, top, bottom = box
     across, down = 0.04 * (right - left), 0.03 * (bottom - top)
     return (
@@ -87,7 +84,7 @@ def _free_corner(box: tuple[float, float, float, float], column: float, row: flo
 
 
 def _draw_tooth(axes: Axes, near: Picture, tooth: DrawnTooth | None) -> None:
-    """The damaged tooth with words on its damage, and a scale of depth where it is worn."""
+    """Damaged tooth with a description of its damage, and a scale of depth if it is worn."""
     show(axes, near, whole=True)
     corner_axes(axes, near)
     if tooth is None:
@@ -99,7 +96,7 @@ def _draw_tooth(axes: Axes, near: Picture, tooth: DrawnTooth | None) -> None:
 
 
 def casing_figure(picture: Picture, title: str = "Casing and key points") -> Figure:
-    """The casing, every key point named at the side of the picture: yellow ground, red bearing, green sensor."""
+    """Casing with the names of all key points at the sides of the picture: yellow ground, red bearing, green sensor."""
     figure = fixed_figure(7.0, 11.5, title=plain(title), left=0.1, right=0.1, bottom=0.4)
     axes = figure.subplots()
     left, right, top, bottom = show(axes, picture)
@@ -138,8 +135,9 @@ def casing_figure(picture: Picture, title: str = "Casing and key points") -> Fig
 
 
 def spread(wanted: Sequence[float], distance: float) -> list[float]:
-    """Rising positions nearest to the wanted rising ones, at least `distance` apart (least squares, pooled blocks)."""
-    blocks: list[tuple[float, int]] = []  # mean of (wanted - i distance) and size, rising means
+    """Ascending positions nearest to the given ones, at a distance of at least `distance` (least squares, pooled
+    blocks)."""
+    blocks: list[tuple[float, int]] = []  # mean of (position - i distance) and size, ascending means
     for i, place in enumerate(wanted):
         blocks.append((place - i * distance, 1))
         while len(blocks) > 1 and blocks[-2][0] >= blocks[-1][0]:
@@ -151,7 +149,8 @@ def spread(wanted: Sequence[float], distance: float) -> list[float]:
 
 
 def show(axes: Axes, picture: Picture, *, whole: bool = False) -> tuple[float, float, float, float]:
-    """Draw the picture, `whole` or without its white border; left, right, top, bottom of what is shown, in pixels."""
+    """Draw the picture, `whole` or without its white margin; left, right, top, bottom of the visible part, in
+    pixels."""
     axes.imshow(picture.image, interpolation="bilinear")
     axes.set_axis_off()
     if whole:
@@ -168,14 +167,14 @@ def show(axes: Axes, picture: Picture, *, whole: bool = False) -> tuple[float, f
 
 
 def corner_axes(axes: Axes, picture: Picture) -> None:
-    """The directions of a picture with the place "mesh", drawn in its lower left corner."""
+    """Draw the directions of a picture with the place "mesh" in its lower left corner."""
     rows, columns = picture.image.shape[:2]
     places = dict(picture.places) | {"origin": picture.places["mesh"]}
     draw_axes(axes, Picture(image=picture.image, places=places), (0.09 * columns, 0.88 * rows))
 
 
 def draw_axes(axes: Axes, picture: Picture, corner: tuple[float, float]) -> None:
-    """The global directions as arrows from a corner of the picture (column, row)."""
+    """Draw the global directions as arrows from a corner of the picture (column, row)."""
     shift = np.array(corner) - np.array(picture.places["origin"])
     for axis in AXES:
         arrow = np.array(picture.places[axis]) - np.array(picture.places["origin"])

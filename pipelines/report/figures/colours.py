@@ -4,7 +4,7 @@ The maps are perceptually uniform: equal steps of a value look equally large, in
 """
 
 PINION, WHEEL, GONE = "#8fa9bf", "#c9b28a", "#d62718"
-DAMAGED, CRACK = "#f2e6d0", "#7a0010"  # the sound skin of a damaged tooth; where a crack comes to the surface
+DAMAGED, CRACK = "#f2e6d0", "#7a0010"  # the undamaged surface of a damaged tooth; where a crack comes to the surface
 STATES = "#2a6f97", "#c23b22"  # healthy, faulty
 PAIR_COLOURS = ("#2a6f97", "#e08e0b", "#3a7d44", "#7b4ea3", "#b5651d", "#6b6b6b", "#c2578f", "#1f9e9e")
 LOAD_COLOURS, STRESS_COLOURS, WEAR_COLOURS = "viridis", "plasma", "magma_r"

@@ -1,28 +1,24 @@
-"""Figures of a comparison, a panel per recording over the same axes. Every function returns the figure."""
+"""Figures of a comparison, a panel for each recording over the same axes. Every function returns the figure."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from pipelines.diagnosis.comparison.curves import Curves
+from pipelines.diagnosis.comparison.features import Features
+from pipelines.diagnosis.comparison.part import Part
 from pipelines.report.figures.plots import FIRST, MARK, SECOND, dress, new_figure, plain
 from pipelines.report.figures.spectrum_plots import DECADES
 from pipelines.signals.orders.kinematics import Kinematics
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from pipelines.diagnosis.comparison.features import Features
-    from pipelines.diagnosis.comparison.part import Part
-
-MESH_ORDERS = 3  # shown of the fastest mesh
-SIDEBANDS = 6  # shown on either side of a mesh order
-ENVELOPE_ORDERS = 10.0  # shown at least
+MESH_ORDERS = 3  # of the fastest mesh, in the spectra
+SIDEBANDS = 6  # on either side of a mesh order
+ENVELOPE_ORDERS = 10.0  # least range of the envelope spectra
 ROOM = 0.04  # of the width, for the name of a mark
 BEHIND = "#c9c9c9"  # the first recording, behind the others
 
@@ -30,11 +26,11 @@ BEHIND = "#c9c9c9"  # the first recording, behind the others
 def comparison_figures(
     found: Curves, features: Features, parts: Sequence[Part], names: Sequence[str]
 ) -> dict[str, Figure]:
-    """All figures of a comparison by their names.
+    """All figures of a comparison by name.
 
     Parameters
     ----------
-    found, features, parts, names : curves and features of the recordings, which are named in the figures
+    found, features, parts, names : curves, features and parts of the recordings, and their names in the figures
     """
     kinematics = parts[0].kinematics
     return {
@@ -55,7 +51,7 @@ def sidebands_figure(found: Curves, names: Sequence[str], kinematics: Kinematics
 
     Parameters
     ----------
-    found, names, kinematics : those of `spectra_figure`
+    found, names, kinematics : as for `spectra_figure`
     stage : number of the pair
     """
     mesh = kinematics.mesh_orders()[stage]
@@ -118,7 +114,7 @@ def averages_figure(found: Curves, names: Sequence[str]) -> Figure:
 
 
 def rms_figure(rms: np.ndarray, sensors: Sequence[str], names: Sequence[str]) -> Figure:
-    """Root mean squares (recording, channel) as bars, a group per sensor: the root of the sum over its axes.
+    """Bar chart of the RMS values (recording, channel), a group for each sensor: the root of the sum over its axes.
 
     Parameters
     ----------
@@ -150,7 +146,7 @@ def _panels(
     span: tuple[float, float],
     marks: Mapping[str, float],
 ) -> Figure:
-    """A panel per recording with the first one behind; the names of the marks stand in the first panel."""
+    """A panel for each recording with the first one behind; the first panel has the names of the marks."""
     figure = new_figure(0.9 + 1.7 * len(names))
     panels = figure.subplots(len(names), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     shown = (orders > span[0]) & (orders <= span[1])
@@ -158,7 +154,7 @@ def _panels(
         if number:
             axes.semilogy(orders[shown], rows[0][shown], color=BEHIND, lw=0.9)
         axes.semilogy(orders[shown], row[shown], color=SECOND if number else FIRST, lw=0.8)
-        axes.yaxis.set_minor_locator(NullLocator())  # minor ticks of a log axis take half the time of a figure
+        axes.yaxis.set_minor_locator(NullLocator())  # minor ticks of a logarithmic axis take half the time of a figure
         _mark(axes, {label: order for label, order in marks.items() if order <= span[1]}, span, named=not number)
         dress(axes, plain(name), "order of the first shaft" if number == len(names) - 1 else "", unit)
     high = 4.0 * float(rows[:, shown].max())
@@ -169,7 +165,7 @@ def _panels(
 
 
 def _mark(axes: Axes, marks: Mapping[str, float], span: tuple[float, float], *, named: bool) -> None:
-    """Dashed lines; in a crowd the first of the marks have their names."""
+    """Dashed lines; if they are too close, only the first of them have their names."""
     placed: list[float] = []
     for label, order in marks.items():
         axes.axvline(order, color=MARK, lw=0.6, ls=(0, (4, 3)), zorder=0)

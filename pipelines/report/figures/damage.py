@@ -1,6 +1,6 @@
-"""How each fault of a tooth is drawn: one function per kind of fault, listed in DRAWN.
+"""Pictures of tooth faults: one function per kind of fault.
 
-A fault without a function of its own is drawn by the gap that it opens on the flank, as wear is.
+A fault of another kind is shown by the gap that it opens on the flank, as wear is.
 """
 
 from __future__ import annotations
@@ -23,23 +23,23 @@ from fem.gears.geometry import GearPair
 from fem.gears.sector import root_chord
 from pipelines.report.figures.tooth_shape import DrawnTooth, Section, cut_down, stations, surface_of
 
-DRAWN_DEPTH = 0.12  # modules: as deep wear is drawn
+DRAWN_DEPTH = 0.12  # modules: depth of wear in the picture
 _ROUND = (1.0, 2.0, 5.0)
 
 
 def needs_law(faults: Sequence[ToothFault]) -> bool:
-    """True if a fault is drawn by the gap that it opens on the flank, which a mesh law has."""
+    """True if a fault is shown by the gap that it opens on the flank, which needs a mesh law."""
     return any(type(fault) not in DRAWN for fault in faults)
 
 
 def drawn_tooth(
     pair: GearPair, law: MeshLaw | None, gear: str, twist: float, faults: Sequence[ToothFault]
 ) -> DrawnTooth:
-    """The damaged tooth of "pinion" or "wheel" with all of `faults`.
+    """Damaged tooth of "pinion" or "wheel" with all of `faults`.
 
     Parameters
     ----------
-    pair, law : the gears in mesh, and the law of their drive flank, None if `needs_law` is not true
+    pair, law : the gears in mesh, and the law of their drive flank, None if `needs_law` is false
     gear : "pinion" or "wheel"
     twist : of the section along the face, rad/m
     faults : of the tooth
@@ -99,7 +99,7 @@ def _with_chip(tooth: DrawnTooth, section: Section, pair: GearPair, fault: Chipp
 
 
 def _with_crack(tooth: DrawnTooth, section: Section, pair: GearPair, fault: CrackedTooth) -> DrawnTooth:
-    """Its surface inside the tooth, and the edges at which it comes out: in the fillet, and on the end face."""
+    """Crack surface inside the tooth, and its edges in the fillet and on the end face."""
     inside, depth = crack_depth(fault, pair.face_width)
     radius, chord = root_chord(section.gear)
     side = 1.0 if fault.flank == "drive" else -1.0
@@ -135,7 +135,7 @@ DRAWN: dict[type[ToothFault], Callable[..., DrawnTooth]] = {
 
 
 def _scaled(tooth: DrawnTooth) -> str:
-    """How much deeper than it is damage is drawn, in words."""
+    """Note on an enlarged depth of the damage."""
     return "" if tooth.scale == 1.0 else f", depth enlarged {tooth.scale:g} times"
 
 
@@ -173,12 +173,12 @@ def worn_depth(
 ) -> np.ndarray:
     """Depth (station, point), m, by which a fault lowers the flanks: the gap that it opens to the mate.
 
-    Both flanks are drawn alike.
+    Both flanks get the same depth.
 
     Parameters
     ----------
     section, face : the tooth and its stations (s,)
-    pair, law, gear : the gears in mesh, the law of their drive flank, and which gear it is
+    pair, law, gear : the gears in mesh, the law of their drive flank, and the gear of the tooth
     fault : of the tooth
     """
     gap = np.atleast_2d(fault.gap(law, pair, gear))
@@ -204,7 +204,7 @@ def _normals(section: Section) -> np.ndarray:
 
 
 def _scale(depth: float, module: float) -> float:
-    """A round factor that draws wear about DRAWN_DEPTH deep, at least 1."""
+    """Round factor, at least 1, by which wear is enlarged to a depth of about DRAWN_DEPTH."""
     if depth <= 0.0 or depth >= DRAWN_DEPTH * module:
         return 1.0
     wanted = DRAWN_DEPTH * module / depth

@@ -1,4 +1,6 @@
-"""Pictures of the mesh of a stage: contact lines in three dimensions, stiffness and load share, healthy over faulty."""
+"""Pictures of the mesh of a stage: contact lines in three dimensions, stiffness and load share, healthy above
+faulty.
+"""
 
 from __future__ import annotations
 
@@ -14,19 +16,19 @@ from pipelines.io.user_files import write_whole
 from pipelines.report.figures.film import film_page, png, save_figure, write_gif
 from pipelines.report.figures.mesh_frames import MeshFrames
 from pipelines.report.figures.render import render_mesh, show_window
-from pipelines.report.figures.views import LeftOut, PairStates, Picture
+from pipelines.report.figures.views import PairStates, Picture
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MILLISECONDS = 160  # per frame of a film
+MILLISECONDS = 160  # per frame of an animation
 STILL_SIZE, FILM_SIZE = (1000, 690), (600, 414)  # pixels of a rendered state
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MeshView(PairStates):
-    """What is shown: the gears, the cycles of the frames, and one or two states of the teeth, the healthy one first.
+    """The gears, the mesh cycles of the frames, and one or two states of the teeth, the healthy one first.
 
     `marked` names the damaged tooth of the second state, "" without one.
     """
@@ -35,29 +37,25 @@ class MeshView(PairStates):
     states: tuple[MeshFrames, ...]
 
 
-def write_still(view: MeshView, stem: Path) -> Path | LeftOut:
-    """<stem>.png of the middle frame; the reason if it cannot be rendered."""
+def write_still(view: MeshView, stem: Path) -> Path:
+    """Write <stem>.png of the middle frame."""
     pictures = _rendered(view)
-    if isinstance(pictures, LeftOut):
-        return pictures
     middle, still = len(view.cycles) // 2, stem.with_suffix(".png")
     save_figure(mesh_figure(view, [frames[middle] for frames in pictures], middle, _most(view)), still, dpi=115)
     return still
 
 
-def write_film(view: MeshView, stem: Path, progress: Callable[[float], None]) -> list[Path] | LeftOut:
-    """<stem>.gif and .html with all frames; the reason if they cannot be rendered.
+def write_film(view: MeshView, stem: Path, progress: Callable[[float], None]) -> list[Path]:
+    """Write <stem>.gif and .html with all frames.
 
     Parameters
     ----------
-    view : what is shown
+    view : gears and states
     stem : of the files
-    progress : is told the part that is done, from 0 to 1
+    progress : function called with the finished part, from 0 to 1
     """
     progress(0.0)
     pictures = _rendered(view, FILM_SIZE)
-    if isinstance(pictures, LeftOut):
-        return pictures
     frames, count = [], len(view.cycles)
     for n in range(count):
         progress(0.5 + 0.5 * n / count)
@@ -70,26 +68,20 @@ def write_film(view: MeshView, stem: Path, progress: Callable[[float], None]) ->
     return [film, page]
 
 
-def _rendered(view: MeshView, size: tuple[int, int] = STILL_SIZE) -> list[list[Picture]] | LeftOut:
-    """All frames of every state, the states side by side: rendering takes a processor each."""
+def _rendered(view: MeshView, size: tuple[int, int] = STILL_SIZE) -> list[list[Picture]]:
+    """All frames of every state; the states are rendered in parallel, because each takes one processor."""
     gears = [view.of_state(n) for n in range(len(view.states))]
     with ThreadPoolExecutor(len(gears)) as pool:
-        found = list(pool.map(lambda g, s: render_mesh(g, view.cycles, s, _most(view), size), gears, view.states))
-    rendered = []
-    for pictures in found:
-        if isinstance(pictures, LeftOut):
-            return pictures
-        rendered.append(pictures)
-    return rendered
+        return list(pool.map(lambda g, s: render_mesh(g, view.cycles, s, _most(view), size), gears, view.states))
 
 
 def _most(view: MeshView) -> float:
-    """The greatest line load of all states, N/m."""
+    """Highest line load of all states, N/m."""
     return max(float(np.nanmax(state.load)) for state in view.states)
 
 
 def show_mesh(view: MeshView, image: Path | None = None) -> None:
-    """The same in a window with a slider for the position, until it is closed; with `image` only until it is written.
+    """Show the states in a window with a slider for the position, until it is closed; with `image` until it is written.
 
     Raises
     ------
@@ -102,14 +94,14 @@ def show_mesh(view: MeshView, image: Path | None = None) -> None:
 
 
 def mesh_figure(view: MeshView, pictures: Sequence[Picture], frame: int, most: float) -> Figure:
-    """One frame: a row per state of the teeth, and both curves with the position marked.
+    """One frame: a row for each state of the teeth, and both curves with the position marked.
 
     Parameters
     ----------
-    view : what is shown
+    view : gears and states
     pictures : the rendered frame of every state
     frame : its number, from 0
-    most : N/m, line load at the end of the colours
+    most : N/m, line load at the end of the colour scale
     """
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
@@ -157,7 +149,7 @@ def _draw_picture(axes: Axes, picture: Picture, view: MeshView, state: MeshFrame
         handles.append(
             Patch(color=GONE, alpha=0.5 if view.damaged and view.damaged.missing else 1.0, label=view.marked)
         )
-    # below the picture: over it a legend would hide contact lines
+    # below the picture, because a legend over it would hide contact lines
     axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=2, fontsize=8, frameon=False)
 
 

@@ -15,7 +15,7 @@ from fem.elements.facets import drawn_triangles
 from pipelines.io.user_files import write_whole
 from pipelines.report.figures.film import film_page, png, write_gif
 from pipelines.report.figures.render import render_mode
-from pipelines.report.figures.views import LeftOut, Picture
+from pipelines.report.figures.views import Picture
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -39,11 +39,9 @@ class ModeView:
     shape: np.ndarray  # (n, 3)
 
 
-def write_mode(view: ModeView, folder: Path) -> list[Path] | LeftOut:
-    """casing_mode_<n>.png, .gif and .html in a folder; the reason if they cannot be rendered."""
+def write_mode(view: ModeView, folder: Path) -> list[Path]:
+    """casing_mode_<n>.png, .gif and .html in a folder."""
     pictures = render_mode(*_surface(view), FRAMES)
-    if isinstance(pictures, LeftOut):
-        return pictures
     size = np.ptp(view.nodes, axis=0)
     frames = [png(mode_figure(view, picture, size)) for picture in pictures]
     stem = folder / f"casing_mode_{view.number}"
@@ -56,17 +54,12 @@ def write_mode(view: ModeView, folder: Path) -> list[Path] | LeftOut:
     return [still, film, page]
 
 
-def write_modes(views: Iterable[ModeView], count: int, folder: Path) -> list[Path] | LeftOut:
-    """casing_modes.png with a still of every mode, or casing_modes_<n>.png of `ON_A_SHEET` each; the reason without."""
+def write_modes(views: Iterable[ModeView], count: int, folder: Path) -> list[Path]:
+    """casing_modes.png with a still of every mode, or casing_modes_<n>.png of `ON_A_SHEET` each."""
     written: list[Path] = []
     remaining = iter(views)
     while sheet := list(islice(remaining, ON_A_SHEET)):
-        stills = []
-        for view in sheet:
-            pictures = render_mode(*_surface(view), STILL, (560, 400))
-            if isinstance(pictures, LeftOut):
-                return pictures
-            stills.append(pictures[STILL // 4])
+        stills = [render_mode(*_surface(view), STILL, (560, 400))[STILL // 4] for view in sheet]
         number = f"_{len(written) + 1}" if count > ON_A_SHEET else ""
         written.append(folder / f"casing_modes{number}.png")
         write_whole(written[-1], png(sheet_figure(sheet, stills), dpi=100))

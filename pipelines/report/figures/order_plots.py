@@ -3,30 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pipelines.report.figures.plots import RPM, dress, legend, new_figure
 from pipelines.signals.orders.order_spectra import Waterfall
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-DECIBELS = 70.0  # shown below the top
-NAMED = 6  # orders whose lines are drawn
+DECIBELS = 70.0  # range of the colour scale
+NAMED = 6  # number of orders with a line
 
 
 def waterfall_figure(found: Waterfall, title: str, units: str, *, top: float | None = None) -> Figure:
-    """Amplitude over speed and line, in colours.
+    """Amplitude over speed and frequency or order, in colours.
 
     Parameters
     ----------
     found : the spectra
     title : of the figure
     units : of the signal
-    top : highest line shown
+    top : highest frequency or order in the figure
     """
     figure = new_figure(5.6)
     axes = figure.subplots()
@@ -63,13 +60,13 @@ def cuts_figure(found: Waterfall, orders: Sequence[float], title: str, units: st
 def campbell_figure(
     found: Waterfall, natural: Mapping[float, np.ndarray], orders: Sequence[float], title: str, units: str
 ) -> Figure:
-    """A waterfall over frequency with natural frequencies and orders drawn into it.
+    """Campbell diagram: a waterfall over frequency with lines of natural frequencies and orders.
 
     Parameters
     ----------
     found : over frequency
     natural : natural frequencies (Hz) of the machine by speed of the shaft (rad/s)
-    orders : of the shaft, drawn as lines through 0
+    orders : of the shaft, shown as lines through 0
     title : of the figure
     units : of the signal
     """

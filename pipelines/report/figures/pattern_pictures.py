@@ -1,4 +1,4 @@
-"""The contact pattern of a tooth over its whole engagement on the unrolled flank, healthy beside faulty."""
+"""Contact pattern of a tooth over its whole engagement on the unrolled flank, healthy next to faulty."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PatternView:
-    """What is shown: the patterns of a tooth, the healthy one first, and where it is damaged.
+    """Contact patterns of a tooth, the healthy one first, and the place of its damage.
 
-    `damaged` (row, slice) from 0 to 1 at the deepest, `crack` the ends of a crack along the face (m) or None; `sense`
-    is +1 where the face coordinate runs along the global y, else -1.
+    `damaged` (row, slice) is from 0 to 1 at the deepest, `crack` the ends of a crack along the face (m) or None;
+    `sense` is +1 if the face coordinate runs along the global y, else -1.
     """
 
     title: str
@@ -37,13 +37,13 @@ class PatternView:
 
 
 def write_pattern(view: PatternView, path: Path) -> Path:
-    """The picture as a file."""
+    """Write the picture to a file."""
     save_figure(pattern_figure(view), path, dpi=115)
     return path
 
 
 def pattern_figure(view: PatternView) -> Figure:
-    """A flank for every state: the face across, along the global y, and the diameter upwards; one scale of pressure."""
+    """A flank for each state: the face across, along the global y, and the diameter upwards; one scale of pressure."""
     from pipelines.report.figures.colours import GONE, LOAD_COLOURS
     from pipelines.report.figures.plots import new_figure, plain
 

@@ -1,8 +1,7 @@
 """Figures of stiffness, transmission error, speeds and signals.
 
-Every function returns the figure; showing and saving belong to the caller.
-
-Figures are made with matplotlib's object interface: no display, no global state, no style that leaks.
+Every function returns the figure; the caller shows or saves it.
+Figures use matplotlib's object interface: no display, no global state, no change of the global style.
 """
 
 from __future__ import annotations
@@ -26,16 +25,17 @@ FIRST, SECOND = "#2a6f97", "#e08e0b"
 MARK, GRID = "#6b6b6b", "#dddddd"
 WIDTH = 10.0  # inches
 LETTER = 0.085  # inches, mean width of a letter of 10 points
-HEADLINE = 0.3  # inches, what a title of the whole figure takes
-LABEL_BELOW, LABEL_LEFT = 0.29, 0.62  # inches from the axes to the words of their labels, numbers between
+HEADLINE = 0.3  # inches, height of a title of the whole figure
+LABEL_BELOW, LABEL_LEFT = 0.29, 0.62  # inches from the axes to their labels, with room for the numbers
 RPM = 30 / np.pi
-ORDERS = 8  # of the mesh frequency that are shown
-_LISTED = 5  # of them in a table
+ORDERS = 8  # of the mesh frequency, in figures
+_LISTED = 5  # of the mesh frequency, in tables
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StiffnessPlot:
-    """Stiffness over one wheel's passage: cycle (mesh cycles), k in N/m; `faulty` with the fault `label`, or None."""
+    """Stiffness while a damaged tooth passes: cycle (mesh cycles), k in N/m; `faulty` with the fault `label`, or
+    None."""
 
     title: str
     cycle: np.ndarray
@@ -45,7 +45,7 @@ class StiffnessPlot:
 
 
 def new_figure(height: float, width: float = WIDTH) -> Figure:
-    """An empty figure (inches) whose parts arrange themselves."""
+    """Empty figure (inches) with automatic layout."""
     return Figure(figsize=(width, height), layout="constrained")
 
 
@@ -62,14 +62,14 @@ def fixed_figure(
     down: float = 0.84,
     across: float = 0.6,
 ) -> Figure:
-    """An empty figure with fixed margins, for a report: a solver that looks for them takes longer than the drawing.
+    """Empty figure with fixed margins, for a report: an automatic layout takes longer than the drawing.
 
     Parameters
     ----------
     height, width : of the figure, inches
     title : of the whole figure, "" for none
     rows, columns : number of panels
-    left, right, bottom : margins, inches; that at the top holds the titles
+    left, right, bottom : margins, inches; the top margin contains the titles
     down, across : distances between panels, inches
     """
     top = 0.34 + (HEADLINE if title else 0.0)
@@ -99,7 +99,7 @@ def stiffness_figure(curves: Sequence[StiffnessPlot]) -> Figure:
 
 
 def draw_stiffness(axes: Axes, curve: StiffnessPlot) -> None:
-    """One stiffness curve into the axes, in N/µm over the mesh cycle."""
+    """Draw one stiffness curve, in N/µm over the mesh cycle."""
     axes.plot(curve.cycle, curve.healthy / 1e6, color=HEALTHY, label="healthy")
     if curve.faulty is not None:
         axes.plot(curve.cycle, curve.faulty / 1e6, color=FAULTY, label=curve.label)
@@ -110,7 +110,7 @@ def draw_stiffness(axes: Axes, curve: StiffnessPlot) -> None:
 
 
 def drive_figure(run: xarray.Dataset, windows: Mapping[str, tuple[float, float]]) -> Figure:
-    """Speeds of the motors and the input shaft, and the rope force where there is a rope; windows shaded."""
+    """Speeds of the motors and the input shaft, and the force of a rope; windows are shaded."""
     motors: tuple[tuple[str, dict[str, Any]], ...] = (
         ("motor 1", {"lw": 3.2, "alpha": 0.45, "color": FIRST}),
         ("motor 2", {"ls": "--", "color": SECOND}),
@@ -138,7 +138,7 @@ def drive_figure(run: xarray.Dataset, windows: Mapping[str, tuple[float, float]]
 def waveform_figure(
     runs: Mapping[str, xarray.Dataset], sensor: str, axis: str, windows: Mapping[str, tuple[float, float]]
 ) -> Figure:
-    """Acceleration over the whole run and, beside it, a tenth of a second from the middle of the first window.
+    """Acceleration over the whole run and, in a second panel, a tenth of a second from the middle of the first window.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def waveform_figure(
 
 
 def legend(axes: Axes, letters: float = 9.0) -> None:
-    """Legend on the level of the title, to the right: it never hides a curve. `letters` in points."""
+    """Legend at the right of the title, where it hides no curve; `letters` in points."""
     axes.legend(
         loc="lower right", bbox_to_anchor=(1.0, 0.99), ncols=5, frameon=False, fontsize=letters, borderaxespad=0.1
     )
@@ -189,28 +189,28 @@ def _shade(axes: Axes, windows: Mapping[str, tuple[float, float]]) -> None:
 
 
 def plain(text: str) -> str:
-    """A user's text for a figure, in which matplotlib would take what stands between two $ for a formula."""
+    """A user's text for a figure, with $ escaped: matplotlib would show the text between two of them as a formula."""
     return text.replace("$", r"\$")
 
 
 def plain_symbols(name: str) -> str:
-    """A label such as "2 f_r" with its subscript, everything else as it is."""
+    """A label such as "2 f_r" with its subscript, all else unchanged."""
     return plain(name).replace("f_r", "fᵣ").replace("f_m", "fₘ")
 
 
 def dress(axes: Axes, title: str, x: str, y: str) -> None:
-    """Title, labels, grid.
+    """Add title, labels and grid.
 
     Parameters
     ----------
-    axes : what is dressed
+    axes : the axes
     title, x, y : texts, those of the axes with their units
     """
     axes.set_title(title, fontsize=10, loc="left", y=1.0)
     axes.set_xlabel(x)
     axes.set_ylabel(y)
     figure = axes.get_figure()
-    if figure is not None and figure.get_layout_engine() is None:  # else matplotlib measures all numbers for them
+    if figure is not None and figure.get_layout_engine() is None:  # fixed places: else matplotlib measures all numbers
         below = axes.transAxes + ScaledTranslation(0.0, -LABEL_BELOW, figure.dpi_scale_trans)
         beside = axes.transAxes + ScaledTranslation(-LABEL_LEFT, 0.0, figure.dpi_scale_trans)
         axes.xaxis.set_label_coords(0.5, 0.0, below)
@@ -239,7 +239,7 @@ class TransmissionErrors:
 
     @property
     def states(self) -> dict[str, np.ndarray]:
-        """The curves by what the flanks are, "unmodified" first."""
+        """Curves by state of the flanks, "unmodified" first."""
         if self.unmodified is None:
             return {"unmodified": self.actual}
         return {"unmodified": self.unmodified, "modified": self.actual}

@@ -1,6 +1,6 @@
 """Pictures of a gear pair and of a casing: rendered by a child process, labelled here.
 
-Where rendering is not possible a picture is left out with the reason and the remedy, and the caller goes on.
+If rendering is not possible, every `render_` function raises `NotRendered` with the reason and the remedy.
 """
 
 from __future__ import annotations
@@ -24,31 +24,31 @@ from pipelines.report.figures.render_failures import Failure, ended, no_picture,
 from pipelines.report.figures.scene_frame import placed, turned_away
 from pipelines.report.figures.solids import gear_surface, prism_surface, without_tooth
 from pipelines.report.figures.tooth_shape import DrawnTooth, turned_in
-from pipelines.report.figures.views import CasingView, GearPairView, LeftOut, Picture, Teeth
+from pipelines.report.figures.views import CasingView, GearPairView, NotRendered, Picture, Teeth
 
 log = logging.getLogger(__name__)
 
 KINDS = ("ground", "bearing", "sensor")
 UP = (0.0, 0.0, 1.0)
-AXES_PLACES = ("origin", "x", "y", "z")  # which no point may be called
-TIMEOUT = 900.0  # s, against a renderer that hangs; a software renderer on a busy machine takes minutes
+AXES_PLACES = ("origin", "x", "y", "z")  # reserved names
+TIMEOUT = 900.0  # s, for a renderer that hangs; a software renderer on a busy machine takes minutes
 RENDERER = "pipelines.report.figures.view"
 
 
 def kind_of(point: str) -> str:
-    """Which of KINDS a key point of the casing is; sensors have any name."""
+    """Kind of a key point of the casing, one of KINDS; sensors have any name."""
     return next((kind for kind in KINDS if point.startswith(f"{kind}_")), "sensor")
 
 
-def render_gears(view: GearPairView, size: tuple[int, int] = (1100, 900)) -> Picture | LeftOut:
-    """The gear pair in three dimensions, the damaged tooth in red; places "pinion", "wheel", "marked"."""
+def render_gears(view: GearPairView, size: tuple[int, int] = (1100, 900)) -> Picture:
+    """Render the gear pair in three dimensions, the damaged tooth in red; places "pinion", "wheel", "marked"."""
     arrays, places = _gear_arrays(view)
     direction = (0.25, view.seen_from, 0.4)
-    return _single(_render("gears", "gear pair", arrays, _in_scene(places, view), size, direction, UP, 1.3))
+    return _render("gears", "gear pair", arrays, _in_scene(places, view), size, direction, UP, 1.3)[0]
 
 
-def render_tooth(view: GearPairView, size: tuple[int, int] = (900, 900)) -> Picture | LeftOut:
-    """The damaged tooth on its gear from near, its mate left out; places "mesh", "x", "y", "z" at the tooth."""
+def render_tooth(view: GearPairView, size: tuple[int, int] = (900, 900)) -> Picture:
+    """Render the damaged tooth on its gear, enlarged, without the mate; places "mesh", "x", "y", "z" at the tooth."""
     arrays, places = _gear_arrays(view)
     gear, tooth = view.marked_gear, view.tooth
     mate = "wheel" if gear == "pinion" else "pinion"
@@ -63,9 +63,8 @@ def render_tooth(view: GearPairView, size: tuple[int, int] = (900, 900)) -> Pict
     direction, up = (tuple(turned_away(vector, view.frame).tolist()) for vector in (toward, outward))
     middle = placed(turned_in(np.array([radius, 0.0, 0.0]), view.marked_angle, centre), view.frame)
     named = {"mesh": middle} | _directions(middle, 0.2 * half)
-    return _single(
-        _render("gears", "damaged tooth", arrays, named, size, direction, up, 1.0, focus=(*middle.tolist(), half))
-    )
+    focus = (*middle.tolist(), half)
+    return _render("gears", "damaged tooth", arrays, named, size, direction, up, 1.0, focus=focus)[0]
 
 
 def _in_scene(places: Mapping[str, np.ndarray], view: GearPairView) -> dict[str, np.ndarray]:
@@ -77,7 +76,7 @@ def _directions(origin: np.ndarray, length: float) -> dict[str, np.ndarray]:
 
 
 def _gear_arrays(view: GearPairView) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """Surfaces of the gears and of the damaged tooth, and where their names stand."""
+    """Surfaces of the gears and of the damaged tooth, and the places of their names."""
     front, places = _front(view), {}
     arrays: dict[str, Any] = {
         "marked_gear": np.array(view.marked_gear),
@@ -115,8 +114,8 @@ def _tooth_arrays(tooth: DrawnTooth, angle: float, centre: float) -> dict[str, A
     }
 
 
-def render_casing(view: CasingView, size: tuple[int, int] = (1400, 900)) -> Picture | LeftOut:
-    """The casing with its key points; places are the points' names and "origin", "x", "y", "z" for the axes."""
+def render_casing(view: CasingView, size: tuple[int, int] = (1400, 900)) -> Picture:
+    """Render the casing with its key points; places are the points' names and "origin", "x", "y", "z" for the axes."""
     arrays: dict[str, Any] = {
         "nodes": np.asarray(view.nodes, dtype=float),
         "triangles": np.asarray(view.triangles, dtype=int),
@@ -128,13 +127,13 @@ def render_casing(view: CasingView, size: tuple[int, int] = (1400, 900)) -> Pict
     length = 0.12 * float(np.linalg.norm(np.ptp(arrays["nodes"], axis=0)))
     places = {name: np.asarray(place, dtype=float) for name, place in view.points.items()}
     places |= {"origin": low} | {axis: low + length * np.eye(3)[i] for i, axis in enumerate("xyz")}
-    return _single(_render("casing", "casing", arrays, places, size, (-0.55, -1.0, 0.75), (0.0, 0.0, 1.0), 1.1))
+    return _render("casing", "casing", arrays, places, size, (-0.55, -1.0, 0.75), (0.0, 0.0, 1.0), 1.1)[0]
 
 
 def render_mode(
     nodes: np.ndarray, triangles: np.ndarray, shape: np.ndarray, frames: int, size: tuple[int, int] = (1100, 750)
-) -> list[Picture] | LeftOut:
-    """A period of a mode; the largest displacement is drawn as 8 % of the body's diagonal.
+) -> list[Picture]:
+    """Render a period of a mode; the largest displacement is 8 % of the body's diagonal.
 
     Parameters
     ----------
@@ -154,15 +153,15 @@ def render_mode(
 
 def render_mesh(
     view: GearPairView, cycles: np.ndarray, frames: MeshFrames, most_load: float, size: tuple[int, int] = (900, 620)
-) -> list[Picture] | LeftOut:
-    """The teeth in mesh at every cycle, seen through, with their contact lines; places "mesh", "x", "y", "z".
+) -> list[Picture]:
+    """Render the translucent teeth in mesh at every cycle, with their contact lines; places "mesh", "x", "y", "z".
 
     Parameters
     ----------
     view : the gears
     cycles : (frame,) mesh cycles
     frames : contact lines of every cycle
-    most_load : N/m, line load at the end of the colours
+    most_load : N/m, line load at the end of the colour scale
     size : width and height of a picture, pixels
     """
     arrays, places, focus = _frame_arrays(view, cycles, frames)
@@ -183,13 +182,13 @@ def _frame_arrays(
 def _mesh_arrays(
     view: GearPairView, cycles: np.ndarray, points: np.ndarray, load: np.ndarray, half: float, radius: float
 ) -> tuple[dict[str, Any], dict[str, np.ndarray], tuple[float, float, float, float]]:
-    """Gears and contact lines, the named places, and the point to look at with half the height seen.
+    """Gears and contact lines, the named places, and the centre of the picture with half of its height.
 
     Parameters
     ----------
     view, cycles : the gears, and their positions (frame,)
     points, load : of the contact lines, m and N/m
-    half, radius : half of the height that is seen, m, and radius of the contact lines over it
+    half, radius : half of the height of the picture, m, and radius of the contact lines divided by it
     """
     pitch = view.centre_distance * view.pinion.teeth / (view.pinion.teeth + view.wheel.teeth)
     arrays, _ = _gear_arrays(view)
@@ -198,7 +197,7 @@ def _mesh_arrays(
         "line_load": load,
         "line_radius": np.array(radius * half),
         "seen": np.array([pitch, 2.5 * half]),
-        "toward": 6 * half * np.array(_mesh_direction(view)) @ view.frame[:3, :3],  # parallel: nothing hides them then
+        "toward": 6 * half * np.array(_mesh_direction(view)) @ view.frame[:3, :3],  # parallel: nothing hides them
         "centre_distance": np.array(view.centre_distance),
         "pinion_turn": 2 * np.pi * cycles / view.pinion.teeth,
         "wheel_turn": -2 * np.pi * cycles / view.wheel.teeth,
@@ -208,7 +207,7 @@ def _mesh_arrays(
 
 
 def _front(view: GearPairView) -> np.ndarray:
-    """From mid face to the end that is seen, in the frame of the gears."""
+    """Vector from mid face to the visible end, in the frame of the gears."""
     return np.array([0.0, 0.0, view.sense * view.seen_from * view.face_width / 2])
 
 
@@ -225,13 +224,13 @@ def show_window(
     marked: Sequence[str],
     image: Path | None,
 ) -> None:
-    """States of the teeth in a window with a slider, stiffness and load share beside them, until it is closed.
+    """Show states of the teeth in a window with a slider, and stiffness and load share, until it is closed.
 
     Parameters
     ----------
     title, load : texts of the window: its title, load and law
     cycles : (frame,) mesh cycles
-    gears, states, marked : gears, contact lines and a word on the damaged tooth ("" for none) of every state
+    gears, states, marked : gears, contact lines and a name of the damaged tooth ("" for none) of every state
     image : file for a picture, with which the window closes at once, or None
 
     Raises
@@ -250,7 +249,7 @@ def show_window(
         own |= {
             "most_load": np.array(most),
             "toward": np.zeros(3),
-            "seen": np.array([0.0, np.inf]),  # a window can be turned and moved
+            "seen": np.array([0.0, np.inf]),  # the user can turn and move the view
             "curve_cycle": state.curve.cycle,
             "secant": state.curve.secant,
             "share": state.curve.share,
@@ -277,15 +276,15 @@ def show_window(
 
 def render_stress(
     view: GearPairView, cycle: float, teeth: Teeth, most: float, size: tuple[int, int] = (1000, 620)
-) -> Picture | LeftOut:
-    """Loaded teeth coloured by von Mises stress; places "mesh", "pinion", "wheel", "x", "y", "z".
+) -> Picture:
+    """Render loaded teeth coloured by von Mises stress; places "mesh", "pinion", "wheel", "x", "y", "z".
 
     Parameters
     ----------
     view : the gears
     cycle : mesh cycle
     teeth : the loaded teeth with their stress
-    most : Pa, stress at the end of the colours
+    most : Pa, stress at the end of the colour scale
     size : width and height of the picture, pixels
     """
     module = view.centre_distance * 2 / (view.pinion.teeth + view.wheel.teeth)
@@ -295,7 +294,7 @@ def render_stress(
     sides = (("pinion", -1), ("wheel", 1))
     named = {name: np.array([pitch + side * 3.2 * module, 0.0, 0.0]) + _front(view) for name, side in sides}
     places |= _in_scene(named, view)
-    return _single(_render("stress", "stress", arrays, places, size, _mesh_direction(view), UP, 1.0, focus=focus))
+    return _render("stress", "stress", arrays, places, size, _mesh_direction(view), UP, 1.0, focus=focus)[0]
 
 
 def _render(
@@ -309,7 +308,7 @@ def _render(
     zoom: float,
     frames: int = 1,
     focus: tuple[float, float, float, float] | None = None,
-) -> list[Picture] | LeftOut:
+) -> list[Picture]:
     with tempfile.TemporaryDirectory(prefix="gearcase-") as folder:
         job: dict[str, Any] = {
             "kind": kind,
@@ -328,13 +327,9 @@ def _render(
         if failure is not None:
             reason = f"The picture of the {name} is left out: {failure.what}. {failure.remedy}"
             log.warning("%s", reason)
-            return LeftOut(reason=reason)
+            raise NotRendered(reason)
         pixels = json.loads(Path(job["pixels"]).read_text("utf-8"))
         return [Picture(image=_read_image(file), places=pixels) for file in job["images"]]
-
-
-def _single(pictures: list[Picture] | LeftOut) -> Picture | LeftOut:
-    return pictures if isinstance(pictures, LeftOut) else pictures[0]
 
 
 def _run_job(folder: Path, job: Mapping[str, Any], arrays: Mapping[str, Any], timeout: float | None) -> Failure | None:
@@ -346,7 +341,7 @@ def _run_job(folder: Path, job: Mapping[str, Any], arrays: Mapping[str, Any], ti
 
 
 def _run_child(job: Path, timeout: float | None) -> Failure | None:
-    """Start the renderer; None if it ended well, else what happened."""
+    """Run the renderer; None on success, else the failure."""
     try:
         done = subprocess.run(
             [*command(RENDERER), str(job)],

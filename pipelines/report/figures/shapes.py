@@ -1,4 +1,4 @@
-"""From gear pairs and casing meshes to what pictures are drawn from."""
+"""Geometry of gear pairs and casings for pictures."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from pipelines.report.figures.scene_frame import scene_frame
 from pipelines.report.figures.tooth_shape import DrawnTooth
 from pipelines.report.figures.views import CasingView, GearPairView, GearView
 
-VISIBLE = 1 / 7  # of a turn before it meshes: there a damaged tooth is not hidden by the other gear
+VISIBLE = 1 / 7  # of a turn before it meshes, where the other gear does not hide a damaged tooth
 
 
 def gear_view(
@@ -34,9 +34,9 @@ def gear_view(
     frame: np.ndarray | None = None,
     sense: int = 1,
 ) -> GearPairView:
-    """The pair at a whole mesh cycle, tooth pairs touching at the pitch point.
+    """The pair at a whole mesh cycle, with a tooth pair in contact at the pitch point.
 
-    The pinion turns counter-clockwise and drives; seen in the picture pinion tooth i follows tooth i - 1 clockwise and
+    The pinion turns counter-clockwise and drives; in the picture pinion tooth i follows tooth i - 1 clockwise and
     wheel tooth j follows tooth j - 1 counter-clockwise, so that pair (i, i) follows pair (i - 1, i - 1). With a marked
     tooth the cycle is chosen so that it meshes after a seventh of a turn of its gear.
 
@@ -44,13 +44,13 @@ def gear_view(
     ----------
     pair : the gears in mesh
     marked : gear ("pinion" or "wheel") and number of the damaged tooth, or None
-    missing : the marked tooth is not there
-    in_mesh : keep the cycle 0 instead
+    missing : the marked tooth is missing
+    in_mesh : use the cycle 0 instead
     tooth : the marked one with its damage, or None: all of it is red
     frame, sense : place in the scene, see `pipelines.report.figures.scene_frame`; None: the pinion's axis along y
     """
     radii = pair.working_radii
-    # tooth 0 touches at the pitch point with its upper (pinion) or lower (wheel) flank; its middle lies beside it
+    # tooth 0 touches at the pitch point with its upper (pinion) or lower (wheel) flank, not with its middle
     pinion_zero = -pair.pinion.half_thickness_angle(radii[0])
     wheel_zero = math.pi - pair.wheel.half_thickness_angle(radii[1])
     cycle, angle = 0, 0.0
@@ -76,7 +76,7 @@ def gear_view(
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PlacedPair:
-    """A gear pair at its place in the scene, the fault that is shown, and all damage of that tooth."""
+    """A gear pair at its place in the scene, its fault, and all damage of that tooth."""
 
     pair: GearPair
     frame: np.ndarray  # (4, 4), see `pipelines.report.figures.scene_frame`
@@ -86,7 +86,7 @@ class PlacedPair:
 
 
 def placed_pair(plant: Plant, stage: int) -> PlacedPair:
-    """The pair of a stage (from 1) of a plant."""
+    """Pair of a stage (from 1) of a machine."""
     pinion, wheel = plant.layout.pair_shafts[stage - 1]
     sense = plant.layout.pinion_senses[stage - 1]
     axes = plant.layout.axes
@@ -106,7 +106,7 @@ def stage_view(placed: PlacedPair, law: MeshLaw | None, *, in_mesh: bool = False
     Parameters
     ----------
     placed : the pair
-    law : of the drive flank, which gives the depth of wear; None if `needs_law` is not true of the damage
+    law : of the drive flank, which gives the depth of wear; None if `needs_law` is false for the damage
     in_mesh : as for `gear_view`
     damaged : with the damaged tooth, and all its faults
     """
@@ -122,18 +122,18 @@ def stage_view(placed: PlacedPair, law: MeshLaw | None, *, in_mesh: bool = False
 
 
 def shown_fault(faults: Sequence[Fault], stage: int) -> Fault | None:
-    """The fault of a stage (from 1) that is shown: that of a single tooth first, else one of all teeth, on tooth 0."""
+    """Fault of a stage (from 1) for pictures: first that of a single tooth, else one of all teeth, on tooth 0."""
     return first_tooth_fault(faults, stage) or next((fault for fault in faults if fault.stage == stage), None)
 
 
 def tooth_damage(faults: Sequence[Fault], shown: Fault) -> tuple[ToothFault, ...]:
-    """All damage of the tooth that has a fault."""
+    """All damage of the tooth with the given fault."""
     same = (fault for fault in faults if (fault.stage, fault.gear) == (shown.stage, shown.gear))
     return tuple(fault.damage for fault in same if fault.tooth in (None, shown.tooth or 0))
 
 
 def shown_cycle(pair: GearPair, marked: tuple[str, int] | None) -> int:
-    """The mesh cycle at which a view out of mesh shows the pair."""
+    """Mesh cycle of a picture of the pair out of mesh."""
     return 0 if marked is None else marked[1] - round(VISIBLE * getattr(pair, marked[0]).teeth)
 
 
@@ -148,7 +148,7 @@ def _shape(gear: Gear, centre_angle: float) -> GearView:
 
 
 def outline(gear: Gear, centre_angle: float) -> np.ndarray:
-    """The transverse profile of all teeth, counter-clockwise (n, 2) in m, the middle of one tooth at `centre_angle`."""
+    """Transverse profile of all teeth, counter-clockwise (n, 2) in m, the middle of one tooth at `centre_angle`."""
     half = half_tooth_profile(gear, n_fillet=6, n_flank=8, n_tip=2).points  # mid space at x > 0 to mid tooth on +y
     tooth = np.vstack([half[:-1], half[::-1] * [-1.0, 1.0]])[:-1]  # counter-clockwise, mid space kept once
     corners = []
@@ -160,7 +160,7 @@ def outline(gear: Gear, centre_angle: float) -> np.ndarray:
 
 
 def casing_view(nodes: np.ndarray, facets: np.ndarray, names: Sequence[str], positions: np.ndarray) -> CasingView:
-    """Surface of a casing: its corner nodes alone, and its key points.
+    """Surface of a casing by its corner nodes, and its key points.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def casing_view(nodes: np.ndarray, facets: np.ndarray, names: Sequence[str], pos
 
 
 def _open_end(pair: GearPair, sense: int) -> int:
-    """The end of the shafts, along the global y, from which an offset web lies deeper; -1 without one."""
+    """End of the shafts, along the global y, from which an offset web is deeper; -1 without one."""
     offset = max((pair.pinion.web_offset, pair.wheel.web_offset), key=abs)
     return 1 if sense * offset < 0.0 else -1
 

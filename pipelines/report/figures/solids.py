@@ -1,4 +1,4 @@
-"""Surfaces to look at: a transverse outline drawn along the helix."""
+"""Surfaces of gears and teeth for pictures: a transverse outline, swept along the helix."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 def without_tooth(outline: np.ndarray, teeth: int, centre_angle: float) -> tuple[np.ndarray, np.ndarray]:
-    """Take one tooth off an outline.
+    """Remove one tooth from an outline.
 
     Parameters
     ----------
@@ -15,14 +15,14 @@ def without_tooth(outline: np.ndarray, teeth: int, centre_angle: float) -> tuple
 
     Returns
     -------
-    outline with the root circle in place of the tooth, and the outline of the tooth that is gone, float (k, 2)
+    outline with the root circle in place of the tooth, and the outline of the removed tooth, float (k, 2)
     """
     radius, angle = np.hypot(*outline.T), np.arctan2(outline[:, 1], outline[:, 0])
     offset = (angle - centre_angle + np.pi) % (2 * np.pi) - np.pi
     half = np.pi / teeth
-    inside = np.abs(offset) < half * (1 - 1e-6)  # the middles of the two spaces stay
+    inside = np.abs(offset) < half * (1 - 1e-6)  # the middles of the two spaces are kept
     root = radius[inside].min()
-    first = np.flatnonzero(~inside & np.roll(inside, -1))[0] + 1  # start of the tooth, going round
+    first = np.flatnonzero(~inside & np.roll(inside, -1))[0] + 1  # start of the tooth, counter-clockwise
     rolled, gone = np.roll(outline, -first, axis=0), np.roll(inside, -first)
     tooth, rest = rolled[gone], rolled[~gone]
     sweep = centre_angle + np.linspace(-half, half, 11)[1:-1]
@@ -38,7 +38,7 @@ def gear_surface(
     layers: int = 13,
     web: tuple[float, float, float] | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Closed surface of a gear: outline and bore drawn along the helix, rings of quadrilaterals between them.
+    """Closed surface of a gear: outline and bore swept along the helix, rings of quadrilaterals between them.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def gear_surface(
     bore : radius, m
     twist : rad per m of face width, positive for a rotation about +z with growing z
     face_width : m
-    layers : sections along the face, the end faces among them
+    layers : sections along the face, including the end faces
     web : inner radius of the rim and ends of the web along the face, m; None: a solid body
 
     Returns
@@ -56,7 +56,7 @@ def gear_surface(
     """
     count, half = len(outline), face_width / 2
     angle = np.arctan2(outline[:, 1], outline[:, 0])
-    corners = [(bore, -half), (bore, half)]  # of the body's section (radius, face), from one end face to the other
+    corners = [(bore, -half), (bore, half)]  # (radius, face) of the body's section, from one end face to the other
     if web is not None:
         rim, low, high = web
         corners = [(rim, -half), (rim, low), (bore, low), (bore, high), (rim, high), (rim, half)]
@@ -89,7 +89,7 @@ def prism_surface(
     outline, twist, face_width, layers : those of `gear_surface`
     """
     count = len(outline)
-    centre = outline[[0, -1]].mean(axis=0, keepdims=True)  # all of a tooth is seen from the middle of its base
+    centre = outline[[0, -1]].mean(axis=0, keepdims=True)  # a fan about the middle of the base covers a tooth
     points = np.concatenate(
         [_drawn(outline, twist, face_width, layers), _drawn(centre, twist, face_width, layers)[[0, -1]]]
     )

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullLocator
 
+from pipelines.diagnosis.control_diagnosis import Diagnosis, DiagnosisSettings
+from pipelines.diagnosis.uncertainty.line_bars import LineBar
 from pipelines.report.figures.plots import (
     FAULTY,
     FIRST,
@@ -27,21 +29,15 @@ from pipelines.signals.lines import LOADS
 from pipelines.signals.pass_lines import HARMONICS, PassLines
 from pipelines.signals.spectrum import Spectrum
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from pipelines.diagnosis.control_diagnosis import Diagnosis, DiagnosisSettings
-    from pipelines.diagnosis.uncertainty.line_bars import LineBar
-
 ROPE = "#7a5195"
 NUMERICAL, INPUTS = "#111111", "#e08e0b"
-BESIDE = 0.006  # of the width of an axes, from the bar of the numerics to that of the inputs
-DECADES = 5.0  # a spectrum is shown down to this far below its top
+BESIDE = 0.006  # of the width of an axes, from the numerical error bar to that of the inputs
+DECADES = 5.0  # range of a spectrum below its top
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Trace:
-    """One case in a comparison of spectra: a name, its spectrum and its envelope spectrum."""
+    """One case in a comparison of spectra: its name, spectrum and envelope spectrum."""
 
     name: str
     spectrum: Spectrum
@@ -78,7 +74,7 @@ def spectrum_figure(diagnosis: Diagnosis, window: str) -> Figure:
 
 
 def single_spectrum_figure(spectrum: Spectrum, settings: DiagnosisSettings, title: str) -> Figure:
-    """Spectrum of one run up to four mesh orders with f_r and the mesh orders marked, where there is no control."""
+    """Spectrum of one run without a control, up to four mesh orders with f_r and the mesh orders marked."""
     figure = fixed_figure(3.2)
     axes = figure.subplots()
     _draw_spectrum(axes, spectrum, (0.0, 4.4 * settings.mesh_frequency), HEALTHY, "amplitude")
@@ -89,12 +85,13 @@ def single_spectrum_figure(spectrum: Spectrum, settings: DiagnosisSettings, titl
 
 
 def healthy_faulty_figure(diagnosis: Diagnosis, window: str, bars: Sequence[LineBar] = ()) -> Figure:
-    """Faulty over healthy in one axes each: the envelope's orders and the sidebands around f_m and 2 f_m.
+    """Faulty over healthy spectra: the orders of the envelope, and the sidebands around f_m and 2 f_m.
+
+    The last argument contains the error bars of the lines of the window.
 
     Parameters
     ----------
-    diagnosis, window : what was found, and where
-    bars : of the lines of the window
+    diagnosis, window : the diagnosis, and one of its windows
     """
     traces = [
         Trace(name=state, spectrum=diagnosis.spectra[state, window], envelope=diagnosis.envelopes[state, window])
@@ -112,7 +109,7 @@ def healthy_faulty_figure(diagnosis: Diagnosis, window: str, bars: Sequence[Line
 
 
 def _draw_bars(axes: Axes, bars: Sequence[LineBar]) -> None:
-    """The bars of the lines in view: numerical ones on the line, those of the inputs beside it."""
+    """Draw the error bars of the visible lines: numerical ones at the line, those of the inputs to the right of it."""
     low, high = axes.get_xlim()
     inside = [bar for bar in bars if low <= bar.frequency <= high]
     for name, colour, shift in (("numerical", NUMERICAL, 0.0), ("inputs", INPUTS, BESIDE * (high - low))):
@@ -125,7 +122,7 @@ def _draw_bars(axes: Axes, bars: Sequence[LineBar]) -> None:
 
 
 def error_bars_figure(bars: Sequence[LineBar], window: str) -> Figure:
-    """The bars of the lines of a window side by side, dB over the level of the run."""
+    """Error bars of the lines of a window, dB relative to the level of the run."""
     names = [f"envelope {bar.label}" if bar.kind == "envelope" else bar.label for bar in bars]
     longest = max(map(len, names), default=0)
     figure = fixed_figure(3.6, bottom=0.3 + 0.7 * LETTER * longest)
@@ -182,7 +179,7 @@ def comparison_figure(
     settings : f_r, f_m, the rope modes and the channel
     title : of the figure
     colours : of the cases
-    window : whose rope mode is marked in the envelope, or None
+    window : window whose rope mode is marked in the envelope, or None
     """
     f_r, f_m = settings.revolution_frequency, settings.mesh_frequency
     whole = f"{plain(title)} · {settings.sensor} ({settings.axis})"
@@ -216,17 +213,17 @@ def _draw_spectrum(
     inside = (spectrum.frequency >= span[0]) & (spectrum.frequency <= span[1])
     axes.semilogy(spectrum.frequency[inside], spectrum.amplitude[inside], color=colour, lw=thickness, label=plain(name))
     axes.yaxis.set_major_formatter(FuncFormatter(_power_of_ten))
-    axes.yaxis.set_minor_locator(NullLocator())  # minor ticks of a log axis take half the time of a figure
+    axes.yaxis.set_minor_locator(NullLocator())  # minor ticks of a logarithmic axis take half the time of a figure
     axes.set_xlim(span)
 
 
 def _power_of_ten(value: float, _: int) -> str:
-    """10⁻³: matplotlib would set it as a formula."""
+    """Text such as 10⁻³, which matplotlib would set as a formula."""
     return "10" + str(round(np.log10(value))).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
 def _limit_decades(axes: Axes) -> None:
-    """Show at most `DECADES` below the largest value, with room above for the labels of the markers."""
+    """Limit the axis to `DECADES` below the largest value, with room above for the labels of the markers."""
     drawn = np.concatenate([np.asarray(line.get_ydata(), dtype=float) for line in axes.lines])
     drawn = drawn[drawn > 0]
     if drawn.size:
@@ -248,7 +245,7 @@ def _mark_orders(axes: Axes, settings: DiagnosisSettings) -> None:
 
 
 def _mark(axes: Axes, places: Sequence[tuple[float, str]], shift: float = 0.0) -> None:
-    """Dashed lines at frequencies (Hz) with their names, which a `shift` (points) puts to the right of them."""
+    """Dashed lines at frequencies (Hz) with their names, moved to the right by `shift` (points)."""
     across = axes.get_xaxis_transform()
     frequencies = [frequency for frequency, _ in places]
     axes.vlines(frequencies, 0.0, 1.0, transform=across, color=MARK, lw=0.6, ls=(0, (4, 3)), zorder=0)

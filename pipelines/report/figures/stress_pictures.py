@@ -11,14 +11,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.contact.models.solid_stress import LoadedTeeth
-from pipelines.io.errors import InputError
-from pipelines.io.shown import shown
-from pipelines.io.user_files import whole_file, writable_file
+from pipelines.io.user_files import whole_file
 from pipelines.report.figures.film import save_figure
 from pipelines.report.figures.mesh_frames import contact_places
 from pipelines.report.figures.render import render_stress
 from pipelines.report.figures.scene_frame import placed, turned_away
-from pipelines.report.figures.views import LeftOut, PairStates, Picture, Teeth
+from pipelines.report.figures.views import PairStates, Picture, Teeth
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -78,16 +76,6 @@ def teeth_in_mesh(pair: GearPair, found: LoadedTeeth) -> Teeth:
     )
 
 
-def checked_mesh_file(name: str) -> Path:
-    """The path of an export of teeth; InputError for an ending that is not known."""
-    path = writable_file(name, "--mesh")
-    if path.suffix.lower() not in FORMATS:
-        raise InputError(
-            f"--mesh {shown(name)}: the ending must be one of {', '.join(FORMATS)}. Correct the file name."
-        )
-    return path
-
-
 def write_teeth(teeth: Teeth, path: Path, frame: np.ndarray) -> None:
     """The hexahedra with the groups pinion and wheel; displacement (m) and von Mises stress (Pa) in .vtu and .msh.
 
@@ -103,15 +91,10 @@ def write_teeth(teeth: Teeth, path: Path, frame: np.ndarray) -> None:
         write_hexahedra(placed(teeth.points[used], frame), cells.reshape(teeth.cells.shape), fields, groups, partial)
 
 
-def write_stress(view: StressView, path: Path) -> Path | LeftOut:
-    """The picture; the reason if it cannot be rendered."""
+def write_stress(view: StressView, path: Path) -> Path:
+    """The picture."""
     most = max(float(state.von_mises[np.unique(state.cells)].max()) for state in view.states)
-    pictures = []
-    for number, state in enumerate(view.states):
-        picture = render_stress(view.of_state(number), view.cycle, state, most)
-        if isinstance(picture, LeftOut):
-            return picture
-        pictures.append(picture)
+    pictures = [render_stress(view.of_state(n), view.cycle, state, most) for n, state in enumerate(view.states)]
     save_figure(stress_figure(view, pictures, most), path, dpi=115)
     return path
 

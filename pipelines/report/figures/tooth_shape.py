@@ -1,6 +1,6 @@
-"""A tooth as a surface: its transverse section at stations along the face, and what damage makes of it.
+"""Surface of a damaged tooth: its transverse section at stations along the face, changed by the damage.
 
-The tooth's own frame: centre line of the section at mid face along x, y towards its drive flank, z along the face. The
+Frame of the tooth: centre line of the section at mid face along x, y towards its drive flank, z along the face. The
 section runs counter-clockwise, from the middle of one space over the coast flank, tip and drive flank to the next.
 """
 
@@ -20,24 +20,24 @@ WALL = 1e-5  # of the face width
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class DrawnTooth:
-    """A damaged tooth in its own frame; lengths in m."""
+    """A damaged tooth in its frame; lengths in m."""
 
     points: np.ndarray  # (n, 3)
     quads: np.ndarray  # (q, 4)
     broken: np.ndarray  # (q,), faces of fracture
-    depth: np.ndarray  # (n,), of material worn off, 0 where the tooth is sound
+    depth: np.ndarray  # (n,), of material worn off, 0 where the tooth is undamaged
     sheets: tuple[np.ndarray, ...] = ()  # surfaces inside the tooth, each (row, column, 3)
-    lines: tuple[np.ndarray, ...] = ()  # edges of cracks that an eye can see, each (point, 3)
-    scale: float = 1.0  # how many times deeper wear is drawn
+    lines: tuple[np.ndarray, ...] = ()  # visible edges of cracks, each (point, 3)
+    scale: float = 1.0  # factor by which the depth of wear is enlarged
     missing: bool = False
-    end: int = 0  # end of the face to look from: +1, -1, 0 either
-    flank: int = 1  # to look at: +1 drive, -1 coast
-    words: str = ""  # what is seen, for the legend
+    end: int = 0  # end of the face nearest to the viewer: +1, -1, 0 either
+    flank: int = 1  # visible flank: +1 drive, -1 coast
+    words: str = ""  # description of the damage, for the legend
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Section:
-    """The transverse section of a tooth without damage."""
+    """Transverse section of a tooth without damage."""
 
     gear: Gear
     twist: float  # rad per m along z
@@ -55,7 +55,7 @@ class Section:
         return np.hypot(*self.points.T)
 
     def at(self, flat: np.ndarray, face: np.ndarray | float) -> np.ndarray:
-        """Points (..., 3) of points (..., 2) of the section that have gone along the helix to the face coordinates."""
+        """Points (..., 3) of points (..., 2) of the section, moved along the helix to the face coordinates."""
         angle = self.twist * np.broadcast_to(face, flat.shape[:-1])
         x = np.cos(angle) * flat[..., 0] - np.sin(angle) * flat[..., 1]
         y = np.sin(angle) * flat[..., 0] + np.cos(angle) * flat[..., 1]
@@ -92,7 +92,7 @@ def surface_of(
     low, high = number[:-1], number[1:]
     after = np.roll(np.arange(columns), -1)
     quads = np.stack([low, low[:, after], high[:, after], high], axis=-1).reshape(-1, 4)
-    step = np.diff(face)[:, None] < WALL * np.ptp(face)  # between stations that nearly coincide stands a wall
+    step = np.diff(face)[:, None] < WALL * np.ptp(face)  # a wall is between stations that nearly coincide
     torn = np.where(step, broken[:-1] | broken[1:], broken[:-1] & broken[1:])
     torn = (torn & torn[:, after]).ravel()
     centre = np.full(columns, rows * columns)
@@ -106,16 +106,16 @@ def surface_of(
 
 
 def cut_down(section: Section, height: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The section with what stands above a radius gone, at stations.
+    """Section at stations without the material outside a radius.
 
     Parameters
     ----------
     section : the tooth
-    height : (s,), radius that is left, m
+    height : (s,), remaining radius, m
 
     Returns
     -------
-    points (s, k, 2), and which of them lie on the fracture (s, k)
+    points (s, k, 2), and which of them are on the fracture (s, k)
     """
     sound, radius = section.points, section.radius
     flat = np.repeat(sound[None], len(height), axis=0)

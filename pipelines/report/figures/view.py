@@ -1,8 +1,8 @@
-"""Three-dimensional pictures: the one module that imports pyvista, run as a child process.
+"""Renderer of three-dimensional pictures: the only module that imports pyvista, run as a child process.
 
-Off-screen rendering without EGL or OSMesa ends in a segmentation fault, not in an exception, so the caller
-(pipelines.report.figures.render) starts it with ``job.json`` and outlives it. The job names a file of arrays and
-the picture to write; beside the picture a JSON file gives the pixel position of every named point, for labels.
+Off-screen rendering without EGL or OSMesa ends in a segmentation fault, not in an exception; in a child process
+of the caller (pipelines.report.figures.render) it does no harm. ``job.json`` names a file of arrays and the picture to
+write; a JSON file next to the picture gives the pixel position of every named point, for labels.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def main(job_path: str) -> None:
     }
     moving = draw[job["kind"]](plotter, arrays)
     _look_at(plotter, job["direction"], job["up"], job["zoom"], job["focus"])
-    # a film has many frames: smoothing after drawing costs a fraction of drawing several times as large
+    # an animation has many frames: smoothing them takes a fraction of the time of larger frames
     plotter.enable_anti_aliasing("ssaa" if len(job["images"]) == 1 else "fxaa")
     for number, image in enumerate(job["images"]):
         if moving is not None:
@@ -66,41 +66,41 @@ def main(job_path: str) -> None:
 
 
 class Placed:
-    """A plotter that puts what is drawn in the frame of the gears to its place in the scene."""
+    """A plotter that moves objects from the frame of the gears to their place in the scene."""
 
     def __init__(self, plotter: Any, frame: np.ndarray) -> None:
         self.plotter = plotter
         self.frame = frame
 
     def add_mesh(self, mesh: Any, **how: Any) -> Any:
-        """The actor of a mesh."""
+        """Add a mesh; returns its actor."""
         actor = self.plotter.add_mesh(mesh, **how)
         actor.user_matrix = self.frame
         return actor
 
 
 def draw_gears(plotter: Any, arrays: dict[str, np.ndarray]) -> None:
-    """The gears, those that are given, and the damaged tooth."""
+    """Draw the gears with given arrays, and the damaged tooth."""
     there = Placed(plotter, arrays["frame"])
     for part, colour in (("pinion", PINION), ("wheel", WHEEL)):
         if f"{part}_points" not in arrays:
             continue
         mesh = surface(arrays[f"{part}_points"], arrays[f"{part}_quads"])
-        opacity = 0.35 if "sheet_0" in arrays and "near" in arrays else 1.0  # a crack lies inside
+        opacity = 0.35 if "sheet_0" in arrays and "near" in arrays else 1.0  # a crack is inside
         there.add_mesh(mesh, color=colour, opacity=opacity, smooth_shading=False, specular=0.2)
         _draw_edges(there, mesh, "#303030", 1.0)
     draw_tooth(there, arrays, 0.45 if arrays["marked_missing"] else 1.0)
 
 
 def _draw_edges(plotter: Any, mesh: Any, colour: str, width: float) -> list[Any]:
-    """The sharp edges of a mesh."""
+    """Draw the sharp edges of a mesh."""
     edges = mesh.extract_feature_edges(FEATURE_ANGLE, **SHARP)
     return [plotter.add_mesh(edges, color=colour, line_width=width)] if edges.n_cells else []
 
 
 def draw_tooth(plotter: Any, arrays: dict[str, np.ndarray], opacity: float) -> list[Any]:
-    """The damaged tooth: red where nothing more is known of it, else its shape with faces of fracture and cracks in red
-    and wear by colour; its actors."""
+    """Draw the damaged tooth: all red if its shape is unknown, else its shape with faces of fracture and cracks in red
+    and wear by colour; returns its actors."""
     if "marked_points" not in arrays:
         return []
     points, quads = arrays["marked_points"], arrays["marked_quads"]
@@ -132,7 +132,7 @@ def draw_tooth(plotter: Any, arrays: dict[str, np.ndarray], opacity: float) -> l
 
 
 def draw_casing(plotter: Any, arrays: dict[str, np.ndarray]) -> None:
-    """Translucent walls with their edges, and the key points as spheres in the colour of their kind."""
+    """Draw translucent walls with their edges, and the key points as spheres in the colour of their kind."""
     mesh = surface(arrays["nodes"], arrays["triangles"])
     plotter.add_mesh(mesh, color="#b9c2cc", opacity=0.28, smooth_shading=False)
     _draw_edges(plotter, mesh, "#4a5560", 1.2)
@@ -143,14 +143,14 @@ def draw_casing(plotter: Any, arrays: dict[str, np.ndarray]) -> None:
 
 
 def draw_mode(plotter: Any, arrays: dict[str, np.ndarray]) -> Callable[[int], None]:
-    """A body coloured by the amplitude of its displacement, its edges at rest behind it."""
+    """Draw a body coloured by the amplitude of its displacement, with its edges at rest behind it."""
     mesh = pyvista.PolyData.from_regular_faces(arrays["nodes"].copy(), arrays["triangles"])
     mesh["amplitude"] = np.linalg.norm(arrays["shape"], axis=1)
     _draw_edges(plotter, mesh, "#9aa4ad", 1.0)
     plotter.add_mesh(mesh, scalars="amplitude", cmap="viridis", clim=(0.0, 1.0), ambient=0.5, show_scalar_bar=False)
     reach = float(arrays["reach"])
     low, high = arrays["nodes"].min(axis=0) - reach, arrays["nodes"].max(axis=0) + reach
-    plotter.add_mesh(pyvista.Box((low[0], high[0], low[1], high[1], low[2], high[2])), opacity=0.0)  # keeps the view
+    plotter.add_mesh(pyvista.Box((low[0], high[0], low[1], high[1], low[2], high[2])), opacity=0.0)  # fixed view
     count = int(arrays["frames"])
 
     def move(number: int) -> None:
@@ -162,7 +162,7 @@ def draw_mode(plotter: Any, arrays: dict[str, np.ndarray]) -> Callable[[int], No
 
 
 def draw_mesh(plotter: Any, arrays: dict[str, np.ndarray]) -> Callable[[int], None]:
-    """Two gears seen through, the damaged tooth in red, and the contact lines coloured by their load (N/m)."""
+    """Draw two translucent gears, the damaged tooth in red, and the contact lines coloured by their load (N/m)."""
     actors: dict[str, list[Any]] = {"pinion": [], "wheel": []}
     frame = arrays["frame"]
     there = Placed(plotter, frame)
@@ -176,7 +176,7 @@ def draw_mesh(plotter: Any, arrays: dict[str, np.ndarray]) -> Callable[[int], No
         actors[str(arrays["marked_gear"])] += draw_tooth(there, arrays, 0.22 if arrays["marked_missing"] else 0.4)
     most, thickness = float(arrays["most_load"]), float(arrays["line_radius"])
     wheel_axis = float(arrays["centre_distance"])
-    name = f"lines {len(plotter.actors)}"  # of this state alone
+    name = f"lines {len(plotter.actors)}"  # unique to this state
 
     def move(number: int) -> None:
         for gear, centre in (("pinion", 0.0), ("wheel", wheel_axis)):
@@ -186,7 +186,7 @@ def draw_mesh(plotter: Any, arrays: dict[str, np.ndarray]) -> Callable[[int], No
         plotter.remove_actor([name, f"{name} rim"], render=False)
         if lines is not None:
             rim = contact_lines(arrays["line_points"][number], arrays["line_load"][number], 1.45 * thickness)
-            assert rim is not None  # of the same lines
+            assert rim is not None  # exists with the lines
             rim.translate(0.9 * arrays["toward"], inplace=True)
             there.add_mesh(rim, name=f"{name} rim", color=CONTACT, ambient=1.0, diffuse=0.0, reset_camera=False)
             lines.translate(arrays["toward"], inplace=True)
@@ -200,9 +200,10 @@ def draw_mesh(plotter: Any, arrays: dict[str, np.ndarray]) -> Callable[[int], No
 
 
 def draw_stress(plotter: Any, arrays: dict[str, np.ndarray]) -> None:
-    """Hexahedra of loaded teeth coloured by von Mises stress (Pa), their contact lines, and the damaged tooth in red.
+    """Draw hexahedra of loaded teeth coloured by von Mises stress (Pa), their contact lines, and the damaged tooth in
+    red.
 
-    The lines are moved by "toward", in parallel projection towards the eye: nothing hides them.
+    The lines are moved by "toward", in parallel projection towards the viewer, so that nothing hides them.
     """
     plotter = Placed(plotter, arrays["frame"])
     grid = pyvista.UnstructuredGrid({pyvista.CellType.HEXAHEDRON: arrays["cells"]}, arrays["points"])
@@ -230,7 +231,7 @@ def draw_stress(plotter: Any, arrays: dict[str, np.ndarray]) -> None:
 
 
 def show_screen(job: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
-    """A window: the states of the teeth above one another, stiffness and load share beside them, and a slider.
+    """Show a window: the states of the teeth above one another, their stiffness and load share, and a slider.
 
     With `images` in the job the window takes a picture at the last position and closes.
     """
@@ -282,7 +283,8 @@ def show_screen(job: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
 
 
 def _draw_curves(plotter: Any, row: int, arrays: dict[str, np.ndarray], names: list[str]) -> tuple[Any, float]:
-    """The chart of a row: mesh stiffness of all states, or load shares of the last; the position's line and height."""
+    """Draw the chart of a row: mesh stiffness of all states, or load shares of the last; the position's line and
+    height."""
     plotter.subplot(row, 1)
     chart = pyvista.Chart2D()
     chart.x_label = "mesh cycle"
@@ -315,7 +317,7 @@ def turned(angle: float, centre: float) -> np.ndarray:
 
 
 def seen(points: np.ndarray, faces: np.ndarray, turns: np.ndarray, centre: float, place: np.ndarray) -> np.ndarray:
-    """Which faces come into the picture at any turn: most of two gears lies outside of it.
+    """Faces that are in the picture at any turn: most of two gears is outside of it.
 
     Parameters
     ----------
@@ -333,7 +335,7 @@ def seen(points: np.ndarray, faces: np.ndarray, turns: np.ndarray, centre: float
 
 
 def contact_lines(points: np.ndarray, load: np.ndarray, radius: float) -> pyvista.PolyData | None:
-    """Tubes between neighbouring loaded slices of each pair (pair, slice); None if nothing touches."""
+    """Tubes between neighbouring loaded slices of each pair (pair, slice); None without contact."""
     both = np.isfinite(load[:, :-1]) & np.isfinite(load[:, 1:])
     pair, piece = np.nonzero(both)
     if pair.size == 0:
@@ -345,7 +347,7 @@ def contact_lines(points: np.ndarray, load: np.ndarray, radius: float) -> pyvist
 
 
 def surface(points: np.ndarray, faces: np.ndarray, values: dict[str, np.ndarray] | None = None) -> pyvista.PolyData:
-    """A surface of faces with a fixed number of corners and values at the points, double points merged."""
+    """Surface of faces with a fixed number of corners and values at the points, duplicate points merged."""
     made = pyvista.PolyData.from_regular_faces(points, faces)
     for name, of_points in (values or {}).items():
         made[name] = of_points

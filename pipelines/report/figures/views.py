@@ -1,4 +1,6 @@
-"""What pictures are drawn from (gear pairs, casings, loaded teeth) and what comes of it: a picture, or a reason."""
+"""Contents of pictures (gear pairs, casings, loaded teeth), and the results: a picture, or the reason why it is
+omitted.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,7 @@ from pipelines.report.figures.tooth_shape import DrawnTooth
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class GearView:
-    """A gear in the transverse section at mid face, about its own centre, turned as it meshes."""
+    """A gear in the transverse section at mid face, about its centre, turned to its position in mesh."""
 
     outline: np.ndarray  # (n, 2), m, counter-clockwise, with all teeth
     teeth: int
@@ -24,11 +26,11 @@ class GearView:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class GearPairView:
-    """Two gears; the wheel's centre lies at (centre_distance, 0) from the pinion's.
+    """Two gears; the wheel's centre is at (centre_distance, 0) from the pinion's.
 
-    `marked_gear` "pinion" | "wheel" | "" and `marked_angle` (rad, polar angle of the middle of the tooth about its own
-    centre) draw one tooth red, see-through if it is `missing`, or as the `tooth` with its damage. `frame` (4, 4) takes
-    points to the scene, `sense` is +1 where the face coordinate runs along the global y.
+    `marked_gear` "pinion" | "wheel" | "" and `marked_angle` (rad, polar angle of the middle of the tooth about its
+    centre) show one tooth in red, translucent if it is `missing`, or as the `tooth` with its damage. `frame` (4, 4)
+    moves points to the scene, `sense` is +1 if the face coordinate runs along the global y.
     """
 
     pinion: GearView
@@ -50,7 +52,7 @@ class GearPairView:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PairStates:
-    """A pair under load, healthy and perhaps `damaged`; `marked` names the damaged tooth, "" without one."""
+    """A pair under load, healthy and, if given, `damaged`; `marked` names the damaged tooth, "" without one."""
 
     title: str
     gears: GearPairView
@@ -60,7 +62,7 @@ class PairStates:
     force: float  # N
 
     def of_state(self, number: int) -> GearPairView:
-        """The gears of a state of the teeth, 0 the healthy one."""
+        """Gears of a state of the teeth, 0 the healthy one."""
         return self.gears if number == 0 or self.damaged is None else self.damaged
 
 
@@ -75,7 +77,7 @@ class CasingView:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Teeth:
-    """Loaded teeth of both gears in the frame of `mesh_frames`, one mesh; nodes of neighbours coincide."""
+    """Loaded teeth of both gears in the frame of `mesh_frames`, in one mesh; nodes of neighbours coincide."""
 
     points: np.ndarray  # (node, 3), m
     cells: np.ndarray  # (cell, 8), hexahedra in the order of VTK
@@ -84,7 +86,7 @@ class Teeth:
     displacement: np.ndarray  # (node, 3), m
     von_mises: np.ndarray  # (node,), Pa
     line_points: np.ndarray  # (pair, slice, 3), m
-    line_load: np.ndarray  # (pair, slice), N/m, nan where nothing touches
+    line_load: np.ndarray  # (pair, slice), N/m, nan without contact
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -95,8 +97,12 @@ class Picture:
     places: Mapping[str, tuple[float, float]]
 
 
+class NotRendered(Exception):
+    """A picture cannot be rendered: the cause and the remedy."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class LeftOut:
-    """A picture that could not be made: what is missing and what to install."""
+    """Omitted picture: the cause and the remedy, as the report keeps them."""
 
     reason: str

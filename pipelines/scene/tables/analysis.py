@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Literal, TypeAlias
 
 from pydantic import Field
 
@@ -64,7 +64,4 @@ class _WindowsBase(DerivedTable):
     )
 
 
-if TYPE_CHECKING:
-    DiagnosisTable = Any
-else:
-    DiagnosisTable = table(LookedFor, _WindowsBase)
+DiagnosisTable: TypeAlias = table(LookedFor, _WindowsBase)

@@ -15,7 +15,6 @@ Number = Annotated[float, Field(strict=True)]
 Whole = Annotated[int, Field(strict=True)]
 Flag = Annotated[bool, Field(strict=True)]
 Positive = Annotated[Number, Field(gt=0)]
-NotNegative = Annotated[Number, Field(ge=0)]
 SUFFIXES = {key_suffix(unit): unit for unit in UNITS}
 Window = Annotated[tuple[Number, Number], Field(description="start and end of the window")]
 

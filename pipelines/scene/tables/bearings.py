@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TypeAlias
 
 from mbd.forces.bearing_models import BEARINGS, bearing_model
 from pipelines.scene.tables.derived import choice, table
 
-if TYPE_CHECKING:
-    BearingModel = Any
-else:
-    BearingModel = choice((table(bearing_model(name)) for name in BEARINGS), "model")
+BearingModel: TypeAlias = choice((table(bearing_model(name)) for name in BEARINGS), "model")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, TypeAlias
 
 from pydantic import Field, field_validator, model_validator
 
@@ -21,10 +21,7 @@ from pipelines.scene.tables.housing import (
     MeshHousingTable,
 )
 
-if TYPE_CHECKING:
-    MaterialTable = Any
-else:
-    MaterialTable = table(Material)
+MaterialTable: TypeAlias = table(Material)
 POINTS = re.compile(
     r"(bearing|ground)_|(bearing|ground|casing|shaft|mesh|motor|load|rope|container)(_[0-9]+)?$|(origin|[xyz])$"
 )
@@ -101,10 +98,7 @@ def _base(made: type) -> type[DerivedTable]:
 CASING_TABLES = tuple(
     table(made, _base(made)) for made in map(casing_class, CASINGS) if "model" in made.__dataclass_fields__
 )
-if TYPE_CHECKING:
-    CasingModel = Any
-else:
-    CasingModel = choice(CASING_TABLES, "model")
+CasingModel: TypeAlias = choice(CASING_TABLES, "model")
 
 
 class _SensorBase(DerivedTable):
@@ -118,7 +112,4 @@ class _SensorBase(DerivedTable):
         return name
 
 
-if TYPE_CHECKING:
-    SensorTable = Any
-else:
-    SensorTable = table(Sensor, _SensorBase)
+SensorTable: TypeAlias = table(Sensor, _SensorBase)

@@ -80,8 +80,7 @@ class EitherTable(DerivedTable):
         raise ValueError(f"is located by {', '.join(sorted(given)) or 'nothing'}. Set {choices}")
 
 
-@functools.cache
-def table(made_of: type, base: type[DerivedTable] = DerivedTable, **tag: tuple[str, str]) -> Any:
+def _table(made_of: type, base: type[DerivedTable] = DerivedTable, **tag: tuple[str, str]) -> Any:
     """The table class of a dataclass: the keys of a base class, and its options.
 
     Parameters
@@ -104,6 +103,9 @@ def table(made_of: type, base: type[DerivedTable] = DerivedTable, **tag: tuple[s
         "option" in f.metadata or f.default is not dataclasses.MISSING for f in dataclasses.fields(made_of)
     )
     return made
+
+
+table: Any = functools.cache(_table)  # a class has one table
 
 
 def either(base: type[DerivedTable], *kinds: type) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
 
@@ -45,16 +45,12 @@ class SpallBase(DerivedTable):
 
 
 _BASES = {"worn-tooth": WearBase}
-BearingSpallTable = table(Spall, SpallBase, kind=("bearing-spall", "what is wrong with the bearing"))
-if TYPE_CHECKING:
-    FaultTable = Any
-    AnyFaultTable = Any
-else:
-    FaultTable = choice(
-        (
-            table(fault_class(kind), _BASES.get(kind, FaultBase), kind=(kind, "what is wrong with the tooth"))
-            for kind in FAULTS
-        ),
-        "kind",
-    )
-    AnyFaultTable = Annotated[FaultTable | BearingSpallTable, Field(discriminator="kind")]
+BearingSpallTable: TypeAlias = table(Spall, SpallBase, kind=("bearing-spall", "what is wrong with the bearing"))
+FaultTable: TypeAlias = choice(
+    (
+        table(fault_class(kind), _BASES.get(kind, FaultBase), kind=(kind, "what is wrong with the tooth"))
+        for kind in FAULTS
+    ),
+    "kind",
+)
+AnyFaultTable: TypeAlias = Annotated[FaultTable | BearingSpallTable, Field(discriminator="kind")]

@@ -6,17 +6,15 @@ in `mbd.forces`; nothing else knows the kinds.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
 
 from mbd.excitations.registry import EXCITATIONS, excitation_class
+from mbd.parts.load import Excitation, OutsideForce
 from pipelines.scene.tables.base import Number, Table, Whole
 from pipelines.scene.tables.derived import DerivedTable, choice, table
 from pipelines.scene.tables.torques import TorqueCurve
-
-if TYPE_CHECKING:
-    from mbd.parts.load import Excitation, OutsideForce
 
 
 class PlacedTable(Table):
@@ -61,8 +59,7 @@ class ExcitationBase(DerivedTable):
 
     def spec(self, number: int) -> Excitation:
         """The excitation in SI."""
-        made: Excitation = self.made(f"forces.{number}", **self.place(number))
-        return made
+        return self.made(f"forces.{number}", **self.place(number))
 
 
 class ShaftExcitationBase(PlacedTable, ExcitationBase):
@@ -79,13 +76,10 @@ class BentShaftBase(ShaftExcitationBase):
 
 
 _BASES = {"bent-shaft": BentShaftBase, "casing-force": ExcitationBase, "base-acceleration": ExcitationBase}
-if TYPE_CHECKING:
-    ForceModel = Any
-else:
-    ForceModel = choice(
-        (
-            TorqueTable,
-            *(table(excitation_class(name), _BASES.get(name, ShaftExcitationBase)) for name in EXCITATIONS),
-        ),
-        "model",
-    )
+ForceModel: TypeAlias = choice(
+    (
+        TorqueTable,
+        *(table(excitation_class(name), _BASES.get(name, ShaftExcitationBase)) for name in EXCITATIONS),
+    ),
+    "model",
+)

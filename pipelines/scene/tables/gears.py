@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field
 
@@ -13,10 +13,7 @@ from pipelines.scene.tables.base import Flag, Number, Positive, Table, Whole
 from pipelines.scene.tables.derived import DerivedTable, choice, table
 from pipelines.scene.tables.gear_details import GearTable, MisalignmentTable
 
-if TYPE_CHECKING:
-    MeshModel = Any
-else:
-    MeshModel = choice((table(mesh_model(name)) for name in MODELS), "model")
+MeshModel: TypeAlias = choice((table(mesh_model(name)) for name in MODELS), "model")
 
 
 class StageTable(Table):
@@ -101,7 +98,4 @@ class _DeviationBase(DerivedTable):
     ] = True
 
 
-if TYPE_CHECKING:
-    DeviationTable = Any
-else:
-    DeviationTable = table(RandomDeviations, _DeviationBase)
+DeviationTable: TypeAlias = table(RandomDeviations, _DeviationBase)

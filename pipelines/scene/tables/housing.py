@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
@@ -130,11 +130,8 @@ class GroundBase(EitherTable):
     """Ground faces: a flat face, everything in a box, all faces in a plane, or a group of the file."""
 
 
-if TYPE_CHECKING:
-    SeatTable = Any
-    GroundTable = Any
-else:
-    SeatTable, GroundTable = either(SeatBase, ByCylinder, ByGroup), either(GroundBase, ByPoint, ByBox, ByPlane, ByGroup)
+SeatTable: TypeAlias = either(SeatBase, ByCylinder, ByGroup)
+GroundTable: TypeAlias = either(GroundBase, ByPoint, ByBox, ByPlane, ByGroup)
 
 
 class ImportedTable(Table):
@@ -256,13 +253,10 @@ def _model_of(value: Any) -> str:
     return value.get("model", "parametric") if isinstance(value, dict) else getattr(value, "model", "parametric")
 
 
-if TYPE_CHECKING:
-    HousingModel = Any
-else:
-    HousingModel = Annotated[
-        Annotated[table(Housing, HousingBase), Tag("parametric")]
-        | Annotated[StepHousingTable, Tag("step")]
-        | Annotated[MeshHousingTable, Tag("mesh")]
-        | Annotated[MatricesHousingTable, Tag("matrices")],
-        Discriminator(_model_of),
-    ]
+HousingModel: TypeAlias = Annotated[
+    Annotated[table(Housing, HousingBase), Tag("parametric")]
+    | Annotated[StepHousingTable, Tag("step")]
+    | Annotated[MeshHousingTable, Tag("mesh")]
+    | Annotated[MatricesHousingTable, Tag("matrices")],
+    Discriminator(_model_of),
+]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal, TypeAlias
 
 from mbd.parts.film import Film
 from mbd.parts.losses import Coulomb, Efficiency, NoLosses
@@ -19,9 +19,5 @@ class NoFilm(Table):
         """No film."""
 
 
-if TYPE_CHECKING:
-    FilmModel = Any
-    LossModel = Any
-else:
-    FilmModel = choice((NoFilm, table(Film)), "model")
-    LossModel = choice(map(table, (NoLosses, Efficiency, Coulomb)), "model")
+FilmModel: TypeAlias = choice((NoFilm, table(Film)), "model")
+LossModel: TypeAlias = choice(map(table, (NoLosses, Efficiency, Coulomb)), "model")

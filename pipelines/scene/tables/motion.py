@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -124,17 +124,12 @@ class LoadBase(DerivedTable):
 
 
 StaticTorqueTable = table(StaticTorqueLoad, LoadBase)
-if TYPE_CHECKING:
-    DriveModel = Any
-    LoadModel = Any
-    SimulationTable = Any
-else:
-    DriveModel = Annotated[
-        choice(
-            (SpeedDrive, TorqueDrive, table(InductionMotor, _InductionBase), table(SpeedController, _MotorsBase)),
-            "model",
-        ),
-        BeforeValidator(_speed_by_default),
-    ]
-    LoadModel = choice((TorqueLoad, *(table(load_model(name), LoadBase) for name in LOADS)), "model")
-    SimulationTable = table(MotionSettings)
+DriveModel: TypeAlias = Annotated[
+    choice(
+        (SpeedDrive, TorqueDrive, table(InductionMotor, _InductionBase), table(SpeedController, _MotorsBase)),
+        "model",
+    ),
+    BeforeValidator(_speed_by_default),
+]
+LoadModel: TypeAlias = choice((TorqueLoad, *(table(load_model(name), LoadBase) for name in LOADS)), "model")
+SimulationTable: TypeAlias = table(MotionSettings)

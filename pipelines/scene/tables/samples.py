@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import io
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any
@@ -78,13 +79,13 @@ def pairs(table: Table, places: str, values: str, path: str) -> tuple[np.ndarray
         lines.append(line)
     first, second = found
     if len(first) != len(second):
-        raise _refused(
+        raise refused(
             f"{path}.{values}", f"has {len(second)} values for {len(first)} of {places}", "Set as many of both"
         )
     wrong = np.flatnonzero(np.diff(first) <= 0)
     if len(wrong):
         i = int(wrong[0]) + 1
-        raise _refused(
+        raise refused(
             f"{path}.{places}",
             f"must increase strictly, but {first[i]:g} follows {first[i - 1]:g}{_at(lines[0], i)}",
             "Sort the lines, and delete repeated ones",
@@ -107,22 +108,10 @@ def samples(given: tuple[float, ...] | ColumnTable, path: str) -> tuple[np.ndarr
     if not isinstance(given, ColumnTable):
         return np.array(given, dtype=float), None
     file = _found(given.file)
-    try:
-        regular_file(file, MOST_BYTES)
+    with reading(file, given.file, path, MOST_BYTES):
         if file.suffix.lower() in HDF5:
             return _dataset(file, given.column, path), None
         return _column(read_text(file, MOST_BYTES), given, path), 2
-    except FileNotFoundError:
-        raise _refused(
-            f"{path}.file",
-            "there is no such file",
-            "Correct the path; it starts at the folder of the scene",
-            given.file,
-        ) from None
-    except InputError as error:
-        if isinstance(error, SceneError):
-            raise
-        raise _refused(f"{path}.file", str(error), "") from error
 
 
 def _found(name: str) -> Path:
@@ -140,7 +129,7 @@ def _column(text: str, given: ColumnTable, path: str) -> np.ndarray:
     if given.column not in names:
         near = nearest_name(given.column, names)
         hint = f'Did you mean "{near}"?' if near else "Set one of them"
-        raise _refused(f"{path}.column", f"the file has the columns {', '.join(map(shown, names))}", hint, given.column)
+        raise refused(f"{path}.column", f"the file has the columns {', '.join(map(shown, names))}", hint, given.column)
     place, values = names.index(given.column), []
     for row in rows:
         if not row:
@@ -152,10 +141,10 @@ def _column(text: str, given: ColumnTable, path: str) -> np.ndarray:
             value = math.nan
         if not math.isfinite(value):
             what = f"{shown(cell)} is not a number" if cell else "the cell is empty"
-            raise _refused(f"{path}.file", f"line {rows.line_num}: {what}", "Correct or delete that line", given.file)
+            raise refused(f"{path}.file", f"line {rows.line_num}: {what}", "Correct or delete that line", given.file)
         values.append(value)
     if not values:
-        raise _refused(f"{path}.file", "the file has no values", "Write values below the header line")
+        raise refused(f"{path}.file", "the file has no values", "Write values below the header line")
     return np.array(values)
 
 
@@ -166,19 +155,19 @@ def _dataset(file: Path, name: str, path: str) -> np.ndarray:
         with h5py.File(file, "r") as opened:
             found: Any = opened.get(name)
             if not isinstance(found, h5py.Dataset):
-                raise _refused(
+                raise refused(
                     f"{path}.column", f"the file has the datasets {', '.join(opened)}", "Set one of them", name
                 )
             if problem := blocks_missing(found):
-                raise _refused(f"{path}.column", problem, "Save or copy the file again", name)
+                raise refused(f"{path}.column", problem, "Save or copy the file again", name)
             values = np.asarray(found[()], dtype=float).ravel()
     except SceneError:
         raise
     except Exception as error:  # the library raises errors of every kind
-        raise _refused(f"{path}.file", f"cannot be read as HDF5 ({error})", "Set a CSV or HDF5 file") from error
+        raise refused(f"{path}.file", f"cannot be read as HDF5 ({error})", "Set a CSV or HDF5 file") from error
     bad = np.flatnonzero(~np.isfinite(values))
     if len(bad):
-        raise _refused(
+        raise refused(
             f"{path}.column", f"value {bad[0] + 1} of {len(values)} is {values[bad[0]]}", "Correct the file", name
         )
     return values
@@ -188,5 +177,38 @@ def _at(line: int | None, number: int) -> str:
     return "" if line is None else f" (value {number + 1}, about line {line + number})"
 
 
-def _refused(path: str, message: str, remedy: str, value: str | None = None) -> SceneError:
+def refused(path: str, message: str, remedy: str, value: str | None = None) -> SceneError:
+    """What to raise for a key of the scene.
+
+    Parameters
+    ----------
+    path, value : of the key in the scene, and what it is set to
+    message, remedy : what is wrong, and how to correct it
+    """
     return SceneError("scene", [Problem(path, message, remedy, None if value is None else f'"{value}"')])
+
+
+@contextlib.contextmanager
+def reading(file: Path, name: str, path: str, most_bytes: int) -> Iterator[None]:
+    """While a file is read.
+
+    Parameters
+    ----------
+    file, name : where it is, and its name in the scene
+    path : of the table in the scene, for messages
+    most_bytes : its greatest size
+
+    Raises
+    ------
+    SceneError : no such file, no regular one, too large a one, or it cannot be read
+    """
+    try:
+        regular_file(file, most_bytes)
+        yield
+    except FileNotFoundError:
+        remedy = "Correct the path; it starts at the folder of the scene"
+        raise refused(f"{path}.file", "there is no such file", remedy, name) from None
+    except SceneError:
+        raise
+    except InputError as error:
+        raise refused(f"{path}.file", str(error), "") from error

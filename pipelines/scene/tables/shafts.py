@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field, model_validator
 
 from mbd.parts.couplings import CouplingWithAxes, ShaftCoupling
+from mbd.parts.load import OutsideForce
 from mbd.parts.probe import Probe
 from mbd.parts.shafts import Disk, Section, ShaftModel
 from pipelines.scene.tables.base import Flag, Number, Table, Whole
 from pipelines.scene.tables.bearings import BearingModel
 from pipelines.scene.tables.derived import DerivedTable, table
-
-if TYPE_CHECKING:
-    from mbd.parts.load import OutsideForce
 
 
 class _OnShaft(DerivedTable):
@@ -56,12 +54,9 @@ class EccentricBase(_OnShaft):
             )
 
 
-if TYPE_CHECKING:
-    SectionTable = Any
-    DiskTable = Any
-    ProbeTable = Any
-else:
-    SectionTable, DiskTable, ProbeTable = table(Section), table(Disk, EccentricBase), table(Probe, _OnShaft)
+SectionTable: TypeAlias = table(Section)
+DiskTable: TypeAlias = table(Disk, EccentricBase)
+ProbeTable: TypeAlias = table(Probe, _OnShaft)
 
 
 class ShaftTable(Table):
@@ -135,16 +130,11 @@ class CouplingBase(DerivedTable):
         placed = {"name": f"coupling_{number}", "shafts": tuple(f"shaft_{shaft}" for shaft in self.shafts)}
         across = self.radial_stiffness_across_N_per_um, self.tilt_stiffness_across_N_m_per_rad
         if not (self.universal_joint or across != (None, None) or any((*self.offset_um, *self.tilt_mrad))):
-            plain: ShaftCoupling = self.made_part(ShaftCoupling, **placed)
-            return plain
+            return self.made_part(ShaftCoupling, **placed)
         from mbd.excitations.misaligned_coupling import MisalignedCoupling
 
-        turning: MisalignedCoupling = self.made_part(MisalignedCoupling, **placed)
-        return turning
+        return self.made_part(MisalignedCoupling, **placed)
 
 
-if TYPE_CHECKING:
-    ShaftModelTable = Any
-    CouplingTable = Any
-else:
-    ShaftModelTable, CouplingTable = table(ShaftModel, _ShaftModelBase), table(CouplingWithAxes, CouplingBase)
+ShaftModelTable: TypeAlias = table(ShaftModel, _ShaftModelBase)
+CouplingTable: TypeAlias = table(CouplingWithAxes, CouplingBase)

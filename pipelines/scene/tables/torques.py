@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from mbd.forces.torque_source import Rotor, TorqueSource
 from pipelines.scene.tables.base import Number, Table, Whole
-from pipelines.scene.tables.derived import DerivedTable, table
+from pipelines.scene.tables.derived import table
 from pipelines.scene.tables.samples import Samples, check_pairs, pairs
 
 RPM = 2 * math.pi / 60
 
 
-if TYPE_CHECKING:
-    _Rotor = DerivedTable
-else:
-    _Rotor = table(Rotor)
+_Rotor: Any = table(Rotor)
 
 
 class SomewhereTable(Table):

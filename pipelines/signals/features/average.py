@@ -1,7 +1,7 @@
-"""The time-synchronous average of a signal over the turns of a shaft, and what is left of it without regular orders.
+"""Time-synchronous average of a signal over the turns of a shaft, and its residual without regular orders.
 
-What repeats with the shaft stays in the average, all else is divided by the root of the number of turns. A turn has
-whole orders, so that every order of the average is one line of its Fourier transform and nothing leaks.
+The average keeps what repeats with the shaft; the rest is divided by the root of the number of turns. A turn has
+whole orders, so that every order of the average is one line of its Fourier transform without leakage.
 
 References
 ----------
@@ -17,14 +17,14 @@ from functools import cached_property
 
 import numpy as np
 
-FEWEST_TURNS = 3  # of an average
+FEWEST_TURNS = 3  # for an average
 
 Meshes = Mapping[int, int]  # number of the pair -> teeth of its gear on the shaft
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Average:
-    """`values` (channel, place) over one turn of a shaft, of `turns` turns; `orders` below half of the sampling rate.
+    """Average of `turns` turns: `values` (channel, place) over one turn; `orders` below half of the sampling rate.
 
     `meshes` are the gears on the shaft.
     """
@@ -54,7 +54,7 @@ class Average:
 
     @property
     def regular(self) -> np.ndarray:
-        """What the residual lacks of the average (channel, place): its mean, the first order, the mesh orders."""
+        """Regular part of the average (channel, place): its mean, the first order and the mesh orders."""
         lines = np.fft.rfft(self.values, axis=-1)
         kept = np.zeros_like(lines)
         orders = [order for order in {0, 1} | self._of_meshes() if order < lines.shape[1]]
@@ -78,11 +78,11 @@ class Average:
 
 
 def average(turns: np.ndarray, orders: int, meshes: Meshes) -> Average:
-    """The average of turns (channel, turn, place), which should be FEWEST_TURNS or more.
+    """Average of turns (channel, turn, place), which should be FEWEST_TURNS or more.
 
     Parameters
     ----------
-    turns : as `pipelines.signals.orders.revolutions.revolutions` gives them
+    turns : from `pipelines.signals.orders.revolutions.revolutions`
     orders : of the shaft, below half of the sampling rate
     meshes : teeth of the gears on the shaft
     """

@@ -1,5 +1,10 @@
 """Features of rolling bearings: how far the pass orders stand out of the spectrum of the squared envelope.
 
+Damage causes impacts at its pass order, so that the spectrum has a line there and at the multiples. Slip shifts all of
+them by the same share. The level of a pass order is therefore that of the best comb of lines at 1, 2 and 3 times one
+order within SLIP of it; single lines of another cause do not fit a comb. Multiples of the speeds of shafts belong to
+gears, unbalance and misalignment, and are left out.
+
 References
 ----------
 Randall & Antoni (2011), Mech. Syst. Signal Process. 25(2), 485-520 (squared envelope spectrum, slip of 1 to 2 %).
@@ -7,44 +12,64 @@ Randall & Antoni (2011), Mech. Syst. Signal Process. 25(2), 485-520 (squared env
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
 PASS_HARMONICS = 3
+FEWEST_HARMONICS = 2  # that lie within the spectrum and on no multiple of a shaft
 SLIP = 0.02  # of a pass order, to either side
+SCATTER = 0.001  # of a line, to either side: slip that is not constant
+HIGHEST_LINE = 40.0  # dB over the floor that a line counts at most: a single one makes no comb
 FLOOR = 0.1  # of a pass order, to either side: where the floor is read
-FEWEST_LINES = 8  # of the spectrum, in the floor
+FEWEST_LINES = 8  # of the spectrum, in the floor, or from one multiple of a shaft to the next
+_LOBE = 2.0  # lines to either side that a Hann window spreads an order over
 
 
-def pass_levels(envelope: np.ndarray, orders: Mapping[str, float]) -> dict[str, np.ndarray]:
-    """Level (channel,) of each pass order: its lines over their floors, root mean square over three harmonics.
+def pass_levels(
+    envelope: np.ndarray, orders: Mapping[str, float], shafts: Sequence[float] = (1.0,), uncertainty: float = 0.0
+) -> dict[str, np.ndarray]:
+    """Level (channel,) of each pass order: lines of its best comb over their floors, geometric mean over harmonics.
 
-    A line is the largest within the slip of its order, the floor the median around it. Orders too low for the number of
-    turns, or beyond the spectrum, are left out.
+    The floor is the median of the spectrum around a harmonic. Orders too low for the number of turns, or beyond the
+    spectrum, are left out.
 
     Parameters
     ----------
     envelope : squared envelope (channel, turn, place)
     orders : name -> cycles per turn
+    shafts : turns of all shafts per turn of this one
+    uncertainty : of the speed, relative
     """
     channels, turns, places = envelope.shape
     laid = envelope.reshape(channels, turns * places)
     window = np.hanning(turns * places + 1)[:-1]
     lines = np.abs(np.fft.rfft((laid - laid.mean(axis=-1, keepdims=True)) * window, axis=-1))
-    found = {}
-    for name, order in orders.items():
-        levels = [_over_floor(lines, n * order * turns) for n in range(1, PASS_HARMONICS + 1)]
-        if all(level is not None for level in levels):
-            found[name] = np.sqrt(np.mean([level**2 for level in levels if level is not None], axis=0))
-    return found
+    place, free = np.arange(lines.shape[1]), np.ones(lines.shape[1], dtype=bool)
+    for step in (turns * ratio for ratio in shafts if turns * ratio >= FEWEST_LINES):
+        free &= np.abs(place - step * np.round(place / step)) > _LOBE + uncertainty * place
+    found = {name: _level(lines, free, order * turns) for name, order in orders.items()}
+    return {name: level for name, level in found.items() if level is not None}
 
 
-def _over_floor(lines: np.ndarray, centre: float) -> np.ndarray | None:
-    """Peak (channel,) within the slip of a line over the median about it; None where there is no room for either."""
-    reach, around = max(1.0, SLIP * centre), FLOOR * centre
-    low, high = int(centre - around), int(centre + around) + 1
-    if around < FEWEST_LINES / 2 or high > lines.shape[1]:
+def _level(lines: np.ndarray, free: np.ndarray, centre: float) -> np.ndarray | None:
+    """Level (channel,) of the best comb near a line; None if too few harmonics have room in the spectrum."""
+    combs = np.arange((1.0 - SLIP) * centre, (1.0 + SLIP) * centre, 0.5 / PASS_HARMONICS)
+    decibels, used = np.zeros((len(lines), len(combs))), np.zeros(len(combs), dtype=int)
+    for harmonic in range(1, PASS_HARMONICS + 1):
+        around = FLOOR * harmonic * centre
+        near = slice(int(harmonic * centre - around), int(harmonic * centre + around) + 1)
+        if around < FEWEST_LINES / 2 or near.stop > lines.shape[1] or free[near].sum() < FEWEST_LINES:
+            continue
+        floor = np.median(lines[:, near][:, free[near]], axis=-1, keepdims=True)
+        reach = max(1, round(SCATTER * harmonic * centre))
+        peaks = maximum_filter1d(np.where(free[near], lines[:, near], 0.0), 2 * reach + 1, axis=-1, mode="nearest")
+        at = np.rint(harmonic * combs).astype(int) - near.start
+        over = peaks[:, at] / np.maximum(floor, np.finfo(float).tiny)
+        decibels += np.where(free[near][at], np.minimum(20.0 * np.log10(np.maximum(over, 1.0)), HIGHEST_LINE), 0.0)
+        used += free[near][at]
+    if not (used >= FEWEST_HARMONICS).any():
         return None
-    peak = lines[:, int(np.floor(centre - reach)) : int(np.ceil(centre + reach)) + 1].max(axis=-1)
-    return peak / np.median(lines[:, low:high], axis=-1)
+    best = decibels[:, used >= FEWEST_HARMONICS].max(axis=-1)
+    return np.asarray(10.0 ** (best / (20.0 * PASS_HARMONICS)))

@@ -19,10 +19,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipelines.signals.features.average import FEWEST_TURNS, average
-from pipelines.signals.features.band import squared_envelope
+from pipelines.signals.features.band import banded
 from pipelines.signals.features.envelope import envelope_orders, marked_tooth, tooth_contrast, tooth_energies
 from pipelines.signals.features.passing import pass_levels
-from pipelines.signals.features.statistics import statistics
+from pipelines.signals.features.statistics import kurtosis, statistics
 from pipelines.signals.features.synchronous import synchronous
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.features.turns import Turns, cut_turns
@@ -37,11 +37,14 @@ Lines = dict[tuple[str, str], np.ndarray]  # (component, feature) -> (channel,)
 
 OF_SIGNAL = ("rms", "crest_factor", "kurtosis")
 OF_SHAFT = {"order_1": 1, "order_2": 2}
-OF_PLAIN_SHAFT = ("tsa_rms", "tsa_kurtosis")  # no gear on it is known
+OF_PLAIN_SHAFT = ("tsa_rms", "tsa_kurtosis", "envelope_orders")  # no gear on it is known
 PASSING = "pass_order"
-OF_GEAR = ("difference_rms", "fm4")  # of its shaft
+OF_GEAR = ("difference_rms", "fm4", "envelope_orders", "whitened_kurtosis")  # of its shaft
+CONTRASTS = ("tooth_contrast", "whitened_contrast", "average_contrast")
+OF_WHITENED = ("whitened_kurtosis", *CONTRASTS[1:])
 OF_STAGE = ("fm0", "sideband_ratio")  # of its mesh
 QUARTER = 0.25  # turn, of uncertainty over all turns: averages over turns need less
+WHITE = 0.25  # of the lowest mesh order of a shaft: the width over which the spectrum is whitened
 GUARD_ORDER = 10.0  # of the fastest shaft: the guard where no tooth counts are known
 
 
@@ -99,7 +102,7 @@ def feature_table(
         whole = statistics(signal[:, inside])
         found: Lines = {(WHOLE, feature): whole[feature] for feature in OF_SIGNAL}
         for shaft, cut in turning:
-            lines, marks = _shaft_lines(cut, bands[name], shaft, kinematics)
+            lines, marks = _shaft_lines(cut, bands[name], shaft, kinematics, rotation.error)
             if rotation.error * cut.count > QUARTER:  # no averages over turns, and pass orders allow slip
                 strikes = {strike for bearing in kinematics.bearings for strike in bearing.strikes}
                 lines, marks = {line: value for line, value in lines.items() if line[0] in strikes}, {}
@@ -169,30 +172,36 @@ def envelope_band(kinematics: Kinematics, time: np.ndarray, frequency: float) ->
 
 
 def _shaft_lines(
-    cut: Turns, band: tuple[float, float], shaft: Shaft, kinematics: Kinematics
+    cut: Turns, band: tuple[float, float], shaft: Shaft, kinematics: Kinematics, error: float
 ) -> tuple[Lines, dict[str, int]]:
-    """Features of a shaft and what sits on it, and the marked tooth of its gears."""
+    """Features of a shaft and what sits on it, and the marked tooth of its gears; `error` of the speed, relative."""
     gears = kinematics.gears_on(shaft.name)
     averaged = average(cut.values, cut.orders, {gear.stage: gear.teeth for gear in gears})
     found = synchronous(averaged)
     irregular = cut.values - averaged.regular[:, None, :]
     laid = irregular.reshape(len(irregular), -1)
-    envelope = squared_envelope(laid, (cut.share(band[0]), cut.share(band[1]))).reshape(cut.values.shape)
+    ends = cut.share(band[0]), cut.share(band[1])
+    orders = WHITE * min(gear.teeth for gear in gears) if gears else GUARD_ORDER
+    width = orders / cut.values.shape[2]
+    ratios = [other.ratio / shaft.ratio for other in kinematics.shafts]
+    plain, white = (one.reshape(cut.values.shape) for one in banded(laid, ends, width))
+    envelope = np.abs(plain) ** 2
+    found |= {"envelope_orders": envelope_orders(envelope), "whitened_kurtosis": kurtosis(white.mean(axis=1).real)}
     lines: Lines = {(shaft.name, name): cut.order(order) for name, order in OF_SHAFT.items()}
     if not gears:
         lines |= {(shaft.name, name): found[name] for name in OF_PLAIN_SHAFT}
-        lines[shaft.name, "envelope_orders"] = envelope_orders(envelope)
+    squares = envelope, np.abs(white) ** 2, np.abs(white.mean(axis=1, keepdims=True)) ** 2
     marks = {}
     for gear in gears:
-        energies = tooth_energies(envelope, gear.teeth)
+        energies = {name: tooth_energies(one, gear.teeth) for name, one in zip(CONTRASTS, squares, strict=True)}
         lines |= {(gear.name, name): found[name] for name in OF_GEAR}
         lines |= {(gear.name, name): found[f"stage_{gear.stage}_{name}"] for name in OF_STAGE}
-        lines[gear.name, "envelope_orders"] = envelope_orders(envelope)
-        lines[gear.name, "tooth_contrast"] = tooth_contrast(energies)
-        marks[gear.name] = _numbered(marked_tooth(energies), cut.backwards, gear)
+        lines |= {(gear.name, name): tooth_contrast(one) for name, one in energies.items()}
+        marks[gear.name] = _numbered(marked_tooth(energies["tooth_contrast"]), cut.backwards, gear)
     for bearing in kinematics.bearings:
         if bearing.shaft == shaft.name:
-            lines |= {(name, PASSING): level for name, level in pass_levels(envelope, bearing.strikes).items()}
+            levels = pass_levels(squares[1], bearing.strikes, ratios, error)
+            lines |= {(name, PASSING): level for name, level in levels.items()}
     return lines, marks
 
 

@@ -1,4 +1,4 @@
-"""A window of a recording cut into turns of one shaft, with what can be told in them."""
+"""Turns of one shaft in a window of a recording, and their orders."""
 
 from __future__ import annotations
 
@@ -6,19 +6,19 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.fft import next_fast_len
 
 from pipelines.signals.orders.revolutions import HIGHEST, revolutions
 from pipelines.signals.orders.rotation import Rotation
 
-COLUMNS = 1.25  # per recorded sample: with fewer the filter would reach below HIGHEST of the rate
+COLUMNS = 1.25  # per recorded sample: fewer would make the filter affect orders below HIGHEST of the rate
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Turns:
-    """`values` (channel, turn, place); `frequency` (Hz) of the shaft; `orders` of it below HIGHEST of the rate.
+    """Turns of a shaft: `values` (channel, turn, place); `frequency` (Hz) of the shaft; `orders` below HIGHEST of the
+    rate.
 
-    Places are at rising angles also where the shaft runs `backwards`.
+    Places are at increasing angles also if the shaft runs `backwards`.
     """
 
     values: np.ndarray
@@ -28,28 +28,28 @@ class Turns:
 
     @property
     def count(self) -> int:
-        """Whole turns."""
+        """Number of whole turns."""
         return self.values.shape[1]
 
     def order(self, number: int) -> np.ndarray:
         """Peak amplitude (channel,) of an order of the shaft.
 
-        The turns are averaged under a Hann window, which keeps out strong orders of other shafts: the plain average
-        lets 1/turns of them through.
+        The turns are averaged under a Hann window, which suppresses strong orders of other shafts: the plain average
+        keeps 1/turns of them.
         """
         weights = np.hanning(self.count + 2)[1:-1]
         averaged = np.einsum("ctp,t->cp", self.values, weights / weights.sum())
         return 2.0 * np.abs(np.fft.rfft(averaged, axis=-1)[:, number]) / averaged.shape[-1]
 
     def share(self, frequency: float) -> float:
-        """A frequency (Hz) as a share of the places per turn, the sampling rate of the values."""
+        """A frequency (Hz) divided by the sampling rate of the values."""
         return frequency / self.frequency / self.values.shape[2]
 
 
 def cut_turns(
     signal: np.ndarray, time: np.ndarray, rotation: Rotation, ratio: float, window: tuple[float, float]
 ) -> Turns | None:
-    """The whole turns of a shaft in a window; None if it stands there.
+    """Cut the whole turns of a shaft from a window; None if the shaft is at rest there.
 
     Parameters
     ----------
@@ -58,6 +58,8 @@ def cut_turns(
     ratio : turns of the shaft per turn of the first one
     window : start and end, s
     """
+    from scipy.fft import next_fast_len
+
     first, last = np.searchsorted(time, window[0]), np.searchsorted(time, window[1], side="right")
     if last - first < 2:
         return None
@@ -67,6 +69,6 @@ def cut_turns(
     if turned < 1.0:
         return None
     rate = (len(time) - 1) / float(time[-1] - time[0])
-    places = 2 * next_fast_len(math.ceil(0.5 * COLUMNS * rate / frequency))
+    places = next_fast_len(math.ceil(COLUMNS * rate / frequency), real=True)
     values = revolutions(signal, time, rotation, ratio, places, [window])
     return Turns(values=values, frequency=frequency, orders=int(HIGHEST * rate / frequency), backwards=angle < 0.0)

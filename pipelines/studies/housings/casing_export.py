@@ -19,8 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipelines.io.errors import InputError
-from pipelines.io.shown import shown
-from pipelines.io.user_files import whole_file, writable_file
+from pipelines.io.user_files import whole_file
 from pipelines.studies.housings.responses import accelerances
 from pipelines.studies.housings.superelement import (
     Superelement,
@@ -38,16 +37,6 @@ if TYPE_CHECKING:
     from pipelines.runs.single_results import Casing
 
 _LINES = 1000  # frequencies of an accelerance
-
-
-def checked_target(name: str) -> Path:
-    """The path of an export; InputError for an ending that is not known."""
-    path = writable_file(name, "--export")
-    if path.suffix.lower() not in FORMATS:
-        raise InputError(
-            f"--export {shown(name)}: the ending must be one of {', '.join(FORMATS)}. Correct the file name."
-        )
-    return path
 
 
 def write_casing(casing: Casing, title: str, target: Path) -> list[Path]:

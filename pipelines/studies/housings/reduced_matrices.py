@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem.casing.imported.body import ForeignBody
 from fem.casing.imported.checks import frequency_lines, lowest_frequencies
+from fem.casing.reduced.reduction import Reduction
 from pipelines.io.errors import InputError
 from pipelines.io.user_files import whole_file
-
-if TYPE_CHECKING:
-    from fem.casing.reduced.reduction import Reduction
 
 
 def write_reduced(

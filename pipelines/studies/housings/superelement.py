@@ -14,15 +14,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, TYPE_CHECKING
+from typing import IO
 
 import numpy as np
 
+from fem.casing.reduced.body import ReducedBody
 from pipelines.io.errors import InputError
 from pipelines.io.user_files import whole_file
-
-if TYPE_CHECKING:
-    from fem.casing.reduced.body import ReducedBody
 
 _AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
 

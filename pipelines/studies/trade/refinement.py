@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
+import numpy as np
+
+from fem.casing.uncertainty.laws import Law
 from fem.storage import shown_html
 from pipelines.engine.run_graph import Work
 from pipelines.scene.file import LoadedScene, changed
 from pipelines.studies.trade.axes import AXES
 from pipelines.studies.trade.convergence import Convergence, ConvergenceError, study
 from pipelines.studies.trade.variants import Measured, measure
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from fem.casing.uncertainty.laws import Law
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,11 +46,6 @@ class RefinementStudy:
         return shown_html.table(f"Refined: {self.axis}", head, rows)
 
 
-def fineness_levels(ratio: float, count: int) -> tuple[float, ...]:
-    """`count` levels, finest first; the setting in use stands below one finer level, the rest are coarser."""
-    return tuple(ratio ** (1 - n) for n in range(count))
-
-
 def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> RefinementStudy:
     """Build every level and study every value of the axis' probe.
 
@@ -70,7 +62,8 @@ def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> Refinement
     ConvergenceError : fewer than three levels
     """
     chosen = AXES[axis]
-    fineness = fineness_levels(chosen.ratio, count)
+    # finest first; the setting in use stands below one finer level, the rest are coarser
+    fineness = tuple(chosen.ratio ** (1 - n) for n in range(count))
     scenes = {_level_name(f): changed(loaded, chosen.settings(loaded.scene, f)) for f in fineness}
     levels = list(measure(scenes, [chosen.probe, *chosen.also], work).values())
     first = levels[0].by_probe[chosen.probe]

@@ -33,7 +33,8 @@ def trade_table(found: Tradeoff) -> Grid:
         row["motion s"] = seconds.get("simulate", 0.0)
         row["memory MB"] = f"{one.measured.peak_bytes / 1e6:.0f}"
         row |= {head: _percent(one.errors.get(probe)) for probe, head in COLUMNS.items()}
-        row |= {head: _level(one.decibels.get(probe)) for probe, head in LEVELS.items()}
+        levels = {head: one.decibels.get(probe) for probe, head in LEVELS.items()}
+        row |= {head: "-" if decibels is None else f"{decibels:.2g}" for head, decibels in levels.items()}
         row["Pareto"] = "" if one.dominated else "front"
         rows.append(row)
     table = grid(f"{found.name}: cost and largest error of every choice against the reference", rows)
@@ -43,10 +44,6 @@ def trade_table(found: Tradeoff) -> Grid:
 
 def _percent(error: float | None) -> str:
     return "-" if error is None or math.isnan(error) else f"{100 * error:.2g}"
-
-
-def _level(decibels: float | None) -> str:
-    return "-" if decibels is None else f"{decibels:.2g}"
 
 
 def answers(found: Tradeoff, error: float, seconds: float) -> list[str]:

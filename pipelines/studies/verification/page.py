@@ -3,17 +3,62 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
-from dataclasses import asdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from pipelines.io.grid import Grid
 from pipelines.studies.verification.claims import CLAIMS, UNTESTED, Claim, Evidence
-from pipelines.studies.verification.judgement import HOLDS, Judgement, judge
 
 if TYPE_CHECKING:
     import xarray
+
+HOLDS, FAILS, OPEN = "holds", "does not hold", "undecided"
+FEWEST = 2  # seeds of a standard error
+
+
+@dataclass(frozen=True, kw_only=True)
+class Judgement:
+    """`mean` with its `standard_error`, both in the unit of the values; `verdict` is one of HOLDS, FAILS, OPEN."""
+
+    mean: float
+    standard_error: float
+    verdict: str
+
+    def words(self) -> str:
+        """The numbers as a cell of a table."""
+        return f"{self.mean:+.1f} ± {self.standard_error:.1f}"
+
+
+def judge(values: Sequence[float] | np.ndarray, least: float) -> Judgement:
+    """Whether the mean of one value per seed (seed,) is at least so much.
+
+    The mean of n values with standard deviation s lies within t s/sqrt(n) of the true one with 95 % probability, t the
+    97.5 % point of Student's distribution with n - 1 degrees of freedom. A claim of at least so much holds if this
+    whole interval reaches it, it does not hold if the whole interval stays below. Otherwise it is undecided.
+
+    References
+    ----------
+    Student (1908), Biometrika 6(1), 1-25.
+
+    Raises
+    ------
+    ValueError : fewer than two values
+    """
+    from scipy.stats import t
+
+    values = np.asarray(values, dtype=float)
+    if values.size < FEWEST:
+        raise ValueError(f"{values.size} values: a standard error needs at least {FEWEST}.")
+    mean, error = float(values.mean()), float(values.std(ddof=1) / np.sqrt(values.size))
+    reach = float(t.ppf(0.975, values.size - 1)) * error
+    over = mean - least
+    verdict = HOLDS if over >= reach else FAILS if over <= -reach else OPEN
+    return Judgement(mean=mean, standard_error=error, verdict=verdict)
+
 
 _WORDS = {"static-torque": "constant torque", "none": "no losses"}
 RULE = (

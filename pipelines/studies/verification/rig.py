@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray
 
 from pipelines.diagnosis.control_diagnosis import STATES
+from pipelines.engine.run_graph import Work
 from pipelines.scene.file import LoadedScene, load_scene
 from pipelines.scene.presets import preset_on
 from pipelines.signals.analysis import DiagnosisSettings
@@ -23,9 +24,6 @@ from pipelines.signals.response import make_response
 from pipelines.studies.trade.variants import build_variants
 from pipelines.studies.verification.claims import Evidence
 from pipelines.studies.verification.measures import Levels, fault_levels, load_levels
-
-if TYPE_CHECKING:
-    from pipelines.engine.run_graph import Work
 
 LOADS = ("rope", "static-torque")
 LOSSES: Mapping[str, Mapping[str, Any]] = {

@@ -1,0 +1,59 @@
+"""Damage of rolling bearings that a recording shows by itself: impacts at a pass order, without healthy recordings.
+
+A healthy bearing has no impacts at the pass orders of its races and rolling elements. Gears, shafts and cages modulate
+the vibration of healthy machines, too, so that nothing can be stated about them without a reference.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from pipelines.signals.features.recorded import PASSING
+
+if TYPE_CHECKING:
+    from pipelines.signals.features.table import FeatureTable
+
+CAGE = " FTF"  # end of the name of the pass order of a cage
+CLEAR = 20.0  # dB; levels at orders of healthy elements in measured recordings are up to 19 dB, see docs/diagnosis.md
+
+
+@dataclass(frozen=True, kw_only=True)
+class Impacts:
+    """The `level` (dB) of a pass order at the channel where it is highest; `clear` from the limit on."""
+
+    component: str
+    sensor: str
+    axis: str
+    level: float
+
+    @property
+    def clear(self) -> bool:
+        """Whether the element is damaged."""
+        return self.level >= CLEAR
+
+
+def impacts(table: FeatureTable) -> tuple[Impacts, ...]:
+    """Those of all races and rolling elements in a recording, the highest level first."""
+    found = []
+    for (component, feature), levels in zip(table.lines, table.value.T, strict=True):
+        if feature == PASSING and not component.endswith(CAGE):
+            best = int(levels.argmax())
+            level = 20.0 * math.log10(levels[best])
+            found.append(Impacts(component=component, sensor=table.sensor[best], axis=table.axis[best], level=level))
+    return tuple(sorted(found, key=lambda one: -one.level))
+
+
+def impact_words(found: tuple[Impacts, ...]) -> str:
+    """What the impacts show, and what healthy recordings would add."""
+    more = "Give healthy recordings to diagnose gears and shafts: --baseline FILE FILE ..."
+    if not found:
+        return f"There is no verdict without healthy recordings to compare with. {more}"
+    first = found[0]
+    named = " or ".join(one.component for one in found if one.level == first.level)  # equal bearings on one shaft
+    answer = "Damaged:" if first.clear else "No damage of a bearing is clear. The highest level:"
+    return (
+        f"{answer} {named}, impacts at its pass order {first.level:.0f} dB over the envelope spectrum around "
+        f"it at {first.sensor} {first.axis} (limit {CLEAR:g} dB). {more}"
+    )

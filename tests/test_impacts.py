@@ -1,0 +1,84 @@
+"""Bearings are diagnosed without healthy recordings, by impacts at a pass order."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pipelines.cli.main import main
+from pipelines.diagnosis.impacts import CLEAR
+from pipelines.runs.recorded import file_words, judge_file
+from pipelines.signals.features.passing import pass_levels
+
+RATE, SECONDS, SPEED = 12000, 6.0, 29.0  # Hz, s, Hz of the shaft
+OUTER, INNER = 3.585, 5.415  # passes per turn
+MACHINE = """
+ratios = [1.0]
+speed = { rpm = 1740, uncertainty_percent = 0.3 }
+rate_Hz = 12000
+bearings = [{ name = "DE", shaft = 1, BPFO = 3.585, BPFI = 5.415, BSF = 2.357, FTF = 0.398 }]
+"""
+
+
+def impacts(order: float, slip: float, random: np.random.Generator) -> np.ndarray:
+    """Decaying oscillations of 3 kHz at a pass order, the elements slipping at random by 0.5 % on average."""
+    signal = np.zeros(round(RATE * SECONDS))
+    steps = (1.0 + 0.005 * random.standard_normal(4000)) / (SPEED * order * (1.0 + slip))
+    starts = np.round(RATE * np.cumsum(steps)).astype(int)
+    signal[starts[starts < len(signal)]] = 1.0
+    decay = np.arange(120) / RATE
+    return np.convolve(signal, np.exp(-decay / 1e-3) * np.sin(2.0 * np.pi * 3000.0 * decay))[: len(signal)]
+
+
+def unbalanced(random: np.random.Generator) -> np.ndarray:
+    """Lines of the shaft that also modulate noise, as healthy machines have."""
+    time = np.arange(round(RATE * SECONDS)) / RATE
+    turn = 2.0 * np.pi * SPEED * time
+    noise = random.standard_normal(len(time)) * (1.0 + 0.5 * np.cos(turn) + 0.3 * np.cos(4.0 * turn))
+    return 0.3 * noise + np.cos(turn) + 0.3 * np.cos(2.0 * turn)
+
+
+def judged(tmp_path, signal: np.ndarray):
+    (tmp_path / "machine.toml").write_text(MACHINE, encoding="utf-8")
+    np.save(tmp_path / "record.npy", signal)
+    return judge_file(tmp_path / "record.npy", machine=tmp_path / "machine.toml")
+
+
+@pytest.mark.parametrize(("order", "slip", "name"), [(OUTER, -0.012, "DE BPFO"), (INNER, 0.004, "DE BPFI")])
+def test_impacts_at_a_pass_order_name_the_race_whatever_the_slip(tmp_path, order, slip, name):
+    random = np.random.default_rng(1)
+    found = judged(tmp_path, unbalanced(random) + 2.0 * impacts(order, slip, random))
+    assert found.impacts[0].component == name
+    assert found.impacts[0].clear
+    assert not any(one.clear for one in found.impacts[1:])
+    assert file_words(found).startswith(f"Damaged: {name}, impacts at its pass order ")
+
+
+def test_the_page_of_a_recording_of_bearings_alone_begins_with_the_race(tmp_path, capsys):
+    random = np.random.default_rng(1)
+    judged(tmp_path, unbalanced(random) + 2.0 * impacts(OUTER, 0.0, random))
+    files = [str(tmp_path / name) for name in ("record.npy", "machine.toml")]
+    assert main(["diagnose", files[0], "--machine", files[1], "--out", str(tmp_path / "seen")]) == 0
+    page = (tmp_path / "seen" / "report.html").read_text(encoding="utf-8")
+    assert '<div class="verdict fault" id="verdict"><p>Damaged: DE BPFO' in page
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_lines_of_the_shaft_are_no_impacts_of_a_bearing(tmp_path, seed):
+    found = judged(tmp_path, unbalanced(np.random.default_rng(seed)))
+    assert found.impacts[0].level < CLEAR - 5.0
+    assert file_words(found).startswith("No damage of a bearing is clear.")
+
+
+def test_one_line_however_strong_is_no_comb():
+    turns, places = 100, 256
+    envelope = 1.0 + np.cos(2.0 * np.pi * OUTER * np.arange(turns * places) / places)
+    envelope += 1e-5 * np.random.default_rng(2).standard_normal(envelope.shape)
+    (level,) = pass_levels(envelope.reshape(1, turns, places), {"BPFO": OUTER})["BPFO"]
+    assert 20.0 * np.log10(level) < CLEAR
+
+
+def test_a_cage_is_not_judged_without_healthy_recordings(tmp_path):
+    random = np.random.default_rng(3)
+    found = judged(tmp_path, unbalanced(random) + 2.0 * impacts(0.398, 0.0, random))
+    assert all("FTF" not in one.component for one in found.impacts)
