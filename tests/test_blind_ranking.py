@@ -54,6 +54,22 @@ def test_a_spall_and_an_unbalanced_shaft_rank_first(healthy, fault, component):
     assert verdict.first.component == component
 
 
+def test_two_bearings_of_one_size_on_a_shaft_are_both_found(healthy):
+    verdict = judge(table(101, fault="bearing_1"), healthy, MACHINE)
+    own, twin = "bearing_1 BPFO", "bearing_2 BPFO"
+    first = (
+        dataclasses.replace(verdict.first, component=twin, alike=(own,)),
+        dataclasses.replace(verdict.first, component=own, alike=(twin,)),
+    )
+    both = dataclasses.replace(verdict, findings=(*first, *verdict.findings[1:]))
+    case, damage = (
+        Case(load="torque", deviations="off", window="up", verdict=both),
+        Damage(component=own, tooth=None, words="spall"),
+    )
+    assert found(case, damage, [damage]).component == own
+    assert f"{twin} has the same evidence." in " ".join(case_sentences([case], [damage]))
+
+
 def test_other_healthy_machines_raise_no_alarm(healthy):
     assert [judge(table(seed), healthy, MACHINE).damaged for seed in range(200, 206)] == [False] * 6
     verdict = judge(table(200), healthy, MACHINE)

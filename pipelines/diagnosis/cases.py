@@ -1,7 +1,8 @@
 """Known damage in several cases: in how many of them the diagnosis finds it, and its evidence.
 
 A case is a window of a run with a load and a set of deviations. The diagnosis does not know the damage. It finds it if
-the damaged component exceeds its limit, and no component without damage has stronger evidence.
+the damaged component exceeds its limit, and no component without damage has stronger evidence. Two bearings of one size
+on one shaft have the same pass orders, and so the same evidence: both are found.
 """
 
 from __future__ import annotations
@@ -51,7 +52,15 @@ def found(case: Case, damage: Damage, damages: Sequence[Damage]) -> Finding | No
     """
     others = {other.component for other in damages} - {damage.component}
     ranked = [one for one in case.verdict.findings if one.component not in others]
-    return ranked[0] if ranked[0].component == damage.component and ranked[0].damaged else None
+    strongest = words.ratio(ranked[0].evidence)
+    own = (one for one in ranked if one.component == damage.component and one.damaged)
+    return next((one for one in own if words.ratio(one.evidence) == strongest), None)
+
+
+def _tied(verdict: Verdict, one: Finding) -> list[str]:
+    """The components that have the same evidence as one of them."""
+    others = (other for other in verdict.findings if other.component in one.alike)
+    return [other.component for other in others if words.ratio(other.evidence) == words.ratio(one.evidence)]
 
 
 def any_found(cases: Sequence[Case], damages: Sequence[Damage]) -> bool | None:
@@ -80,6 +89,7 @@ def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
             case, one = min(findings, key=lambda pair: words.ratio(pair[1].evidence))
             weakest = "Weakest evidence" if len(findings) > 1 else "Evidence"
             evidence.append(f"{weakest} ({case.name}): {words.standing(one.evidence)}.")
+            evidence += [f"{other} has the same evidence." for other in _tied(case.verdict, one)]
         if damage.tooth is not None and findings:
             highest = sum(one.tooth == damage.tooth for _, one in findings)
             where = "" if highest == len(cases) == 1 else f" in {highest} of {len(findings)}"

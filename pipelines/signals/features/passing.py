@@ -21,7 +21,7 @@ PASS_HARMONICS = 3
 FEWEST_HARMONICS = 2  # that lie within the spectrum and on no multiple of a shaft
 SLIP = 0.02  # of a pass order, to either side
 SCATTER = 0.001  # of a line, to either side: slip that is not constant
-HIGHEST_LINE = 40.0  # dB over the floor that a line counts at most: a single one makes no comb
+LEAD = 20.0  # dB over the second strongest that the strongest line counts at most: a single one makes no comb
 FLOOR = 0.1  # of a pass order, to either side: where the floor is read
 FEWEST_LINES = 8  # of the spectrum, in the floor, or from one multiple of a shaft to the next
 _LOBE = 2.0  # lines to either side that a Hann window spreads an order over
@@ -56,7 +56,7 @@ def pass_levels(
 def _level(lines: np.ndarray, free: np.ndarray, centre: float) -> np.ndarray | None:
     """Level (channel,) of the best comb near a line; None if too few harmonics have room in the spectrum."""
     combs = np.arange((1.0 - SLIP) * centre, (1.0 + SLIP) * centre, 0.5 / PASS_HARMONICS)
-    decibels, used = np.zeros((len(lines), len(combs))), np.zeros(len(combs), dtype=int)
+    decibels, used = np.zeros((PASS_HARMONICS, len(lines), len(combs))), np.zeros(len(combs), dtype=int)
     for harmonic in range(1, PASS_HARMONICS + 1):
         around = FLOOR * harmonic * centre
         near = slice(int(harmonic * centre - around), int(harmonic * centre + around) + 1)
@@ -67,9 +67,11 @@ def _level(lines: np.ndarray, free: np.ndarray, centre: float) -> np.ndarray | N
         peaks = maximum_filter1d(np.where(free[near], lines[:, near], 0.0), 2 * reach + 1, axis=-1, mode="nearest")
         at = np.rint(harmonic * combs).astype(int) - near.start
         over = peaks[:, at] / np.maximum(floor, np.finfo(float).tiny)
-        decibels += np.where(free[near][at], np.minimum(20.0 * np.log10(np.maximum(over, 1.0)), HIGHEST_LINE), 0.0)
+        decibels[harmonic - 1] = np.where(free[near][at], 20.0 * np.log10(np.maximum(over, 1.0)), 0.0)
         used += free[near][at]
     if not (used >= FEWEST_HARMONICS).any():
         return None
-    best = decibels[:, used >= FEWEST_HARMONICS].max(axis=-1)
-    return np.asarray(10.0 ** (best / (20.0 * PASS_HARMONICS)))
+    decibels.sort(axis=0)
+    decibels[-1] = np.minimum(decibels[-1], decibels[-2] + LEAD)
+    best = decibels.mean(axis=0)[:, used >= FEWEST_HARMONICS].max(axis=-1)
+    return np.asarray(10.0 ** (best / 20.0))

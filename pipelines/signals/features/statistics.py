@@ -48,7 +48,7 @@ def kurtosis(x: np.ndarray) -> np.ndarray:
 
 def _moment_ratio(x: np.ndarray, power: int) -> np.ndarray:
     away = x - x.mean(axis=-1, keepdims=True)
-    squared = away * away  # a power of a number that is not whole takes ten times as long
+    squared = away * away  # products: `**` takes ten times as long
     top = squared * (squared if power == 4 else away)
     return _ratio(top.mean(axis=-1), squared.mean(axis=-1) ** (power / 2))
 
