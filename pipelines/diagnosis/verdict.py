@@ -37,7 +37,7 @@ from pipelines.signals.features.recorded import OF_SHAFT, OF_WHITENED
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 
-LEAST_ORDER = -40.0  # dB over the rms of healthy recordings: weaker orders of a shaft come and go
+LEAST_ORDER = -40.0  # dB over the rms of healthy recordings: weaker orders of a shaft are no evidence
 DIFFERENT, ALARM = 0.01, 0.001  # of healthy machines are called different, or damaged
 
 
@@ -317,20 +317,25 @@ def _changes(lines: _Lines, levels: np.ndarray, healthy: np.ndarray) -> tuple[Ch
 def _compared(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> tuple[np.ndarray, np.ndarray]:
     """Levels (channel, line) of the recording and (recording, channel, line) of the healthy ones, dB.
 
-    Weak orders of a shaft are raised to the least level that counts at their channel.
+    Weak orders of a shaft hardly count, see `counted`.
     """
     healthy = np.array([other.channel_levels for other in baseline])
     rms = healthy[:, :, recording.lines.index((WHOLE, "rms"))].mean(axis=0)
-    least = least_levels(recording.feature, rms)
-    return np.maximum(recording.channel_levels, least), np.maximum(healthy, least)
+    return counted(recording.channel_levels, recording.feature, rms), counted(healthy, recording.feature, rms)
 
 
-def least_levels(features: Sequence[str], rms: np.ndarray) -> np.ndarray:
-    """Levels (..., feature), dB, below which nothing is evidence: orders of a shaft that hardly add to the vibration.
+def counted(levels: np.ndarray, features: Sequence[str], rms: np.ndarray) -> np.ndarray:
+    """Levels (..., feature), dB, as they count: to the power of an order of a shaft, LEAST_ORDER is added.
+
+    Lines that hardly add to the vibration, noise alone among them, then scatter little. The larger of line and
+    LEAST_ORDER would not do: of lines just below it, eight healthy ones can all be equal while the ninth exceeds it.
 
     Parameters
     ----------
+    levels : (..., feature), dB
     features : names
     rms : level (...) of the healthy vibration, dB
     """
-    return np.where(np.isin(features, list(OF_SHAFT)), np.asarray(rms)[..., None] + LEAST_ORDER, -np.inf)
+    least = np.where(np.isin(features, list(OF_SHAFT)), np.asarray(rms)[..., None] + LEAST_ORDER, -np.inf)
+    neper = math.log(10.0) / 10.0  # of powers, per dB
+    return np.asarray(np.logaddexp(levels * neper, least * neper) / neper)
