@@ -66,7 +66,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """Simulate what is missing; print the probabilities and write them with their figure."""
     from pipelines.datasets.campaign import run_campaign
     from pipelines.datasets.estimate import estimate
-    from pipelines.datasets.scenes import make_draws
+    from pipelines.datasets.scenes import sampled_scenes
     from pipelines.datasets.workers import local_workers
     from pipelines.engine.progress import reported_count
     from pipelines.io.errors import InputError
@@ -90,7 +90,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     )
     plan = detection_plan(loaded, plant, design)
     if options.dry_run:
-        expected = estimate(plan, make_draws(plan))
+        expected = estimate(plan, sampled_scenes(plan))
         if expected.refused:
             raise InputError(f"detect: {expected.refused} scenes cannot be run; the first: {expected.first_refusal}")
         yield expected.to_text()

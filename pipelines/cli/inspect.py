@@ -33,7 +33,7 @@ casing rigid: no mesh to show"""
 
 
 def arguments(sub: argparse.ArgumentParser) -> None:
-    """Of `gearcase inspect`."""
+    """Add the arguments of `gearcase inspect`."""
     work_arguments(sub)
     sub.add_argument(
         "--out", metavar="FOLDER", type=path, default=".", help="folder for the pictures (default: the working folder)"
@@ -71,7 +71,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Write the pictures of a stage and, of a meshed casing, casing.png; say what could not be rendered."""
+    """Write the pictures of a stage and, of a meshed casing, casing.png; print why a picture is not rendered."""
     from pipelines.io.errors import InputError
     from pipelines.io.user_files import writable_folder
     from pipelines.report.figures.mesh_pictures import show_mesh
@@ -120,7 +120,7 @@ def _cycles(shown: InspectedStage, options: argparse.Namespace) -> np.ndarray:
 
 
 def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, frames: int) -> Iterator[str]:
-    """A still where the damage acts, or at the position asked for; with more than one frame the film, too."""
+    """Write a picture where the damage acts, or at the given position; with more than one frame also the film."""
     import numpy as np
 
     from pipelines.report.figures.mesh_pictures import write_film, write_still
@@ -171,7 +171,7 @@ def _casing_mode(graph: Graph, plant: Plant, number: int | str, folder: Path, wo
 
 
 def _listed(write: Callable[..., Path | list[Path]], *given: object) -> list[str]:
-    """The names of the files that a function writes, or why it writes none."""
+    """The names of the files that a function writes, or the reason why it writes none."""
     from pipelines.report.figures.views import NotRendered
 
     try:
@@ -182,7 +182,7 @@ def _listed(write: Callable[..., Path | list[Path]], *given: object) -> list[str
 
 
 def _casing_mode_files(outcome: Outcome, graph: Graph, title: str, number: int | str, folder: Path) -> list[Path]:
-    """Still, film and page of a natural mode of the casing in its ground, or a sheet of all modes in its band.
+    """Write picture, film and page of a natural mode of the casing on its mounts, or a sheet of all modes in its band.
 
     Raises
     ------

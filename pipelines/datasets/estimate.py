@@ -12,7 +12,7 @@ from pipelines.datasets.expressions import ExpressionError
 from pipelines.datasets.labels import labels
 from pipelines.datasets.layout import CASING_SIGNALS
 from pipelines.datasets.plan import Plan
-from pipelines.datasets.scenes import Draw, group_variables, scene_of
+from pipelines.datasets.scenes import SampledScene, group_variables, scene_of
 from pipelines.engine.cache import Cache
 from pipelines.engine.step import Graph, Step
 from pipelines.engine.storage import digest
@@ -68,7 +68,7 @@ class Estimate:
         return "".join(f"{line}\n" for line in lines)
 
 
-def estimate(plan: Plan, draws: Sequence[Draw]) -> Estimate:
+def estimate(plan: Plan, sampled: Sequence[SampledScene]) -> Estimate:
     """Look at the scenes of a plan without simulating any.
 
     Raises
@@ -80,7 +80,7 @@ def estimate(plan: Plan, draws: Sequence[Draw]) -> Estimate:
     distinct: dict[str, Step] = {}
     found: Counter[str] = Counter()
     seconds = size = 0.0
-    looked = draws[:MOST_LOOKED_AT]
+    looked = sampled[:MOST_LOOKED_AT]
     for one in looked:
         try:
             loaded = scene_of(plan, one.values)
@@ -97,15 +97,15 @@ def estimate(plan: Plan, draws: Sequence[Draw]) -> Estimate:
             distinct.setdefault(digest([step.kind, step.spec, [step.code]]), step)
     if not found:
         raise refused[0]
-    share = len(draws) / len(looked)
+    share = len(sampled) / len(looked)
     return Estimate(
-        runs=len(draws),
-        distinct=len({json.dumps(one.values) for one in draws}),
+        runs=len(sampled),
+        distinct=len({json.dumps(one.values) for one in sampled}),
         looked_at=len(looked),
         refused=len(refused),
         first_refusal=" ".join(str(refused[0]).split()) if refused else "",
         labels=found,
-        splits=Counter(one.split for one in draws),
+        splits=Counter(one.split for one in sampled),
         groups_by=group_variables(plan.table),
         kinds=Counter(step.kind for step in distinct.values()),
         missing_seconds=sum(step.seconds for step in distinct.values() if not _stored(step, cache)),
