@@ -81,14 +81,14 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.studies.detect.study import study
 
     loaded = load_asked(options)
-    plant = checked_plant(loaded.scene, loaded.source.shown)
+    machine = checked_plant(loaded.scene, loaded.source.shown)
     design = Design(
         over=tuple(map(parse_over, options.over)),
         baseline=options.baseline,
         healthy=options.healthy,
         damaged=options.seeds,
     )
-    plan = detection_plan(loaded, plant, design)
+    plan = detection_plan(loaded, machine, design)
     if options.dry_run:
         expected = estimate(plan, sampled_scenes(plan))
         if expected.refused:
@@ -97,7 +97,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         return
     folder = Path(options.out or f"campaigns/{plan.name}")
     finished = run_campaign(plan, folder, local_workers(options.processes), work_of(options), quiet=options.quiet)
-    looked_for = plant.looked_for
+    looked_for = machine.looked_for
     noises = tuple(dict.fromkeys(options.noise)) or (looked_for.noise,)
     with local_workers(options.processes) as workers, reported_count("runs", quiet=options.quiet) as report:
         found = study(plan, folder, design, looked_for.windows, noises, workers.executor, report)

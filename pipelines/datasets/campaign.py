@@ -171,24 +171,24 @@ def first_layout(plan: Plan, sampled: Sequence[SampledScene], building: Work) ->
     for one in sampled[:_LAYOUT_TRIES]:
         try:
             loaded = scene_of(plan, one.values)
-            plant = checked_plant(loaded.scene, loaded.source.shown)
+            machine = checked_plant(loaded.scene, loaded.source.shown)
         except (SceneError, ExpressionError) as error:
             failure = failure or error
             continue
-        check_memory(loaded.name, plant)
-        graph = Graph(plant_steps(plant))
+        check_memory(loaded.name, machine)
+        graph = Graph(plant_steps(machine))
         building.build(graph, graph.steps["simulate"].inputs)
-        given = plant.motion
+        given = machine.motion
         few = replace(given, end=_LAYOUT_SAMPLES / given.output_rate)
-        motion = moved(WorkerCache(building.cache).system(plant), few)
+        motion = moved(WorkerCache(building.cache).system(machine), few)
         return loaded, run_layout(motion, round(given.end * given.output_rate), plan.table.signals)
     assert failure is not None
     raise failure
 
 
-def check_memory(name: str, plant: Plant) -> None:
+def check_memory(name: str, machine: Plant) -> None:
     """InputError if one run does not fit into the memory of a worker, where it is until it is stored."""
-    one = cost(plant)
+    one = cost(machine)
     if one.bytes > MOST_BYTES:
         raise InputError(
             f"one run of {name} holds {size_words(one.bytes)} in memory, limit {size_words(MOST_BYTES)} in a "

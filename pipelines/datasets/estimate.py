@@ -84,15 +84,15 @@ def estimate(plan: Plan, sampled: Sequence[SampledScene]) -> Estimate:
     for one in looked:
         try:
             loaded = scene_of(plan, one.values)
-            plant = checked_plant(loaded.scene, loaded.source.shown)
+            machine = checked_plant(loaded.scene, loaded.source.shown)
         except (SceneError, ExpressionError) as error:
             refused.append(error)
             continue
-        found[labels(plant)["label"]] += 1
-        motion = cost(plant)
+        found[labels(machine)["label"]] += 1
+        motion = cost(machine)
         seconds += motion.seconds
-        size += _STORED_SHARE * _SAMPLE_BYTES * motion.samples * _stored_channels(plan, plant, motion.channels)
-        graph = Graph(plant_steps(plant))
+        size += _STORED_SHARE * _SAMPLE_BYTES * motion.samples * _stored_channels(plan, machine, motion.channels)
+        graph = Graph(plant_steps(machine))
         for step in graph.needed(graph.steps["simulate"].inputs):
             distinct.setdefault(digest([step.kind, step.spec, [step.code]]), step)
     if not found:
@@ -115,12 +115,12 @@ def estimate(plan: Plan, sampled: Sequence[SampledScene]) -> Estimate:
     )
 
 
-def _stored_channels(plan: Plan, plant: Plant, channels: int) -> float:
+def _stored_channels(plan: Plan, machine: Plant, channels: int) -> float:
     """About how many channels of four bytes are stored of a scene."""
     if plan.table.signals:
         return channels
-    vibration = 3 * (len(plant.sensors) or len(plant.bearing_points))
-    return vibration + 2 * len(plant.machine.shafts) + 3 * max(1, len(plant.machine.couplings))
+    vibration = 3 * (len(machine.sensors) or len(machine.bearing_points))
+    return vibration + 2 * len(machine.machine.shafts) + 3 * max(1, len(machine.machine.couplings))
 
 
 def _stored(step: Step, cache: Cache) -> bool:

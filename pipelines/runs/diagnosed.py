@@ -125,11 +125,11 @@ def folder_bars(folder: Path, diagnosis: Diagnosis, settings: Settings, work: Wo
     from pipelines.steps.error_bars import machine_bars
     from pipelines.steps.results import casing_taken
 
-    graph, plant = scene_graph(load_scene(folder / run_folder.RESOLVED))  # the casing is that of the run
+    graph, machine = scene_graph(load_scene(folder / run_folder.RESOLVED))  # the casing is that of the run
     asked = load_scene(folder / run_folder.RESOLVED, settings).scene.diagnosis
-    plant = replace(plant, looked_for=replace(plant.looked_for, damping_spread=asked.damping_spread))
-    taken = {"laws": plant.law_names, **casing_taken(graph)}
+    machine = replace(machine, looked_for=replace(machine.looked_for, damping_spread=asked.damping_spread))
+    taken = {"laws": machine.law_names, **casing_taken(graph)}
     step = Step(name="error bars", kind="error-bars", build=machine_bars, takes=taken)
     outcome = work.build(graph, step.inputs)
     with run_folder.opened_run(folder / run_folder.RESPONSE) as run:
-        return machine_bars(plant, run, diagnosis, **step.received(outcome.value))
+        return machine_bars(machine, run, diagnosis, **step.received(outcome.value))

@@ -22,21 +22,21 @@ from pipelines.steps.pair_curves import PairLaws
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class InspectedStage:
-    """A stage of a plant with its laws."""
+    """A stage of a machine with its laws."""
 
-    plant: Plant
+    machine: Plant
     laws: PairLaws
 
     @property
     def title(self) -> str:
         """Scene, stage and teeth."""
         pair = self.laws.pair
-        return f"{self.plant.title}: stage {self.laws.stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth"
+        return f"{self.machine.title}: stage {self.laws.stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth"
 
     @property
     def placed(self) -> PlacedPair:
         """The pair at its place, with the fault that is shown."""
-        return placed_pair(self.plant, self.laws.stage)
+        return placed_pair(self.machine, self.laws.stage)
 
     @property
     def fault(self) -> Fault | None:

@@ -213,14 +213,14 @@ class _Files:
         self.left_out += found["left_out"]
 
 
-def _facts(name: str, plant: Plant, outcome: Outcome) -> dict[str, Any]:
+def _facts(name: str, machine: Plant, outcome: Outcome) -> dict[str, Any]:
     """Of the steps so far: versions, models and keys, the same for the same result; ledger and cost. `name` of the
     scene."""
     used = {library: version for record in outcome.records for library, version in record.libraries.items()}
     return {
         "scene": name,
         "versions": {"python": platform.python_version(), **library_versions("gearcase", *_WRITERS), **used},
-        "models": plant.models,
+        "models": machine.models,
         "threads per process": 1,
         "keys": {record.name: record.key[:32] for record in outcome.records},
         "ledger": outcome.ledger(),
@@ -237,7 +237,7 @@ def _facts(name: str, plant: Plant, outcome: Outcome) -> dict[str, Any]:
     }
 
 
-def _write_response(path: Path, motion: Trajectory, plant: Plant, facts: Mapping[str, Any]) -> None:
+def _write_response(path: Path, motion: Trajectory, machine: Plant, facts: Mapping[str, Any]) -> None:
     """The labelled signals with the facts of this run as attributes."""
     from pipelines.signals.response_file import write_response
 
@@ -246,4 +246,4 @@ def _write_response(path: Path, motion: Trajectory, plant: Plant, facts: Mapping
         "steps": json.dumps(facts["steps"]),
         "build_ledger": json.dumps(facts["ledger"]),
     }
-    write_response(motion, {**plant.labels, **told}, path)
+    write_response(motion, {**machine.labels, **told}, path)

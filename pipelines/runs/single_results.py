@@ -120,7 +120,7 @@ def mode_shapes(modes: CasingModes, natural: NaturalModes, numbers: Sequence[int
 
 
 def scene_graph(loaded: LoadedScene) -> tuple[Graph, Plant]:
-    """The steps of a scene without its control, and its plant."""
+    """The steps of a scene without its control, and its machine."""
     study = plan_study(loaded, with_control=False, both_loads=False)
     return study.graph, study.plant
 
@@ -129,9 +129,9 @@ def build_pairs(loaded: LoadedScene, work: Work) -> tuple[PairLaws, ...]:
     """The mesh laws of every gear pair."""
     from pipelines.steps.pair_curves import law_names, pair_laws
 
-    graph, plant = scene_graph(loaded)
-    outcome = work.build(graph, law_names(plant))
-    return pair_laws(plant, outcome.value)
+    graph, machine = scene_graph(loaded)
+    outcome = work.build(graph, law_names(machine))
+    return pair_laws(machine, outcome.value)
 
 
 def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) -> Casing:
@@ -145,8 +145,8 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
     from pipelines.machine.joint import joint_words
     from pipelines.steps.graph import casing_step
 
-    graph, plant = scene_graph(loaded)
-    structure, limit = plant.structure, plant.casing.limit
+    graph, machine = scene_graph(loaded)
+    structure, limit = machine.structure, machine.casing.limit
     band = STATIC_BAND if limit is None else limit / MODES_OVER_BAND
     elastic = "casing modes" in graph.steps
     meshed = elastic and "casing mesh" in graph.steps
@@ -154,9 +154,9 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
     wanted = ["casing", *(["casing mesh"] if meshed else []), *(["casing modes"] if elastic else [])]
     wanted += coarser
     if error_check:
-        check = plant.casing.error_check(structure, band)
+        check = machine.casing.error_check(structure, band)
         if check is None:
-            raise InputError(plant.casing.no_full_model)
+            raise InputError(machine.casing.no_full_model)
         graph = Graph([*graph, casing_step(check)])
         wanted.append("casing error")
     outcome = work.build(graph, wanted)
@@ -196,7 +196,7 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
         checkup=checkup,
         limits=limits,
         error=outcome.value("casing error") if error_check else None,
-        requested_error=getattr(plant.casing, "target_error", 0.0) or None,
+        requested_error=getattr(machine.casing, "target_error", 0.0) or None,
         records=tuple(record for record in outcome.records if "casing" in record.name),
         band=band,
     )
@@ -233,13 +233,13 @@ def build_system(loaded: LoadedScene, work: Work, band: float | None = None, cyc
     from mbd.system.linearised import turned
     from pipelines.machine.assembly import assemble_machine, assemble_system
 
-    graph, plant = scene_graph(loaded)
-    outcome = work.build(graph, [*plant.law_names, "casing"])
-    train = assemble_machine(plant.machine, [outcome.value(name) for name in plant.law_names])
+    graph, machine = scene_graph(loaded)
+    outcome = work.build(graph, [*machine.law_names, "casing"])
+    train = assemble_machine(machine.machine, [outcome.value(name) for name in machine.law_names])
     if cycle is not None:
         first = train.meshes[0]
         train = turned(train, (cycle - first.cycle_at_start) / first.cycles_per_radian)
-    return assemble_system(train, outcome.value("casing"), plant.recorded, band)
+    return assemble_system(train, outcome.value("casing"), machine.recorded, band)
 
 
 def build_signals(loaded: LoadedScene, work: Work) -> xarray.Dataset:
@@ -247,7 +247,7 @@ def build_signals(loaded: LoadedScene, work: Work) -> xarray.Dataset:
     from pipelines.signals.motion_warnings import log_warnings
     from pipelines.signals.response import make_response
 
-    graph, plant = scene_graph(loaded)
+    graph, machine = scene_graph(loaded)
     motion = work.build(graph, ["simulate"]).value("simulate")
     log_warnings([motion])
-    return make_response(motion, plant.labels)
+    return make_response(motion, machine.labels)

@@ -14,7 +14,7 @@ from pipelines.io.errors import InputError, Problem, SceneError, SceneWarning
 from pipelines.io.other_files import refuse_other_file
 from pipelines.io.shown import nearest_name, shown
 from pipelines.io.toml_text import TomlError, format_document, read_toml
-from pipelines.io.user_files import checked_path, folder_name, names_beside, read_text
+from pipelines.io.user_files import checked_path, folder_name, read_text, sibling_names
 from pipelines.scene.limits import LONGEST_CHAIN, MOST_BYTES, over_limits
 from pipelines.scene.merge import Merged, Whole, differences, merge, settings_tree, without
 from pipelines.scene.shipped_files import anchored
@@ -287,7 +287,7 @@ def find_source(name: str | Path, folder: Path | None = None) -> Source:
     try:
         content = read_text(path, MOST_BYTES)
     except FileNotFoundError:
-        near = nearest_name(path.name, names_beside(path, ".toml"))
+        near = nearest_name(path.name, sibling_names(path, ".toml"))
         hint = (
             f"Did you mean {shown(near)}?"
             if near

@@ -10,7 +10,7 @@ from typing import Any
 
 from pipelines.io.errors import InputError
 from pipelines.io.shown import nearest_name, shown
-from pipelines.io.user_files import checked_path, is_regular_file, names_beside, regular_file
+from pipelines.io.user_files import checked_path, is_regular_file, regular_file, sibling_names
 
 _MOST_BYTES = 1_000_000_000  # of a STEP file or a mesh
 
@@ -45,7 +45,7 @@ def find_file(name: str) -> Path:
     try:
         return Path(os.path.realpath(regular_file(path, _MOST_BYTES)))
     except FileNotFoundError:
-        near = nearest_name(path.name, [*shipped, *names_beside(path)])
+        near = nearest_name(path.name, [*shipped, *sibling_names(path)])
     hint = f"Did you mean {shown(near)}? " if near else ""
     raise InputError(
         f"{shown(name)}: there is no such file. {hint}Set a path (in a scene: from its folder), or a shipped file: "

@@ -1,4 +1,4 @@
-"""The steps of a plant: which part of it each one reads, and what it takes.
+"""The steps of a machine: which part of it each one reads, and what it takes.
 
     unmodified_law_i, crack surface -> law_i   one per gear pair; equal pairs share one; law_i alone where flanks are
                                             neither modified nor damaged (a missing tooth is no damage here)
@@ -27,44 +27,44 @@ _SOLID_CODE = {"fem.elements.nested_condensation.": 3.0}
 _NUMERIC = ("numpy", "scipy", "numba")
 
 
-def plant_steps(plant: Plant) -> list[Step]:
-    """The steps of one plant, in order."""
+def plant_steps(machine: Plant) -> list[Step]:
+    """The steps of one machine, in order."""
     from pipelines.steps import motion
 
-    casing_steps = [casing_step(stage) for stage in plant.casing.stages(plant.structure)]
-    coupled = "solid" in plant.models["mesh"]  # its slices press on each other
+    casing_steps = [casing_step(stage) for stage in machine.casing.stages(machine.structure)]
+    coupled = "solid" in machine.models["mesh"]  # its slices press on each other
     return [
-        *_law_steps(plant),
+        *_law_steps(machine),
         *casing_steps,
         Step(
             name="simulate",
             kind="simulate",
             build=motion.build,
-            spec=motion.MotionSpec(machine=plant.machine, recorded=plant.recorded, motion=plant.motion),
-            takes={"body": casing_steps[-1].name, "laws": plant.law_names},
-            modules=("mbd.output.simulate", METHODS[plant.motion.integrator][0]),
+            spec=motion.MotionSpec(machine=machine.machine, recorded=machine.recorded, motion=machine.motion),
+            takes={"body": casing_steps[-1].name, "laws": machine.law_names},
+            modules=("mbd.output.simulate", METHODS[machine.motion.integrator][0]),
             libraries=_NUMERIC,
-            seconds=_motion_seconds(plant),
+            seconds=_motion_seconds(machine),
             streams=True,
-            ahead=motion.compiled_ahead,
-            ahead_takes=plant.law_names,
+            prepare=motion.precompile,
+            prepare_takes=machine.law_names,
             compiles=_MOTION_CODE | (_COUPLED_CODE if coupled else {}),
         ),
     ]
 
 
-def _motion_seconds(plant: Plant) -> float:
+def _motion_seconds(machine: Plant) -> float:
     """Time steps by the slices of all stages, and no less than makes a long motion a process of its own."""
-    blocks = sum(math.ceil(spec.mesh.slices / 16) for spec in plant.laws)
-    return max(plant.motion.steps * (7e-6 + 20e-6 * blocks), 1.5 * plant.motion.end)
+    blocks = sum(math.ceil(spec.mesh.slices / 16) for spec in machine.laws)
+    return max(machine.motion.steps * (7e-6 + 20e-6 * blocks), 1.5 * machine.motion.end)
 
 
-def _law_steps(plant: Plant) -> list[Step]:
+def _law_steps(machine: Plant) -> list[Step]:
     from pipelines.steps import laws
 
     steps = []
-    names = zip(plant.law_names, plant.sound_law_names, strict=True)
-    parts = zip(names, plant.laws, plant.flanks, plant.models["mesh"], strict=True)
+    names = zip(machine.law_names, machine.sound_law_names, strict=True)
+    parts = zip(names, machine.laws, machine.flanks, machine.models["mesh"], strict=True)
     for (name, sound), spec, added, model in parts:
         steps.append(
             Step(

@@ -49,7 +49,7 @@ def build(
     """
     from mbd.integrators.methods import compile_loop
 
-    compile_loop(spec.motion.integrator)  # while `compiled_ahead` may still compile what the assembly needs
+    compile_loop(spec.motion.integrator)  # while `precompile` may still compile what the assembly needs
     system = assembled(spec, body, laws)
     trajectory = moved(system, spec.motion, folder / "values.npy" if folder else None)
     load = system.machine.load
@@ -61,7 +61,7 @@ def build(
     return trajectory
 
 
-def compiled_ahead(spec: MotionSpec, *laws: tuple[MeshLaw, MeshLaw]) -> None:
+def precompile(spec: MotionSpec, *laws: tuple[MeshLaw, MeshLaw]) -> None:
     """Move the machine a few steps without its casing: what moves it is compiled then, or read from disk.
 
     The evaluation of the laws comes first: it takes the longest to compile. A process that begins with the motion

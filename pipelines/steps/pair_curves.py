@@ -225,23 +225,23 @@ def acting(found: PairLaws) -> float:
     return float(error.cycle.values[int(moved.argmax())])
 
 
-def law_names(plant: Plant) -> tuple[str, ...]:
+def law_names(machine: Plant) -> tuple[str, ...]:
     """Names of the steps that `pair_laws` takes."""
-    return tuple(dict.fromkeys([*plant.law_names, *plant.sound_law_names]))
+    return tuple(dict.fromkeys([*machine.law_names, *machine.sound_law_names]))
 
 
-def pair_states(plant: Plant) -> tuple[PairState, ...]:
-    """The pairs of a plant by stage."""
+def pair_states(machine: Plant) -> tuple[PairState, ...]:
+    """The pairs of a machine by stage."""
     found = []
-    for number, (mesh, facts) in enumerate(zip(plant.machine.meshes, plant.facts.stages, strict=True), 1):
-        faults = plant.faults_of(number)
+    for number, (mesh, facts) in enumerate(zip(machine.machine.meshes, machine.facts.stages, strict=True), 1):
+        faults = machine.faults_of(number)
         pinion, wheel = mesh_faults(mesh)
         found.append(
             PairState(
                 stage=number,
                 pair=mesh.pair,
-                flanks=plant.flanks[number - 1].healthy,
-                sense=plant.layout.pinion_senses[number - 1],
+                flanks=machine.flanks[number - 1].healthy,
+                sense=machine.layout.pinion_senses[number - 1],
                 force=facts.shown_force,
                 pinion_faults=pinion,
                 wheel_faults=wheel,
@@ -252,9 +252,9 @@ def pair_states(plant: Plant) -> tuple[PairState, ...]:
     return tuple(found)
 
 
-def pair_laws(plant: Plant, law: Callable[[str], Laws]) -> tuple[PairLaws, ...]:
-    """The pairs of a plant by stage; `law` gives the laws of drive and coast flank by the names of `law_names`."""
-    names = zip(pair_states(plant), plant.law_names, plant.sound_law_names, strict=True)
+def pair_laws(machine: Plant, law: Callable[[str], Laws]) -> tuple[PairLaws, ...]:
+    """The pairs of a machine by stage; `law` gives the laws of drive and coast flank by the names of `law_names`."""
+    names = zip(pair_states(machine), machine.law_names, machine.sound_law_names, strict=True)
     return tuple(state.with_laws(law(name), law(sound)) for state, name, sound in names)
 
 

@@ -28,17 +28,17 @@ if TYPE_CHECKING:
 GEARS, CURVES, CASING = "gear picture", "stiffness curves", "casing picture"
 
 
-def picture_steps(plant: Plant, names: Iterable[str]) -> list[Step]:
-    """The steps of a plant whose other steps have these names."""
-    stage = plant.looked_for.stage
-    placed = placed_pair(plant, stage)
+def picture_steps(machine: Plant, names: Iterable[str]) -> list[Step]:
+    """The steps of a machine whose other steps have these names."""
+    stage = machine.looked_for.stage
+    placed = placed_pair(machine, stage)
     steps = [
         Step(
             name=GEARS,
             kind="gear-picture",
             build=build_gears,
             spec=placed,
-            takes={"laws": plant.sound_law_names[stage - 1]} if needs_law(placed.damage) else {},
+            takes={"laws": machine.sound_law_names[stage - 1]} if needs_law(placed.damage) else {},
             libraries=("numpy", "pyvista"),
             seconds=2.0,
         ),
@@ -46,8 +46,8 @@ def picture_steps(plant: Plant, names: Iterable[str]) -> list[Step]:
             name=CURVES,
             kind="stiffness-curves",
             build=build_curves,
-            spec=CurvesSpec(pairs=pair_states(plant), first=stage, names=gear_names(placed)),
-            takes={"picture": GEARS, "laws": plant.law_names, "sound": plant.sound_law_names},
+            spec=CurvesSpec(pairs=pair_states(machine), first=stage, names=gear_names(placed)),
+            takes={"picture": GEARS, "laws": machine.law_names, "sound": machine.sound_law_names},
             libraries=("numpy", "matplotlib"),
         ),
     ]
@@ -57,7 +57,7 @@ def picture_steps(plant: Plant, names: Iterable[str]) -> list[Step]:
                 name=CASING,
                 kind="casing-picture",
                 build=build_casing,
-                spec=CasingPictureSpec(sensors=plant.sensors),
+                spec=CasingPictureSpec(sensors=machine.sensors),
                 takes={"mesh": "casing mesh"},
                 libraries=("numpy", "matplotlib", "pyvista"),
                 seconds=2.0,

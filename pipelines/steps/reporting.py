@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class ReportSpec:
-    """The plant with what the report says about the run."""
+    """The machine with what the report says about the run."""
 
     plant: Plant
     diagnosing: DiagnosingSpec | None
@@ -59,7 +59,7 @@ def build(
 
     Parameters
     ----------
-    spec : the plant
+    spec : the machine
     motions : of all cases, as in `DiagnosingSpec`; of the scene alone without a diagnosis
     curves, casing : elements of the page, see `pipelines.steps.pictures`
     body, modes : the reduced casing, and what is said of its modes
@@ -70,31 +70,31 @@ def build(
     from pipelines.report.run_screen import first_screen
     from pipelines.signals.response import make_response
 
-    plant = spec.plant
-    labelled = spec.diagnosing.labels if spec.diagnosing else (plant.labels,)
+    machine = spec.plant
+    labelled = spec.diagnosing.labels if spec.diagnosing else (machine.labels,)
     responses = list(map(make_response, motions, labelled))
     failure = diagnosis["failure"] if diagnosis else ""
     possible = spec.diagnosing is not None and not failure
     found = diagnoses(spec.diagnosing.cases, responses) if spec.diagnosing and possible else []
     shown = [case.full for case in spec.diagnosing.cases] if spec.diagnosing and possible else []
-    asked = plant.looked_for
-    settings, failure = _settings(plant, found, responses[0], failure)
+    asked = machine.looked_for
+    settings, failure = _settings(machine, found, responses[0], failure)
     runs = dict(zip(spec.responses, responses, strict=False))
-    cases, damages = verdict["cases"] if verdict else (), known_damages(plant)
+    cases, damages = verdict["cases"] if verdict else (), known_damages(machine)
     failure = failure or (verdict["failure"] if verdict else "")
     with _collector_paused():
         page = report_body(
-            plant.title,
-            first=first_screen(plant, settings, found, list(runs.values()), failure, cases, damages),
+            machine.title,
+            first=first_screen(machine, settings, found, list(runs.values()), failure, cases, damages),
             cases=cases,
             damages=damages,
-            summary=_summary(plant),
+            summary=_summary(machine),
             diagnoses=[d for d, full in zip(found, shown, strict=True) if full],
             seeds=[d for d, full in zip(found, shown, strict=True) if not full],
             error=bars if found else "",
-            gears=gear_rows(plant),
-            rolling=rolling_rows(plant),
-            shafts=shaft_rows(plant),
+            gears=gear_rows(machine),
+            rolling=rolling_rows(machine),
+            shafts=shaft_rows(machine),
             gear_picture=curves["gears"],
             stiffness=curves["stiffness"],
             casing_picture=casing,
@@ -106,7 +106,7 @@ def build(
             settings=settings,
             energy=energy_rows(responses[0]),
             cautions=gathered(told(response.attrs) for response in responses),
-            warnings=(*spec.warnings, *misread_sensors(body, {one.name: one.position for one in plant.sensors})),
+            warnings=(*spec.warnings, *misread_sensors(body, {one.name: one.position for one in machine.sensors})),
         )
     left_out = [p.reason for p in (curves["gears"], casing) if isinstance(p, LeftOut)]
     made = {"body": page, "left_out": left_out}
@@ -126,7 +126,7 @@ def _collector_paused() -> Iterator[None]:
 
 
 def _settings(
-    plant: Plant, found: Sequence[Diagnosis], run: xarray.Dataset, failure: str
+    machine: Plant, found: Sequence[Diagnosis], run: xarray.Dataset, failure: str
 ) -> tuple[DiagnosisSettings | None, str]:
     """Windows and lines at the speed of the run, and why there are none."""
     from pipelines.signals.analysis import DiagnosisError
@@ -134,7 +134,7 @@ def _settings(
 
     if found:
         return found[0].settings, failure
-    settings = None if failure else plant.diagnosis
+    settings = None if failure else machine.diagnosis
     if settings is None or settings.speed_is_known:
         return settings, failure
     try:
@@ -143,20 +143,20 @@ def _settings(
         return None, str(error)
 
 
-def _summary(plant: Plant) -> dict[str, Any]:
-    facts, models, labels = plant.facts, plant.models, plant.labels
-    hoist = {} if plant.hoist is None else _hoist_summary(plant.hoist, facts.rope_frequency)
+def _summary(machine: Plant) -> dict[str, Any]:
+    facts, models, labels = machine.facts, machine.models, machine.labels
+    hoist = {} if machine.hoist is None else _hoist_summary(machine.hoist, facts.rope_frequency)
     return {
         "motor speed": f"{facts.motor_speed * 30 / np.pi:.4g} rpm",
         "total ratio": facts.total_ratio,
         "torque at the input": f"{facts.input_torque:.4g} N m",
-        f"torque at the {'load' if plant.hoist is None else 'drums'}": f"{facts.output_torque:.4g} N m",
+        f"torque at the {'load' if machine.hoist is None else 'drums'}": f"{facts.output_torque:.4g} N m",
         "model of the mesh stiffness, by stage": ", ".join(models["mesh"]),
         "model of the casing": models["casing"],
         "model of the shafts": models["shaft_model"],
         "model of the load": models["load"],
         **hoist,
-        "faults": ", ".join(plant.fault_words) or "none",
+        "faults": ", ".join(machine.fault_words) or "none",
         "deviations": "none"
         if labels["seed"] == "none"
         else f"ISO 1328-1 flank tolerance class {labels['iso_grade']}, random seed {labels['seed']}",
@@ -171,10 +171,10 @@ def _hoist_summary(hoist: HangingLoad, rope_frequency: float | None) -> dict[str
     }
 
 
-def gear_rows(plant: Plant) -> list[dict[str, Any]]:
+def gear_rows(machine: Plant) -> list[dict[str, Any]]:
     """The gear table, two rows per stage."""
     rows = []
-    for number, (pair, stage) in enumerate(zip(plant.layout.pairs, plant.facts.stages, strict=True), 1):
+    for number, (pair, stage) in enumerate(zip(machine.layout.pairs, machine.facts.stages, strict=True), 1):
         for name, gear in (("pinion", pair.pinion), ("wheel", pair.wheel)):
             rows.append(
                 {
@@ -201,22 +201,22 @@ def gear_rows(plant: Plant) -> list[dict[str, Any]]:
     return rows
 
 
-def rolling_rows(plant: Plant) -> list[dict[str, Any]]:
+def rolling_rows(machine: Plant) -> list[dict[str, Any]]:
     """The rolling bearings with their pass frequencies and faults."""
     rows = []
-    for bearing in plant.rolling:
+    for bearing in machine.rolling:
         row: dict[str, Any] = {"bearing": bearing.name, "shaft": bearing.shaft + 1, "elements": bearing.elements.count}
-        row |= {f"{name} Hz": value for name, value in pass_rates(plant.layout, bearing).items()}
-        row["spalls"] = ", ".join(f.spall.place for f in plant.spalls if f.bearing == bearing.name) or "none"
+        row |= {f"{name} Hz": value for name, value in pass_rates(machine.layout, bearing).items()}
+        row["spalls"] = ", ".join(f.spall.place for f in machine.spalls if f.bearing == bearing.name) or "none"
         rows.append(row)
     return rows
 
 
-def shaft_rows(plant: Plant) -> list[dict[str, Any]]:
+def shaft_rows(machine: Plant) -> list[dict[str, Any]]:
     """The faults of shafts with their orders."""
     rows = []
-    for fault in plant.shaft_faults:
-        lines = shaft_lines(plant.layout, fault).wanted()
+    for fault in machine.shaft_faults:
+        lines = shaft_lines(machine.layout, fault).wanted()
         rows.append({"fault": fault.name, "shaft": fault.shaft + 1} | {f"{k}x Hz": f for _, k, f in lines})
     return rows
 

@@ -97,16 +97,18 @@ def plan_study(
     steps: list[Step] = []
     cases: list[Case] = []
     for label, scene in _variants(loaded.scene, both_loads and control is not None, seeds if control else 0):
-        plant = checked_plant(scene, source)
-        faulty = list(add_steps(steps, plant_steps(plant), label).values())[-1]
+        machine = checked_plant(scene, source)
+        faulty = list(add_steps(steps, plant_steps(machine), label).values())[-1]
         healthy = healthy_plant = None
         if control is not None:
             healthy_plant = checked_plant(_like(control.scene, scene, scene.deviations), control.source.shown)
             healthy = list(add_steps(steps, plant_steps(healthy_plant), f"{label}{HEALTHY}").values())[-1]
-        cases.append(Case(label=label.strip(), plant=plant, control=healthy_plant, faulty=faulty, healthy=healthy))
+        cases.append(Case(label=label.strip(), plant=machine, control=healthy_plant, faulty=faulty, healthy=healthy))
     others = [
-        Healthy(plant=plant, motion=list(add_steps(steps, plant_steps(plant), f"healthy seed {seed} ").values())[-1])
-        for seed, plant in _baseline(loaded, control, baseline)
+        Healthy(
+            plant=machine, motion=list(add_steps(steps, plant_steps(machine), f"healthy seed {seed} ").values())[-1]
+        )
+        for seed, machine in _baseline(loaded, control, baseline)
     ]
     study = Study(graph=Graph(steps), cases=tuple(cases), control=control, baseline=tuple(others))
     check_room(tuple(study.machines.values()), source)
