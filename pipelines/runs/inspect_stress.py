@@ -1,4 +1,4 @@
-"""`gearcase inspect --stress` and `--mesh`: the stress of loaded teeth as a picture and as a mesh."""
+"""Pictures and mesh files of `gearcase inspect --stress` and `--mesh`: the stress of loaded teeth."""
 
 from __future__ import annotations
 
@@ -26,24 +26,24 @@ _REMEDY = (
 
 
 def stress_files(machine: Plant, graph: Graph, options: argparse.Namespace, work: Work) -> list[Path]:
-    """stress_<n>.png with `--stress` and the mesh file of `--mesh`.
+    """Write stress_<n>.png with `--stress`, and the mesh file of `--mesh`; the files.
 
-    The mesh holds the damaged state where there is one.
+    The mesh is that with the faults if the stage has any.
 
     Parameters
     ----------
-    machine, graph : the machine of a scene, and its steps
+    machine, graph : the machine of a scene in SI, and its steps
     options : of the command line: stage, position, stress, mesh, out
-    work : builds the steps
+    work : executor of the steps
 
     Raises
     ------
-    InputError : unknown ending of the mesh file
+    InputError : the suffix of the mesh file is not known
     NotRendered : the picture cannot be rendered
 
     Warns
     -----
-    SceneWarning : the stage has a crack, which the finite elements do not have
+    SceneWarning : the stage has a crack, which the finite elements do not contain
     """
     from pipelines.engine.step import Graph
     from pipelines.report.figures.shapes import placed_pair, stage_view
@@ -67,9 +67,9 @@ def stress_files(machine: Plant, graph: Graph, options: argparse.Namespace, work
         force = options.torque / pair.pinion.base_radius
     added = _stress_steps(machine, stage, index, force)
     full = Graph([*graph.needed([f"law_{stage}"]), *added])
-    wanted = [one.name for one in added[1:]]
-    outcome = work.build(full, wanted)
-    states = tuple(teeth_in_mesh(pair, outcome.value(name)) for name in wanted)
+    stresses = [one.name for one in added[1:]]
+    outcome = work.build(full, stresses)
+    states = tuple(teeth_in_mesh(pair, outcome.value(name)) for name in stresses)
     kinds = list(dict.fromkeys(fault.kind for fault in machine.faults_of(stage)))
     crack = _CRACK if "cracked-tooth" in kinds else ""
     if crack:
@@ -101,7 +101,7 @@ def stress_files(machine: Plant, graph: Graph, options: argparse.Namespace, work
 
 
 def stress_model(law: LawSpec) -> Solid:
-    """The model `solid` with the options of a law, or with its defaults where the law has another model."""
+    """The model `solid` with the options of a law, or with its defaults if the law has another model."""
     from fem.contact.models.solid import Solid
 
     mesh = law.mesh
@@ -109,7 +109,7 @@ def stress_model(law: LawSpec) -> Solid:
 
 
 def _stress_steps(machine: Plant, stage: int, index: int, force: float) -> list[Step]:
-    """The compliance of a stage, and the stress of its teeth: healthy and, with faults, faulty."""
+    """Steps of the compliance of a stage and of the stress of its teeth, healthy and, with faults, faulty."""
     import numpy as np
 
     from pipelines.engine.step import Step
@@ -118,7 +118,7 @@ def _stress_steps(machine: Plant, stage: int, index: int, force: float) -> list[
 
     modified, model = machine.flanks[stage - 1], stress_model(machine.laws[stage - 1])
     worn = replace(modified, pinion_damage=(), wheel_damage=())
-    sound, pair = replace(worn, pinion_wear=(), wheel_wear=()), modified.pair
+    healthy, pair = replace(worn, pinion_wear=(), wheel_wear=()), modified.pair
     found = [
         Step(
             name=f"compliance_{stage}",
@@ -130,7 +130,7 @@ def _stress_steps(machine: Plant, stage: int, index: int, force: float) -> list[
         )
     ]
     even = np.zeros(pair.pinion.teeth), np.zeros(pair.wheel.teeth)
-    cases = [("sound", sound, even)]
+    cases = [("healthy", healthy, even)]
     if machine.faults_of(stage):
         cases.append(("faulty", worn, mesh_faults(machine.machine.meshes[stage - 1])))
     for name, spec, (pinion, wheel) in cases:

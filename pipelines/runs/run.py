@@ -82,12 +82,12 @@ def run_scene(
         baseline=baseline if with_report else 0,
     )
     graph = Graph([*study.graph, *(result_steps(loaded, study) if with_report else [])])
-    wanted = graph.steps if with_report else study.motions
+    requested = graph.steps if with_report else study.motions
     failure: Exception | None = None
     with claimed(loaded.name, out) as claim, run_folder.logged_to(claim.folder / "log.jsonl"):
         written = _Files(claim.folder, loaded, study)
         try:
-            work.build(graph, wanted, written.add)
+            work.build(graph, requested, written.add)
         except Exception as error:
             if not written.signals:
                 raise
