@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def diagnose_folder(folder: Path, settings: Settings = ()) -> Diagnosis:
-    """Compare the fault lines of a run with its control; settings, as ``diagnosis.sensor=sensor_5``, override the scene.
+    """Compare the fault lines of a run with its control; settings as ``diagnosis.axis=z`` override the scene.
 
     Raises
     ------

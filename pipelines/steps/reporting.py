@@ -1,4 +1,4 @@
-"""Step `report`: the page of a run but for its cost, made of what the other steps returned."""
+"""Step `report`: the page of a run without its computing cost, made from the results of other steps."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class ReportSpec:
-    """The machine with what the report says about the run."""
+    """The machine, the diagnoses, and the runs and warnings of the report."""
 
     plant: Plant
     diagnosing: DiagnosingSpec | None
-    responses: tuple[str, ...]  # names of the runs shown, the scene's own first
+    responses: tuple[str, ...]  # names of the runs in the report, first that of the scene
     warnings: tuple[str, ...]
 
 
@@ -53,17 +53,17 @@ def build(
     modes: CasingSummary | None = None,
     diagnosis: Mapping[str, Any] | None = None,
     verdict: Mapping[str, Any] | None = None,
-    bars: LineBars | str = "",
+    error_bars: LineBars | str = "",
 ) -> dict[str, Any] | Unkept:
-    """The body of the page as text, and the reasons of pictures that were left out; kept if there are none.
+    """The body of the page, and the reasons for missing pictures; it is stored only if no picture is missing.
 
     Parameters
     ----------
-    spec : the machine
-    motions : of all cases, as in `DiagnosingSpec`; of the scene alone without a diagnosis
+    spec : the machine, the diagnoses, and the runs and warnings of the report
+    motions : of all cases, as in `DiagnosingSpec`; only that of the scene without a diagnosis
     curves, casing : elements of the page, see `pipelines.steps.pictures`
-    body, modes : the reduced casing, and what is said of its modes
-    diagnosis, verdict, bars : results of the steps of these names
+    body, modes : the reduced casing, and the summary of its modes
+    diagnosis, verdict, error_bars : results of the steps `diagnose`, `verdict` and `error bars`
     """
     from pipelines.report.figures.views import LeftOut
     from pipelines.report.report import report_body
@@ -77,7 +77,7 @@ def build(
     possible = spec.diagnosing is not None and not failure
     found = diagnoses(spec.diagnosing.cases, responses) if spec.diagnosing and possible else []
     shown = [case.full for case in spec.diagnosing.cases] if spec.diagnosing and possible else []
-    asked = machine.looked_for
+    monitored = machine.looked_for
     settings, failure = _settings(machine, found, responses[0], failure)
     runs = dict(zip(spec.responses, responses, strict=False))
     cases, damages = verdict["cases"] if verdict else (), known_damages(machine)
@@ -91,7 +91,7 @@ def build(
             summary=_summary(machine),
             diagnoses=[d for d, full in zip(found, shown, strict=True) if full],
             seeds=[d for d, full in zip(found, shown, strict=True) if not full],
-            error=bars if found else "",
+            error=error_bars if found else "",
             gears=gear_rows(machine),
             rolling=rolling_rows(machine),
             shafts=shaft_rows(machine),
@@ -100,9 +100,9 @@ def build(
             casing_picture=casing,
             casing_rows=_casing_rows(body, modes),
             runs=runs,
-            windows=dict(asked.windows),
-            sensor=asked.sensor or "",
-            axis=asked.axis,
+            windows=dict(monitored.windows),
+            sensor=monitored.sensor or "",
+            axis=monitored.axis,
             settings=settings,
             energy=energy_rows(responses[0]),
             cautions=gathered(told(response.attrs) for response in responses),
@@ -115,7 +115,7 @@ def build(
 
 @contextlib.contextmanager
 def _collector_paused() -> Iterator[None]:
-    """No search for unreachable objects, which takes a fifth of the time: figures are many objects in cycles."""
+    """Suspend garbage collection, which takes a fifth of the time: figures consist of many objects in cycles."""
     enabled = gc.isenabled()
     gc.disable()
     try:
@@ -128,7 +128,7 @@ def _collector_paused() -> Iterator[None]:
 def _settings(
     machine: Plant, found: Sequence[Diagnosis], run: xarray.Dataset, failure: str
 ) -> tuple[DiagnosisSettings | None, str]:
-    """Windows and lines at the speed of the run, and why there are none."""
+    """Windows and lines at the speed of the run, or None and the reason."""
     from pipelines.signals.analysis import DiagnosisError
     from pipelines.signals.measured_speed import at_measured_speed
 
@@ -172,7 +172,7 @@ def _hoist_summary(hoist: HangingLoad, rope_frequency: float | None) -> dict[str
 
 
 def gear_rows(machine: Plant) -> list[dict[str, Any]]:
-    """The gear table, two rows per stage."""
+    """Rows of the gear table, two for each stage."""
     rows = []
     for number, (pair, stage) in enumerate(zip(machine.layout.pairs, machine.facts.stages, strict=True), 1):
         for name, gear in (("pinion", pair.pinion), ("wheel", pair.wheel)):
@@ -202,7 +202,7 @@ def gear_rows(machine: Plant) -> list[dict[str, Any]]:
 
 
 def rolling_rows(machine: Plant) -> list[dict[str, Any]]:
-    """The rolling bearings with their pass frequencies and faults."""
+    """Rows of the rolling bearings with their pass frequencies and faults."""
     rows = []
     for bearing in machine.rolling:
         row: dict[str, Any] = {"bearing": bearing.name, "shaft": bearing.shaft + 1, "elements": bearing.elements.count}
@@ -213,7 +213,7 @@ def rolling_rows(machine: Plant) -> list[dict[str, Any]]:
 
 
 def shaft_rows(machine: Plant) -> list[dict[str, Any]]:
-    """The faults of shafts with their orders."""
+    """Rows of the faults of shafts with their orders."""
     rows = []
     for fault in machine.shaft_faults:
         lines = shaft_lines(machine.layout, fault).wanted()
@@ -223,7 +223,7 @@ def shaft_rows(machine: Plant) -> list[dict[str, Any]]:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CasingSummary:
-    """What the page says of the modes of a casing."""
+    """Summary of the modes of a casing for the page."""
 
     unknowns: int
     solver: str
@@ -231,11 +231,11 @@ class CasingSummary:
 
 
 def casing_summary(result: tuple[Any, ...]) -> CasingSummary:
-    """Of the step `casing modes` without its fields, which would fill memory while pictures are drawn.
+    """Summary of the result of the step `casing modes`, without its large fields.
 
     Parameters
     ----------
-    result : `CasingModes` and `CheckUp`, and the quadratic modes where the frequencies are extrapolated
+    result : `CasingModes` and `CheckUp`, and the quadratic modes if the frequencies are extrapolated
     """
     modes, checkup, *_ = result
     return CasingSummary(unknowns=modes.unknowns, solver=modes.solver, checkup=checkup)
@@ -266,6 +266,6 @@ def _casing_rows(body: ReducedBody, modes: CasingSummary | None) -> list[dict[st
 
 
 def energy_rows(run: xarray.Dataset) -> list[dict[str, Any]]:
-    """The energy balance of a run, J, one row per part."""
+    """Rows of the energy balance of a run, J, one for each part."""
     balance: dict[str, dict[str, float]] = json.loads(run.attrs.get("energy_balance_J", "{}"))
     return [{"part": part, **{f"{name} J": value for name, value in row.items()}} for part, row in balance.items()]

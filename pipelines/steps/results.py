@@ -125,7 +125,7 @@ def _report_step(loaded: LoadedScene, study: Study, known: dict[str, Step]) -> S
     kinds += [*(fault.kind for fault in machine.shaft_faults), "healthy"]
     unlike = [] if study.control is None else control_differences(loaded, study.control)
     optional = {
-        "casing": CASING, "modes": "casing modes", "diagnosis": DIAGNOSIS, "verdict": VERDICT, "bars": BARS,
+        "casing": CASING, "modes": "casing modes", "diagnosis": DIAGNOSIS, "verdict": VERDICT, "error_bars": BARS,
     }  # fmt: skip
     return Step(
         name=REPORT,
