@@ -106,7 +106,7 @@ def bars_step(study: Study) -> Step:
         spec=bars.BarsSpec(plant=case.plant, control=case.control),
         takes={"motion": case.faulty, "control": case.healthy, "laws": laws, **casing_taken(study.graph)},
         libraries=_NUMERIC,
-        seconds=2.5,  # short: it is built beside the motions of the other cases, not after them
+        seconds=2.5,  # short, so that it is built in parallel with the motions of other cases
     )
 
 
