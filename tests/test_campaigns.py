@@ -290,15 +290,15 @@ def test_numbers_that_are_none_do_not_enter_a_row(tmp_path):
 
 
 def test_one_assembly_serves_scenes_with_equal_machines(monkeypatch, tmp_path):
-    from pipelines.datasets import workshop as module
+    from pipelines.datasets import worker_cache as module
 
     made = []
     real = module.assembled
     monkeypatch.setattr(module, "assembled", lambda *given, **taken: made.append(1) or real(*given, **taken))
-    shop = module.WorkerCache(Work().cache)
+    kept = module.WorkerCache(Work().cache)
     plan = load(tmp_path)
     scene = scene_of(plan, sampled_scenes(plan)[0].values).scene
     plant = checked_plant(scene, "scene")
-    first, second = (moved(shop.system(plant), plant.motion).values for _ in range(2))
+    first, second = (moved(kept.system(plant), plant.motion).values for _ in range(2))
     assert np.array_equal(first, second)
     assert len(made) == 1

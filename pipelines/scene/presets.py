@@ -186,7 +186,7 @@ def _bosses_separate(stages: Sequence[StageTable], boss_diameters: Sequence[floa
 
 
 def preset_on(loaded: LoadedScene, preset: str) -> LoadedScene:
-    """A scene with a preset, which the settings of the scene override.
+    """A scene with the values of a preset, except for those that `--set` or Python settings override.
 
     Raises
     ------
