@@ -95,7 +95,7 @@ LEVELS = {
         step_us=20.0,
     ),
 }
-COARSER = {"tetrahedron-20": 1.5, "hexahedron-32": 1.27}  # size over that of quadratic tetrahedra of equal unknowns
+COARSER = {"tetrahedron-20": 1.5, "hexahedron-32": 1.27}  # size over that of quadratic tetrahedra with as many unknowns
 BETWEEN_BOSSES = 1.05  # distance of two axes, projected on x or z, over the sum of the radii of their bosses
 PRESETS = tuple(LEVELS)
 _BAND = "casing.band_Hz"
