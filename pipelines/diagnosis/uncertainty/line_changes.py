@@ -1,9 +1,10 @@
-"""Levels of spectrum and envelope lines of a finished run on other casings, in dB over those of the run.
+"""Levels of spectrum and envelope lines of a finished run on sampled casings, in dB relative to those of the run.
 
-A line of the spectrum changes with the complex amplitude at its frequency. A line k f_r of the envelope is made by
-pairs of lines in its band that are k f_r apart: all orders of f_r are changed, and the envelope is taken anew. Pairs
-beside the orders stay as they are. Measured on the rig, changes of 0.6 dB rms by six drawn casings that were simulated:
-lines of the spectrum are off by 0.003 dB rms, those of the envelope by 0.085 dB, and by 0.080 dB with all bins changed.
+A line of the spectrum changes with the complex amplitude at its frequency. A line k f_r of the envelope comes from
+pairs of spectrum lines in the envelope band whose distance is k f_r. All orders of f_r in the band are therefore
+changed, and the envelope is computed again; bins between the orders are kept. Compared with simulations of the rig on
+six sampled casings, whose levels change by 0.6 dB rms, lines of the spectrum have an error of 0.003 dB rms and those of
+the envelope one of 0.085 dB.
 """
 
 from __future__ import annotations
@@ -22,10 +23,10 @@ from pipelines.signals.spectrum import Segment, bin_kernel, complex_amplitudes
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CutRun:
-    """What a window of a run holds, cut to whole revolutions.
+    """Signals of a window of a run, cut to whole revolutions.
 
-    `signal` (sample, axis) m/s2 at the sensor without noise, `forces` (sample, force) N of the bearings, along the rows
-    of the path.
+    `signal` (time, axis) in m/s2 is the acceleration at the sensor without noise. `forces` (time, force) in N are those
+    of the bearings, in the order of the rows of the path.
     """
 
     segment: Segment
@@ -34,20 +35,22 @@ class CutRun:
     forces: np.ndarray
 
     def number(self, frequency: float) -> int:
-        """Of the bin nearest to a frequency (Hz)."""
+        """Number of the bin nearest to a frequency (Hz)."""
         return round(frequency * self.segment.duration)
 
 
 def spectrum_changes(
     run: CutRun, path: CasingPath, frequencies: Sequence[float], draws: CasingDraws
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Changes in dB (draw, line), and how far the path itself misses the recorded line (line,), dB.
+    """Changes of spectrum lines (sample, line), dB, and the error of the path on the nominal casing (line,), dB.
+
+    The error is the level that the bearing forces cause at the sensor, relative to the recorded level.
 
     Parameters
     ----------
-    run, path : the run, and how its forces get to the sensor
+    run, path : the run, and the transfer path from its bearings to the sensor
     frequencies : (line,) Hz
-    draws : other casings
+    draws : sampled casings
     """
     bins = [run.number(frequency) for frequency in frequencies]
     recorded = complex_amplitudes(run.signal, run.window)[bins]
@@ -66,12 +69,12 @@ def envelope_changes(
     run: CutRun, path: CasingPath, orders: Sequence[int], revolution_frequency: float, band: tuple[float, float],
     draws: CasingDraws,
 ) -> np.ndarray:  # fmt: skip
-    """Changes in dB (draw, line) of lines of the envelope.
+    """Changes of envelope lines (sample, line), dB.
 
     Parameters
     ----------
-    run, path, draws : as `spectrum_changes`
-    orders : (line,) of f_r
+    run, path, draws : as for `spectrum_changes`
+    orders : (line,) multiples k of f_r
     revolution_frequency : f_r, Hz
     band : of the envelope, Hz
     """
@@ -96,7 +99,7 @@ def envelope_changes(
 
 
 def _envelope_lines(lines: np.ndarray, kernel: np.ndarray) -> np.ndarray:
-    """Amplitudes of the envelope of a signal with these positive-frequency `lines` (bin, axis), see `bin_kernel`."""
+    """Amplitudes of envelope lines of the signal with the positive-frequency `lines` (bin, axis); see `bin_kernel`."""
     analytic = np.zeros((lines.shape[1], len(kernel)), dtype=complex)
     analytic[:, : len(lines)] = 2.0 * lines.T
     analytic = fft.ifft(analytic, axis=1, overwrite_x=True)

@@ -1,4 +1,4 @@
-"""Error bars of the lines of a run, made from its signals, its casing and its machine; nothing is simulated."""
+"""Error bars of the lines of a run, computed from its signals, casing and machine without a further simulation."""
 
 from __future__ import annotations
 
@@ -37,27 +37,27 @@ if TYPE_CHECKING:
 DRAWS, SEED = 200, 1
 SEATS, SHAPES, STEP = "modes above and seats", "shapes of casing modes", "time step"
 DAMPING = "damping of the casing"
-MISSED = 1.0  # dB: where the forces of the bearings give another line than the recorded one, other forces act
+MISSED = 1.0  # dB: a larger difference from the recorded line means that forces other than the bearings' excite it
 
 
 class BarsError(ValueError):
-    """No bars can be made; says why."""
+    """Error bars cannot be computed; the message states the reason."""
 
 
 def line_bars(run: xarray.Dataset, diagnosis: Diagnosis, system: System, uncertain: Uncertain) -> LineBars:
-    """Bars of all lines of a diagnosis that are over their floor by the limit of its settings.
+    """Error bars of all lines of a diagnosis that exceed their floor by the limit of its settings.
 
     Parameters
     ----------
     run : signals of the diagnosed run
     diagnosis : its lines
     system : the machine in the casing of the run
-    uncertain : what is not known well
+    uncertain : errors of the natural frequencies of the casing, and spread of its damping
 
     Raises
     ------
-    BarsError : the casing does not move, or no bearing stands on it
-    MachineError, EquilibriumError : the machine has no loaded rest about which it could be linearised
+    BarsError : the casing does not move, or carries no bearing
+    MachineError, EquilibriumError : the machine has no loaded equilibrium about which it could be linearised
     """
     body = system.layout.casing
     if not len(body.coordinate_names):
@@ -72,7 +72,7 @@ def line_bars(run: xarray.Dataset, diagnosis: Diagnosis, system: System, uncerta
 
 
 class _Window:
-    """A window of the run with the path from its bearings to its sensor."""
+    """A window of the run with the transfer path from the bearings to the sensor."""
 
     def __init__(self, run: xarray.Dataset, diagnosis: Diagnosis, name: str, system: System, form: ModalForm) -> None:
         settings, segment = diagnosis.settings, diagnosis.segments[name]
@@ -103,7 +103,7 @@ class _Window:
         )
 
     def changes(self, lines: LineTable, draws: CasingDraws) -> tuple[np.ndarray, np.ndarray]:
-        """Changes in dB (draw, line), and by how much the forces of the bearings miss the lines of the spectrum."""
+        """Changes of lines (sample, line), dB, and the error of the path (line,), dB; 0 for lines of the envelope."""
         levels, missed = np.zeros((len(draws), len(lines))), np.zeros(len(lines))
         enveloped = np.array([kind == "envelope" for kind in lines.kind])
         if (~enveloped).any():
@@ -149,9 +149,10 @@ def _window_bars(window: _Window, lines: LineTable, uncertain: Uncertain, missed
 
 
 def _numerical(window: _Window, drawn: np.ndarray, single: np.ndarray) -> Sequence[Band]:
-    """Bands of the errors of the casing's modes and of the time step, which is the same share of every line.
+    """Numerical uncertainty of each line, from the errors of the casing modes and of the time step.
 
-    What no error does alone comes of modes that turn into one another.
+    The error of the time step has the same relative size for every line. The part of the variance that no single error
+    causes is attributed to mode mixing.
     """
     step = 20.0 / np.log(10.0) * window.step_error
     drawn = drawn + step * np.random.default_rng(SEED).standard_normal(drawn.shape)

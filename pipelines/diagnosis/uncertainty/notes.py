@@ -1,4 +1,4 @@
-"""What error bars hold and what they do not, in sentences."""
+"""Notes on error bars: which errors they contain and which they omit."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ LEFT_OUT = (
 
 
 def notes(bars: Sequence[LineBar], missed: Sequence[str], remedy: str, damping_spread: float) -> tuple[str, ...]:
-    """The sentences.
+    """Sentences on the errors that the error bars contain and omit.
 
     Parameters
     ----------
-    bars : of all windows
-    missed : names of lines that the forces of the bearings do not explain
-    remedy : what to set where the error of the casing's mesh is not known, "" where it is
-    damping_spread : of the damping ratios
+    bars : error bars of all windows
+    missed : names of lines that forces other than those of the bearings excite, too
+    remedy : setting that makes the error of the casing mesh known, "" if it is known
+    damping_spread : relative spread of the damping ratios, 5 to 95 %
     """
     found = []
     if remedy:
