@@ -36,14 +36,16 @@ class CasingPath:
     sensor: np.ndarray  # S (axis, coordinate)
     forced: np.ndarray  # (force, coordinate) rows on which the known forces of the bearings act
 
-    def accelerations(self, frequency: float, forces: np.ndarray, draws: CasingDraws) -> tuple[np.ndarray, np.ndarray]:
+    def accelerations(
+        self, frequency: float, forces: np.ndarray, casings: CasingDraws
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Complex amplitudes (m/s2) at the sensor on the nominal casing (axis,) and on sampled ones (sample, axis).
 
         Parameters
         ----------
         frequency : Hz
         forces : (force,), N, complex amplitudes of the bearing forces on the nominal casing
-        draws : sampled casings
+        casings : sampled casings
         """
         omega, seats, near = 2.0 * math.pi * frequency, self.machine.seats, self.near
         stiffness, flanks = self.machine.at(omega)
@@ -68,12 +70,12 @@ class CasingPath:
             eta = np.linalg.solve(held + push[..., 1:], push[..., :1])
             return -(omega**2) * (sense[..., :1] + (seen - sense[..., 1:]) @ eta)[..., 0]
 
-        return found(undrawn(self.form, near))[0], found(draws)
+        return found(undrawn(self.form, near))[0], found(casings)
 
-    def _near(self, omega: float, draws: CasingDraws) -> np.ndarray:
+    def _near(self, omega: float, casings: CasingDraws) -> np.ndarray:
         """Dynamic stiffness (sample, near) of the sampled modes."""
-        damped = 2j * omega * np.outer(draws.damping, self.form.ratios[: self.near]) * np.sqrt(draws.squares)
-        return draws.squares - omega**2 + damped
+        damped = 2j * omega * np.outer(casings.damping, self.form.ratios[: self.near]) * np.sqrt(casings.squares)
+        return casings.squares - omega**2 + damped
 
     def _above(self, omega: float) -> tuple[np.ndarray, np.ndarray]:
         """Flexibility (mode,) of the higher modes, and its derivative with respect to s."""

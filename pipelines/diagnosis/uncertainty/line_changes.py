@@ -40,7 +40,7 @@ class CutRun:
 
 
 def spectrum_changes(
-    run: CutRun, path: CasingPath, frequencies: Sequence[float], draws: CasingDraws
+    run: CutRun, path: CasingPath, frequencies: Sequence[float], casings: CasingDraws
 ) -> tuple[np.ndarray, np.ndarray]:
     """Changes of spectrum lines (sample, line), dB, and the error of the path on the nominal casing (line,), dB.
 
@@ -50,15 +50,15 @@ def spectrum_changes(
     ----------
     run, path : the run, and the transfer path from its bearings to the sensor
     frequencies : (line,) Hz
-    draws : sampled casings
+    casings : sampled casings
     """
     bins = [run.number(frequency) for frequency in frequencies]
     recorded = complex_amplitudes(run.signal, run.window)[bins]
     forces = complex_amplitudes(run.forces, run.window)[bins]
-    levels, missed = np.zeros((len(draws), len(bins))), np.zeros(len(bins))
+    levels, missed = np.zeros((len(casings), len(bins))), np.zeros(len(bins))
     for line, number in enumerate(bins):
         place = number / run.segment.duration
-        predicted, other = path.accelerations(place, forces[line], draws)
+        predicted, other = path.accelerations(place, forces[line], casings)
         size = np.linalg.norm(recorded[line])
         levels[:, line] = _decibel(np.linalg.norm(recorded[line] + other - predicted, axis=1), size)
         missed[line] = _decibel(np.linalg.norm(predicted), size)
@@ -67,13 +67,13 @@ def spectrum_changes(
 
 def envelope_changes(
     run: CutRun, path: CasingPath, orders: Sequence[int], revolution_frequency: float, band: tuple[float, float],
-    draws: CasingDraws,
+    casings: CasingDraws,
 ) -> np.ndarray:  # fmt: skip
     """Changes of envelope lines (sample, line), dB.
 
     Parameters
     ----------
-    run, path, draws : as for `spectrum_changes`
+    run, path, casings : as for `spectrum_changes`
     orders : (line,) multiples k of f_r
     revolution_frequency : f_r, Hz
     band : of the envelope, Hz
@@ -84,17 +84,17 @@ def envelope_changes(
     lines = np.fft.rfft(run.signal, axis=0) * inside[:, None]
     forces = complex_amplitudes(run.forces, run.window)
     carried = np.flatnonzero(inside & (np.arange(len(inside)) % run.number(revolution_frequency) == 0))
-    changed = np.empty((len(draws), len(carried), run.signal.shape[1]), dtype=complex)
+    changed = np.empty((len(casings), len(carried), run.signal.shape[1]), dtype=complex)
     for i, number in enumerate(carried):
-        predicted, other = path.accelerations(number / duration, forces[number], draws)
+        predicted, other = path.accelerations(number / duration, forces[number], casings)
         changed[:, i] = other - predicted
     kernel = bin_kernel(count, [run.number(k * revolution_frequency) for k in orders], run.window)
     recorded = _envelope_lines(lines, kernel)
-    levels = np.empty((len(draws), len(orders)))
-    for draw in range(len(draws)):
+    levels = np.empty((len(casings), len(orders)))
+    for sample in range(len(casings)):
         moved = lines.copy()
-        moved[carried] += 0.5 * count * changed[draw]
-        levels[draw] = _decibel(_envelope_lines(moved, kernel), recorded)
+        moved[carried] += 0.5 * count * changed[sample]
+        levels[sample] = _decibel(_envelope_lines(moved, kernel), recorded)
     return levels
 
 

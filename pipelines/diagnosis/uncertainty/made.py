@@ -68,7 +68,7 @@ def line_bars(run: xarray.Dataset, diagnosis: Diagnosis, system: System, uncerta
         lines = lines.at(np.flatnonzero(lines.over_floor >= diagnosis.settings.floor_limit).tolist())
         if len(lines):
             found += _window_bars(_Window(run, diagnosis, window, system, form), lines, uncertain, missed)
-    return LineBars(bars=tuple(found), notes=notes(found, missed, uncertain.remedy, uncertain.damping_spread))
+    return LineBars(bars=tuple(found), notes=notes(missed, uncertain.remedy, uncertain.damping_spread))
 
 
 class _Window:

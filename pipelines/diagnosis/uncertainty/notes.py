@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pipelines.diagnosis.uncertainty.line_bars import LineBar
-
 LEFT_OUT = (
     "Not in the error bars: the error of the mesh law, which gearcase converge --over gear-mesh and --over slices "
     "estimate; the effect of the deviations, which gearcase run --seeds shows; modes above the band of the "
@@ -13,12 +11,11 @@ LEFT_OUT = (
 )
 
 
-def notes(bars: Sequence[LineBar], missed: Sequence[str], remedy: str, damping_spread: float) -> tuple[str, ...]:
+def notes(missed: Sequence[str], remedy: str, damping_spread: float) -> tuple[str, ...]:
     """Sentences on the errors that the error bars contain and omit.
 
     Parameters
     ----------
-    bars : error bars of all windows
     missed : names of lines that forces other than those of the bearings excite, too
     remedy : setting that makes the error of the casing mesh known, "" if it is known
     damping_spread : relative spread of the damping ratios, 5 to 95 %
