@@ -194,7 +194,7 @@ def noisy_signal(run: xarray.Dataset, settings: DiagnosisSettings, stream: int) 
     return noisy_channel(run, settings.sensor, axes if settings.axis == "resultant" else [settings.axis], stream)
 
 
-def noisy_channel(run: xarray.Dataset, sensor: str, wanted: Sequence[str], stream: int) -> np.ndarray:
+def noisy_channel(run: xarray.Dataset, sensor: str, axes: Sequence[str], stream: int) -> np.ndarray:
     """Signals (time, axis) at a sensor or journal, with the stated noise.
 
     The seed of the noise follows from the seed of the deviations, the load, the stream, the sensor and the axis.
@@ -203,15 +203,15 @@ def noisy_channel(run: xarray.Dataset, sensor: str, wanted: Sequence[str], strea
     ----------
     run : signals of the run
     sensor : name of a sensor, or of a bearing for its journal
-    wanted : axes
+    axes : names of axes
     stream : number of the noise sequence
     """
     signal = channel(run, sensor)
-    axes = [str(axis) for axis in run.axis.values]
+    known = [str(axis) for axis in run.axis.values]
     # names, not indices, enter the seed: the noise must not depend on which other sensors were recorded
     words = (str(run.attrs.get("seed", "none")), str(run.attrs.get("load", "")), sensor)
     fixed = [stream, *(zlib.crc32(word.encode()) for word in words)]
-    columns = [with_noise(signal.sel(axis=axis).values, noise_of(run), [*fixed, axes.index(axis)]) for axis in wanted]
+    columns = [with_noise(signal.sel(axis=axis).values, noise_of(run), [*fixed, known.index(axis)]) for axis in axes]
     return np.stack(columns, axis=1)
 
 
