@@ -1,13 +1,13 @@
-"""What people care about, read from finished steps: each probe names the steps it needs and gives named values.
+"""Probes: quantities of a scene that trade-offs and refinement studies compare, from its finished steps.
 
-gears     mean secant stiffness and peak-to-peak transmission error of each pair at its load
+gears         mean secant stiffness and peak-to-peak transmission error of each pair at its load
 transmission  transmission error of each pair at its load, over one mesh cycle
-casing    natural frequencies of the casing in its ground
-modes     more of them, each with its shape at bearings and sensors: modes that change their order are told apart
-frf       level of the transfer function from the first bearing to the diagnosed sensor, by third octave
-machine   natural frequencies of small motion about the loaded rest
-signals   rms of each sensor in each constant-speed window
-lines     levels of the fault's lines in the envelope of the diagnosed sensor
+casing        natural frequencies of the casing on its ground
+modes         more of them, each with its shape at bearings and sensors, which identifies modes that change their order
+frf           level of the accelerance from the first bearing to the monitored sensor, by third octave
+machine       natural frequencies of small motion about the loaded equilibrium
+signals       rms of each sensor in each window of constant speed
+lines         levels of the lines of the fault in the envelope of the monitored sensor
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ from pipelines.steps.pair_curves import law_names, pair_laws
 from pipelines.studies.housings.responses import accelerances
 
 FREQUENCIES = 10  # lowest ones that are compared
-MODES = 30  # lowest ones that tell a common order
-POSITIONS = 256  # of a mesh cycle at which the transmission error is read
+MODES = 30  # lowest ones that are compared by their shapes
+POSITIONS = 256  # of a mesh cycle at which the transmission error is evaluated
 OCTAVE_POINTS = 8  # frequencies per third octave
 DECIBEL = "dB"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Value:
-    """One number of a scene; levels in dB are compared by difference, everything else by ratio.
+    """One quantity of a scene; levels in dB are compared by their difference, all others by their ratio.
 
-    `firm` is False where the number is not worth comparing with: a line that does not rise over its floor. `shape`
-    holds the displacements of a mode.
+    `firm` is False if the value is not compared, such as a line that does not exceed its floor. `shape` contains the
+    displacements of a mode.
     """
 
     name: str
@@ -46,7 +46,7 @@ class Value:
 
 @dataclass(frozen=True)
 class Probe:
-    """`steps` names what must be built for a scene, `read` takes the values from it."""
+    """A kind of quantity: `steps` gives the names of the required steps, `read` the values from their outcome."""
 
     steps: Callable[[Plant], Sequence[str]]
     read: Callable[[Plant, Outcome], list[Value]]
@@ -93,7 +93,7 @@ def _natural_modes(outcome: Outcome, count: int) -> list[Value]:
 
 
 def _frf(plant: Plant, outcome: Outcome) -> list[Value]:
-    """Norm of the 3 x 3 accelerance (m/s2 per N) over the third octaves up to 5 kHz."""
+    """Level of the Frobenius norm of the 3 x 3 accelerance (m/s2 per N) in the third octaves up to 5 kHz."""
     if not plant.sensors:
         return []
     body = outcome.value("casing")
@@ -121,7 +121,7 @@ def _machine(plant: Plant, outcome: Outcome) -> list[Value]:
 
 
 def _signals(plant: Plant, outcome: Outcome) -> list[Value]:
-    """Over the three axes of every sensor (of every journal without a casing)."""
+    """RMS of the resultant of the three axes of every sensor (without a casing, of every journal)."""
     from pipelines.signals.analysis import channel, channel_names
     from pipelines.signals.response import make_response
 
