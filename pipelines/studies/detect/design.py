@@ -42,12 +42,12 @@ class Design:
         return self.baseline, self.baseline + self.healthy, self.baseline + self.healthy + self.damaged
 
 
-def detection_plan(loaded: LoadedScene, plant: Plant, design: Design) -> Plan:
+def detection_plan(loaded: LoadedScene, machine: Plant, design: Design) -> Plan:
     """The plan of the campaign.
 
     Parameters
     ----------
-    loaded, plant : the scene with its fault, and its machine model
+    loaded, machine : the scene with its fault, and its machine model
     design : varied keys and numbers of machines
 
     Raises
@@ -55,7 +55,7 @@ def detection_plan(loaded: LoadedScene, plant: Plant, design: Design) -> Plan:
     InputError : the scene has no fault, all machines would be equal, the baseline is too small, or a key is given twice
     SceneError : the plan is not valid
     """
-    _check(loaded, plant, design)
+    _check(loaded, machine, design)
     healthy = healthy_case(loaded)
     damaged: dict[str, Any] = {"faults": _shifted_teeth(loaded.scene)} if loaded.scene.tooth_faults else {}
     common: dict[str, Any] = {"deviations": {"seed": f"$({loaded.scene.deviations.seed} + {SPECIMEN}) - 1"}}
@@ -65,9 +65,9 @@ def detection_plan(loaded: LoadedScene, plant: Plant, design: Design) -> Plan:
     return plan_on(
         loaded,
         {
-            "title": f"Detectability: {'; '.join(plant.fault_words)}"[:200],
+            "title": f"Detectability: {'; '.join(machine.fault_words)}"[:200],
             "design": "grid",
-            "signals": ["acceleration" if plant.sensors else "journal_acceleration", "shaft_angle"],
+            "signals": ["acceleration" if machine.sensors else "journal_acceleration", "shaft_angle"],
             "constraints": [f"({STATE} == '{HEALTHY}') == ({SPECIMEN} <= {last_healthy})"],
             "variables": {
                 STATE: [HEALTHY, DAMAGED],
@@ -89,8 +89,8 @@ def healthy_case(loaded: LoadedScene) -> dict[str, Any]:
     return {**changed, "faults": []}
 
 
-def _check(loaded: LoadedScene, plant: Plant, design: Design) -> None:
-    if not known_damages(plant):
+def _check(loaded: LoadedScene, machine: Plant, design: Design) -> None:
+    if not known_damages(machine):
         raise InputError(f"{shown(loaded.name)}: the scene has no fault to detect. Add one in [[faults]].")
     if not loaded.scene.deviations.enabled:
         raise InputError(

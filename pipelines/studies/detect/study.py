@@ -77,7 +77,7 @@ def study(
     windows: Mapping[str, tuple[float, float]],
     noises: Sequence[float],
     executor: Executor,
-    told: Callable[[int, int], None] = lambda done, left: None,
+    on_progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Detectability:
     """Compute the features of all runs of a campaign and detect the damaged machines.
 
@@ -88,7 +88,7 @@ def study(
     windows : start and end (s) of each diagnosed window by name; the whole run if empty
     noises : rms of the added sensor noise, m/s2
     executor : of the work
-    told : callback with the number of finished runs and that of all
+    on_progress : callback with the number of finished runs and that of all
 
     Raises
     ------
@@ -119,7 +119,7 @@ def study(
         for run in runs
         if run.shared in known
     ]
-    made = make_tables(jobs, executor, told)
+    made = make_tables(jobs, executor, on_progress)
     tables = {(job.run, job.noise): table for job, table in zip(jobs, made, strict=True) if table is not None}
     found = []
     first: list[Machines] = []

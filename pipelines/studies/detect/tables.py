@@ -60,7 +60,7 @@ class TableJob(RowJob):
 
 
 def make_tables(
-    jobs: Sequence[TableJob], executor: Executor, told: Callable[[int, int], None] = lambda done, left: None
+    jobs: Sequence[TableJob], executor: Executor, on_progress: Callable[[int, int], None] = lambda done, total: None
 ) -> list[FeatureTable | None]:
     """The features of all jobs; None for a run without features, whose row states the reason.
 
@@ -68,14 +68,14 @@ def make_tables(
     ----------
     jobs : all of one data set
     executor : of the work
-    told : callback with the number of finished jobs and that of all
+    on_progress : callback with the number of finished jobs and that of all
 
     Raises
     ------
     InputError : no run has features; the message states the reason for the first one
     OSError : a row cannot be written
     """
-    compute_rows(jobs, executor, told)
+    compute_rows(jobs, executor, on_progress)
     rows = [read_row(job.folder, job.run, job.rows) for job in jobs]
     found = [_table(row["table"]) for row in rows]
     if rows and all(table is None for table in found):

@@ -90,9 +90,9 @@ def _far_sensors(contents: Contents, fit: ShaftFit, scene: Scene) -> Iterator[st
     triangles = contents.triangles[chosen]
     places = fit.placed(contents.points)
     for sensor in scene.sensors:
-        wanted = np.array(sensor.si.position)
-        on = np.einsum("fa,fad->fd", nearest_on_facets(places, triangles, wanted), places[triangles])
-        distance = np.linalg.norm(on - wanted, axis=1)
+        position = np.array(sensor.si.position)
+        on = np.einsum("fa,fad->fd", nearest_on_facets(places, triangles, position), places[triangles])
+        distance = np.linalg.norm(on - position, axis=1)
         nearest = int(distance.argmin())
         if distance[nearest] > FARTHEST_SENSOR:
             yield (

@@ -35,9 +35,9 @@ def known_lines(loaded: LoadedScene, work: Work) -> str:
     return widths(bars) if isinstance(bars, LineBars) else bars
 
 
-def widths(bars: LineBars) -> str:
+def widths(error_bars: LineBars) -> str:
     """Sentence with the median and the largest numerical uncertainty of the detected lines of all windows."""
-    found = [bar.numerical.width / 2 for bar in bars.bars if bar.detected and bar.numerical is not None]
+    found = [bar.numerical.width / 2 for bar in error_bars.bars if bar.detected and bar.numerical is not None]
     if not found:
         return "No detected line has an error bar."
     return (

@@ -57,16 +57,16 @@ def convergence_table(name: str, found: RefinementStudy) -> Grid:
     return grid(f"{name}: convergence over the {AXES[found.axis].words} (x2: twice as fine)", [*rows, costs])
 
 
-def verdict(found: RefinementStudy, wanted: float) -> str:
-    """Sentence on whether every quantity at the setting in use has at most the error `wanted` (relative)."""
+def verdict(found: RefinementStudy, target: float) -> str:
+    """Sentence on whether every quantity at the setting in use has at most the error `target` (relative)."""
     bands = {quantity: c.relative_bands[found.in_use] for quantity, c in found.quantities.items()}
     worst = max(bands, key=lambda quantity: bands[quantity])
-    outside = [quantity for quantity, band in bands.items() if band > wanted]
+    outside = [quantity for quantity, band in bands.items() if band > target]
     widest = f"the widest uncertainty band is {100 * bands[worst]:.2g} % ({worst})"
     if not outside:
-        return f"The setting in use is fine enough for {100 * wanted:g} %: {widest}."
+        return f"The setting in use is fine enough for {100 * target:g} %: {widest}."
     return (
-        f"The setting in use is not shown to be fine enough for {100 * wanted:g} %: {len(outside)} of {len(bands)} "
+        f"The setting in use is not shown to be fine enough for {100 * target:g} %: {len(outside)} of {len(bands)} "
         f"quantities have a wider uncertainty band, {widest}. Refine the {AXES[found.axis].words}, or accept the band."
     )
 
