@@ -1,4 +1,4 @@
-"""What the diagnosis looks for: the lines of the suspected gear, in the windows of constant speed."""
+"""Monitored lines of a diagnosis: those of the monitored gear and of known faults, in windows of constant speed."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ def diagnosis_settings(
 
     Parameters
     ----------
-    asked : where the diagnosis looks
-    layout, hoist, profile : the train, its rope, and the speed of its motors
-    rolling : bearings whose pass frequencies are named
-    spalls, shafts : faults of bearings and of shafts, whose lines are looked for
+    asked : signal, gear and windows that are diagnosed
+    layout, hoist, profile : the train, its load on ropes, and the speed of its motors
+    rolling : bearings whose pass frequencies are listed
+    spalls, shafts : faults of bearings and of shafts, whose lines are monitored
     """
     if not asked.possible:
         return None

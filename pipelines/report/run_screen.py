@@ -1,4 +1,4 @@
-"""First screen of a run: verdict of its diagnosis, speeds, one average over a turn and one envelope spectrum."""
+"""First screen of the report of a run: verdict, main numbers, a time-synchronous average and an envelope spectrum."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from pipelines.signals.orders.rotation import Rotation
 if TYPE_CHECKING:
     import xarray
 
-IN_MESH = 1.0  # pitches to either side of the pitch point, about the range in which a tooth is in mesh
+IN_MESH = 1.0  # pitches on either side of the pitch point, approximate range in which a tooth is in mesh
 
 
 def first_screen(
@@ -43,12 +43,12 @@ def first_screen(
 
     Parameters
     ----------
-    plant : the machine of the run
+    plant : machine model of the run
     settings : windows and monitored lines, None if no diagnosis is possible
-    diagnoses : lines of all cases, the scene's own first; none without a control
+    diagnoses : lines of all cases, that of the scene first; empty without a control
     runs : the response of the scene and that of its control, if there is one
-    failure : why the diagnosis was not possible, "" if it was
-    cases, damages : verdicts, the scene's own first window first, none without a reference; known damage
+    failure : reason why the diagnosis was not possible, "" if it was
+    cases, damages : verdicts, that of the scene in its first window first, empty without a reference; known damage
     """
     verdict = cases[0].verdict if cases else None
     return first_page.first_screen(
@@ -112,7 +112,7 @@ def _channel(asked: LookedFor) -> str:
 
 
 def shown_gear(plant: Plant, verdict: Verdict | None, kinematics: Kinematics) -> Gear:
-    """The gear that ranks first if it is damaged, else the one that the scene monitors."""
+    """The gear that ranks first if it is found damaged, else the monitored gear of the scene."""
     gears = {gear.name: gear for gear in kinematics.gears}
     if verdict is not None and verdict.damaged:
         ranked = [gears[finding.component] for finding in verdict.findings[:1] if finding.component in gears]
@@ -124,10 +124,10 @@ def shown_gear(plant: Plant, verdict: Verdict | None, kinematics: Kinematics) ->
 def _average(
     plant: Plant, settings: DiagnosisSettings, runs: Sequence[xarray.Dataset], verdict: Verdict | None
 ) -> Average | None:
-    """Average over the teeth of the gear, the marked one in the middle; None if its shaft hardly turns in the first
-    window.
+    """Time-synchronous average over the teeth of a gear with a marked tooth in the middle.
 
-    The marked tooth is that of the verdict if it finds the gear damaged, else the damaged one of the scene.
+    The marked tooth is that of the verdict if it finds the gear damaged, else the damaged one of the scene. The result
+    is None if the shaft makes too few turns in the first window.
     """
     kinematics = kinematics_of(plant.layout, ())
     gear = shown_gear(plant, verdict, kinematics)
@@ -145,7 +145,7 @@ def _average(
     if found[0] is None:
         return None
     place, values, turns = found[0]
-    axis = int(np.ptp(values, axis=1).argmax())  # of several axes that with the largest motion
+    axis = int(np.ptp(values, axis=1).argmax())  # with the largest peak-to-peak value
     other = found[1] if len(found) > 1 else None
     reference = None if other is None else np.interp(place, other[0], other[1][axis], period=gear.teeth)
     across = f"teeth of the {gear.name}"
@@ -176,14 +176,17 @@ def _average(
 def over_teeth(
     run: xarray.Dataset, settings: DiagnosisSettings, stream: int, window: str, gear: Gear, meshes: Sequence[int]
 ) -> tuple[np.ndarray, np.ndarray, int] | None:
-    """Places (n,) in teeth within half a turn of 0, the residual (axis, n) there and the number of averaged turns.
+    """Residual signal of a gear over its teeth: place (n,), residual (axis, n) and number of averaged turns.
+
+    The place is counted in teeth from -z/2 to z/2. The result is None without an angle of the shaft, or with too few
+    turns.
 
     Parameters
     ----------
-    run, settings, stream : signals, the channel, the number of its noise
-    window : window of the average
-    gear : its `cycle` is the place where the angle of its shaft is zero
-    meshes : teeth of all gears on its shaft
+    run, settings, stream : signals, monitored channel, and number of the noise sequence
+    window : name of the averaged window
+    gear : the gear; its `cycle` is the place at the angle zero of its shaft
+    meshes : numbers of teeth of all gears on its shaft
     """
     if "shaft_angle" not in run:
         return None
@@ -203,8 +206,7 @@ def over_teeth(
 def _envelope(
     settings: DiagnosisSettings, band: tuple[float, float] | None, runs: Sequence[xarray.Dataset]
 ) -> Envelope:
-    """Envelope spectrum of the first window, up to a dozen orders of the shaft; `band` (Hz) of the diagnosis, or
-    None."""
+    """Envelope spectrum of the first window up to ENVELOPE_ORDERS orders of the shaft; `band` (Hz) as for `analyse`."""
     window = next(iter(settings.windows))
     own, *healthy = (
         analyse(run, settings, stream=stream, band=band).envelopes[window]

@@ -1,4 +1,4 @@
-"""A scene that can be run: everything that can be known before computing, asked in one place by every command."""
+"""Validity of a scene: all checks that need no computation, in one place for every command."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from pipelines.scene.scene import Scene
 
 
 def checked_plant(scene: Scene, source: str) -> Plant:
-    """The plant of a scene after every check that needs no computation.
+    """The machine model of a scene that passes all checks that need no computation.
 
     Raises
     ------
-    SceneError : everything that does not fit, at once
+    SceneError : lists all problems of the scene
     """
     made = Problems(*REFUSALS)
     train = drivetrain(scene, lay_out(scene, source), made)
@@ -36,7 +36,7 @@ def checked_plant(scene: Scene, source: str) -> Plant:
     ]
     plant = in_casing(train, scene, made)
     if plant is None:
-        # what is off its shaft is listed by its key already
+        # parts beyond the end of their shaft are already listed by their keys
         more = [one for one in dict.fromkeys(made) if not (places and one.path == "shafts")]
         raise SceneError(source, [*problems, *more])
     if not places:
