@@ -153,7 +153,7 @@ class Layout:
         return 1 / self.shaft_ratios[self.loaded]
 
     @cached_property
-    def drawn(self) -> tuple[float, ...]:
+    def resisting_torques(self) -> tuple[float, ...]:
         """Torques (N m) of greatest magnitude that resist the rotation of each shaft; the motors share their power."""
         found = [0.0] * len(self.axes)
         for shaft, _, torque in self.torques:
@@ -168,7 +168,7 @@ class Layout:
     @property
     def input_torque(self) -> float:
         """Torque (N m) of the motors that balances all resisting torques, without losses."""
-        return float(np.dot(self.drawn, self.shaft_ratios))
+        return float(np.dot(self.resisting_torques, self.shaft_ratios))
 
     @cached_property
     def power_flows(self) -> list[float]:
@@ -177,8 +177,8 @@ class Layout:
         For parallel paths see `mbd.parts.train.power_flow`.
         """
         flows = [*self.pair_shafts, *self.coupling_shafts]
-        drawn = np.array(self.drawn) * np.array(self.shaft_ratios)
-        return power_flow(flows, [self.driven], drawn)[: len(flows)].tolist()
+        powers = np.array(self.resisting_torques) * np.array(self.shaft_ratios)
+        return power_flow(flows, [self.driven], powers)[: len(flows)].tolist()
 
     @cached_property
     def stages(self) -> tuple[StageFacts, ...]:
@@ -210,7 +210,7 @@ class Layout:
     @property
     def load_torque(self) -> float:
         """Torque (N m) that resists the rotation of the loaded shaft."""
-        return self.drawn[self.loaded]
+        return self.resisting_torques[self.loaded]
 
     @property
     def pinion_senses(self) -> tuple[int, ...]:

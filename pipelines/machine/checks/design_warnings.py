@@ -135,7 +135,7 @@ def _record(scene: Scene, layout: Layout) -> Iterator[str]:
                 f"harmonics of the mesh frequency of stage {number}, {facts.mesh_frequency:.1f} Hz. Raise it to "
                 f"{4 * HARMONICS * facts.mesh_frequency:.0f}"
             )
-    if not any(layout.drawn):
+    if not any(layout.resisting_torques):
         key, remedy = (
             ("load.container_kg = 0", "Increase load.container_kg")
             if isinstance(scene.load, LoadBase)
