@@ -1,11 +1,11 @@
-"""Is a new recording another of the healthy ones? Standardised deviations, their probabilities, rates of alarms.
+"""Deviation of a new recording from healthy ones: standardised deviations, their probabilities, and rates of alarms.
 
-With m the mean of n healthy levels (dB) and s their standard deviation, a new level x deviates by
+Let m be the mean of n healthy levels (dB) and s their standard deviation. The deviation of a new level x is
 
     t = (x - m) / (s~ sqrt(1 + 1/n)),   s~^2 = (d0 s0^2 + d s^2) / (d0 + d),   d = n - 1.
 
-s0 is the scale that all levels of one kind have in common, and d0 its weight (Smyth 2004): the less the scales of a
-kind differ, the larger. Channels of one machine are not independent, so d0 is at most d.
+s0 is the common standard deviation of all levels of one kind. Its weight d0 is the larger, the less the standard
+deviations of a kind differ (Smyth 2004). Channels of one machine are not independent, so d0 is at most d.
 
 Probabilities come from simulated healthy machines. Levels of real machines have heavier tails than a normal
 distribution, so the simulated levels have Student's distribution with TAILS degrees of freedom. A mean over several
@@ -25,8 +25,8 @@ from functools import cache
 
 import numpy as np
 
-FEWEST_FOR_P = 5  # recordings; with fewer the standard deviation is hardly known
-LEAST_SPREAD = 0.25  # dB, 3 %: levels of a model may repeat better, those of a sensor that is mounted anew hardly do
+FEWEST_FOR_P = 5  # recordings; with fewer the standard deviation is too uncertain
+LEAST_SPREAD = 0.25  # dB (3 %); simulated levels may scatter less, those of a sensor that is mounted again hardly do
 TAILS = 5.0  # degrees of freedom of healthy levels
 _UNIT = math.sqrt(TAILS / (TAILS - 2.0))  # standard deviation of Student's distribution with TAILS
 _DRAWS = 4000  # simulated baselines
@@ -34,13 +34,13 @@ _GRID = np.concatenate([np.linspace(-10.0, 20.0, 121), np.geomspace(20.5, 1000.0
 
 
 def moderated(healthy: np.ndarray, kinds: Sequence[str], least: float) -> tuple[np.ndarray, int]:
-    """Standard deviations s~ (channel, line) of healthy levels (recording, channel, line), and d0 as a whole number.
+    """Standard deviations s~ (channel, line) of healthy levels (recording, channel, line), and d0 as an integer.
 
     Parameters
     ----------
     healthy : levels of FEWEST_FOR_P recordings or more
-    kinds : (line,), lines of one kind have one s0
-    least : standard deviation, no level repeats better
+    kinds : (line,), lines of one kind have a common s0
+    least : lower bound of the standard deviations
     """
     from scipy.special import digamma, polygamma
 
@@ -72,20 +72,20 @@ def deviations(levels: np.ndarray, healthy: np.ndarray, spread: np.ndarray) -> n
 
 
 def probability(deviation: np.ndarray, count: int, prior: int, parts: int = 1) -> np.ndarray:
-    """Probability that a healthy machine has a standardised deviation of at least this, each for itself.
+    """Probability, for each single deviation, that a healthy machine has at least this standardised deviation.
 
     Parameters
     ----------
-    deviation : standardised
-    count : healthy recordings
+    deviation : standardised deviations
+    count : number of healthy recordings
     prior : d0
-    parts : number of features whose mean it is
+    parts : number of features whose mean deviates
     """
     return np.exp(np.interp(deviation, _GRID, _tail(count, prior, parts)))
 
 
 def limit(chance: float, count: int, prior: int, parts: int = 1) -> float:
-    """The standardised deviation that a healthy machine exceeds with a chance.
+    """The standardised deviation that a healthy machine exceeds with a given probability.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def limit(chance: float, count: int, prior: int, parts: int = 1) -> float:
 
 @cache
 def _simulated(count: int, parts: int) -> tuple[np.ndarray, np.ndarray]:
-    """Means and standard deviations (baseline,) of simulated levels: means over `parts` of unit variance together."""
+    """Means and standard deviations (baseline,) of simulated levels of unit variance, each a mean over `parts`."""
     levels = np.random.default_rng([count, parts]).standard_t(TAILS, (_DRAWS, count, parts)).sum(axis=2)
     levels /= _UNIT * math.sqrt(parts)
     return levels.mean(axis=1), levels.std(axis=1, ddof=1)
@@ -105,7 +105,7 @@ def _simulated(count: int, parts: int) -> tuple[np.ndarray, np.ndarray]:
 
 @cache
 def _tail(count: int, prior: int, parts: int) -> np.ndarray:
-    """Logarithm of the probability at every deviation of the grid, the mean over simulated baselines."""
+    """Logarithm of the exceedance probability at each deviation of the grid, averaged over simulated baselines."""
     from scipy.special import stdtr
 
     mean, spread = _simulated(count, parts)
@@ -123,7 +123,7 @@ def _tail(count: int, prior: int, parts: int) -> np.ndarray:
 
 
 def clopper_pearson(count: int, trials: int, confidence: float = 0.95) -> tuple[float, float]:
-    """Interval of the probability of something that came `count` times in `trials`, which may be none."""
+    """Confidence interval of the probability of an event that occurred `count` times in `trials`, which may be 0."""
     from scipy.stats import beta
 
     outside = (1.0 - confidence) / 2.0

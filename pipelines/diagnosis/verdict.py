@@ -36,8 +36,8 @@ from pipelines.signals.features.recorded import OF_SHAFT, OF_WHITENED
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 
-LEAST_ORDER = -40.0  # dB over the rms of healthy recordings: weaker orders of a shaft vary without damage
-DIFFERENT, ALARM = 0.01, 0.001  # probabilities that a healthy machine is called different, or damaged
+LEAST_ORDER = -40.0  # dB over the rms of healthy recordings: weaker orders of a shaft come and go
+DIFFERENT, ALARM = 0.01, 0.001  # of healthy machines are called different, or damaged
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -326,7 +326,7 @@ def _changes(lines: _Lines, levels: np.ndarray, healthy: np.ndarray) -> tuple[Ch
 def _compared(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> tuple[np.ndarray, np.ndarray]:
     """Levels (channel, line) of the recording and (recording, channel, line) of the healthy ones, dB.
 
-    Orders of a shaft below the least level of their channel (`least_levels`) are set to it.
+    Weak orders of a shaft are raised to the least level that counts at their channel.
     """
     healthy = np.array([other.channel_levels for other in baseline])
     rms = healthy[:, :, recording.lines.index((WHOLE, "rms"))].mean(axis=0)
@@ -335,9 +335,7 @@ def _compared(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> tupl
 
 
 def least_levels(features: Sequence[str], rms: np.ndarray) -> np.ndarray:
-    """Levels (..., feature), dB, below which a feature is not evidence; -inf except for orders of a shaft.
-
-    Weaker orders hardly contribute to the vibration.
+    """Levels (..., feature), dB, below which nothing is evidence: orders of a shaft that hardly add to the vibration.
 
     Parameters
     ----------
