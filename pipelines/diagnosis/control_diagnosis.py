@@ -69,9 +69,9 @@ class Diagnosis:
         ]
         title = f"{self._words()}; the {len(rows)} with the largest increase over the control"
         head = ("window", "kind", "line", "Hz", "faulty, m/s2", "healthy, m/s2", "difference, dB", "detected")
-        drawn = {state: self.spectra[state, window].amplitude for state in ("faulty", "healthy")}
+        amplitudes = {state: self.spectra[state, window].amplitude for state in ("faulty", "healthy")}
         across = self.spectra["faulty", window].frequency
-        return shown_html.table(title, head, rows) + shown_html.curves(f"Hz, {window}", across, "m/s2", drawn)
+        return shown_html.table(title, head, rows) + shown_html.curves(f"Hz, {window}", across, "m/s2", amplitudes)
 
 
 def diagnose(faulty: xarray.Dataset, healthy: xarray.Dataset, settings: DiagnosisSettings) -> Diagnosis:
@@ -126,22 +126,22 @@ def _window_lines(
     envelopes: Mapping[tuple[str, str], Spectrum],
 ) -> LineTable:
     f_r, f_m = settings.revolution_frequency, settings.mesh_frequency
-    wanted: list[tuple[str, int, int]] = [("envelope", 0, k) for k in range(1, settings.envelope_harmonics + 1)]
+    on_bins: list[tuple[str, int, int]] = [("envelope", 0, k) for k in range(1, settings.envelope_harmonics + 1)]
     for n in settings.mesh_harmonics:
         for k in range(-settings.sideband_orders, settings.sideband_orders + 1):
-            wanted.append(("sideband" if k else "mesh", n, k))
+            on_bins.append(("sideband" if k else "mesh", n, k))
     resolution = envelopes["faulty", window].resolution
     top = resolution * (envelopes["faulty", window].amplitude.size - 1)
     placed = _placed_lines(settings, resolution, top)
     columns: dict[str, Any] = {
-        "kind": [kind for kind, _, _ in wanted] + [line.kind for line in placed],
-        "mesh_harmonic": np.array([n for _, n, _ in wanted] + [0] * len(placed)),
-        "order": np.array([k for _, _, k in wanted] + [line.order for line in placed]),
-        "label": [_label(n, k) for _, n, k in wanted] + [line.label for line in placed],
+        "kind": [kind for kind, _, _ in on_bins] + [line.kind for line in placed],
+        "mesh_harmonic": np.array([n for _, n, _ in on_bins] + [0] * len(placed)),
+        "order": np.array([k for _, _, k in on_bins] + [line.order for line in placed]),
+        "label": [_label(n, k) for _, n, k in on_bins] + [line.label for line in placed],
     }
     frequency = columns["mesh_harmonic"] * f_m + columns["order"] * f_r
     places, reach = np.array([line.frequency for line in placed]), np.array([line.reach for line in placed])
-    frequency[len(wanted) :] = np.round(places / resolution) * resolution  # the nearest bin
+    frequency[len(on_bins) :] = np.round(places / resolution) * resolution  # the nearest bin
     is_envelope = np.array([kind in IN_ENVELOPE for kind in columns["kind"]])
     for state in STATES:
         columns[state] = np.empty(len(frequency))
@@ -149,8 +149,8 @@ def _window_lines(
         for spectrum, rows in ((envelopes[state, window], is_envelope), (spectra[state, window], ~is_envelope)):
             columns[state][rows] = spectrum.lines(frequency[rows])
             columns[f"{state}_floor"][rows] = spectrum.floors(frequency[rows])
-            own = rows[len(wanted) :]
-            columns[state][len(wanted) :][own] = peaks(spectrum, places[own].tolist(), reach[own].tolist())
+            own = rows[len(on_bins) :]
+            columns[state][len(on_bins) :][own] = peaks(spectrum, places[own].tolist(), reach[own].tolist())
     difference = level(columns["faulty"], columns["healthy"])
     over_floor = level(columns["faulty"], columns["faulty_floor"])
     healthy_over_floor = level(columns["healthy"], columns["healthy_floor"])
@@ -158,7 +158,7 @@ def _window_lines(
     width = LINE_WIDTH * spectra["faulty", window].resolution
     count = len(frequency)
     offset = np.abs(columns["order"]) * f_r
-    offset[len(wanted) :] = frequency[len(wanted) :]
+    offset[len(on_bins) :] = frequency[len(on_bins) :]
     return LineTable(
         load_case=(load,) * count,
         deviations=(deviations,) * count,

@@ -29,7 +29,7 @@ FEWEST_FOR_P = 5  # recordings; with fewer the standard deviation is too uncerta
 LEAST_SPREAD = 0.25  # dB (3 %); simulated levels may scatter less, those of a sensor that is mounted again hardly do
 TAILS = 5.0  # degrees of freedom of healthy levels
 _UNIT = math.sqrt(TAILS / (TAILS - 2.0))  # standard deviation of Student's distribution with TAILS
-_DRAWS = 4000  # simulated baselines
+_BASELINES = 4000  # simulated baselines
 _GRID = np.concatenate([np.linspace(-10.0, 20.0, 121), np.geomspace(20.5, 1000.0, 60)])  # standard deviations
 
 
@@ -52,11 +52,11 @@ def moderated(healthy: np.ndarray, kinds: Sequence[str], least: float) -> tuple[
     for kind in set(kinds):
         common[:, names == kind] = np.median(logarithm[:, names == kind])
     _, spread = _simulated(len(healthy), 1)
-    drawn = 2.0 * np.log(spread)
-    excess = float(np.mean((logarithm - common) ** 2)) - float(np.var(drawn))
-    worth = polygamma(1, np.arange(1, freedom + 1) / 2)  # the excess with d0 = 1, 2, ...
-    prior = max(int(np.sum(worth >= excess)), 1)
-    pooled = np.exp(common + digamma(prior / 2) - math.log(prior / 2) - np.mean(drawn))
+    sampled = 2.0 * np.log(spread)
+    excess = float(np.mean((logarithm - common) ** 2)) - float(np.var(sampled))
+    expected = polygamma(1, np.arange(1, freedom + 1) / 2)  # the excess with d0 = 1, 2, ...
+    prior = max(int(np.sum(expected >= excess)), 1)
+    pooled = np.exp(common + digamma(prior / 2) - math.log(prior / 2) - np.mean(sampled))
     return np.sqrt((prior * pooled + freedom * variance) / (prior + freedom)), prior
 
 
@@ -98,7 +98,7 @@ def limit(chance: float, count: int, prior: int, parts: int = 1) -> float:
 @cache
 def _simulated(count: int, parts: int) -> tuple[np.ndarray, np.ndarray]:
     """Means and standard deviations (baseline,) of simulated levels of unit variance, each a mean over `parts`."""
-    levels = np.random.default_rng([count, parts]).standard_t(TAILS, (_DRAWS, count, parts)).sum(axis=2)
+    levels = np.random.default_rng([count, parts]).standard_t(TAILS, (_BASELINES, count, parts)).sum(axis=2)
     levels /= _UNIT * math.sqrt(parts)
     return levels.mean(axis=1), levels.std(axis=1, ddof=1)
 
@@ -110,9 +110,9 @@ def _tail(count: int, prior: int, parts: int) -> np.ndarray:
 
     mean, spread = _simulated(count, parts)
     random, freedom = np.random.default_rng([count, parts, 1]), count - 1
-    scale = np.sqrt(prior / random.chisquare(prior, _DRAWS))  # of these levels, with s0 = 1
+    scale = np.sqrt(prior / random.chisquare(prior, _BASELINES))  # of these levels, with s0 = 1
     used = np.sqrt((prior + freedom * (scale * spread) ** 2) / (prior + freedom)) / scale
-    others = random.standard_t(TAILS, (_DRAWS, parts - 1))
+    others = random.standard_t(TAILS, (_BASELINES, parts - 1))
     largest, total = others.max(axis=1, initial=-np.inf), others.sum(axis=1)
     factor = math.sqrt(1.0 + 1.0 / count)
     found = []

@@ -261,8 +261,8 @@ class _Lines:
         count = len(healthy)
         of_lines, prior, of_groups, prior_of_groups = self.standardised(levels, healthy)
         damaged = float(self.group_chances(of_groups, count, prior_of_groups).min())
-        apart = 2.0 * of_lines.size * float(probability(np.abs(of_lines).max(), count, prior))
-        return min(2.0 * min(apart, damaged), 1.0), damaged
+        differs = 2.0 * of_lines.size * float(probability(np.abs(of_lines).max(), count, prior))
+        return min(2.0 * min(differs, damaged), 1.0), damaged
 
 
 def _findings(lines: _Lines, levels: np.ndarray, healthy: np.ndarray, kinematics: Kinematics) -> tuple[Finding, ...]:

@@ -143,8 +143,8 @@ def chosen_channel(part: Part, sensor: str | None, axis: str | None) -> Channel:
     fitting = [one for one in part.channels if sensor in (None, one[0]) and axis in (None, one[1])]
     if not fitting:
         there = ", ".join(" ".join(map(shown, channel)) for channel in part.channels)
-        asked = " ".join(shown(one) for one in (sensor, axis) if one is not None)
-        raise InputError(f"{asked}: not a channel of all recordings. Set --sensor and --axis to one of {there}.")
+        requested = " ".join(shown(one) for one in (sensor, axis) if one is not None)
+        raise InputError(f"{requested}: not a channel of all recordings. Set --sensor and --axis to one of {there}.")
     return max(fitting, key=lambda channel: float(levels[channel]))
 
 
