@@ -1,4 +1,4 @@
-"""What the finite elements of a casing would refuse: element sizes, and seats that are not where the bearings are."""
+"""Checks of a casing of finite elements without meshing it: element sizes, and positions of the bearing seats."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ from pipelines.machine.layout import Layout
 from pipelines.machine.plant import Plant
 from pipelines.scene.scene import Scene
 
-MOST_ELEMENTS = 1_500_000  # quadratic tetrahedra, 2 million nodes: about 60 GB to factorise
+MOST_ELEMENTS = 1_500_000  # quadratic tetrahedra, 2 million nodes: their factorisation needs about 60 GB
 MOST_NODES = 2_000_000
 OR_BAND = ", or a lower casing.band_Hz if elements_per_wavelength is set"
-LARGEST_LOOK = 10e6  # bytes of a housing file that is looked into without being asked for its mesh
+LARGEST_LOOK = 10e6  # bytes; larger housing files are not read for these checks
 
 
 def bad_casing(scene: Scene, plant: Plant) -> Iterator[Problem]:
-    """Everything that the casing's mesh would refuse and can be known without it."""
+    """All problems of a casing that can be found without its mesh."""
     made, table = plant.structure.housing, scene.casing
     if isinstance(made, ImportedHousing):
         cheap = list(_misplaced_seats(scene, made))
@@ -61,7 +61,7 @@ def bad_casing(scene: Scene, plant: Plant) -> Iterator[Problem]:
 
 
 def _no_hexahedra(made: Housing, sizes: Sizes, element: str, asked: float) -> Iterator[Problem]:
-    """Why a housing cannot be meshed with hexahedra."""
+    """Reasons why a housing cannot be meshed with hexahedra."""
     from fem.casing.mesh.section import shaft_places
 
     count = _nodes(made, sizes.element)
@@ -91,17 +91,20 @@ def _walls(made: Housing) -> list[tuple[float, float]]:
 
 
 def _elements(made: Housing, size: float) -> float:
-    """About how many tetrahedra of an edge length (m) fill the walls of a housing."""
+    """Approximate number of tetrahedra of an edge length (m) in the walls of a housing."""
     return sum(area * thickness for area, thickness in _walls(made)) / (size**3 / (6 * math.sqrt(2)))
 
 
 def _nodes(made: Housing, size: float) -> float:
-    """Nodes of hexahedra of an edge length (m) in the walls of a housing, one or more through each, without bosses."""
+    """Number of nodes of hexahedra of an edge length (m) in the walls of a housing, without bosses.
+
+    There are one or more elements through the thickness.
+    """
     return sum(4 * area / size**2 * (2 * math.ceil(thickness / size) + 1) for area, thickness in _walls(made))
 
 
 def _off_middle(scene: Scene, layout: Layout, points: dict[str, np.ndarray], what: str) -> Iterator[Problem]:
-    """Bearings that are not in the middle of their seat, where the casing takes their load."""
+    """Bearings that are not in the middle of their seat, where their load acts on the casing."""
     carried = [found for found in bearing_names(scene.shafts) if not found[0].startswith("ground")]
     for (name, shaft, place), wanted in zip(carried, bearing_points(scene.shafts, layout), strict=True):
         if name not in points:
@@ -117,7 +120,7 @@ def _off_middle(scene: Scene, layout: Layout, points: dict[str, np.ndarray], wha
 
 
 def _misplaced_seats(scene: Scene, made: ImportedHousing) -> Iterator[Problem]:
-    """Seats whose axis is not that of their shaft, by the scene alone; directions without a length."""
+    """Seats whose axis, as given in the scene, is not that of their shaft, and direction vectors of length 0."""
     paths = {seat.name: f"casing.housing.bearings.{number}" for number, seat in enumerate(scene.housing.bearings, 1)}
     shafts = {name: shaft + 1 for name, shaft, _ in bearing_names(scene.shafts)}
     for seat in made.seats:
@@ -155,12 +158,12 @@ def _misplaced_seats(scene: Scene, made: ImportedHousing) -> Iterator[Problem]:
 
 
 def _group_of_step(made: ImportedHousing, path: str, locator: Locator, instead: str, of: str = "") -> Iterator[Problem]:
-    """A group as the place in a file without groups.
+    """Problem of a place that is given by a group, in a file without groups.
 
     Parameters
     ----------
-    made, path, locator : the housing, a place in it, and the path of that in the scene
-    instead : keys by which the place can be found
+    made, path, locator : the housing, path of the place in the scene, and the place
+    instead : keys that locate the place without a group
     of : what is located, for the message
     """
     if isinstance(locator, ByGroup) and made.is_step:
@@ -182,7 +185,7 @@ def _seats_in_file(scene: Scene, layout: Layout, made: ImportedHousing) -> Itera
 
 @functools.lru_cache(maxsize=8)
 def _looked_up(made: ImportedHousing, element: str) -> dict[str, np.ndarray | MeshError] | MeshError:
-    """Bearing points by name with what is wrong with them; empty where the file cannot be looked into quickly."""
+    """Problems of bearing points by name; empty if the file cannot be read quickly."""
     if made.file.stat().st_size > LARGEST_LOOK:
         return {}
     try:

@@ -1,4 +1,4 @@
-"""Windows in which no diagnosis is possible, known from the scene alone."""
+"""Checks of the windows of a diagnosis that need no computation."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from pipelines.signals.spectrum import FEWEST_REVOLUTIONS, SpectrumError, whole_
 
 
 def bad_windows(scene: Scene, plant: Drivetrain) -> Iterator[Problem]:
-    """Why the diagnosis that a scene asks for could not be made; nothing where it asks for none."""
+    """Reasons why the diagnosis of a scene is not possible; empty without windows."""
     if not scene.diagnosis.windows_s or not scene.sensors:
         return
     layout, known = plant.layout, isinstance(scene.drive, SpeedDrive)
@@ -111,7 +111,7 @@ def _gear(scene: Scene) -> str:
 
 
 def _steady(scene: Scene, profile: SpeedProfile) -> str:
-    """The stretches of the drive at its highest speed."""
+    """Text of the intervals of time in which the drive has its highest speed."""
     ends = [*profile.times.tolist(), max(scene.simulation.end_s, float(profile.times[-1]))]
     speeds = [*profile.speeds.tolist(), float(profile.speeds[-1])]
     found = [

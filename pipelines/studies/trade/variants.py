@@ -1,4 +1,4 @@
-"""Variants of a scene: built through the same cached steps as any run, with what each step cost when it was built."""
+"""Variants of a scene, computed by the cached steps of a run, with the cost of each step when it was computed."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SHORT_SECONDS = (0.01, 0.02, 0.06)  # of motion: to compile a time loop, and to 
 
 @dataclass(frozen=True, kw_only=True)
 class Measured:
-    """The values of a variant and its cost; a step that was reused counts with what building it took."""
+    """The values of a variant and its cost; for a step from the cache, the cost of its computation."""
 
     by_probe: Mapping[str, tuple[Value, ...]]
     seconds: dict[str, float]  # by step
@@ -28,7 +28,7 @@ class Measured:
 
     @property
     def values(self) -> tuple[Value, ...]:
-        """Of all probes."""
+        """Values of all probes."""
         return tuple(value for values in self.by_probe.values() for value in values)
 
     @property
@@ -74,7 +74,7 @@ def measure(
     probes: Sequence[str],
     work: Work,
 ) -> dict[str, Measured]:
-    """Build what the named probes need of every scene, each distinct step once, and read them; by variant."""
+    """Compute the steps that probes need for every scene, each distinct step once; the values and cost by variant."""
 
     def needed(plant: Plant) -> list[str]:
         return [name for probe in probes for name in PROBES[probe].steps(plant)]
