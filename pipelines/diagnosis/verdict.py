@@ -8,8 +8,9 @@ The diagnosis does not use the known faults of a simulation. It answers two ques
 - Damaged (one-sided): the evidence of a component, the mean deviation of its features, is high. At most ALARM of
   healthy machines have such evidence for any of their components.
 
-Features of the whole signal are not evidence of a component. The recordings of a control are of the same machine and
-differ only in their sensor noise. With fewer than FEWEST_FOR_P healthy recordings the components are only ranked.
+Features of the whole signal are no evidence of a component. A control is a baseline of the same machine: its
+recordings differ in their sensor noise alone. With fewer than FEWEST_FOR_P healthy recordings there is only the order
+of the components.
 """
 
 from __future__ import annotations
@@ -44,9 +45,8 @@ DIFFERENT, ALARM = 0.01, 0.001  # of healthy machines are called different, or d
 class Evidence:
     """Evidence of a component at the channel where it is strongest: the mean over a group of its `features`.
 
-    `increase` is in dB over the healthy mean, `deviation` in standard deviations of the healthy recordings. A component
-    whose deviation reaches `limit` is damaged. `p` is corrected for the number of components and channels. `limit` and
-    `p` are None with fewer than FEWEST_FOR_P healthy recordings; `deviation` is then the increase.
+    `increase` (dB) over the healthy mean; `deviation` in standard deviations of healthy recordings with the `limit`
+    that makes it damaged, None without p-values; `p` corrected for all components and channels.
     """
 
     features: tuple[str, ...]
@@ -248,7 +248,7 @@ class _Lines:
         return deviations(levels, healthy, spread), prior, of_groups, prior_of_groups
 
     def group_chances(self, deviation: np.ndarray, count: int, prior: int) -> np.ndarray:
-        """p-values (channel, group), multiplied by their number (Bonferroni)."""
+        """p-values (channel, group) corrected for their number."""
         columns = [
             probability(column, count, prior, len(own))
             for column, (_, own) in zip(deviation.T, self.groups, strict=True)
@@ -261,8 +261,8 @@ class _Lines:
         count = len(healthy)
         of_lines, prior, of_groups, prior_of_groups = self.standardised(levels, healthy)
         damaged = float(self.group_chances(of_groups, count, prior_of_groups).min())
-        differs = 2.0 * of_lines.size * float(probability(np.abs(of_lines).max(), count, prior))
-        return min(2.0 * min(differs, damaged), 1.0), damaged
+        apart = 2.0 * of_lines.size * float(probability(np.abs(of_lines).max(), count, prior))
+        return min(2.0 * min(apart, damaged), 1.0), damaged
 
 
 def _findings(lines: _Lines, levels: np.ndarray, healthy: np.ndarray, kinematics: Kinematics) -> tuple[Finding, ...]:

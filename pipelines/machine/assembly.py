@@ -85,8 +85,8 @@ def clearances(pair: GearPair, pinion: GearTeeth, wheel: GearTeeth) -> dict[str,
         faulty = fault_terms(gear.teeth, teeth)
         shapes = {}
         if given is not None and ("profile" in given.include or "helix" in given.include):
-            wanted = {key: key in given.include for key in ("profile", "helix")}
-            shapes = sample_flank_deviations(pair, name, given.grade, given.seed, **wanted)
+            included = {key: key in given.include for key in ("profile", "helix")}
+            shapes = sample_flank_deviations(pair, name, given.grade, given.seed, **included)
         for flank, clearance in flanks.items():
             terms = clearance + (faulty if faulty.ndim == 1 else faulty[:, 0])
             if flank in shapes:

@@ -215,14 +215,14 @@ def foreign_housing(
 
 def _seat_problems(given: Sequence[str], bearings: int) -> Iterator[Problem]:
     """Problems with the names of the bearing seats."""
-    wanted = [f"bearing_{number}" for number in range(1, bearings + 1)]
-    if missing := [name for name in wanted if name not in given]:
+    expected = [f"bearing_{number}" for number in range(1, bearings + 1)]
+    if missing := [name for name in expected if name not in given]:
         yield Problem(
             "casing.housing.bearings", f"there is no seat for {', '.join(missing)}", "Add a table for every bearing"
         )
-    if unknown := [name for name in given if name not in wanted]:
+    if unknown := [name for name in given if name not in expected]:
         yield Problem(
             "casing.housing.bearings",
-            f"there is no bearing {', '.join(unknown)}; the shafts have {wanted[0]} to {wanted[-1]}",
+            f"there is no bearing {', '.join(unknown)}; the shafts have {expected[0]} to {expected[-1]}",
             "Correct the name, or delete the table",
         )

@@ -48,10 +48,10 @@ def make_plant(scene: Scene, source: str = "scene") -> Plant:
     SceneError : lists all errors of the parts; `source` is the name of the scene in the message
     """
     problems = Problems(*REFUSALS)
-    plant = in_casing(drivetrain(scene, lay_out(scene, source), problems), scene, problems)
-    if plant is None:
+    machine = in_casing(drivetrain(scene, lay_out(scene, source), problems), scene, problems)
+    if machine is None:
         raise problems.error(source)
-    return plant
+    return machine
 
 
 def make_drivetrain(scene: Scene, source: str = "scene") -> Drivetrain:

@@ -48,12 +48,12 @@ def at_measured_speed(settings: DiagnosisSettings, runs: Sequence[xarray.Dataset
         )
     limit = QUARTER_PERIOD / settings.highest_order
     for piece in pieces:
-        apart = piece.angle - speed * piece.time
-        off = float(np.ptp(apart)) / 2
-        if off > limit:
+        deviation = piece.angle - speed * piece.time
+        most = float(np.ptp(deviation)) / 2
+        if most > limit:
             raise DiagnosisError(
                 f"window {piece.window!r}: {settings.shaft} turns at {piece.speed / (2 * math.pi):.5g} Hz in the mean "
-                f"and its angle deviates by up to {off:.3g} rad from an even rotation at {speed / (2 * math.pi):.5g} "
+                f"and its angle deviates by up to {most:.3g} rad from an even rotation at {speed / (2 * math.pi):.5g} "
                 "Hz, the mean of all windows and both runs. The highest line, of the order "
                 f"{settings.highest_order:.4g}, allows {limit:.3g} rad. "
                 "Choose a later or shorter window, in which the speed has settled."

@@ -46,7 +46,7 @@ def write_response(motion: Trajectory, labels: Mapping[str, Any], path: Path | s
     import h5py
 
     block = min(BLOCK, len(motion.time))
-    wanted = list(signals(motion))
+    everything = list(signals(motion))
     with careful_file(path) as disk:
         with h5netcdf.File(disk, "w") as file:
             file.attrs.update({**labels, **facts(motion)})
@@ -57,14 +57,14 @@ def write_response(motion: Trajectory, labels: Mapping[str, Any], path: Path | s
             for name, values in named.items():
                 stored, kind = (h5py.string_dtype(), object) if isinstance(values[0], str) else (np.dtype("<i8"), int)
                 file.create_variable(name, (name,), stored)[...] = np.array(values, dtype=kind)
-            for signal in wanted:
+            for signal in everything:
                 dims, chunks = ("time", *signal.dims), (block, *(1 for _ in signal.dims))
                 made = file.create_variable(signal.name, dims, signal.dtype, chunks=chunks, **_FILTERS)
                 made.attrs.update(signal.attributes)
         with h5py.File(disk, "r+") as file:
-            chunked = {signal.name: file[signal.name].id for signal in wanted}
+            chunked = {signal.name: file[signal.name].id for signal in everything}
             for first in range(0, len(motion.time), block):
-                for signal in wanted:
+                for signal in everything:
                     samples = read(motion, signal, slice(first, first + block))
                     whole = np.zeros((block, *signal.rows.shape), signal.dtype)
                     whole[: len(samples)] = samples

@@ -28,20 +28,20 @@ OR_BAND = ", or a lower casing.band_Hz if elements_per_wavelength is set"
 LARGEST_LOOK = 10e6  # bytes; larger housing files are not read for these checks
 
 
-def bad_casing(scene: Scene, plant: Plant) -> Iterator[Problem]:
+def bad_casing(scene: Scene, machine: Plant) -> Iterator[Problem]:
     """All problems of a casing that can be found without its mesh."""
-    made, table = plant.structure.housing, scene.casing
+    made, table = machine.structure.housing, scene.casing
     if isinstance(made, ImportedHousing):
-        cheap = list(_misplaced_seats(scene, made))
-        yield from cheap or _seats_in_file(scene, plant.layout, made)
-    if not isinstance(made, Housing) or not isinstance(plant.casing, HousingCasing):
+        misplaced = list(_misplaced_seats(scene, made))
+        yield from misplaced or _seats_in_file(scene, machine.layout, made)
+    if not isinstance(made, Housing) or not isinstance(machine.casing, HousingCasing):
         return
-    yield from _off_middle(scene, plant.layout, {bore.name: made.bore_centre(bore) for bore in made.bores}, "boss")
-    if not plant.casing.needs_mesh(plant.structure):
+    yield from _off_middle(scene, machine.layout, {bore.name: made.bore_centre(bore) for bore in made.bores}, "boss")
+    if not machine.casing.needs_mesh(machine.structure):
         return
     from fem.casing.mesh.mesher import check_element_size
 
-    sizes = plant.casing.sizes(plant.structure)
+    sizes = machine.casing.sizes(machine.structure)
     try:
         check_element_size(made, sizes.element)
     except MeshError as error:
@@ -60,7 +60,7 @@ def bad_casing(scene: Scene, plant: Plant) -> Iterator[Problem]:
         )
 
 
-def _no_hexahedra(made: Housing, sizes: Sizes, element: str, asked: float) -> Iterator[Problem]:
+def _no_hexahedra(made: Housing, sizes: Sizes, element: str, size: float) -> Iterator[Problem]:
     """Reasons why a housing cannot be meshed with hexahedra."""
     from fem.casing.mesh.section import shaft_places
 
@@ -71,7 +71,7 @@ def _no_hexahedra(made: Housing, sizes: Sizes, element: str, asked: float) -> It
             f"hexahedra of {1000 * sizes.element:.3g} mm give {count / 1e6:.1f} million nodes or more, more than "
             f"{MOST_NODES / 1e6:.1f} million",
             f"Set {1000 * sizes.element * (count / MOST_NODES) ** (1 / 2):.2g} or more{OR_BAND}",
-            f"{asked:g}",
+            f"{size:g}",
         )
         return
     try:
@@ -106,10 +106,10 @@ def _nodes(made: Housing, size: float) -> float:
 def _off_middle(scene: Scene, layout: Layout, points: dict[str, np.ndarray], what: str) -> Iterator[Problem]:
     """Bearings that are not in the middle of their seat, where their load acts on the casing."""
     carried = [found for found in bearing_names(scene.shafts) if not found[0].startswith("ground")]
-    for (name, shaft, place), wanted in zip(carried, bearing_points(scene.shafts, layout), strict=True):
+    for (name, shaft, place), target in zip(carried, bearing_points(scene.shafts, layout), strict=True):
         if name not in points:
             continue
-        middle, y = 1000 * float(points[name][1]), 1000 * wanted[1]
+        middle, y = 1000 * float(points[name][1]), 1000 * target[1]
         if abs(middle - y) > 1000 * BEARING_PLACE_TOLERANCE:
             yield Problem(
                 f"shafts.{shaft + 1}.bearing_positions_mm",
@@ -138,14 +138,14 @@ def _misplaced_seats(scene: Scene, made: ImportedHousing) -> Iterator[Problem]:
                 f"{list(seat.locator.axis)}",
             )
             continue
-        wanted = np.array(seat.shaft_point)
-        place = through + axis * (wanted[1] - through[1]) / axis[1]
-        off = float(np.hypot(*(place - wanted)[[0, 2]]))
+        target = np.array(seat.shaft_point)
+        place = through + axis * (target[1] - through[1]) / axis[1]
+        off = float(np.hypot(*(place - target)[[0, 2]]))
         if off > OFF_AXIS:
             yield Problem(
                 f"{path}.through_mm",
                 f"the axis of the seat of {seat.name} is {1000 * off:.4g} mm away from that of shaft "
-                f"{shafts[seat.name]} at x {1000 * wanted[0]:.6g}, z {1000 * wanted[2]:.6g} mm (limit "
+                f"{shafts[seat.name]} at x {1000 * target[0]:.6g}, z {1000 * target[2]:.6g} mm (limit "
                 f"{1000 * OFF_AXIS:g} mm)",
                 "Correct it, casing.housing.origin_mm, or the place of the shaft (centre_distance_mm, direction_deg)",
                 str([round(1000 * value, 6) for value in seat.locator.through]),

@@ -120,11 +120,11 @@ def flank_warnings(scene: Scene, train: Drivetrain) -> Iterator[str]:
         yield from _hidden(scene, layout, number, fault)
 
 
-def _finer(stage: int, slices: int, wanted: float, key: str) -> str:
+def _finer(stage: int, slices: int, needed: float, key: str) -> str:
     """Remedy for a fault that is small compared with the slices of a mesh."""
     if slices >= (most := most_slices()):
         return f"Raise {key}, or reduce face_width_mm"
-    limit = f"{most}, the most that a mesh has" if wanted > most else f"{math.ceil(wanted - 1e-9)}"
+    limit = f"{most}, the most that a mesh has" if needed > most else f"{math.ceil(needed - 1e-9)}"
     return f"Raise stages.{stage}.mesh.slices to {limit}"
 
 

@@ -63,10 +63,10 @@ def long_shafts(machine: MachineParts) -> Iterator[Problem]:
             yield Problem(f"shafts.{number}", str(error))
 
 
-def unheld(plant: Plant) -> Iterator[Problem]:
+def unheld(machine: Plant) -> Iterator[Problem]:
     """The shafts that take part in free motions, each with the direction in which it moves most."""
-    rows = np.array(list(_springs(plant)))
-    scaled = rows * np.tile([1.0, 1.0, 1.0, 1 / _ARM, 1 / _ARM, 1 / _ARM], len(plant.machine.shafts))
+    rows = np.array(list(_springs(machine)))
+    scaled = rows * np.tile([1.0, 1.0, 1.0, 1 / _ARM, 1 / _ARM, 1 / _ARM], len(machine.machine.shafts))
     scaled /= np.linalg.norm(scaled, axis=1)[:, None]
     _, sizes, motions = np.linalg.svd(scaled)
     held = int((sizes > _FREE * sizes[0]).sum())
@@ -84,10 +84,10 @@ def unheld(plant: Plant) -> Iterator[Problem]:
         )
 
 
-def _springs(plant: Plant) -> Iterator[np.ndarray]:
+def _springs(machine: Plant) -> Iterator[np.ndarray]:
     """Rows (6 shafts) of all springs, for the displacements and rotations of rigid shafts at y = 0."""
-    layout, machine = plant.layout, plant.machine
-    numbers = {shaft.name: number for number, shaft in enumerate(machine.shafts)}
+    layout, parts = machine.layout, machine.machine
+    numbers = {shaft.name: number for number, shaft in enumerate(parts.shafts)}
 
     def row(shaft: int, y: float, coefficients: np.ndarray) -> np.ndarray:
         found = np.zeros(6 * len(numbers))
@@ -95,17 +95,17 @@ def _springs(plant: Plant) -> Iterator[np.ndarray]:
         found[6 * shaft : 6 * shaft + 6] = coefficients + [0.0, 0.0, 0.0, y * z, 0.0, -y * x]
         return found
 
-    for bearing in machine.bearings:
+    for bearing in parts.bearings:
         for axis, stiffness in zip(BEARING_AXES, bearing.stiffness, strict=True):
             if stiffness > 0.0:
                 yield row(numbers[bearing.shaft], bearing.y, np.eye(6)[_AXES.index(axis)])
     yield row(layout.driven, 0.0, np.eye(6)[4])
-    for coupling in machine.shaft_couplings:
+    for coupling in parts.shaft_couplings:
         one, other = (numbers[shaft] for shaft in coupling.shafts)
         for direction, strength in zip(np.eye(6), coupling.stiffness, strict=True):
             if strength:
                 yield row(one, coupling.y[0], direction) - row(other, coupling.y[1], direction)
-    for mesh, law, (driving, driven) in zip(machine.meshes, plant.laws, layout.pair_shafts, strict=True):
+    for mesh, law, (driving, driven) in zip(parts.meshes, machine.laws, layout.pair_shafts, strict=True):
         line = layout.axes[driven][0] - layout.axes[driving][0], layout.axes[driven][1] - layout.axes[driving][1]
         radii = mesh.pair.pinion.base_radius, mesh.pair.wheel.base_radius
         lead = mesh.pair.pinion.hand_sign * math.tan(mesh.pair.base_helix_angle)

@@ -34,20 +34,20 @@ def checked_plant(scene: Scene, source: str) -> Plant:
         *too_long(train),
         *places,
     ]
-    plant = in_casing(train, scene, made)
-    if plant is None:
+    machine = in_casing(train, scene, made)
+    if machine is None:
         # parts beyond the end of their shaft are already listed by their keys
         more = [one for one in dict.fromkeys(made) if not (places and one.path == "shafts")]
         raise SceneError(source, [*problems, *more])
     if not places:
-        problems += long_shafts(plant.machine)
-    problems += unheld(plant)
+        problems += long_shafts(machine.machine)
+    problems += unheld(machine)
     if scene.housing is not None:
         from pipelines.machine.checks.casing_checks import bad_casing
 
-        problems += bad_casing(scene, plant)
+        problems += bad_casing(scene, machine)
     if scene.control is not None:  # without a control there is no diagnosis
-        problems += bad_windows(scene, plant)
+        problems += bad_windows(scene, machine)
     if problems:
         raise SceneError(source, problems)
-    return plant
+    return machine

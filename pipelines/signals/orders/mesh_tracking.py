@@ -149,7 +149,7 @@ def _tracked(
         steady = [line for line in lines if line.scatter < STEADY and line.largest < LARGEST][:most]
         if not steady:
             raise RotationError(unsteady)
-        angle, error = _mend(steady, angle, size)
+        angle, error = _corrected(steady, angle, size)
         used = len(steady)
     return angle, error, used
 
@@ -220,7 +220,7 @@ def _at_rest(signals: Sequence[np.ndarray], angle: np.ndarray, order: float, siz
     return _Line(order, phasor, float(np.sqrt(np.mean(second**2))), float(np.abs(second).max()))
 
 
-def _mend(lines: list[_Line], angle: np.ndarray, size: int) -> tuple[np.ndarray, float]:
+def _corrected(lines: list[_Line], angle: np.ndarray, size: int) -> tuple[np.ndarray, float]:
     """The corrected angle (time,) and the standard uncertainty of its total increase, rad.
 
     The uncertainty is the larger of two estimates: from the scatter of the phase about its smooth curve, and from the

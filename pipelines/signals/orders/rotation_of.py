@@ -74,11 +74,13 @@ def _from_pulses(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
     time = np.asarray(recording.time, dtype=float)
     pulses = find_pulses(np.asarray(tachometer, dtype=float), time, tachometer.attrs.get("level"))
     turning = angle_from_pulses(pulses, per_turn, time)
-    mended = [f"{number} {kind}" for number, kind in ((pulses.missing, "missing"), (pulses.double, "double")) if number]
+    corrected = [
+        f"{number} {kind}" for number, kind in ((pulses.missing, "missing"), (pulses.double, "double")) if number
+    ]
     words = f"tachometer on {shown(name)}, {per_turn:g} pulse{'' if per_turn == 1.0 else 's'} per turn"
     return Rotation(
         angle=turning.angle / ratio,
-        source=words + (f"; {' and '.join(mended)} pulses corrected" if mended else ""),
+        source=words + (f"; {' and '.join(corrected)} pulses corrected" if corrected else ""),
         error=turning.error / float(turning.angle[-1] - turning.angle[0]),
         absolute=per_turn == 1.0,
         mark=name,

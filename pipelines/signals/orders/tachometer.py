@@ -82,10 +82,10 @@ def find_pulses(signal: np.ndarray, time: np.ndarray, level: float | None = None
         )
     share = (upper - signal[rises - 1]) / (signal[rises] - signal[rises - 1])
     at = time[rises - 1] + share * (time[rises] - time[rises - 1])
-    return _mended(at)
+    return _numbered(at)
 
 
-def _mended(at: np.ndarray) -> Pulses:
+def _numbered(at: np.ndarray) -> Pulses:
     """Numbered pulses without double ones; missing pulses are included in the numbers.
 
     Raises
@@ -97,8 +97,8 @@ def _mended(at: np.ndarray) -> Pulses:
     spans = np.diff(at)
     around = _around(spans)
     slow = around > _SLOW * np.median(spans)  # near a stop, where times between pulses follow no rule
-    beside = np.concatenate([spans[1:2], spans, spans[-2:-1]])
-    usual = np.where(slow, np.maximum(around, 0.5 * (beside[:-2] + beside[2:])), around)
+    extended = np.concatenate([spans[1:2], spans, spans[-2:-1]])
+    usual = np.where(slow, np.maximum(around, 0.5 * (extended[:-2] + extended[2:])), around)
     multiple = spans / usual
     passed = np.rint(multiple).astype(int)
     whole = (passed >= 1) & (passed <= _MOST_MISSING + 1) & (np.abs(multiple - passed) <= _NEAR)
@@ -122,10 +122,10 @@ def _without_extra(at: np.ndarray) -> np.ndarray:
         short = spans < (1.0 - _NEAR) * _around(spans)
         joined = spans[:-1] + spans[1:]
         around = 0.5 * (np.append(joined[:1], spans[:-2]) + np.append(spans[2:], joined[-1:]))
-        apart = np.where(short[:-1] | short[1:], np.abs(joined / around - 1.0), np.inf)
-        if apart.min() > _NEAR:
+        deviation = np.where(short[:-1] | short[1:], np.abs(joined / around - 1.0), np.inf)
+        if deviation.min() > _NEAR:
             break
-        at = np.delete(at, 1 + int(apart.argmin()))
+        at = np.delete(at, 1 + int(deviation.argmin()))
     return at
 
 

@@ -66,7 +66,7 @@ class _Run:
     specimen: int
     values: Values
     shared: Values
-    drawn: Mapping[str, Any]
+    all_values: Mapping[str, Any]
     checksums: Mapping[str, Any]
 
 
@@ -104,7 +104,7 @@ def study(
     damages: dict[int, list[Damage]] = {}
     for run in runs:
         if not run.healthy:
-            train = make_drivetrain(scene_of(plan, run.drawn).scene, plan.name)
+            train = make_drivetrain(scene_of(plan, run.all_values).scene, plan.name)
             damages[run.run] = [(one.component, one.tooth) for one in known_damages(train)]
             known.setdefault(run.shared, kinematics_of(train.layout, train.rolling))
     jobs = [
@@ -159,7 +159,7 @@ def _runs(plan: Plan, folder: Path, design: Design) -> list[_Run]:
             specimen=row["values"][SPECIMEN],
             values=tuple(row["values"][name] for name in names),
             shared=tuple(row["values"][name] for name in shared),
-            drawn=row["values"],
+            all_values=row["values"],
             checksums=row["checksums"],
         )
         for row in read_rows(folder)

@@ -78,8 +78,8 @@ def _step(scene: Scene, fineness: float) -> Settings:
     return {"simulation.step_us": scene.simulation.step_us / fineness}
 
 
-def _nothing(axis: str, key: str, value: object, wanted: str) -> Settings:
-    raise AxisError(f"--over {axis}: {key} = {value!r} has nothing to refine there. Set {key} to {wanted!r}.")
+def _nothing(axis: str, key: str, value: object, remedy: str) -> Settings:
+    raise AxisError(f"--over {axis}: {key} = {value!r} has nothing to refine there. Set {key} to {remedy!r}.")
 
 
 AXES = {

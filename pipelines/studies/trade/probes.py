@@ -52,9 +52,9 @@ class Probe:
     read: Callable[[Plant, Outcome], list[Value]]
 
 
-def _gears(plant: Plant, outcome: Outcome) -> list[Value]:
+def _gears(machine: Plant, outcome: Outcome) -> list[Value]:
     values = []
-    for found in pair_laws(plant, outcome.value):
+    for found in pair_laws(machine, outcome.value):
         number, curve = found.stage, found.stiffness()
         ripple = float(np.ptp(curve.transmission_error))
         values.append(Value(name=f"stage {number} stiffness", unit="N/um", value=float(curve.secant.mean()) / 1e6))
@@ -62,11 +62,11 @@ def _gears(plant: Plant, outcome: Outcome) -> list[Value]:
     return values
 
 
-def _transmission(plant: Plant, outcome: Outcome) -> list[Value]:
+def _transmission(machine: Plant, outcome: Outcome) -> list[Value]:
     cycle = np.arange(POSITIONS) / POSITIONS
     return [
         Value(name=f"stage {found.stage} TE at {place:.4f}", unit="um", value=float(error) * 1e6)
-        for found in pair_laws(plant, outcome.value)
+        for found in pair_laws(machine, outcome.value)
         for place, error in zip(cycle, found.stiffness(cycle).transmission_error, strict=True)
     ]
 
@@ -92,12 +92,12 @@ def _natural_modes(outcome: Outcome, count: int) -> list[Value]:
     ]
 
 
-def _frf(plant: Plant, outcome: Outcome) -> list[Value]:
+def _frf(machine: Plant, outcome: Outcome) -> list[Value]:
     """Level of the Frobenius norm of the 3 x 3 accelerance (m/s2 per N) in the third octaves up to 5 kHz."""
-    if not plant.sensors:
+    if not machine.sensors:
         return []
     body = outcome.value("casing")
-    out = np.array([body.row(f"{plant.looked_for.sensor}:{axis}") for axis in ("ux", "uy", "uz")])
+    out = np.array([body.row(f"{machine.looked_for.sensor}:{axis}") for axis in ("ux", "uy", "uz")])
     into = np.array([body.row(f"bearing_1:{axis}") for axis in ("ux", "uy", "uz")])
     values = []
     for centre in 1000.0 * 2.0 ** (np.arange(-10, 8) / 3):
@@ -108,25 +108,25 @@ def _frf(plant: Plant, outcome: Outcome) -> list[Value]:
     return values
 
 
-def _machine(plant: Plant, outcome: Outcome) -> list[Value]:
+def _machine(machine: Plant, outcome: Outcome) -> list[Value]:
     from mbd.system.linearised import linear_modes
     from pipelines.machine.assembly import assemble_machine, assemble_system
 
-    machine = assemble_machine(plant.machine, [outcome.value(name) for name in plant.law_names])
-    modes = linear_modes(assemble_system(machine, outcome.value("casing"), plant.recorded))
+    assembled = assemble_machine(machine.machine, [outcome.value(name) for name in machine.law_names])
+    modes = linear_modes(assemble_system(assembled, outcome.value("casing"), machine.recorded))
     return [
         Value(name=f"machine mode {number}", unit="Hz", value=float(frequency))
         for number, frequency in enumerate(modes.frequencies[:FREQUENCIES], 1)
     ]
 
 
-def _signals(plant: Plant, outcome: Outcome) -> list[Value]:
+def _signals(machine: Plant, outcome: Outcome) -> list[Value]:
     """RMS of the resultant of the three axes of every sensor (without a casing, of every journal)."""
     from pipelines.signals.analysis import channel, channel_names
     from pipelines.signals.response import make_response
 
-    run = make_response(outcome.value("simulate"), plant.labels)
-    windows = plant.looked_for.windows or {"whole run": (0.0, plant.motion.end)}
+    run = make_response(outcome.value("simulate"), machine.labels)
+    windows = machine.looked_for.windows or {"whole run": (0.0, machine.motion.end)}
     values = []
     for window, (start, end) in windows.items():
         piece = run.sel(time=slice(start, end))
@@ -137,15 +137,15 @@ def _signals(plant: Plant, outcome: Outcome) -> list[Value]:
     return values
 
 
-def _lines(plant: Plant, outcome: Outcome) -> list[Value]:
+def _lines(machine: Plant, outcome: Outcome) -> list[Value]:
     from pipelines.signals.analysis import analyse
     from pipelines.signals.measured_speed import at_measured_speed
     from pipelines.signals.response import make_response
 
-    settings = plant.diagnosis
-    if settings is None or not plant.faults:
+    settings = machine.diagnosis
+    if settings is None or not machine.faults:
         return []
-    run = make_response(outcome.value("simulate"), plant.labels)
+    run = make_response(outcome.value("simulate"), machine.labels)
     if not settings.speed_is_known:
         settings = at_measured_speed(settings, (run,))
     found = analyse(run, settings, stream=1)
@@ -173,7 +173,7 @@ PROBES = {
     "casing": Probe(lambda _: ["casing"], lambda _, outcome: _natural_modes(outcome, FREQUENCIES)),
     "modes": Probe(lambda _: ["casing"], lambda _, outcome: _natural_modes(outcome, MODES)),
     "frf": Probe(lambda _: ["casing"], _frf),
-    "machine": Probe(lambda plant: [*plant.law_names, "casing"], _machine),
+    "machine": Probe(lambda machine: [*machine.law_names, "casing"], _machine),
     "signals": Probe(lambda _: ["simulate"], _signals),
     "lines": Probe(lambda _: ["simulate"], _lines),
 }

@@ -154,9 +154,9 @@ def tone_and_distance(error: np.ndarray, finest: np.ndarray) -> tuple[float, flo
 
     The curves (position,) cover one mesh cycle.
     """
-    apart = np.subtract(error, finest)
-    lines = 2 * np.abs(np.fft.rfft(apart)) / apart.size
-    return float(lines[LOWEST_ORDER:].max()), float(apart.std())
+    difference = np.subtract(error, finest)
+    lines = 2 * np.abs(np.fft.rfft(difference)) / difference.size
+    return float(lines[LOWEST_ORDER:].max()), float(difference.std())
 
 
 def slicing_table(name: str, found: RefinementStudy) -> Grid:

@@ -48,10 +48,10 @@ def _percent(error: float | None) -> str:
 
 def answers(found: Tradeoff, error: float, seconds: float) -> list[str]:
     """Sentences: the fastest choice within an error, the most accurate one within a time, and refused choices."""
-    cheap, exact = found.cheapest(error), found.most_accurate(seconds)
+    fastest, exact = found.cheapest(error), found.most_accurate(seconds)
     lines = [
-        f"Within {100 * error:g} % error of sensor rms the least expensive is {_words(cheap)}."
-        if cheap
+        f"Within {100 * error:g} % error of sensor rms the least expensive is {_words(fastest)}."
+        if fastest
         else f"No choice has at most {100 * error:g} % error of sensor rms. Raise --error.",
         f"Within {seconds:g} s the most accurate is {_words(exact)}."
         if exact

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import xarray
 
 SHOWS = 6.0  # dB over the healthy control
-APART = -20.0  # dB; signals that differ by a tenth
+SIGNALS_DIFFER = -20.0  # dB; signals that differ by a tenth
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -130,7 +130,9 @@ CLAIMS: dict[str, tuple[Claim, ...]] = {
         Claim("peak of the time-synchronous average", "tsa_peak", added_in_lifting, EQUAL, (_ADDED,)),
     ),
     "Rope and constant torque give different signals: rope over torque, faulty machine": (
-        Claim("difference of the signals, sample by sample", "difference", rope_over_torque, APART, (_STEADY,)),
+        Claim(
+            "difference of the signals, sample by sample", "difference", rope_over_torque, SIGNALS_DIFFER, (_STEADY,)
+        ),
         Claim("level of the acceleration", "level", rope_over_torque, EQUAL, (_STEADY,)),
         Claim("largest force in the mesh of stage 1", "mesh_force", rope_over_torque, EQUAL, (_STEADY,)),
     ),

@@ -87,10 +87,10 @@ def load_levels(
     signals = [channel(run, sensor).sel(axis=axis).values.astype(float) for run in cut]
     force = [float(np.abs(run.mesh_force.isel(stage=0).values).max()) for run in cut]
     with_rope, with_torque = (float(signal.std()) for signal in signals)
-    apart = float(root_mean_square(signals[0] - signals[1]))
+    difference = float(root_mean_square(signals[0] - signals[1]))
     return {
         "level": decibel(with_rope, with_torque),
-        "difference": decibel(apart, with_torque),
+        "difference": decibel(difference, with_torque),
         "mesh_force": decibel(force[0], force[1]),
     }
 

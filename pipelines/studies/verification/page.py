@@ -155,7 +155,7 @@ def write(folder: Path, evidence: Evidence, found: Verdicts, facts: Mapping[str,
     folder.mkdir(parents=True, exist_ok=True)
     page, data = folder / "claims.md", folder / "claims.json"
     page.write_text(markdown(found), encoding="utf-8")
-    told = {
+    content = {
         **facts,
         "claims": [
             {
@@ -171,7 +171,7 @@ def write(folder: Path, evidence: Evidence, found: Verdicts, facts: Mapping[str,
         "levels": evidence.levels.to_dict(),
         "loads": evidence.loads.to_dict(),
     }
-    data.write_text(json.dumps(told, indent=1), encoding="utf-8")
+    data.write_text(json.dumps(content, indent=1), encoding="utf-8")
     return page, data
 
 

@@ -89,15 +89,15 @@ def simulated(seeds: int, preset: str, work: Work) -> Evidence:
     """
     scenes = {case.name: scene_of(case, preset) for case in cases(seeds)}
     built = build_variants(scenes, lambda _: ["simulate"], work, ("step", "energy"))
-    plants = {case: built[case.name][0] for case in cases(seeds)}
-    looked_for = {  # by load
-        case.load: plant.diagnosis
-        for case, plant in plants.items()
-        if plant.diagnosis is not None and case.state == "faulty"
+    machines = {case: built[case.name][0] for case in cases(seeds)}
+    settings_by_load = {  # by load
+        case.load: machine.diagnosis
+        for case, machine in machines.items()
+        if machine.diagnosis is not None and case.state == "faulty"
     }
 
     def run(case: Case) -> xarray.Dataset:
-        return make_response(built[case.name][1].value("simulate"), plants[case].labels)
+        return make_response(built[case.name][1].value("simulate"), machines[case].labels)
 
     levels: dict[tuple[str, ...], Levels] = {}
     loads: dict[tuple[str, ...], Levels] = {}
@@ -108,10 +108,10 @@ def simulated(seeds: int, preset: str, work: Work) -> Evidence:
                 for state in STATES
                 for load in LOADS
             }
-            for load, settings in looked_for.items():
+            for load, settings in settings_by_load.items():
                 pair = fault_levels(runs["faulty", load], runs["healthy", load], settings)
                 levels |= {(losses, load, str(seed), *where): found for where, found in pair.items()}
-            for stretch, found in _load_levels(runs, looked_for["rope"]).items():
+            for stretch, found in _load_levels(runs, settings_by_load["rope"]).items():
                 loads[losses, str(seed), stretch] = found
     return Evidence(
         levels=_table(levels, ("losses", "load", "seed", "state", "window", "measure")),
