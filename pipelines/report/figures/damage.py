@@ -78,24 +78,24 @@ def drawn_tooth(
 
 def _with_wear(tooth: DrawnTooth, section: Section, pair: GearPair, fault: ToothFault) -> DrawnTooth:
     deepest = 1e6 * tooth.depth.max()
-    return _described(tooth, f"up to {deepest:.3g} µm gone from the flank{_scaled(tooth)}")
+    return _told(tooth, f"up to {deepest:.3g} µm gone from the flank{_scaled(tooth)}")
 
 
 def _with_spall(tooth: DrawnTooth, section: Section, pair: GearPair, fault: SpalledTooth) -> DrawnTooth:
     size = f"{1000 * fault.height:.3g} x {1000 * fault.length:.3g} mm, {1e6 * fault.depth:.3g} µm deep"
     words = f"spall on the {fault.flank} flank: {size}{_scaled(tooth)}"
-    return replace(_described(tooth, words), flank=1 if fault.flank == "drive" else -1)
+    return replace(_told(tooth, words), flank=1 if fault.flank == "drive" else -1)
 
 
 def _with_pits(tooth: DrawnTooth, section: Section, pair: GearPair, fault: PittedTooth) -> DrawnTooth:
     words = f"{len(fault.pits(section.gear))} pits on the {fault.flank} flank{_scaled(tooth)}"
-    return replace(_described(tooth, words), flank=1 if fault.flank == "drive" else -1)
+    return replace(_told(tooth, words), flank=1 if fault.flank == "drive" else -1)
 
 
 def _with_chip(tooth: DrawnTooth, section: Section, pair: GearPair, fault: ChippedTooth) -> DrawnTooth:
     piece = "corner" if fault.corner else "piece"
     words = f"{piece} broken off: {1000 * fault.depth:.3g} mm deep, {1000 * fault.extent:.3g} mm long"
-    return replace(_described(tooth, words), end=_side(fault.end))
+    return replace(_told(tooth, words), end=_side(fault.end))
 
 
 def _with_crack(tooth: DrawnTooth, section: Section, pair: GearPair, fault: CrackedTooth) -> DrawnTooth:
@@ -113,7 +113,7 @@ def _with_crack(tooth: DrawnTooth, section: Section, pair: GearPair, fault: Crac
     falling = "" if fault.far_depth is None else f" to {1000 * fault.far_depth:.3g}"
     words = f"crack {1000 * fault.depth:.3g}{falling} mm deep from the fillet, {1000 * extent:.3g} mm long"
     return replace(
-        _described(tooth, words),
+        _told(tooth, words),
         sheets=(*tooth.sheets, sheet),
         lines=(*tooth.lines, sheet[:, 0], *ends),
         end=0 if fault.extent is None else _side(fault.end),
@@ -122,7 +122,7 @@ def _with_crack(tooth: DrawnTooth, section: Section, pair: GearPair, fault: Crac
 
 
 def _with_gap(tooth: DrawnTooth, section: Section, pair: GearPair, fault: MissingTooth) -> DrawnTooth:
-    return replace(_described(tooth, "tooth broken off at the root"), missing=True)
+    return replace(_told(tooth, "tooth broken off at the root"), missing=True)
 
 
 DRAWN: dict[type[ToothFault], Callable[..., DrawnTooth]] = {
@@ -207,9 +207,9 @@ def _scale(depth: float, module: float) -> float:
     """Round factor, at least 1, by which wear is enlarged to a depth of about DRAWN_DEPTH."""
     if depth <= 0.0 or depth >= DRAWN_DEPTH * module:
         return 1.0
-    factor = DRAWN_DEPTH * module / depth
-    power = 10.0 ** math.floor(math.log10(factor))
-    return max(step * power for step in _ROUND if step * power <= factor)
+    wanted = DRAWN_DEPTH * module / depth
+    power = 10.0 ** math.floor(math.log10(wanted))
+    return max(step * power for step in _ROUND if step * power <= wanted)
 
 
 def _edges(fault: ToothFault, face_width: float) -> list[float]:
@@ -221,6 +221,6 @@ def _side(end: str) -> int:
     return 1 if end == "+y" else -1
 
 
-def _described(tooth: DrawnTooth, words: str) -> DrawnTooth:
+def _told(tooth: DrawnTooth, words: str) -> DrawnTooth:
     known = tooth.words.split("; ") if tooth.words else []
     return replace(tooth, words="; ".join(dict.fromkeys([*known, words])))

@@ -117,8 +117,8 @@ def cut_down(section: Section, height: np.ndarray) -> tuple[np.ndarray, np.ndarr
     -------
     points (s, k, 2), and which of them are on the fracture (s, k)
     """
-    healthy, radius = section.points, section.radius
-    flat = np.repeat(healthy[None], len(height), axis=0)
+    sound, radius = section.points, section.radius
+    flat = np.repeat(sound[None], len(height), axis=0)
     broken = np.zeros(flat.shape[:2], dtype=bool)
     peak = int(np.argmax(radius))
     for row, left in enumerate(height):
@@ -126,7 +126,7 @@ def cut_down(section: Section, height: np.ndarray) -> tuple[np.ndarray, np.ndarr
         if gone.size == 0:
             continue
         rising = slice(0, peak + 1)
-        angle = np.arctan2(healthy[:, 1], healthy[:, 0])
+        angle = np.arctan2(sound[:, 1], sound[:, 0])
         corner = abs(float(np.interp(left, radius[rising], angle[rising])))
         side = np.linspace(-corner, corner, gone.size)
         chord = left * math.cos(corner) * np.tan(side)
