@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from pipelines.diagnosis.prediction import FEWEST_FOR_P
+from pipelines.diagnosis.prediction import FEWEST_FOR_TREND
 from pipelines.signals.features.table import FeatureTable
 
 OUTLYING = 0.01  # probability that a healthy recording differs so much from the accepted ones
@@ -56,16 +56,16 @@ def check_baseline(
             raise BaselineError(f"{name} is the same recording as {twice[0]}. Give each healthy recording once.")
 
 
-def outlying(healthy: np.ndarray, difference: Callable[[np.ndarray, np.ndarray], float]) -> list[int]:
+def outlying(healthy: np.ndarray, difference: Callable[[int, np.ndarray], float]) -> list[int]:
     """Numbers of the outlying recordings; empty if there are too few recordings.
 
     Parameters
     ----------
     healthy : levels (recording, channel, line), dB
     difference : function that returns the probability that a healthy recording differs as much from accepted ones;
-        its arguments are levels (channel, line) and (recording, channel, line)
+        its arguments are the number of the recording and those of the accepted ones (accepted,)
     """
-    core = max(FEWEST_FOR_P, len(healthy) // 2 + 1)
+    core = max(FEWEST_FOR_TREND, len(healthy) // 2 + 1)
     if len(healthy) <= core:
         return []
     away = np.abs(healthy - np.median(healthy, axis=0))
@@ -73,7 +73,7 @@ def outlying(healthy: np.ndarray, difference: Callable[[np.ndarray, np.ndarray],
     distance = np.divide(away, size, out=np.zeros_like(away), where=size > 0.0).mean(axis=(1, 2))
     taken, rest = np.split(np.argsort(distance), [core])
     while len(rest):
-        chances = [difference(healthy[one], healthy[taken]) for one in rest]
+        chances = [difference(int(one), taken) for one in rest]
         best = int(np.argmax(chances))
         if chances[best] <= OUTLYING:
             return sorted(rest.tolist())

@@ -21,8 +21,9 @@ class FeatureTable(Record):
     """Features of a recording; `value` is in the unit of the signal or dimensionless.
 
     A line is a feature of a component. `tooth` is the tooth of each `gear` with the highest envelope energy, which is
-    significant only if the gear is damaged. `band_low` and `band_high` are the ends of the envelope band by `window`.
-    `left_out` are shafts with too few turns or of conditional speed, with the reason.
+    significant only if the gear is damaged. `band_low` and `band_high` are the ends of the envelope band by `window`,
+    `speed` is the mean speed of the first shaft. `left_out` are shafts with too few turns or of conditional speed, with
+    the reason.
     """
 
     sensor: tuple[str, ...] = names("channel")
@@ -35,6 +36,7 @@ class FeatureTable(Record):
     window: tuple[str, ...] = names("window")
     band_low: np.ndarray = array("window", units="Hz")
     band_high: np.ndarray = array("window", units="Hz")
+    speed: np.ndarray = array("window", units="Hz")
     left_out: tuple[str, ...] = names("left_out")
 
     @property
