@@ -7,8 +7,9 @@ Let m be the mean of n healthy levels (dB) and s their standard deviation. The d
 s0 is the common standard deviation of all levels of one kind. Its weight d0 is the larger, the less the standard
 deviations of a kind differ (Smyth 2004). Channels of one machine are not independent, so d0 is at most d.
 
-Levels depend on load and speed, and the load changes the speed of a motor. Where a line over the speed predicts the
-levels of left-out recordings better than their mean does, the levels are taken at the speed of the new recording.
+Levels depend on load and speed, and the load changes the speed of a motor. If a linear regression over the speed
+predicts the levels of omitted recordings better than their mean does, the levels are predicted for the speed of the new
+recording.
 
 Probabilities come from simulated healthy machines. Levels of real machines have heavier tails than a normal
 distribution, so the simulated levels have Student's distribution with TAILS degrees of freedom. A mean over several
@@ -68,10 +69,11 @@ def moderated(healthy: np.ndarray, kinds: Sequence[str], least: float) -> tuple[
 
 
 def at_speed(healthy: np.ndarray, speeds: np.ndarray, speed: float) -> np.ndarray:
-    """Healthy levels as they would be at a speed, if they depend on it; otherwise as they are.
+    """Healthy levels, predicted for a speed if they depend on it; otherwise unchanged.
 
-    Their mean is the line at the speed, their standard deviation that of the residuals, as n - 2 of them are free. It
-    is larger by the uncertainty of the line there than by that of a mean.
+    The mean of the predicted levels is the regression line at the speed. Their standard deviation is that of the
+    residuals, which have n - 2 degrees of freedom. It is increased such that the deviation of a new level from the mean
+    contains the uncertainty of the line at this speed.
 
     Parameters
     ----------
@@ -81,13 +83,13 @@ def at_speed(healthy: np.ndarray, speeds: np.ndarray, speed: float) -> np.ndarra
 
     Returns
     -------
-    levels (recording, channel, line), of one recording less if they depend on the speed
+    levels (recording, channel, line), for one recording less if they depend on the speed
     """
     from scipy.linalg import null_space
 
     count, mean = len(healthy), speeds.mean()
     away, reach = speeds - mean, BEYOND * np.ptp(speeds)
-    share = 1.0 / count + away**2 / max(float(away @ away), np.finfo(float).tiny)  # of a recording in its own line
+    share = 1.0 / count + away**2 / max(float(away @ away), np.finfo(float).tiny)  # leverage of each recording
     inside = speeds.min() - reach <= speed <= speeds.max() + reach
     if count < FEWEST_FOR_TREND or not inside or reach == 0.0 or share.max() > 1.0 - _ROUNDING:
         return healthy

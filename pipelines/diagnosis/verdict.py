@@ -338,7 +338,7 @@ def _changes(lines: _Lines, levels: np.ndarray, healthy: np.ndarray) -> tuple[Ch
 def _compared(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> tuple[np.ndarray, np.ndarray]:
     """Levels (channel, line) of the recording and (recording, channel, line) of the healthy ones, dB.
 
-    Weak orders of a shaft hardly count, see `counted`.
+    Weak orders of a shaft have little weight, see `counted`.
     """
     healthy = np.array([other.channel_levels for other in baseline])
     rms = healthy[:, :, recording.lines.index((WHOLE, "rms"))].mean(axis=0)
@@ -351,10 +351,11 @@ def _speeds(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> tuple[
 
 
 def counted(levels: np.ndarray, features: Sequence[str], rms: np.ndarray) -> np.ndarray:
-    """Levels (..., feature), dB, as they count: to the power of an order of a shaft, LEAST_ORDER is added.
+    """Levels (..., feature), dB, for a diagnosis: the power at LEAST_ORDER is added to that of an order of a shaft.
 
-    Lines that hardly add to the vibration, noise alone among them, then scatter little. The larger of line and
-    LEAST_ORDER would not do: of lines just below it, eight healthy ones can all be equal while the ninth exceeds it.
+    Lines that hardly contribute to the vibration, or consist of noise, then scatter little. The maximum of the level
+    and LEAST_ORDER is not suitable: levels just below it would be equal in all healthy recordings, without any scatter,
+    and the next recording may exceed it.
 
     Parameters
     ----------

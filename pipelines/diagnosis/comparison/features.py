@@ -36,7 +36,7 @@ class Features:
     def difference(self) -> np.ndarray:
         """Levels (recording, line) over those of the first recording, dB.
 
-        Weak orders of a shaft hardly count, as in a verdict.
+        Weak orders of a shaft have little weight, as in a verdict.
         """
         rms = self.level[0, self.lines.index((WHOLE, "rms"))]
         level = counted(self.level, [feature for _, feature in self.lines], rms)
