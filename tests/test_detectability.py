@@ -14,7 +14,8 @@ from pipelines.datasets.rows import read_row
 from pipelines.datasets.scenes import make_draws, scene_of
 from pipelines.diagnosis.prediction import LEAST_SPREAD, limit, moderated
 from pipelines.diagnosis.simulated import FeatureSettings
-from pipelines.diagnosis.verdict import ALARM
+from pipelines.diagnosis.verdict import ALARM, judge
+from pipelines.diagnosis.words import sentences
 from pipelines.io.errors import InputError
 from pipelines.machine.checks.validity import checked_plant
 from pipelines.scene.file import load_scene
@@ -51,6 +52,7 @@ def table(levels, tooth=0):
         window=("steady",),
         band_low=np.array([100.0]),
         band_high=np.array([1000.0]),
+        speed=np.array([10.0]),
         left_out=(),
     )
 
@@ -59,6 +61,20 @@ def drawn(count, rises, seed, tooth=0):
     """Recordings whose levels (channel, component) are normal about their rises, standard deviation 1 dB."""
     noise = np.random.default_rng(seed).standard_normal((count, *np.atleast_2d(rises).shape))
     return [table(rises + one, tooth) for one in noise]
+
+
+def test_a_baseline_of_many_loads_finds_damage_that_its_scatter_would_hide():
+    speeds, noise = np.linspace(29.6, 29.8, 11), 0.3 * np.random.default_rng(4).standard_normal((11, 1, 3))
+    levels = 50.0 * (speeds - 29.7)[:, None, None] + noise  # 10 dB from the lowest to the highest load
+    one = [table(level).replaced(speed=[speed]) for level, speed in zip(levels, speeds, strict=True)]
+    damaged, healthy = table(levels[5] + [[0.0, 0.0, 4.0]]).replaced(speed=[speeds[5]]), one[:5] + one[6:]
+    found = judge(damaged, healthy, KINEMATICS)
+    assert found.damaged
+    assert found.first.component == "stage 1 wheel"
+    assert "depend on the speed" in " ".join(sentences(found))
+    alike = judge(damaged.replaced(speed=[29.7]), [other.replaced(speed=[29.7]) for other in healthy], KINEMATICS)
+    assert not alike.damaged
+    assert "depend on the speed" not in " ".join(sentences(alike))
 
 
 def machines(rises, damage=("stage 1 wheel", 7), tooth=7, damaged=150, healthy=150, seed=0):

@@ -108,7 +108,7 @@ class _Run:
     """The state of a run: the results so far, and what is at work.
 
     Long steps are built in child processes (`_away`) where two of them can be, one short step in a thread at the same
-    time (`_beside`), and all others here.
+    time (`_beside`), and all others here. Without children at work the thread takes one of several short steps, too.
     """
 
     def __init__(
@@ -137,18 +137,20 @@ class _Run:
         """Build everything; the results in the order of the graph."""
         with one_thread(), Processes(self._processes) as children:
             while any(name not in self._results for name in self._graph.steps):
-                while not self._events.empty() or (self._beside and not self._away):
+                while not self._events.empty():
                     self._take_event()
-                ready = [(step, key) for step, key in self._reuse() if key not in self._away.values()]
+                at_work = {*self._away.values(), *self._beside.values()}
+                ready = [(step, key) for step, key in self._reuse() if key not in at_work]
                 if self._drop_damaged(ready):
                     continue
                 ready = self._send_away(ready, children)
                 if self._away:
                     self._prepare()
+                if self._away or (len(ready) > 1 and self._processes > 1):
                     ready = self._start_beside(ready)
                 if ready:
                     self._build(*ready[0], children)
-                elif self._away:
+                elif self._away or self._beside:
                     for step in self._graph:
                         if step.name not in self._results and step.inputs:
                             step.load()  # while the children work
@@ -219,7 +221,10 @@ class _Run:
                 self._prepared[step.name] = in_thread(_work_ahead, step, taken)
 
     def _start_beside(self, ready: Ready) -> Ready:
-        """Build one short step that no long one waits for in a thread; those that long ones wait for."""
+        """Build one short step that no long one waits for in a thread; those that are left to be built here.
+
+        These are the ones that long steps wait for and, with no child at work, all others.
+        """
         spare = [(step, key) for step, key in ready if step.name not in self._awaited]
         if spare and not self._beside:
             step, key = spare[0]
@@ -227,7 +232,8 @@ class _Run:
             self._beside[step.name] = key
             made = in_thread(build_here, step, key, self._upstream(step), self._cache)
             made.add_done_callback(functools.partial(self._put, step))
-        return [(step, key) for step, key in ready if step.name in self._awaited]
+        at_work = self._beside.values()
+        return [one for one in ready if one[0].name in self._awaited or not (self._away or one[1] in at_work)]
 
     def _build(self, step: Step, key: str, children: Processes) -> None:
         """Build a step in this thread."""

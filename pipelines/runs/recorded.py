@@ -38,7 +38,6 @@ class Recorded:
 
     name: str
     table: FeatureTable
-    frequency: float  # Hz, mean of the first shaft in the first window
     turning: str
     warnings: tuple[str, ...]
 
@@ -121,8 +120,8 @@ def recorded_parts(
 
 def other_speeds(own: Recorded, healthy: Mapping[str, Recorded]) -> list[str]:
     """A warning if healthy recordings (by name) were made at other speeds, on which levels depend."""
-    speeds = {name: 60.0 * one.frequency for name, one in healthy.items()}
-    rpm = 60.0 * own.frequency
+    speeds = {name: 60.0 * float(one.table.speed[0]) for name, one in healthy.items()}
+    rpm = 60.0 * float(own.table.speed[0])
     other = [f"{name} {speed:.5g} rpm" for name, speed in speeds.items() if abs(speed / rpm - 1.0) > _SAME_SPEED]
     if not other:
         return []
@@ -235,14 +234,12 @@ def read_features(path: Path, machine: Machine, windows: Windows | None) -> Reco
             table = run_features(recording, settings, rotation)
         except (FeatureError, RotationError) as error:
             raise InputError(f"{shown(path)}: {error}") from error
-    turning, frequency = _turning(rotation, time, machine.kinematics, windows)
-    return Recorded(name=path.name, table=table, frequency=frequency, turning=turning, warnings=warnings)
+    turning = _turning(rotation, time, machine.kinematics, windows)
+    return Recorded(name=path.name, table=table, turning=turning, warnings=warnings)
 
 
-def _turning(
-    rotation: Rotation, time: np.ndarray, kinematics: Kinematics, windows: Windows | None
-) -> tuple[str, float]:
-    """Speed and mesh frequencies in the first window and where the speed comes from, in words; the speed in Hz."""
+def _turning(rotation: Rotation, time: np.ndarray, kinematics: Kinematics, windows: Windows | None) -> str:
+    """Speed and mesh frequencies in the first window and where the speed comes from, in words."""
     import numpy as np
 
     start, end = next(iter((windows or {"": (time[0], time[-1])}).values()))
@@ -256,11 +253,10 @@ def _turning(
     conditional = "".join(
         f" The speed of {shaft} is conditional: {reason}." for shaft, reason in rotation.conditional.items()
     )
-    words = (
+    return (
         f"{kinematics.shafts[0].name} turns {turned:.1f} times in {start:.4g} to {end:.4g} s: {60 * frequency:.5g} "
         f"rpm{known}, f_r {frequency:.5g} Hz{meshes}. Source: {rotation.source}.{conditional}"
     )
-    return words, frequency
 
 
 def file_words(found: JudgedFile) -> str:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipelines.diagnosis.comparison.part import Part
-from pipelines.diagnosis.verdict import least_levels
+from pipelines.diagnosis.verdict import counted
 from pipelines.signals.features.recorded import feature_table
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
@@ -36,11 +36,11 @@ class Features:
     def difference(self) -> np.ndarray:
         """Levels (recording, line) over those of the first recording, dB.
 
-        Weak orders of a shaft are raised to the least level that counts in a verdict: below is noise.
+        Weak orders of a shaft hardly count, as in a verdict.
         """
         rms = self.level[0, self.lines.index((WHOLE, "rms"))]
-        counted = np.maximum(self.level, least_levels([feature for _, feature in self.lines], rms))
-        return counted - counted[0]
+        level = counted(self.level, [feature for _, feature in self.lines], rms)
+        return level - level[0]
 
     @property
     def rms(self) -> np.ndarray:
