@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from pipelines.diagnosis.prediction import FEWEST_FOR_P
+from pipelines.diagnosis.prediction import FEWEST_FOR_TREND
 from pipelines.signals.features.table import FeatureTable
 
 OUTLYING = 0.01  # probability that a healthy recording differs so much from those that were taken before
@@ -56,15 +56,15 @@ def check_baseline(
             raise BaselineError(f"{name} is the same recording as {twice[0]}. Give each healthy recording once.")
 
 
-def outlying(healthy: np.ndarray, difference: Callable[[np.ndarray, np.ndarray], float]) -> list[int]:
+def outlying(healthy: np.ndarray, difference: Callable[[int, np.ndarray], float]) -> list[int]:
     """Numbers of the recordings that are not like the others; none if there are too few to find out.
 
     Parameters
     ----------
     healthy : levels (recording, channel, line), dB
-    difference : probability that a recording (channel, line) is another one of (recording, channel, line)
+    difference : probability that the recording of a number is another one of those of some numbers
     """
-    core = max(FEWEST_FOR_P, len(healthy) // 2 + 1)
+    core = max(FEWEST_FOR_TREND, len(healthy) // 2 + 1)
     if len(healthy) <= core:
         return []
     away = np.abs(healthy - np.median(healthy, axis=0))
@@ -72,7 +72,7 @@ def outlying(healthy: np.ndarray, difference: Callable[[np.ndarray, np.ndarray],
     distance = np.divide(away, size, out=np.zeros_like(away), where=size > 0.0).mean(axis=(1, 2))
     taken, rest = np.split(np.argsort(distance), [core])
     while len(rest):
-        chances = [difference(healthy[one], healthy[taken]) for one in rest]
+        chances = [difference(int(one), taken) for one in rest]
         best = int(np.argmax(chances))
         if chances[best] <= OUTLYING:
             return sorted(rest.tolist())

@@ -7,14 +7,18 @@ With m the mean of n healthy levels (dB) and s their standard deviation, a new l
 s0 is the scale that all levels of one kind have in common, and d0 its weight (Smyth 2004): the less the scales of a
 kind differ, the larger. Channels of one machine are not independent, so d0 is at most d.
 
+Levels depend on load and speed, and the load changes the speed of a motor. Where a line over the speed predicts the
+levels of left-out recordings better than their mean does, the levels are taken at the speed of the new recording.
+
 Probabilities come from simulated healthy machines. Levels of real machines have heavier tails than a normal
 distribution, so the simulated levels have Student's distribution with TAILS degrees of freedom. A mean over several
 features has lighter tails; the estimator of Asmussen & Kroese (2006) gives them.
 
 References
 ----------
-Smyth (2004), Stat. Appl. Genet. Mol. Biol. 3(1), 3 (moderated scales); Asmussen & Kroese (2006), Adv. Appl. Probab.
-38(2), 545-558 (tails of sums); Clopper & Pearson (1934), Biometrika 26(4), 404-413.
+Smyth (2004), Stat. Appl. Genet. Mol. Biol. 3(1), 3 (moderated scales); Allen (1974), Technometrics 16(1), 125-127
+(errors of prediction); Asmussen & Kroese (2006), Adv. Appl. Probab. 38(2), 545-558 (tails of sums); Clopper & Pearson
+(1934), Biometrika 26(4), 404-413.
 """
 
 from __future__ import annotations
@@ -26,9 +30,12 @@ from functools import cache
 import numpy as np
 
 FEWEST_FOR_P = 5  # recordings; with fewer the standard deviation is hardly known
+FEWEST_FOR_TREND = FEWEST_FOR_P + 1  # recordings: the slope takes the place of one
+BEYOND = 0.5  # of the range of their speeds: how far outside it levels follow the line
 LEAST_SPREAD = 0.25  # dB, 3 %: levels of a model may repeat better, those of a sensor that is mounted anew hardly do
 TAILS = 5.0  # degrees of freedom of healthy levels
 _UNIT = math.sqrt(TAILS / (TAILS - 2.0))  # standard deviation of Student's distribution with TAILS
+_ROUNDING = 1e-9
 _DRAWS = 4000  # simulated baselines
 _GRID = np.concatenate([np.linspace(-10.0, 20.0, 121), np.geomspace(20.5, 1000.0, 60)])  # standard deviations
 
@@ -58,6 +65,43 @@ def moderated(healthy: np.ndarray, kinds: Sequence[str], least: float) -> tuple[
     prior = max(int(np.sum(worth >= excess)), 1)
     pooled = np.exp(common + digamma(prior / 2) - math.log(prior / 2) - np.mean(drawn))
     return np.sqrt((prior * pooled + freedom * variance) / (prior + freedom)), prior
+
+
+def at_speed(healthy: np.ndarray, speeds: np.ndarray, speed: float) -> np.ndarray:
+    """Healthy levels as they would be at a speed, if they depend on it; otherwise as they are.
+
+    Their mean is the line at the speed, their standard deviation that of the residuals, as n - 2 of them are free. It
+    is larger by the uncertainty of the line there than by that of a mean.
+
+    Parameters
+    ----------
+    healthy : levels (recording, channel, line)
+    speeds : of the recordings (recording,), in the unit of `speed`
+    speed : of the recording that is compared with them
+
+    Returns
+    -------
+    levels (recording, channel, line), of one recording less if they depend on the speed
+    """
+    from scipy.linalg import null_space
+
+    count, mean = len(healthy), speeds.mean()
+    away, reach = speeds - mean, BEYOND * np.ptp(speeds)
+    share = 1.0 / count + away**2 / max(float(away @ away), np.finfo(float).tiny)  # of a recording in its own line
+    inside = speeds.min() - reach <= speed <= speeds.max() + reach
+    if count < FEWEST_FOR_TREND or not inside or reach == 0.0 or share.max() > 1.0 - _ROUNDING:
+        return healthy
+    centred = healthy - healthy.mean(axis=0)
+    slope = np.tensordot(away, centred, axes=1) / (away @ away)
+    rest = centred - away[:, None, None] * slope
+    of_line = np.sum((rest / (1.0 - share)[:, None, None]) ** 2, axis=0)
+    of_mean = np.sum((centred / (1.0 - 1.0 / count)) ** 2, axis=0)
+    if 2 * int((of_line < of_mean).sum()) <= int((of_mean > 0.0).sum()):
+        return healthy
+    wider = (1.0 + 1.0 / count + (speed - mean) ** 2 / (away @ away)) / (1.0 + 1.0 / (count - 1))
+    free = null_space(np.stack([np.ones(count), away / np.abs(away).max()])).T @ rest.reshape(count, -1)
+    turned = math.sqrt(wider) * null_space(np.ones((1, count - 1))) @ free
+    return np.asarray(healthy.mean(axis=0) + (speed - mean) * slope + turned.reshape(-1, *healthy.shape[1:]))
 
 
 def deviations(levels: np.ndarray, healthy: np.ndarray, spread: np.ndarray) -> np.ndarray:

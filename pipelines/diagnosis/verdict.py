@@ -32,6 +32,7 @@ from pipelines.diagnosis.impacts import CLEAR, in_race_or_element
 from pipelines.diagnosis.prediction import (
     FEWEST_FOR_P,
     LEAST_SPREAD,
+    at_speed,
     clopper_pearson,
     deviations,
     limit,
@@ -94,10 +95,10 @@ class Change:
 class Verdict:
     """`findings` with the strongest evidence first; `different` and `damaged` None without a limit.
 
-    `p_different` is corrected for all features and channels; `changes` are those that differ, the clearest first. Of
-    `tested` healthy recordings `false_differences` and `false_alarms` are different or damaged against the others, none
-    tested if the others would be too few. `outlying` healthy recordings are left out; `left_out` are components that
-    turn too seldom, in words.
+    `p_different` is corrected for all features and channels; `changes` are those that differ, the clearest first.
+    `at_speed`: the levels of the healthy recordings depend on the speed. Of `tested` healthy recordings
+    `false_differences` and `false_alarms` are different or damaged against the others, none tested if the others would
+    be too few. `outlying` healthy recordings are left out; `left_out` are components that turn too seldom, in words.
     """
 
     findings: tuple[Finding, ...]
@@ -107,6 +108,7 @@ class Verdict:
     changes: tuple[Change, ...]
     exact: bool
     healthy: int
+    at_speed: bool
     outlying: tuple[str, ...]
     tested: int
     false_differences: int
@@ -174,22 +176,29 @@ def judge(
     names = names or [f"healthy recording {number}" for number in range(1, len(baseline) + 1)]
     check_baseline(recording, baseline, names, exact)
     levels, healthy = _compared(recording, baseline)
+    speed, speeds = _speeds(recording, baseline)
     lines = _Lines(recording)
-    odd = [] if exact else outlying(healthy, lambda one, others: min(lines.chances(one, others)))
-    kept = np.delete(healthy, odd, axis=0)
+
+    def chances(one: int, others: np.ndarray) -> tuple[float, float]:
+        return lines.chances(healthy[one], at_speed(healthy[others], speeds[others], speeds[one]))
+
+    odd = [] if exact else outlying(healthy, lambda one, others: min(chances(one, others)))
+    kept = np.delete(np.arange(len(healthy)), odd)
     tested = len(kept) if len(kept) > FEWEST_FOR_P and not exact else 0
-    others = [lines.chances(kept[i], np.delete(kept, i, axis=0)) for i in range(tested)]
-    enough = len(kept) >= FEWEST_FOR_P
-    different = lines.chances(levels, kept)[0] if enough else None
-    findings = _findings(lines, levels, kept, kinematics)
+    others = [chances(one, kept[kept != one]) for one in kept[:tested]]
+    reference = at_speed(healthy[kept], speeds[kept], speed)
+    enough = len(reference) >= FEWEST_FOR_P
+    different = lines.chances(levels, reference)[0] if enough else None
+    findings = _findings(lines, levels, reference, kinematics)
     return Verdict(
         findings=findings,
         different=None if different is None else different <= DIFFERENT,
         damaged=any(one.damaged for one in findings) if enough else None,
         p_different=different,
-        changes=_changes(lines, levels, kept) if enough else (),
+        changes=_changes(lines, levels, reference) if enough else (),
         exact=exact,
         healthy=len(kept),
+        at_speed=len(reference) < len(kept),
         outlying=tuple(names[i] for i in odd),
         tested=tested,
         false_differences=sum(one <= DIFFERENT for one, _ in others),
@@ -210,7 +219,9 @@ def damage_p(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> float
     BaselineError : as `judge`
     """
     check_baseline(recording, baseline, [f"healthy recording {number}" for number in range(1, len(baseline) + 1)])
-    return _Lines(recording).chances(*_compared(recording, baseline))[1]
+    levels, healthy = _compared(recording, baseline)
+    speed, speeds = _speeds(recording, baseline)
+    return _Lines(recording).chances(levels, at_speed(healthy, speeds, speed))[1]
 
 
 class _Lines:
@@ -340,6 +351,11 @@ def _compared(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> tupl
     healthy = np.array([other.channel_levels for other in baseline])
     rms = healthy[:, :, recording.lines.index((WHOLE, "rms"))].mean(axis=0)
     return counted(recording.channel_levels, recording.feature, rms), counted(healthy, recording.feature, rms)
+
+
+def _speeds(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> tuple[float, np.ndarray]:
+    """Mean speed (Hz) of the recording, and of the healthy ones (recording,)."""
+    return float(recording.speed.mean()), np.array([other.speed.mean() for other in baseline])
 
 
 def counted(levels: np.ndarray, features: Sequence[str], rms: np.ndarray) -> np.ndarray:

@@ -91,6 +91,7 @@ def compared(verdict: Verdict) -> list[str]:
         ]
     many = f"Compared with {verdict.healthy} healthy recording{'s' if verdict.healthy > 1 else ''}."
     found = [many]
+    found += ["Their levels depend on the speed and are taken at that of this recording."] if verdict.at_speed else []
     if verdict.outlying:
         names = ", ".join(verdict.outlying)
         found.append(f"Left out because they differ from the other healthy recordings: {names}. Check them.")

@@ -76,6 +76,7 @@ def feature_table(
     given = dict(windows) if windows else {"the whole recording": (float(time[0]), float(time[-1]))}
     per_window: list[Lines] = []
     bands: dict[str, tuple[float, float]] = {}
+    speeds: list[float] = []
     teeth: dict[str, int] = {}
     for name, window in given.items():
         if window[0] >= window[1]:
@@ -98,7 +99,8 @@ def feature_table(
                 f"{name}: no shaft of known speed makes {FEWEST_TURNS} revolutions between {window[0]:g} and "
                 f"{min(window[1], float(time[-1])):g} s.{reasons} Set a longer window{remedy}."
             )
-        bands[name] = envelope_band(kinematics, time, turning[0][1].frequency / turning[0][0].ratio)
+        speeds.append(turning[0][1].frequency / turning[0][0].ratio)
+        bands[name] = envelope_band(kinematics, time, speeds[-1])
         whole = statistics(signal[:, inside])
         found: Lines = {(WHOLE, feature): whole[feature] for feature in OF_SIGNAL}
         for shaft, cut in turning:
@@ -121,6 +123,7 @@ def feature_table(
         window=tuple(bands),
         band_low=np.array([low for low, _ in bands.values()]),
         band_high=np.array([high for _, high in bands.values()]),
+        speed=np.array(speeds),
         left_out=_left_out(kinematics, rotation, time, {component for component, _ in values}, given),
     )
 

@@ -21,8 +21,9 @@ class FeatureTable(Record):
     """Values, in the unit of the signal or without one, of a recording.
 
     A line is a feature of a component. `gear` and `tooth` name the tooth of each gear that stands out most, which means
-    something only if the gear is damaged; `window`, `band_low` and `band_high` are the bands of the envelopes;
-    `left_out` are the shafts that do not turn often enough, or whose speed is conditional, with the reason.
+    something only if the gear is damaged; `window`, `band_low` and `band_high` are the bands of the envelopes, `speed`
+    is the mean one of the first shaft. `left_out` are the shafts that do not turn often enough, or whose speed is
+    conditional, with the reason.
     """
 
     sensor: tuple[str, ...] = names("channel")
@@ -35,6 +36,7 @@ class FeatureTable(Record):
     window: tuple[str, ...] = names("window")
     band_low: np.ndarray = array("window", units="Hz")
     band_high: np.ndarray = array("window", units="Hz")
+    speed: np.ndarray = array("window", units="Hz")
     left_out: tuple[str, ...] = names("left_out")
 
     @property
