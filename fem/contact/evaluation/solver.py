@@ -77,7 +77,7 @@ from fem.contact.evaluation.line_contact import (
 )
 from fem.contact.evaluation.newton_system import bodies_in_series, newton_step
 from fem.contact.part_contact import part_of, spared_work, touch
-from fem.numerics.compiled import FLOAT, MATRIX, SPREAD, SUMS, VECTOR, apart, stored, views
+from fem.numerics.compiled import FLOAT, MATRIX, SPREAD, SUMS, VECTOR, by_address, stored, views
 from fem.numerics.inner import INLINE, inner
 
 STEPS = 14
@@ -88,7 +88,7 @@ EXACT_CLOSE = 1e-11  # step of the displacements, relative to the largest, at wh
 ANSWER = types.UniTuple(FLOAT, 6)  # F, M, U, dF/d delta, dF/d psi, dM/d psi
 
 
-@apart(ANSWER, VECTOR, FLOAT, FLOAT, FLOAT, MATRIX, MATRIX, MATRIX)
+@by_address(ANSWER, VECTOR, FLOAT, FLOAT, FLOAT, MATRIX, MATRIX, MATRIX)
 @stored(__file__, entry=False)
 def respond(packed, cycle, delta, psi, pinion, wheel, loads):
     """F (N), M (N m), U (J), dF/d delta (N/m), dF/d psi = dM/d delta (N) and dM/d psi (N m) at one state.
@@ -106,7 +106,7 @@ def respond(packed, cycle, delta, psi, pinion, wheel, loads):
     return answer if found <= 2 else respond_with_modes(packed, cycle, delta, psi, pinion, wheel, loads)
 
 
-@apart(ANSWER, VECTOR, FLOAT, FLOAT, FLOAT, MATRIX, MATRIX, MATRIX)
+@by_address(ANSWER, VECTOR, FLOAT, FLOAT, FLOAT, MATRIX, MATRIX, MATRIX)
 @stored(__file__, entry=False)
 def respond_with_modes(packed, cycle, delta, psi, pinion, wheel, loads):
     """`respond` with three rows of pairs and the modes of damaged teeth.
@@ -123,7 +123,7 @@ def respond_with_modes(packed, cycle, delta, psi, pinion, wheel, loads):
     return answer if found <= 3 else respond_exactly(packed, cycle, delta, psi, pinion, wheel, loads)
 
 
-@apart(ANSWER, VECTOR, FLOAT, FLOAT, FLOAT, MATRIX, MATRIX, MATRIX)
+@by_address(ANSWER, VECTOR, FLOAT, FLOAT, FLOAT, MATRIX, MATRIX, MATRIX)
 @stored(__file__, entry=False)
 def respond_exactly(packed, cycle, delta, psi, pinion, wheel, loads):
     """`respond` for any number of pairs in a slice, by an iteration that always ends.
