@@ -34,11 +34,16 @@ class Impacts:
         return self.level >= CLEAR
 
 
+def in_race_or_element(component: str, feature: str) -> bool:
+    """Whether a feature of a component is the level of impacts of a race or a rolling element."""
+    return feature == PASSING and not component.endswith(CAGE)
+
+
 def impacts(table: FeatureTable) -> tuple[Impacts, ...]:
     """Impacts at the pass orders of all races and rolling elements in a recording, the highest level first."""
     found = []
     for (component, feature), levels in zip(table.lines, table.value.T, strict=True):
-        if feature == PASSING and not component.endswith(CAGE):
+        if in_race_or_element(component, feature):
             best = int(levels.argmax())
             level = 20.0 * math.log10(levels[best])
             found.append(Impacts(component=component, sensor=table.sensor[best], axis=table.axis[best], level=level))

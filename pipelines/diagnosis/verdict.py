@@ -8,6 +8,10 @@ The diagnosis does not use the known faults of a simulation. It answers two ques
 - Damaged (one-sided): the evidence of a component, the mean deviation of its features, is high. At most ALARM of
   healthy machines have such evidence for any of their components.
 
+Clear impacts of a rolling bearing are damage by themselves, see `pipelines.diagnosis.impacts`, if no healthy recording
+has them. They rank before all other evidence: impacts reach the features of gears and shafts, too, but damage of gears
+and shafts does not cause impacts at pass orders.
+
 Features of the whole signal are no evidence of a component. A control is a baseline of the same machine: its
 recordings differ in their sensor noise alone. With fewer than FEWEST_FOR_P healthy recordings there is only the order
 of the components.
@@ -24,6 +28,7 @@ import numpy as np
 from fem.storage import shown_html
 from pipelines.diagnosis.alike import alike
 from pipelines.diagnosis.baseline import check_baseline, outlying
+from pipelines.diagnosis.impacts import CLEAR, in_race_or_element
 from pipelines.diagnosis.prediction import (
     FEWEST_FOR_P,
     LEAST_SPREAD,
@@ -40,6 +45,7 @@ from pipelines.signals.orders.kinematics import Kinematics
 
 LEAST_ORDER = -40.0  # dB over the rms of healthy recordings: weaker orders of a shaft are no evidence
 DIFFERENT, ALARM = 0.01, 0.001  # of healthy machines are called different, or damaged
+_OVER_HEALTHY = 6.0  # dB of clear impacts over every healthy recording
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +53,8 @@ class Evidence:
     """Evidence of a component at the channel where it is strongest: the mean over a group of its `features`.
 
     `increase` (dB) over the healthy mean; `deviation` in standard deviations of healthy recordings with the `limit`
-    that makes it damaged, None without p-values; `p` corrected for all components and channels.
+    that makes it damaged, None without p-values; `p` corrected for all components and channels, 0 for clear impacts;
+    `impacts` their level (dB) over the envelope spectrum around them, None if there are none.
     """
 
     features: tuple[str, ...]
@@ -57,6 +64,7 @@ class Evidence:
     deviation: float
     limit: float | None
     p: float | None
+    impacts: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -239,6 +247,7 @@ class _Lines:
                 kind = feature if feature in OF_SHAFT else feature in OF_WHITENED
                 groups.setdefault((component, kind), []).append(number)
         self.groups = [(component, tuple(own)) for (component, _), own in groups.items()]
+        self.of_impacts = np.array([in_race_or_element(*table.lines[own[0]]) for _, own in self.groups])
 
     def features(self, own: Sequence[int]) -> tuple[str, ...]:
         """Names of the features of a group."""
@@ -259,40 +268,49 @@ class _Lines:
         of_groups = deviations(self.means(own), self.means(centred), together)
         return deviations(levels, healthy, spread), prior, of_groups, prior_of_groups
 
-    def group_chances(self, deviation: np.ndarray, count: int, prior: int) -> np.ndarray:
-        """p-values (channel, group) corrected for their number."""
+    def clear(self, levels: np.ndarray, healthy: np.ndarray) -> np.ndarray:
+        """Whether groups (channel, group) are clear impacts of a bearing that no healthy recording has."""
+        first = [own[0] for _, own in self.groups]
+        over = (levels - healthy.max(axis=0))[:, first]
+        return np.asarray(self.of_impacts & (levels[:, first] >= CLEAR) & (over >= _OVER_HEALTHY))
+
+    def group_chances(self, deviation: np.ndarray, count: int, prior: int, clear: np.ndarray) -> np.ndarray:
+        """p-values (channel, group) corrected for their number, 0 for clear impacts."""
         columns = [
             probability(column, count, prior, len(own))
             for column, (_, own) in zip(deviation.T, self.groups, strict=True)
         ]
-        return np.minimum(np.stack(columns, axis=1) * deviation.size, 1.0)
+        return np.where(clear, 0.0, np.minimum(np.stack(columns, axis=1) * deviation.size, 1.0))
 
     def chances(self, levels: np.ndarray, healthy: np.ndarray) -> tuple[float, float]:
         """Probabilities that a healthy machine deviates as much, and that any of its components has as strong
         evidence."""
         count = len(healthy)
         of_lines, prior, of_groups, prior_of_groups = self.standardised(levels, healthy)
-        damaged = float(self.group_chances(of_groups, count, prior_of_groups).min())
+        damaged = float(self.group_chances(of_groups, count, prior_of_groups, self.clear(levels, healthy)).min())
         apart = 2.0 * of_lines.size * float(probability(np.abs(of_lines).max(), count, prior))
         return min(2.0 * min(apart, damaged), 1.0), damaged
 
 
 def _findings(lines: _Lines, levels: np.ndarray, healthy: np.ndarray, kinematics: Kinematics) -> tuple[Finding, ...]:
-    """All components, the strongest evidence first."""
+    """All components: clear impacts first, then the others, the strongest evidence first."""
     table, count = lines.table, len(healthy)
     rises = levels - healthy.mean(axis=0)
     increase = np.stack([rises[:, own].mean(axis=1) for _, own in lines.groups], axis=1)
     deviation, p = increase, None
+    clear = lines.clear(levels, healthy)
     bounds: list[float | None] = [None] * len(lines.groups)
     if count >= FEWEST_FOR_P:
         _, _, deviation, prior = lines.standardised(levels, healthy)
-        p = lines.group_chances(deviation, count, prior)
+        p = lines.group_chances(deviation, count, prior, clear)
         bounds = [limit(ALARM / deviation.size, count, prior, len(own)) for _, own in lines.groups]
     scaled = deviation / np.array([bound or 1.0 for bound in bounds])
-    best: dict[str, tuple[float, Finding]] = {}
+    best: dict[str, tuple[tuple[bool, float], Finding]] = {}
     for number, (component, own) in enumerate(lines.groups):
-        channel = int(np.argmax(scaled[:, number]))
-        bound = bounds[number]
+        strength, channel = max(
+            ((bool(clear[channel, number]), float(scaled[channel, number])), -channel) for channel in range(len(scaled))
+        )
+        channel, bound = -channel, bounds[number]
         evidence = Evidence(
             features=lines.features(own),
             sensor=table.sensor[channel],
@@ -301,18 +319,18 @@ def _findings(lines: _Lines, levels: np.ndarray, healthy: np.ndarray, kinematics
             deviation=float(deviation[channel, number]),
             limit=bound,
             p=None if p is None else float(p[channel, number]),
+            impacts=float(levels[channel, own[0]]) if strength[0] else None,
         )
         found = Finding(
             component=component,
             evidence=evidence,
-            damaged=None if bound is None else evidence.deviation >= bound,
+            damaged=None if bound is None else strength[0] or evidence.deviation >= bound,
             alike=alike(component, kinematics),
             tooth=table.tooth_of(component) if evidence.increase > 0.0 else None,
         )
-        strength = float(scaled[channel, number])
         if component not in best or strength > best[component][0]:
             best[component] = (strength, found)
-    return tuple(found for _, found in sorted(best.values(), key=lambda one: -one[0]))
+    return tuple(found for _, found in sorted(best.values(), key=lambda one: one[0], reverse=True))
 
 
 def _changes(lines: _Lines, levels: np.ndarray, healthy: np.ndarray) -> tuple[Change, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pipelines.diagnosis.impacts import CLEAR
 from pipelines.diagnosis.prediction import FEWEST_FOR_P
 from pipelines.diagnosis.verdict import ALARM, DIFFERENT, Evidence, Finding, Verdict, decibels
 from pipelines.io.grid import Grid
@@ -29,7 +30,7 @@ NAMES = {
 STRENGTH = "evidence / limit"  # heading
 EVIDENCE = (
     "Increase: mean of a group of features of a component at the channel of its strongest evidence. A component is "
-    f"damaged if {STRENGTH} is 1 or more."
+    f"damaged if {STRENGTH} is 1 or more, a bearing also if its impacts are clear. Clear impacts rank first."
 )
 NO_LIMIT = "Increase: mean of a group of features of a component at the channel where it is highest."
 _NAMED = 3  # features that differ
@@ -73,9 +74,11 @@ def standing(evidence: Evidence) -> str:
     count = len(evidence.features)
     what = NAMES.get(evidence.features[0], evidence.features[0]) if count == 1 else f"mean of {count} features"
     text = f"{what} at {evidence.sensor} {evidence.axis} is {decibels(evidence.increase)} dB"
-    if evidence.limit is None:
-        return text
-    return f"{text}, {evidence.deviation:.1f} standard deviations (limit {evidence.limit:.1f})"
+    if evidence.limit is not None:
+        text += f", {evidence.deviation:.1f} standard deviations (limit {evidence.limit:.1f})"
+    if evidence.impacts is not None:
+        text += f", and {evidence.impacts:.0f} dB over the envelope spectrum around it (limit {CLEAR:g} dB)"
+    return text
 
 
 def compared(verdict: Verdict) -> list[str]:
