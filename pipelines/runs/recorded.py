@@ -220,7 +220,10 @@ def read_features(path: Path, machine: Machine, windows: Windows | None) -> Reco
         warnings, time = tuple(stored_warnings(recording.attrs).values()), recording.time.values
         for name, (start, end) in (windows or {}).items():
             if start >= end:
-                raise InputError(f"{shown(path)}: {name} from {start:g} to {end:g} s must end after its start.")
+                raise InputError(
+                    f"{shown(path)}: {name} from {start:g} to {end:g} s must end after its start. Set a "
+                    "later end or an earlier start."
+                )
             if start < time[0] or end > 2 * time[-1] - time[-2]:
                 raise InputError(
                     f"{shown(path)}: {name} from {start:g} to {end:g} s is not within the recording, {time[0]:.6g} to "
