@@ -32,6 +32,7 @@ import numpy as np
 
 FEWEST_FOR_P = 5  # recordings; with fewer the standard deviation is too uncertain
 FEWEST_FOR_TREND = FEWEST_FOR_P + 1  # recordings; the slope takes one degree of freedom
+SPEED_ERROR = 1e-4  # relative: smaller differences of the speed are not measured
 BEYOND = 0.5  # of the range of their speeds, distance outside it up to which levels are extrapolated
 LEAST_SPREAD = 0.25  # dB (3 %); simulated levels may scatter less, those of a sensor that is mounted again hardly do
 TAILS = 5.0  # degrees of freedom of healthy levels
@@ -89,9 +90,11 @@ def at_speed(healthy: np.ndarray, speeds: np.ndarray, speed: float) -> np.ndarra
 
     count, mean = len(healthy), speeds.mean()
     away, reach = speeds - mean, BEYOND * np.ptp(speeds)
-    share = 1.0 / count + away**2 / max(float(away @ away), np.finfo(float).tiny)  # leverage of each recording
     inside = speeds.min() - reach <= speed <= speeds.max() + reach
-    if count < FEWEST_FOR_TREND or not inside or reach == 0.0 or share.max() > 1.0 - _ROUNDING:
+    if count < FEWEST_FOR_TREND or not inside or np.ptp(speeds) <= SPEED_ERROR * mean:
+        return healthy
+    share = 1.0 / count + away**2 / (away @ away)  # leverage of each recording
+    if share.max() > 1.0 - _ROUNDING:
         return healthy
     centred = healthy - healthy.mean(axis=0)
     slope = np.tensordot(away, centred, axes=1) / (away @ away)
