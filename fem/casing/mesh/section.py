@@ -151,11 +151,12 @@ def section(places: Sequence[ShaftPlace], x_lines: np.ndarray, z_lines: np.ndarr
         blocks.append(grid[2 * i[0] : 2 * i[1] + 1, 2 * j[0] : 2 * j[1] + 1])
     around = [_rings(place, _outline(block), size) for place, block in zip(places, blocks, strict=True)]
     parts, cells, first = [], [], 0
-    for block, chosen in ((grid, free.ravel()), *((ring, slice(None)) for ring in around)):
+    for block in (grid, *around):
         number = first + np.arange(block[..., 0].size).reshape(block.shape[:2])
         parts.append(block.reshape(-1, 2))
-        cells.append(cells_of(number)[chosen])
+        cells.append(cells_of(number))
         first += number.size
+    cells[0] = cells[0][free.ravel()]
     return _merged(np.concatenate(parts), np.concatenate(cells))
 
 
