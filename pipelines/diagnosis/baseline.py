@@ -50,7 +50,9 @@ def check_baseline(
         if exact:
             continue
         if _same(other, recording):
-            raise BaselineError(f"{name} is the recording to diagnose itself. Delete it from the healthy recordings.")
+            raise BaselineError(
+                f"{name} has the same signals as the recording to diagnose. Remove it from the healthy recordings."
+            )
         twice = [first for first, one in zip(names[:number], baseline, strict=False) if _same(one, other)]
         if twice:
             raise BaselineError(f"{name} is the same recording as {twice[0]}. Give each healthy recording once.")

@@ -85,9 +85,9 @@ def compared(verdict: Verdict) -> list[str]:
     """Sentences on the reference of the comparison and on the rates of false answers."""
     if verdict.exact:
         return [
-            "The control is the same machine without the fault, which only a simulation has: every increase is an "
-            f"effect of the fault. Limits follow from {verdict.healthy} samples of the sensor noise. Add --baseline 8 "
-            "to compare with healthy machines of other deviations."
+            "The control is the same machine without the fault; only a simulation has one. Therefore every increase "
+            f"is an effect of the fault. Limits follow from {verdict.healthy} samples of the sensor noise. Add "
+            "--baseline 8 to compare with healthy machines of other deviations."
         ]
     many = f"Compared with {verdict.healthy} healthy recording{'s' if verdict.healthy > 1 else ''}."
     found = [many]

@@ -241,8 +241,8 @@ _STEPS = {
 }
 _COUNTS = {
     "gear_meshes": "finite-element meshes of gears",
-    "factorisations": "matrix factorisations",
-    "gear_factorisations": "matrix factorisations for gears",
+    "factorisations": "matrix factorisations, in total",
+    "gear_factorisations": "matrix factorisations, of these for gears",
     "casing_meshes": "finite-element meshes of the casing",
     "casing_coordinates": "coordinates of the reduced casing",
     "recovery_rows": "displacements recovered at sensors",

@@ -79,7 +79,7 @@ def _no_verdict(machine: Plant, failure: str) -> str:
     if failure:
         reason = failure
     elif not machine.fault_words:
-        reason = "the scene has no fault. To simulate one, add faults."
+        reason = "the scene has no fault. To simulate a fault, add a table [[faults]]."
     elif not machine.looked_for.possible:
         reason = "the scene has no sensor, or no window of constant speed. Add sensors or diagnosis.windows_s."
     else:
@@ -104,7 +104,7 @@ def _numbers(machine: Plant, settings: DiagnosisSettings | None) -> list[tuple[s
         (f"Revolution frequency f_r of shaft {shaft + 1}", f"{f_r:.5g} Hz"),
         ("Monitored gear", f"stage {monitored.stage} {monitored.gear}, {teeth} teeth"),
     ]
-    return found + ([("Channel", _channel(monitored))] if monitored.sensor else [])
+    return found + ([("Channel in the diagrams", _channel(monitored))] if monitored.sensor else [])
 
 
 def _channel(monitored: LookedFor) -> str:
@@ -224,6 +224,6 @@ def _envelope(
         band=f"band {own.band_low:.4g} to {own.band_high:.4g} Hz",
         caption=(
             f"Envelope spectrum of {settings.sensor} ({settings.axis}) in the window {window}. "
-            f"Marked: harmonics of the shaft frequency f_r = {f_r:.4f} Hz, which a damaged tooth raises."
+            f"Marked: harmonics of the revolution frequency f_r = {f_r:.4f} Hz. A damaged tooth raises them."
         ),
     )

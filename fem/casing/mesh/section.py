@@ -154,9 +154,8 @@ def section(places: Sequence[ShaftPlace], x_lines: np.ndarray, z_lines: np.ndarr
     for block in (grid, *around):
         number = first + np.arange(block[..., 0].size).reshape(block.shape[:2])
         parts.append(block.reshape(-1, 2))
-        cells.append(cells_of(number))
+        cells.append(cells_of(number)[free.ravel()] if block is grid else cells_of(number))
         first += number.size
-    cells[0] = cells[0][free.ravel()]
     return _merged(np.concatenate(parts), np.concatenate(cells))
 
 

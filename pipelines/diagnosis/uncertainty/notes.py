@@ -33,8 +33,8 @@ def notes(missed: Sequence[str], remedy: str, damping_spread: float) -> tuple[st
         )
     found.append(
         "Uncertain damping: 5 to 95 % of 200 samples. Each sample multiplies all damping ratios of the casing by one "
-        f"factor, in 90 % of them between {1 / (1 + damping_spread):.2g} and {1 + damping_spread:.2g}. This range is "
-        "an assumption; diagnosis.damping_spread sets it."
+        f"factor, in 90 % of the samples between {1 / (1 + damping_spread):.2g} and {1 + damping_spread:.2g}. This "
+        "range is an assumption; diagnosis.damping_spread sets it."
     )
     found.append(LEFT_OUT)
     if missed:

@@ -23,7 +23,7 @@ def bars_grid(bars: Sequence[LineBar], window: str) -> Grid:
         )
         for bar in bars
     )
-    title = f"Error bars in the window {window}: 5 to 95 % of the samples, dB over the level of the faulty run"
+    title = f"Error bars in the window {window}: 5 to 95 % of the samples, in dB relative to the faulty run"
     return Grid(
         title=title,
         headers=headers,

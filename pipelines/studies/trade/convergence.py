@@ -72,8 +72,8 @@ def study(sizes: Sequence[float], values: Sequence[float], formal_order: float |
     """
     if len(sizes) != len(values) or len(sizes) < 3:
         raise ConvergenceError(
-            f"a convergence study needs three levels or more, with one value each: there are {len(sizes)} levels and "
-            f"{len(values)} values. Set --levels 3 or more"
+            f"a convergence study needs at least 3 levels and one value for each; here are {len(sizes)} and "
+            f"{len(values)}. Set --levels 3 or more"
         )
     if not all(math.isfinite(v) for v in values):
         raise ConvergenceError(f"values {list(values)} are not all finite; the coarsest level may be too coarse")
