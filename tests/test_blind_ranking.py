@@ -148,7 +148,7 @@ def test_a_recording_twice_or_in_its_own_baseline_is_refused_by_name(healthy):
     names = [f"{number}.csv" for number in range(9)]
     with pytest.raises(BaselineError, match=r"8\.csv is the same recording as 2\.csv"):
         judge(table(304), [*healthy, healthy[2]], MACHINE, names)
-    with pytest.raises(BaselineError, match=r"8\.csv is the recording to diagnose itself"):
+    with pytest.raises(BaselineError, match=r"8\.csv has the same signals as the recording to diagnose"):
         judge(table(305), [*healthy, table(305)], MACHINE, names)
 
 

@@ -27,7 +27,7 @@ uncertainty bands, and weight. --response writes frequency responses, --export t
 seconds to minutes."""
 EXAMPLE = """\
 gearcase casing minimal
-casing rigid: 6 coordinates, 23 output channels
+casing rigid: 6 coordinates, 23 outputs
 ...
   bearing_1  x     0.00  y   -65.00  z     0.00 mm
 ..."""
@@ -55,8 +55,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         metavar="POINT",
         nargs="+",
         default=[],
-        help="write frequency responses (m/s2/N, CSV and PNG). The force acts at the first POINT in its axis, as in "
-        "bearing_1:z; the others respond (default: all sensors)",
+        help="write frequency responses (m/s2/N, CSV and PNG). The first POINT gives place and axis of the force, as "
+        "in bearing_1:z; the responses are those of the others (default: all sensors)",
     )
     sub.add_argument(
         "--out",
@@ -146,7 +146,7 @@ def _texts(casing: Casing, count: int) -> Iterator[str]:
         )
     if casing.error is not None:
         yield casing.error.report()
-    yield f"casing {body.model}: {len(body.coordinate_names)} coordinates, {len(body.row_names)} output channels"
+    yield f"casing {body.model}: {len(body.coordinate_names)} coordinates, {len(body.row_names)} outputs"
     for name, (x, y, z) in zip(body.point_names, body.point_positions * 1000, strict=True):
         yield f"  {name:10} x {x:8.2f}  y {y:8.2f}  z {z:8.2f} mm"
     if body.feet:
@@ -220,7 +220,7 @@ def weight_lines(body: ReducedBody) -> str:
         for name in body.row_names
         if name.startswith("bearing_") and name.endswith(":uz")
     ]
-    seats = f"; its bearing seats sink by {min(sunk):.3g} to {max(sunk):.3g} um" if sunk else ""
+    seats = f"; the bearing seats sink by {min(sunk):.3g} to {max(sunk):.3g} um" if sunk else ""
     return f"own weight {up.sum():.4g} N: {feet} N{seats}\n"
 
 

@@ -10,8 +10,8 @@ from pipelines.io.argument_types import number, path
 
 HELP = """\
 Find the damaged component from vibration. A measured recording is compared with recordings of healthy machines
-(--baseline). A finished run is compared with its healthy control, and its spectral lines are listed. Nothing is
-simulated. Takes seconds."""
+(--baseline). A finished run is compared with its healthy control, and the spectral lines of both are listed.
+Nothing is simulated. Takes seconds."""
 EXAMPLE = """\
 gearcase diagnose bench
 Chipped tooth 10 of the stage 1 wheel: found. Evidence (steady, torque on the shaft, deviations of seed 1): ...
@@ -42,7 +42,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         type=path,
         nargs="+",
         default=[],
-        help="recordings of healthy machines to compare with; limits need 5 or more",
+        help="recordings of healthy machines to compare with; limits for the answer damaged need 5 or more",
     )
     sub.add_argument(
         "--window",
@@ -55,7 +55,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--out",
         metavar="FOLDER",
         type=path,
-        help="folder for report.html: verdict, spectra over the first healthy recording, levels and features",
+        help="folder for report.html: verdict, spectra with those of the first healthy recording, levels and features",
     )
     sub.add_argument(
         "--set",

@@ -50,8 +50,9 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--unit",
         metavar="UNIT",
         choices=(*_LENGTHS, *_SYSTEMS),
-        help=f"of a CAD file or mesh the unit of length: {', '.join(_LENGTHS)} (default: the declared one, or mm); of "
-        f"matrices the units of mass (lbf: force), length and time: {', '.join(_SYSTEMS)} (default {_SYSTEMS[0]})",
+        help=f"unit of FILE. CAD file or mesh: {', '.join(_LENGTHS)} (default: the unit that the file declares, else "
+        f"mm). Matrices: units of mass, length and time, as {', '.join(_SYSTEMS)} (default {_SYSTEMS[0]}); lbf-in-s "
+        "has the unit of force instead of mass",
     )
     sub.add_argument(
         "--solids",

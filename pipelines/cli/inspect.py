@@ -46,10 +46,10 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--position",
         type=number,
         metavar="C",
-        help="show only this position in mesh, in mesh cycles (default: a film over one mesh cycle)",
+        help="show only this position in mesh, in mesh cycles (default: an animation over one mesh cycle)",
     )
     sub.add_argument(
-        "--frames", type=count, metavar="N", default=17, help="number of pictures in the film (default 17)"
+        "--frames", type=count, metavar="N", default=17, help="number of pictures in the animation (default 17)"
     )
     sub.add_argument(
         "--stress", action="store_true", help="show the von Mises stress of the loaded teeth instead (PNG)"

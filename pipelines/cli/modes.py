@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 HELP = """\
 Linearise the loaded machine about its static equilibrium. Print natural frequencies, damping and the share of each
 part in the strain and kinetic energy of each mode. The part named as dominant has most of the strain energy; for casing
-and rope the kinetic energy counts too. Takes seconds if the cache holds mesh stiffness and casing."""
+and rope the mean of strain and kinetic energy is used instead. Takes seconds if the cache holds mesh stiffness and
+casing."""
 EXAMPLE = """\
 gearcase modes minimal
 minimal: small vibrations about the loaded static equilibrium, stage 1 at mesh cycle 0

@@ -86,7 +86,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     compared.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print the table as JSON")
     clean.add_argument("runs", metavar="RUN", type=path, nargs="*", help=RUN_HELP)
     clean.add_argument("--older-than", metavar="DAYS", type=days, help="only runs older than this, days")
-    clean.add_argument("--keep", metavar="N", type=count, help="not the newest N runs of each scene")
+    clean.add_argument("--keep", metavar="N", type=count, help="keep the newest N runs of each scene")
     clean.add_argument("--yes", action="store_true", help="remove the runs (default: only list them)")
 
 

@@ -1,4 +1,4 @@
-"""The verdict in words: sentences and tables made from its numbers, and from nothing else."""
+"""A verdict as text: sentences and tables."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def headline(verdict: Verdict) -> str:
 
 
 def sentences(verdict: Verdict) -> tuple[str, ...]:
-    """The answer, its evidence, what it was compared with, how often it would be wrong, and what was left out."""
+    """Sentences: answer, evidence, reference, rates of false answers, and omitted components."""
     found = [headline(verdict)]
     if verdict.damaged is not False:
         found.append(f"Evidence: {standing(verdict.first.evidence)}.")
@@ -70,7 +70,7 @@ def sentences(verdict: Verdict) -> tuple[str, ...]:
 
 
 def standing(evidence: Evidence) -> str:
-    """The evidence of a component with its limit."""
+    """Text with the evidence of a component and its limit."""
     count = len(evidence.features)
     what = NAMES.get(evidence.features[0], evidence.features[0]) if count == 1 else f"mean of {count} features"
     text = f"{what} at {evidence.sensor} {evidence.axis} is {decibels(evidence.increase)} dB"
@@ -82,12 +82,12 @@ def standing(evidence: Evidence) -> str:
 
 
 def compared(verdict: Verdict) -> list[str]:
-    """What the recording was compared with, and the rates of false answers."""
+    """Sentences on the reference of the comparison and on the rates of false answers."""
     if verdict.exact:
         return [
-            "The control is the same machine without the fault, which only a simulation has: every increase is an "
-            f"effect of the fault. Limits follow from {verdict.healthy} samples of the sensor noise. Add --baseline 8 "
-            "to compare with healthy machines of other deviations."
+            "The control is the same machine without the fault; only a simulation has one. Therefore every increase "
+            f"is an effect of the fault. Limits follow from {verdict.healthy} samples of the sensor noise. Add "
+            "--baseline 8 to compare with healthy machines of other deviations."
         ]
     many = f"Compared with {verdict.healthy} healthy recording{'s' if verdict.healthy > 1 else ''}."
     found = [many]
@@ -112,7 +112,7 @@ def compared(verdict: Verdict) -> list[str]:
 
 
 def ranking_grid(verdict: Verdict) -> Grid:
-    """All components, the strongest evidence first."""
+    """Table of all components, the strongest evidence first."""
     rows = tuple(
         (
             one.component,
@@ -129,22 +129,22 @@ def ranking_grid(verdict: Verdict) -> Grid:
 
 
 def text(verdict: Verdict) -> str:
-    """All of it for the terminal."""
+    """Sentences and table for the terminal."""
     return "\n\n".join([" ".join(sentences(verdict)), ranking_grid(verdict).to_text().rstrip(), note(verdict)]) + "\n"
 
 
 def note(verdict: Verdict) -> str:
-    """What explains the columns of the ranking."""
+    """Explanation of the columns of the ranking."""
     return NO_LIMIT if verdict.damaged is None else EVIDENCE
 
 
 def ratio(evidence: Evidence) -> float:
-    """The evidence over its limit, or over 1 without one."""
+    """Evidence divided by its limit, or by 1 without a limit."""
     return evidence.deviation / (evidence.limit or 1.0)
 
 
 def strength(evidence: Evidence) -> str:
-    """The evidence over its limit, "-" without one."""
+    """Evidence divided by its limit, as text; "-" without a limit."""
     return "-" if evidence.limit is None else f"{ratio(evidence):.2f}"
 
 

@@ -122,7 +122,7 @@ def _lines(machine: Plant, control: str) -> Iterator[str]:
         from pipelines.machine.looked_for import shaft_lines
 
         for fault in machine.shaft_faults:
-            monitored = shaft_lines(machine.layout, fault).wanted()
+            monitored = shaft_lines(machine.layout, fault).monitored()
             orders = ", ".join(f"{label} {frequency:.5g} Hz" for label, _, frequency in monitored)
             yield f"  {fault.name}: {orders}"
     if machine.fault_words:
@@ -144,7 +144,7 @@ def _times(machine: Plant) -> Iterator[str]:
     uses = {"averages": FEWEST_TURNS, "lines": FEWEST_REVOLUTIONS}
     needed = {use: needed_seconds(kinematics, turns) for use, turns in uses.items()}
     heads = "  ".join(f"{use} ({turns} turns) s" for use, turns in uses.items())
-    yield "  shortest diagnosis window that each evaluation needs (turns in brackets), and windows that are too short"
+    yield "  shortest diagnosis window for each evaluation (for this number of turns), and windows that are too short"
     yield f"  shaft       {heads}  too short"
     for shaft in kinematics.shafts:
         short = []

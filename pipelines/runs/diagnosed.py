@@ -38,8 +38,8 @@ def diagnose_folder(folder: Path, settings: Settings = ()) -> Diagnosis:
         key = text.partition("=")[0].strip()
         if key.partition(".")[0] != "diagnosis":
             raise InputError(
-                f"{shown(key)}: the motion of a finished run does not change with this key. Set keys of [diagnosis] "
-                "only, or simulate again with gearcase run."
+                f"{shown(key)}: a finished run cannot be changed by this key. Set keys of [diagnosis] only, or "
+                "simulate again with gearcase run."
             )
     loaded = load_scene(folder / run_folder.RESOLVED, settings)
     train = make_drivetrain(loaded.scene, loaded.source.shown)  # needs no housing file, which may have been removed

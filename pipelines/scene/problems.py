@@ -218,7 +218,7 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
         if message == _TABLE[0] and unit:  # the key is a quantity over time
             message, remedy = (
                 f"must be a list of numbers{unit}",
-                "Write [first, second], or { file = ..., column = ... }.",
+                "Write [value, value, ...], or { file = ..., column = ... }.",
             )
         return Problem(where, message, remedy, written)
     if kind in ("too_short", "too_long"):
@@ -242,9 +242,9 @@ _USUAL = {  # by the unit of a key: other units, factors, and usual values
     "kg/m3": ((("g/cm3", 1e3), ("t/mm3", 1e12)), 500.0, 25e3),
 }
 _TABLE = ("must be a table", "Write it as { key = value }, or write its keys below a line with its name in brackets.")
-_LIST = ("must be a list", "Write it as [first, second].")
+_LIST = ("must be a list", "Write its values in square brackets, separated by commas.")
 _KINDS = {
-    "string_type": ("must be text", 'Put it in quotes, as in "rigid".'),
+    "string_type": ("must be text", "Put it in quotes."),
     "bool_type": ("must be true or false", "Write true or false, without quotes."),
     "bool_parsing": ("must be true or false", "Write true or false, without quotes."),
     "dict_type": _TABLE,

@@ -64,7 +64,7 @@ class Scene(Table):
     faults: Annotated[tuple[AnyFaultTable, ...], Field(max_length=1000, description="damaged teeth and bearings")] = ()
     casing: Annotated[CasingModel, Field(description="model of the casing")]
     sensors: Annotated[tuple[SensorTable, ...], Field(max_length=1000, description="accelerometers on the casing")] = ()
-    drive: Annotated[DriveModel, Field(description="the drive; default model: speed")]
+    drive: Annotated[DriveModel, Field(description="motors, with their speed or torque; default model: speed")]
     load: Annotated[LoadModel, Field(description="what the machine drives")]
     losses: Annotated[LossModel, Field(description="friction")] = table(NoLosses)()
     film: Annotated[FilmModel, Field(description="oil film between the flanks")] = NoFilm()

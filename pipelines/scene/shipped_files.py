@@ -48,8 +48,8 @@ def find_file(name: str) -> Path:
         near = nearest_name(path.name, [*shipped, *sibling_names(path)])
     hint = f"Did you mean {shown(near)}? " if near else ""
     raise InputError(
-        f"{shown(name)}: there is no such file. {hint}Set a path (in a scene: from its folder), or a shipped file: "
-        f"{', '.join(shipped)}."
+        f"{shown(name)}: there is no such file. {hint}Set a path (in a scene: relative to its folder), or a shipped "
+        f"file: {', '.join(shipped)}."
     )
 
 

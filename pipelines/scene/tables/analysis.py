@@ -26,7 +26,7 @@ class LookedFor:
     )
     stage: int = option(1, ge=1, text="number of the stage whose mesh frequency carries the sidebands")
     gear: Literal["pinion", "wheel"] = option(
-        "wheel", text="gear whose shaft frequency is the spacing of the sidebands"
+        "wheel", text="gear whose revolution frequency is the spacing of the sidebands"
     )
     windows: Mapping[str, tuple[float, float]]
     band: Literal["mesh", "resonance"] | tuple[float, float] = option(

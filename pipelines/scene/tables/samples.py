@@ -50,7 +50,7 @@ def check_pairs(table: Table, places: str, values: str) -> None:
     if isinstance(first, ColumnTable) or isinstance(second, ColumnTable):
         return
     if len(first) != len(second):
-        raise ValueError(f"{places} has {len(first)} values, {values} has {len(second)}. Set as many of both")
+        raise ValueError(f"{places} has {len(first)} values, {values} has {len(second)}. Set equal numbers of both")
     unit = places.rpartition("_")[2]
     for before, after in zip(first, first[1:], strict=False):
         if after <= before:
@@ -80,7 +80,7 @@ def pairs(table: Table, places: str, values: str, path: str) -> tuple[np.ndarray
     first, second = found
     if len(first) != len(second):
         raise refused(
-            f"{path}.{values}", f"has {len(second)} values for {len(first)} of {places}", "Set as many of both"
+            f"{path}.{values}", f"has {len(second)} values for {len(first)} of {places}", "Set equal numbers of both"
         )
     wrong = np.flatnonzero(np.diff(first) <= 0)
     if len(wrong):
