@@ -79,6 +79,29 @@ def test_other_healthy_machines_raise_no_alarm(healthy):
     assert verdict.interval(0) == pytest.approx((0.0, 0.369), abs=1e-3)
 
 
+def test_clear_impacts_of_a_bearing_rank_before_stronger_evidence_of_a_gear(healthy):
+    """Impacts raise the features of gears, too. They are clear if no healthy recording has them."""
+    one = table(330)
+    passing = one.lines.index(("bearing_1 BPFO", "pass_order"))
+    gear = [line == "stage 1 pinion" for line in one.component]
+    value = np.where(gear, 10.0 * one.value, one.value)
+    value[0, passing] = 10 ** (21.0 / 20)
+    verdict = judge(one.replaced(value=value), healthy, MACHINE)
+    assert [(found.component, found.damaged) for found in verdict.findings[:2]] == [
+        ("bearing_1 BPFO", True), ("stage 1 pinion", True),
+    ]  # fmt: skip
+    assert "21 dB over the envelope spectrum around it (limit 20 dB)" in " ".join(sentences(verdict))
+    for level, first in ((19.9, "stage 1 pinion"), (20.1, "bearing_1 BPFO")):
+        value[0, passing] = 10 ** (level / 20)
+        assert judge(one.replaced(value=value), healthy, MACHINE).first.component == first
+    highest = max(other.value[0, passing] for other in healthy)
+    lifted = [
+        other.value * np.where(np.arange(len(gear)) == passing, 10 ** (15.0 / 20) / highest, 1.0) for other in healthy
+    ]
+    others = [other.replaced(value=more) for other, more in zip(healthy, lifted, strict=True)]
+    assert judge(one.replaced(value=value), others, MACHINE).first.component == "stage 1 pinion"
+
+
 @pytest.mark.parametrize("mean", [-46.0, -43.0, -40.0, -30.0])
 def test_orders_of_a_shaft_that_are_noise_alone_raise_no_alarm(healthy, mean):
     """Their amplitudes have Rayleigh's distribution; the mean power is given in dB over that of the vibration."""

@@ -11,7 +11,7 @@ from test_dataset_features import InOrder
 
 from pipelines.cli.main import main
 from pipelines.datasets.rows import read_row
-from pipelines.datasets.scenes import make_draws, scene_of
+from pipelines.datasets.scenes import sampled_scenes, scene_of
 from pipelines.diagnosis.prediction import LEAST_SPREAD, limit, moderated
 from pipelines.diagnosis.simulated import FeatureSettings
 from pipelines.diagnosis.verdict import ALARM, judge
@@ -194,13 +194,13 @@ def plan_of(settings, **design):
 def test_no_pair_of_gears_serves_twice_and_the_damaged_tooth_moves_on():
     over = (Over(key="faults.1.depth_mm", values=(1.0, 2.0)),)
     plan = plan_of({"deviations.seed": 101}, over=over, baseline=5, healthy=3, damaged=2)
-    draws = make_draws(plan)
-    seeds = {state: {draw.values["specimen"] for draw in draws if draw.values["state"] == state} for state in
+    sampled = sampled_scenes(plan)
+    seeds = {state: {sample.values["specimen"] for sample in sampled if sample.values["state"] == state} for state in
              (HEALTHY, DAMAGED)}  # fmt: skip
     assert seeds == {HEALTHY: set(range(1, 9)), DAMAGED: {9, 10}}
-    assert len(draws) == 8 + 2 * 2
-    scenes = [scene_of(plan, draw.values).scene for draw in draws]
-    assert [scene.deviations.seed for scene in scenes] == [100 + draw.values["specimen"] for draw in draws]
+    assert len(sampled) == 8 + 2 * 2
+    scenes = [scene_of(plan, sample.values).scene for sample in sampled]
+    assert [scene.deviations.seed for scene in scenes] == [100 + sample.values["specimen"] for sample in sampled]
     faults = [scene.faults[0] for scene in scenes if scene.faults]
     assert [(fault.depth_mm, fault.tooth) for fault in faults] == [(1.0, 19), (1.0, 20), (2.0, 19), (2.0, 20)]
 
@@ -208,7 +208,7 @@ def test_no_pair_of_gears_serves_twice_and_the_damaged_tooth_moves_on():
 def test_a_load_is_that_of_healthy_and_damaged_machines():
     over = (Over(key="load.torque_N_m", values=(50.0, 100.0)),)
     plan = plan_of({}, over=over, baseline=5, healthy=3, damaged=2)
-    loads = [scene_of(plan, draw.values).scene.load.torque_N_m for draw in make_draws(plan)]
+    loads = [scene_of(plan, sample.values).scene.load.torque_N_m for sample in sampled_scenes(plan)]
     assert loads.count(50.0) == loads.count(100.0) == 5 + 3 + 2
 
 
@@ -216,7 +216,10 @@ def test_shaft_faults_are_gone_from_healthy_machines():
     unbalance = {"model": "unbalance", "shaft": 1, "position_mm": 0.0, "unbalance_g_mm": 100.0}
     over = (Over(key="forces.1.unbalance_g_mm", values=(50.0, 100.0)),)
     plan = plan_of({"faults": [], "forces": [unbalance]}, over=over, baseline=5, healthy=1, damaged=1)
-    forces = [[force.unbalance_g_mm for force in scene_of(plan, draw.values).scene.forces] for draw in make_draws(plan)]
+    forces = [
+        [force.unbalance_g_mm for force in scene_of(plan, sample.values).scene.forces]
+        for sample in sampled_scenes(plan)
+    ]
     assert forces == 6 * [[]] + [[50.0], [100.0]]
 
 

@@ -84,7 +84,12 @@ def test_levels_on_a_line_over_the_speed_deviate_from_it_as_students_distributio
 
 @pytest.mark.parametrize(
     ("speeds", "speed", "slope"),
-    [(SPEEDS, 29.62, 0.0), (SPEEDS, 29.90, 100.0), (SPEEDS[:5], 29.62, 100.0), (np.full(10, 29.62), 29.62, 100.0)],
+    [
+        (SPEEDS, 29.62, 0.0),
+        (SPEEDS, 29.90, 100.0),
+        (SPEEDS[:5], 29.62, 100.0),
+        (29.62 + 0.01 * (SPEEDS - 29.7), 29.62, 100.0),
+    ],
     ids=["no trend", "far outside", "too few", "one speed"],
 )
 def test_levels_stay_as_they_are_where_no_line_predicts_them(speeds, speed, slope):

@@ -1,7 +1,7 @@
-"""Coordinates of the assembled machine and the rows that read its parts.
+"""Coordinates of the assembled machine, and rows that give the motion of its parts.
 
-Order: shafts in machine order, then the casing, then those that other components bring (a container's sway and lift).
-q is measured in the frame that rolls with the train: rotation of a node = s ratio phi_m + its coordinate.
+The order is: shafts in machine order, the casing, then coordinates of other components (sway and lift of a container).
+q is relative to the frame that rolls with the train: rotation of a node = s ratio phi_m + its coordinate.
 """
 
 from __future__ import annotations
@@ -13,38 +13,30 @@ import numpy as np
 
 from fem.casing.reduced.body import ReducedBody
 from mbd.elements.component import Component
+from mbd.elements.coordinates import Coordinates
 from mbd.parts.casing import Casing
 from mbd.parts.checks import MachineError
 from mbd.parts.machine import Machine
-from mbd.parts.shafts import flexibility, node_at, shaft_basis, shaft_nodes
+from mbd.parts.shafts import flexibility, shaft_basis, shaft_nodes
 
 BEARING_PLACE_TOLERANCE = 1e-4  # m
 
 
-@dataclass(frozen=True, eq=False)
-class Layout:
-    """Where each part sits among the ``size`` coordinates."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Layout(Coordinates):
+    """Numbers of the coordinates of each part."""
 
     machine: Machine
     casing: ReducedBody
-    shaft_nodes: dict[str, np.ndarray]
-    bases: dict[str, np.ndarray]
-    spans: dict[str, slice]
-    names: tuple[str, ...]
-
-    @property
-    def size(self) -> int:
-        """Number of coordinates."""
-        return len(self.names)
 
     @property
     def components(self) -> tuple[Component, ...]:
-        """Those of the machine, and the casing."""
+        """The components of the machine, and the casing."""
         return (*self.machine.components, Casing(body=self.casing))
 
     @property
     def gravity(self) -> float:
-        """m/s2, along -z."""
+        """Gravity, m/s2, along -z."""
         return self.machine.gravity
 
     @cached_property
@@ -54,8 +46,10 @@ class Layout:
 
     @cached_property
     def translation(self) -> np.ndarray:
-        """X (coordinate, 3): motion of the coordinates when all moves by 1 along x, y, z; 0 in the casing, whose modes
-        need not hold it."""
+        """X (coordinate, 3): coordinates for a translation of the whole machine by 1 along x, y, z.
+
+        They are 0 for the casing, whose modes may not contain this motion.
+        """
         found = np.zeros((self.size, 3))
         for shaft in self.machine.shafts:
             span = self.spans[shaft.name]
@@ -75,47 +69,14 @@ class Layout:
         """+1 if a shaft lifts about +y, else -1."""
         return self.machine.shaft(shaft).sense
 
-    def index(self, owner: str) -> np.ndarray:
-        """Numbers of the coordinates of a shaft by name, or of "casing"."""
-        return np.arange(self.size)[self.spans[owner]]
-
-    def nodes(self, shaft: str) -> np.ndarray:
-        """Places y (node,) of the nodes of a shaft."""
-        return self.shaft_nodes[shaft]
-
-    def basis(self, shaft: str) -> np.ndarray:
-        """T (6 node, own coordinate): displacements of the nodes of a shaft from its coordinates."""
-        return self.bases[shaft]
-
     def flexibility(self, shaft: str, y: float, supports: tuple[float, float]) -> float:
         """Deflection over force (m/N) at ``y`` of a shaft alone, simply supported at two stations."""
         return flexibility(self.machine.shaft(shaft), self.shaft_nodes[shaft], y, supports)
 
     def read_at(self, shaft: str) -> float:
-        """Place y at which the rotation of a shaft is read: its first gear, else its first end."""
+        """Position y at which the rotation of a shaft is recorded: its first gear, else its first end."""
         gears = [mesh.y for mesh in self.machine.meshes if shaft in (mesh.driving, mesh.driven)]
         return gears[0] if gears else self.machine.shaft(shaft).y_start
-
-    def node_row(self, shaft: str, y: float, coefficients: np.ndarray) -> np.ndarray:
-        """Row (coordinate,) of ``coefficients`` (6,) on the displacements of the node at ``y`` of ``shaft``."""
-        row = np.zeros(self.size)
-        at = 6 * node_at(self.shaft_nodes[shaft], y)
-        row[self.spans[shaft]] = coefficients @ self.bases[shaft][at : at + 6]
-        return row
-
-    def axis_row(self, shaft: str, y: float, axis: int) -> np.ndarray:
-        """Row of one displacement, axis 0..5 = ux uy uz rx ry rz."""
-        return self.node_row(shaft, y, np.eye(6)[axis])
-
-    def angle_row(self, shaft: str, y: float) -> np.ndarray:
-        """Row of the rotation in the lifting sense."""
-        return self.sense(shaft) * self.axis_row(shaft, y, 4)
-
-    def own_row(self, name: str) -> np.ndarray:
-        """Row of one coordinate by its name."""
-        row = np.zeros(self.size)
-        row[self.names.index(name)] = 1.0
-        return row
 
     def reads_casing(self, name: str) -> bool:
         """Whether the casing has a row of that name."""
@@ -135,12 +96,14 @@ class Layout:
         return row
 
     def casing_shift(self, name: str) -> np.ndarray:
-        """Motion (3,) of a row of the casing when all moves by 1 along x, y, z."""
+        """Motion (3,) of a row of the casing for a translation of the whole machine by 1 along x, y, z."""
         return self.casing.row_shifts[self.casing.row_names.index(name)]
 
     def check_key_point(self, name: str, shaft: str, y: float) -> None:
-        """Raise MachineError if the casing's key point of that name is not at ``y`` of the shaft's axis; one that is
-        missing is named by `casing_row`."""
+        """Raise MachineError if the key point ``name`` of the casing is not at ``y`` of the shaft's axis.
+
+        A missing key point is reported by `casing_row`.
+        """
         if not len(self.casing.coordinate_names) or name not in self.casing.point_names:
             return
         axis = self.machine.shaft(shaft)
@@ -153,7 +116,7 @@ class Layout:
             )
 
     def rolling(self) -> np.ndarray:
-        """R (coordinate,): motion of all coordinates per motor angle with every mesh rolling rigidly."""
+        """R (coordinate,): motion of all coordinates per motor angle if all meshes roll rigidly."""
         pattern = np.zeros(self.size)
         for name, ratio in self.ratios.items():
             span = self.spans[name]
@@ -169,7 +132,7 @@ def layout(machine: Machine, casing: ReducedBody) -> Layout:
 
     Raises
     ------
-    MachineError : a shaft of too many nodes
+    MachineError : a shaft with too many nodes
     """
     nodes, bases, spans = {}, {}, {}
     names: list[str] = []
@@ -181,4 +144,4 @@ def layout(machine: Machine, casing: ReducedBody) -> Layout:
     spans["casing"] = slice(len(names), len(names) + len(casing.coordinate_names))
     names += [f"casing:{label}" for label in casing.coordinate_names]
     names += [name for component in machine.components for name in component.coordinates]
-    return Layout(machine, casing, nodes, bases, spans, tuple(names))
+    return Layout(machine=machine, casing=casing, shaft_nodes=nodes, bases=bases, spans=spans, names=tuple(names))

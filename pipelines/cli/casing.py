@@ -83,27 +83,27 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     folder = writable_folder(options.out or ".")
     targets = [writable_file(name, "--export", FORMATS) for name in options.export]
     loaded, work = scene_and_work(options)
-    graph, plant = scene_graph(loaded)
+    graph, machine = scene_graph(loaded)
     if "casing mesh" not in graph.steps and any(t.suffix == ".vtu" for t in targets):
-        raise InputError(plant.casing.no_full_model)
+        raise InputError(machine.casing.no_full_model)
     if options.response:
-        if plant.models["casing"] == "none":
+        if machine.models["casing"] == "none":
             raise InputError("--response: casing.model = 'none' has no motion. Set casing.model to craig-bampton.")
-        bearings = [f"bearing_{number}" for number in range(1, len(plant.bearing_points) + 1)]
-        checked_names(options.response, bearings, [sensor.name for sensor in plant.sensors])
+        bearings = [f"bearing_{number}" for number in range(1, len(machine.bearing_points) + 1)]
+        checked_names(options.response, bearings, [sensor.name for sensor in machine.sensors])
     casing = build_casing(loaded, work, error_check=options.error_check)
     if missed := missed_error(casing):
         warnings.warn(missed, SceneWarning, stacklevel=1)
-    for words in misread_sensors(casing.body, {sensor.name: sensor.position for sensor in plant.sensors}):
+    for words in misread_sensors(casing.body, {sensor.name: sensor.position for sensor in machine.sensors}):
         warnings.warn(words, SceneWarning, stacklevel=1)
     if options.json:
         yield json_text(casing_facts(casing, loaded.name))
     else:
         yield from _texts(casing, options.modes)
-    written = [path for target in targets for path in write_casing(casing, plant.title, target)]
+    written = [path for target in targets for path in write_casing(casing, machine.title, target)]
     if options.response:
         folder.mkdir(parents=True, exist_ok=True)
-        written += _write_response(casing, options.response, loaded.name, plant.title, folder)
+        written += _write_response(casing, options.response, loaded.name, machine.title, folder)
     if options.json:
         sys.stderr.write("".join(f"{path}\n" for path in written))
     else:

@@ -1,4 +1,4 @@
-"""`gearcase diagnose`: what is damaged in a recording, or the lines of a fault in a finished run, looked for anew."""
+"""`gearcase diagnose`: the damaged component in a recording, or the fault lines of a finished run."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ envelope f_r      10.081       0.0224       0.00656          +10.7          +28.
 
 
 def arguments(sub: argparse.ArgumentParser) -> None:
-    """A recording, its machine, healthy ones."""
+    """Add the arguments: a recording or a run, its machine, and healthy recordings."""
     sub.add_argument(
         "run",
         metavar="RECORD",
@@ -69,7 +69,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Print verdict and tables: of a file, or of a run against its control; nothing is simulated."""
+    """Print the verdict and the tables of a recording, or of a run compared with its control, without simulation."""
     from pipelines.io.errors import InputError
     from pipelines.io.json_text import json_text
     from pipelines.io.shown import shown

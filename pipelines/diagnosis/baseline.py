@@ -1,8 +1,8 @@
-"""Healthy recordings to compare with: none twice, none the judged one, and those that are not like the others named.
+"""Checks of a baseline of healthy recordings: duplicates, and outlying recordings.
 
-Outlying recordings are found by a forward search (Hadi 1992, J. R. Stat. Soc. B 54(3), 761-771): the most central
-recordings are taken as healthy, then the others one by one, the most similar first. Where the next one differs from
-those taken with a probability of at most OUTLYING, it and the rest are outlying.
+Outlying recordings are found by a forward search (Hadi 1992, J. R. Stat. Soc. B 54(3), 761-771). The most central
+recordings are accepted first, then the others one by one, the most similar first. If a healthy recording differs as
+much from the accepted ones as the next one with a probability of at most OUTLYING, it and all others are outlying.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ import numpy as np
 from pipelines.diagnosis.prediction import FEWEST_FOR_TREND
 from pipelines.signals.features.table import FeatureTable
 
-OUTLYING = 0.01  # probability that a healthy recording differs so much from those that were taken before
-_SAME = 1e-6  # relative: features of one recording, in whatever format it was stored
+OUTLYING = 0.01  # probability that a healthy recording differs so much from the accepted ones
+_SAME = 1e-6  # relative difference of features below which two files contain the same recording
 
 
 class BaselineError(ValueError):
-    """Recordings cannot be compared: other channels, other features, one of them twice, or none."""
+    """Recordings cannot be compared: different channels or features, a duplicate, or no recording."""
 
 
 def check_baseline(
@@ -29,9 +29,9 @@ def check_baseline(
 
     Parameters
     ----------
-    recording, baseline : features of the judged recording and of the healthy ones
-    names : of the healthy ones, as messages show them
-    exact : the healthy ones are the control, which a fault without effect leaves equal to the judged one
+    recording, baseline : features of the diagnosed recording and of the healthy ones
+    names : of the healthy ones, for messages
+    exact : the healthy ones are the control; it may be equal to the diagnosed recording if a fault has no effect
     """
     if not baseline:
         raise BaselineError("no healthy recording to compare with. Give at least one.")
@@ -59,12 +59,13 @@ def check_baseline(
 
 
 def outlying(healthy: np.ndarray, difference: Callable[[int, np.ndarray], float]) -> list[int]:
-    """Numbers of the recordings that are not like the others; none if there are too few to find out.
+    """Numbers of the outlying recordings; empty if there are too few recordings.
 
     Parameters
     ----------
     healthy : levels (recording, channel, line), dB
-    difference : probability that the recording of a number is another one of those of some numbers
+    difference : function that returns the probability that a healthy recording differs as much from accepted ones;
+        its arguments are the number of the recording and those of the accepted ones (accepted,)
     """
     core = max(FEWEST_FOR_TREND, len(healthy) // 2 + 1)
     if len(healthy) <= core:

@@ -6,13 +6,11 @@ import html
 import re
 from collections.abc import Sequence
 from importlib.resources import files
-from typing import TYPE_CHECKING
+
+from matplotlib.figure import Figure
 
 from pipelines.io.grid import Grid
 from pipelines.report.svg import svg
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 WIDEST = 10  # columns of a table that a sheet of paper holds
 
@@ -68,7 +66,7 @@ def paragraph(text: str, style: str = "") -> str:
 
 
 def note(text: str) -> str:
-    """What explains a table."""
+    """The explanation of a table."""
     return paragraph(text, "lead")
 
 
@@ -102,6 +100,6 @@ def folded(summary: str, inside: str) -> str:
 
 
 def picture(figure: Figure, caption: str, style: str = "") -> str:
-    """A figure with its caption, which also describes it to those who cannot see it."""
+    """A figure with its caption, which is also its alternative text."""
     mark = f' class="{style}"' if style else ""
     return f"<figure{mark}><div>{svg(figure, caption)}</div><figcaption>{typeset(caption)}</figcaption></figure>"

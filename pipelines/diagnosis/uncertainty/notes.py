@@ -1,10 +1,8 @@
-"""What error bars hold and what they do not, in sentences."""
+"""Notes on error bars: which errors they contain and which they omit."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-
-from pipelines.diagnosis.uncertainty.line_bars import LineBar
 
 LEFT_OUT = (
     "Not in the error bars: the error of the mesh law, which gearcase converge --over gear-mesh and --over slices "
@@ -13,15 +11,14 @@ LEFT_OUT = (
 )
 
 
-def notes(bars: Sequence[LineBar], missed: Sequence[str], remedy: str, damping_spread: float) -> tuple[str, ...]:
-    """The sentences.
+def notes(missed: Sequence[str], remedy: str, damping_spread: float) -> tuple[str, ...]:
+    """Sentences on the errors that the error bars contain and omit.
 
     Parameters
     ----------
-    bars : of all windows
-    missed : names of lines that the forces of the bearings do not explain
-    remedy : what to set where the error of the casing's mesh is not known, "" where it is
-    damping_spread : of the damping ratios
+    missed : names of lines that forces other than those of the bearings excite, too
+    remedy : setting that makes the error of the casing mesh known, "" if it is known
+    damping_spread : relative spread of the damping ratios, 5 to 95 %
     """
     found = []
     if remedy:

@@ -31,7 +31,7 @@ from pipelines.signals.spectrum import Spectrum
 
 ROPE = "#7a5195"
 NUMERICAL, INPUTS = "#111111", "#e08e0b"
-BESIDE = 0.006  # of the width of an axes, from the numerical error bar to that of the inputs
+OFFSET = 0.006  # of the width of an axes, from the numerical error bar to that of the inputs
 DECADES = 5.0  # range of a spectrum below its top
 
 
@@ -112,7 +112,7 @@ def _draw_bars(axes: Axes, bars: Sequence[LineBar]) -> None:
     """Draw the error bars of the visible lines: numerical ones at the line, those of the inputs to the right of it."""
     low, high = axes.get_xlim()
     inside = [bar for bar in bars if low <= bar.frequency <= high]
-    for name, colour, shift in (("numerical", NUMERICAL, 0.0), ("inputs", INPUTS, BESIDE * (high - low))):
+    for name, colour, shift in (("numerical", NUMERICAL, 0.0), ("inputs", INPUTS, OFFSET * (high - low))):
         shown = [bar for bar in inside if getattr(bar, name) is not None]
         if shown:
             level = np.array([bar.level for bar in shown])
@@ -158,7 +158,7 @@ def pass_figure(diagnosis: Diagnosis, window: str, spall: PassLines) -> Figure:
             seen = lines.where(detected=1)
             axes.plot(seen.frequency, seen.faulty, "v", ms=5, color=FAULTY, label="detected", zorder=4)
         _limit_decades(axes)
-        _mark(axes, [(f, plain(name) if f == k * spall.frequency else "") for name, k, f in spall.wanted()])
+        _mark(axes, [(f, plain(name) if f == k * spall.frequency else "") for name, k, f in spall.monitored()])
         dress(axes, title, "frequency, Hz" if title == "Spectrum" else "", "amplitude, m/s²")
         legend(axes)
     return figure

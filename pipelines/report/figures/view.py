@@ -110,15 +110,15 @@ def draw_tooth(plotter: Any, arrays: dict[str, np.ndarray], opacity: float) -> l
         return [*found, *_draw_edges(plotter, tooth, GONE, 1.0)]
     torn = arrays["marked_broken"]
     whole = opacity * (0.35 if "sheet_0" in arrays and "near" in arrays else 1.0)
-    sound = surface(points, quads[~torn])
+    intact = surface(points, quads[~torn])
     worn, ends = arrays["marked_depth"], quads[:, 0] == quads[:, 1]
     if worn.any():
-        sound = surface(points, quads[~torn & ~ends], {"depth": worn})
+        intact = surface(points, quads[~torn & ~ends], {"depth": worn})
         found = [plotter.add_mesh(surface(points, quads[ends]), color=DAMAGED, opacity=whole),
-                 plotter.add_mesh(sound, scalars="depth", cmap=WEAR_COLOURS, clim=(0.0, float(worn.max())),
+                 plotter.add_mesh(intact, scalars="depth", cmap=WEAR_COLOURS, clim=(0.0, float(worn.max())),
                                   show_scalar_bar=False, opacity=whole, ambient=0.45)]  # fmt: skip
     else:
-        found = [plotter.add_mesh(sound, color=DAMAGED, opacity=whole, ambient=0.2)]
+        found = [plotter.add_mesh(intact, color=DAMAGED, opacity=whole, ambient=0.2)]
     found += _draw_edges(plotter, surface(points, quads), GONE, 2.0)
     if torn.any():
         found.append(plotter.add_mesh(surface(points, quads[torn]), color=GONE, opacity=max(opacity, 0.8), ambient=0.3))
@@ -309,11 +309,7 @@ def _draw_curves(plotter: Any, row: int, arrays: dict[str, np.ndarray], names: l
 
 def turned(angle: float, centre: float) -> np.ndarray:
     """Rotation about the axis along z through (centre, 0) as a 4 x 4 matrix."""
-    cosine, sine = np.cos(angle), np.sin(angle)
-    matrix = np.eye(4)
-    matrix[:2, :2] = [[cosine, -sine], [sine, cosine]]
-    matrix[:2, 3] = np.array([centre, 0.0]) - matrix[:2, :2] @ [centre, 0.0]
-    return matrix
+    return np.asarray(pyvista.Transform().rotate_z(np.degrees(angle), point=(centre, 0.0, 0.0)).matrix)
 
 
 def seen(points: np.ndarray, faces: np.ndarray, turns: np.ndarray, centre: float, place: np.ndarray) -> np.ndarray:
