@@ -82,7 +82,7 @@ def test_what_does_not_change_is_its_own_limit():
 @pytest.mark.parametrize(
     ("sizes", "values", "word"),
     [
-        ((1.0, 2.0), (1.0, 2.0), "three levels"),
+        ((1.0, 2.0), (1.0, 2.0), "at least 3 levels"),
         ((1.0, 2.0, 2.0), (1.0, 2.0, 3.0), "differ"),
         ((0.0, 1.0, 2.0), (1.0, 2.0, 3.0), "positive"),
         ((1.0, 2.0, 4.0), (1.0, math.nan, 3.0), "finite"),

@@ -100,7 +100,7 @@ UNFIT = {  # a document, and the words that refuse it
     "no bearing": (unit().without(CATALOGUE), "has no bearing"),
     "no gears": (unit().without("cylindrical_stage"), "has no cylindrical_stage"),
     "several speeds": (unit().changed("gear_unit", {"number_of_gears": 2}), "several gears to change between"),
-    "new version": (unit(version="2.0"), 'version "2.0"; 1.0 to 1.6 are read'),
+    "new version": (unit(version="2.0"), 'version "2.0" is not supported. Export the file in version 1.0 to 1.6'),
 }
 
 
