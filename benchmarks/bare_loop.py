@@ -9,8 +9,8 @@ import sys
 import time
 
 from pipelines.datasets.plan import load_plan
-from pipelines.datasets.scenes import make_draws, scene_of
-from pipelines.datasets.workshop import Workshop
+from pipelines.datasets.scenes import sampled_scenes, scene_of
+from pipelines.datasets.worker_cache import WorkerCache
 from pipelines.engine.build_step import one_thread
 from pipelines.engine.run_graph import Work
 from pipelines.machine.checks.validity import checked_plant
@@ -20,9 +20,9 @@ from pipelines.steps.motion import moved
 def main() -> None:
     """Assemble, wait, move."""
     plan = load_plan(sys.argv[1])
-    plant = checked_plant(scene_of(plan, make_draws(plan)[0].values).scene, "scene")
+    plant = checked_plant(scene_of(plan, sampled_scenes(plan)[0].values).scene, "scene")
     with one_thread():
-        system = Workshop(Work().cache).system(plant)
+        system = WorkerCache(Work().cache).system(plant)
         moved(system, plant.motion)
         print("ready", flush=True)
         sys.stdin.readline()

@@ -16,8 +16,8 @@ import numpy as np
 
 from benchmarks.campaigns import PLAN, SCENES
 from pipelines.datasets.plan import load_plan
-from pipelines.datasets.scenes import make_draws, scene_of
-from pipelines.datasets.workshop import Workshop
+from pipelines.datasets.scenes import sampled_scenes, scene_of
+from pipelines.datasets.worker_cache import WorkerCache
 from pipelines.engine.build_step import one_thread
 from pipelines.engine.run_graph import Work
 from pipelines.machine.checks.validity import checked_plant
@@ -34,9 +34,9 @@ def lockstep(folder: Path) -> list[dict[str, Any]]:
         path = folder / f"{name}-lockstep.toml"
         path.write_text(PLAN.format(scene=name, count=1, end=1.0, preset=preset), encoding="utf-8")
         plan = load_plan(path)
-        plant = checked_plant(scene_of(plan, make_draws(plan)[0].values).scene, "scene")
+        plant = checked_plant(scene_of(plan, sampled_scenes(plan)[0].values).scene, "scene")
         with one_thread():
-            system = Workshop(Work().cache).system(plant)
+            system = WorkerCache(Work().cache).system(plant)
             moved(system, plant.motion)
             start = time.perf_counter()
             motion = moved(system, plant.motion)

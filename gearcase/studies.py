@@ -21,7 +21,7 @@ def converge(
     processes: int | None = None,
     progress: ProgressFunction | None = None,
 ) -> RefinementStudy:
-    """Estimate the error by the size of one mesh, the number of modes or the time step, with Richardson extrapolation.
+    """Estimate the discretisation error of one mesh, number of modes or time step, by Richardson extrapolation.
 
     Parameters
     ----------

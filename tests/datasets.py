@@ -9,7 +9,7 @@ from pipelines.datasets.labels import labels
 from pipelines.datasets.layout import RunLayout, SignalLayout
 from pipelines.datasets.plan import load_plan
 from pipelines.datasets.rows import DONE, FAILED, write_row, write_table
-from pipelines.datasets.scenes import make_draws, scene_key, scene_of
+from pipelines.datasets.scenes import sampled_scenes, scene_key, scene_of
 from pipelines.datasets.store import write_run
 from pipelines.machine.checks.validity import checked_plant
 
@@ -78,26 +78,26 @@ def make_dataset(folder, plan=PLAN, left_out=(), failed=()):
     file = folder.parent / f"{folder.name}.toml"
     file.write_text(plan, encoding="utf-8")
     loaded = load_plan(file)
-    draws = make_draws(loaded)
-    scene = scene_of(loaded, draws[0].values).resolved()
-    begin(folder, loaded, scene, draws, layout(), identity_facts(loaded, draws))
-    for draw in draws:
-        if draw.run not in left_out:
-            make_run(folder, loaded, draw, failed=draw.run in failed)
+    sampled = sampled_scenes(loaded)
+    scene = scene_of(loaded, sampled[0].values).resolved()
+    begin(folder, loaded, scene, sampled, layout(), identity_facts(loaded, sampled))
+    for sample in sampled:
+        if sample.run not in left_out:
+            make_run(folder, loaded, sample, failed=sample.run in failed)
     if not left_out:
         write_table(folder)
     return folder
 
 
-def make_run(folder, plan, draw, *, failed=False):
+def make_run(folder, plan, sample, *, failed=False):
     """One run with its row."""
-    row = {"run": draw.run, "key": "", "status": FAILED, "reason": "it broke", "values": dict(draw.values)}
-    row |= {"group": draw.group, "split": draw.split, "seconds": 1.0}
+    row = {"run": sample.run, "key": "", "status": FAILED, "reason": "it broke", "values": dict(sample.values)}
+    row |= {"group": sample.group, "split": sample.split, "seconds": 1.0}
     if not failed:
-        scene = scene_of(plan, draw.values)
+        scene = scene_of(plan, sample.values)
         row |= {"key": scene_key(scene), "status": DONE, "reason": ""}
         row["labels"] = labels(checked_plant(scene.scene, scene.source.shown))
-        row["quality"] = {"step_error": 1e-3 * (1 + draw.run), "repeatable_until_s": 0.8 - 1 / RATE, "warnings": ""}
+        row["quality"] = {"step_error": 1e-3 * (1 + sample.run), "repeatable_until_s": 0.8 - 1 / RATE, "warnings": ""}
         row["loop_seconds"] = 0.5
-        row["checksums"] = write_run(folder, draw.run, signals(draw.run, draw.values.get("speed_rpm", 900.0)))
-    write_row(folder, draw.run, row)
+        row["checksums"] = write_run(folder, sample.run, signals(sample.run, sample.values.get("speed_rpm", 900.0)))
+    write_row(folder, sample.run, row)

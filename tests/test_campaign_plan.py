@@ -7,7 +7,7 @@ import pytest
 
 from pipelines.datasets.expressions import Expression, ExpressionError
 from pipelines.datasets.plan import load_plan
-from pipelines.datasets.scenes import make_draws, scene_key, scene_of
+from pipelines.datasets.scenes import sampled_scenes, scene_key, scene_of
 from pipelines.io.errors import InputError, SceneError
 
 SPEED = 'drive.speeds_rpm = [0.0, "$speed", "$speed"]\n'
@@ -41,7 +41,7 @@ simulation.step_us = "$step"
 deviations.seed = "$seed"
 deviations.iso_grade = "$grade"
 """
-    found = make_draws(plan(tmp_path, text))
+    found = sampled_scenes(plan(tmp_path, text))
     assert len(found) == 512
     cut = stats.truncnorm(-1.0, 2.0, loc=20.0, scale=5.0)
     for name, law in (("speed", stats.uniform(600, 300)), ("mass", stats.lognorm(0.2, scale=100.0)), ("step", cut)):
@@ -56,14 +56,14 @@ def test_a_latin_hypercube_has_one_point_in_every_slice(tmp_path):
     text = (
         f'design = "latin-hypercube"\nscenes = 40\n[variables]\nspeed = {{ from = 0.0, to = 1.0 }}\n[settings]\n{SPEED}'
     )
-    slices = np.floor(40 * column(make_draws(plan(tmp_path, text)), "speed")).astype(int)
+    slices = np.floor(40 * column(sampled_scenes(plan(tmp_path, text)), "speed")).astype(int)
     assert sorted(slices) == list(range(40))
 
 
 def test_equal_seeds_draw_equal_scenes_and_others_do_not(tmp_path):
     text = f"scenes = 16\n[variables]\nspeed = {{ from = 600.0, to = 900.0 }}\n[settings]\n{SPEED}"
     first, second, other = (
-        make_draws(plan(tmp_path, f"seed = {seed}\n{text}", f"p{i}")) for i, seed in enumerate((3, 3, 4))
+        sampled_scenes(plan(tmp_path, f"seed = {seed}\n{text}", f"p{i}")) for i, seed in enumerate((3, 3, 4))
     )
     assert first == second
     assert not set(column(first, "speed")) & set(column(other, "speed"))
@@ -71,7 +71,7 @@ def test_equal_seeds_draw_equal_scenes_and_others_do_not(tmp_path):
 
 def test_more_scenes_of_a_sobol_plan_begin_with_the_fewer(tmp_path):
     text = f"[variables]\nspeed = {{ from = 600.0, to = 900.0 }}\n[settings]\n{SPEED}"
-    few, many = (column(make_draws(plan(tmp_path, f"scenes = {n}\n{text}", f"p{n}")), "speed") for n in (10, 1500))
+    few, many = (column(sampled_scenes(plan(tmp_path, f"scenes = {n}\n{text}", f"p{n}")), "speed") for n in (10, 1500))
     assert np.array_equal(few, many[:10])
 
 
@@ -91,7 +91,7 @@ tooth = [3, 4, 5]
 speed = {{ from = 600.0, to = 900.0, levels = 3 }}
 [settings]
 {SPEED}{CASES}"""
-    found = make_draws(plan(tmp_path, text))
+    found = sampled_scenes(plan(tmp_path, text))
     healthy = [one for one in found if one.values["state"] == "healthy"]
     assert len(healthy) == 3
     assert {one.values["tooth"] for one in healthy} == {None}
@@ -108,7 +108,7 @@ speed = {{ from = 600.0, to = 900.0 }}
 [settings]
 drive.speeds_rpm = [0.0, "$speed", "$0.5 * speed + 100"]{CASES}"""
     made = plan(tmp_path, text)
-    for one in make_draws(made):
+    for one in sampled_scenes(made):
         scene = scene_of(made, one.values).scene
         speed = one.values["speed"]
         assert scene.drive.speeds_rpm == (0.0, speed, 0.5 * speed + 100)
@@ -126,11 +126,11 @@ mass = {{ from = 50.0, to = 114.0 }}
 [settings]
 {SPEED}load.container_kg = "$mass"
 """
-    for values in (one.values for one in make_draws(plan(tmp_path, text))):
+    for values in (one.values for one in sampled_scenes(plan(tmp_path, text))):
         assert values["speed"] * values["mass"] < 6e4
         assert values["speed"] > 650 or values["mass"] < 80
     with pytest.raises(InputError, match="Narrow the ranges of the variables"):
-        make_draws(plan(tmp_path, text.replace("6e4", "1.0")))
+        sampled_scenes(plan(tmp_path, text.replace("6e4", "1.0")))
 
 
 def test_scenes_of_one_specimen_are_never_on_both_sides_of_the_split(tmp_path):
@@ -144,7 +144,7 @@ specimen = {{ from = 1, to = 20 }}
 test = 0.25
 validation = 0.15
 """
-    found = make_draws(plan(tmp_path, text))
+    found = sampled_scenes(plan(tmp_path, text))
     sides = {}
     for one in found:
         sides.setdefault(one.values["specimen"], set()).add(one.split)
@@ -156,7 +156,7 @@ validation = 0.15
 def test_a_key_tells_scenes_apart_and_nothing_else(tmp_path):
     text = f"scenes = 4\n[variables]\nspeed = {{ from = 600.0, to = 900.0 }}\n[settings]\n{SPEED}"
     one, other = plan(tmp_path, text, "one"), plan(tmp_path, f'title = "Another name"\n{text}', "other")
-    keys = [[scene_key(scene_of(made, row.values)) for row in make_draws(made)] for made in (one, other)]
+    keys = [[scene_key(scene_of(made, row.values)) for row in sampled_scenes(made)] for made in (one, other)]
     assert keys[0] == keys[1]
     assert len(set(keys[0])) == 4
 
@@ -220,4 +220,4 @@ def test_expressions_have_the_values_of_python():
 
 def test_rows_of_a_plan_can_be_written_as_json(tmp_path):
     text = f"scenes = 3\n[variables]\nspeed = {{ from = 600.0, to = 900.0 }}\n[settings]\n{SPEED}"
-    assert json.dumps([one.values for one in make_draws(plan(tmp_path, text))])
+    assert json.dumps([one.values for one in sampled_scenes(plan(tmp_path, text))])

@@ -16,7 +16,7 @@ from pipelines.datasets.job import Job, work
 from pipelines.datasets.labels import labels
 from pipelines.datasets.plan import load_plan
 from pipelines.datasets.rows import numbers, read_row, read_rows, row_path, write_row
-from pipelines.datasets.scenes import make_draws, scene_of
+from pipelines.datasets.scenes import sampled_scenes, scene_of
 from pipelines.datasets.store import SIGNALS, read_run
 from pipelines.datasets.workers import Workers
 from pipelines.engine.run_graph import Work
@@ -69,7 +69,9 @@ class Elsewhere(InOrder):
     """Does it as a machine does that does not see the folder of the campaign."""
 
     def submit(self, function, job, /):
-        away = Job(plan=job.plan, layout=job.layout, folder=job.folder / "away", identity=job.identity, draw=job.draw)
+        away = Job(
+            plan=job.plan, layout=job.layout, folder=job.folder / "away", identity=job.identity, sample=job.sample
+        )
         return super().submit(function, away)
 
 
@@ -107,7 +109,7 @@ def whole(tmp_path_factory):
 
 def test_signals_are_those_of_the_scene_run_alone(whole, tmp_path):
     plan = load(tmp_path)
-    for one in make_draws(plan)[:2]:
+    for one in sampled_scenes(plan)[:2]:
         loaded = scene_of(plan, one.values)
         plant = checked_plant(loaded.scene, "scene")
         outcome = Work().build(Graph(plant_steps(plant)), ["simulate"])
@@ -120,7 +122,7 @@ def test_signals_are_those_of_the_scene_run_alone(whole, tmp_path):
 def test_labels_are_those_of_the_scene(whole, tmp_path):
     plan = load(tmp_path)
     kinds = {"healthy": "healthy", "missing": "missing-tooth", "worn": "worn-tooth"}
-    for one in make_draws(plan):
+    for one in sampled_scenes(plan):
         row, scene = read_row(whole, one.run), scene_of(plan, one.values).scene
         assert row["values"] == one.values
         assert row["labels"] == labels(make_plant(scene))
@@ -141,7 +143,7 @@ def test_faults_of_shafts_are_labelled_with_their_size(tmp_path, kind):
     force = f"forces = [{{ model = '{kind}', {SHAFT_FAULTS[kind]} }}]"
     varied = "[variables]\nsize = { from = 5.0, to = 50.0 }"
     plan = load(tmp_path, f'scene = "minimal"\nscenes = 3\n{varied}\n[settings]\n{force}\n')
-    for one in make_draws(plan):
+    for one in sampled_scenes(plan):
         found = labels(make_plant(scene_of(plan, one.values).scene))
         assert (found["label"], found["severity"]) == (kind, one.values["size"])
         assert "shaft" in found["places"]
@@ -157,11 +159,11 @@ def test_what_a_process_did_before_changes_no_bit(whole, tmp_path):
     plan = load(tmp_path)
     again = tmp_path / "out"
     shutil.copytree(whole, again)
-    draws = make_draws(plan)
-    identity, layout = find_begun(again, identity_facts(plan, draws))
-    for one in reversed(draws):
+    sampled = sampled_scenes(plan)
+    identity, layout = find_begun(again, identity_facts(plan, sampled))
+    for one in reversed(sampled):
         row_path(again, one.run).unlink()
-        work(Job(plan=plan, layout=layout, folder=again, identity=identity, draw=one))
+        work(Job(plan=plan, layout=layout, folder=again, identity=identity, sample=one))
     assert content(again) == content(whole)
 
 
@@ -288,15 +290,15 @@ def test_numbers_that_are_none_do_not_enter_a_row(tmp_path):
 
 
 def test_one_assembly_serves_scenes_with_equal_machines(monkeypatch, tmp_path):
-    from pipelines.datasets import workshop as module
+    from pipelines.datasets import worker_cache as module
 
     made = []
     real = module.assembled
     monkeypatch.setattr(module, "assembled", lambda *given, **taken: made.append(1) or real(*given, **taken))
-    shop = module.Workshop(Work().cache)
+    kept = module.WorkerCache(Work().cache)
     plan = load(tmp_path)
-    scene = scene_of(plan, make_draws(plan)[0].values).scene
+    scene = scene_of(plan, sampled_scenes(plan)[0].values).scene
     plant = checked_plant(scene, "scene")
-    first, second = (moved(shop.system(plant), plant.motion).values for _ in range(2))
+    first, second = (moved(kept.system(plant), plant.motion).values for _ in range(2))
     assert np.array_equal(first, second)
     assert len(made) == 1

@@ -75,7 +75,7 @@ def test_rig_layout(rig):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"wall_thickness": 0.2}, "wall thickness 200 mm fills the box"),
+        ({"wall_thickness": 0.2}, "wall thickness 200 mm fills the housing"),
         ({"length": -1.0}, "length is -1000 mm; it must be positive"),
         ({"shaft_x": (0.0, 0.03, 0.18275, 0.31569)}, "bosses of bearing_1 and bearing_3 overlap by 42.5 mm"),
         (

@@ -18,7 +18,7 @@ from numba.core.errors import NumbaError
 from waiting import HANGING
 
 from fem.numerics import compiled_files
-from fem.numerics.compiled import FLOAT, INTEGER, VECTOR, Signature, apart, reached, stored, views
+from fem.numerics.compiled import FLOAT, INTEGER, VECTOR, Signature, by_address, reached, stored, views
 from fem.numerics.inner import Inner, inner
 from fem.storage.cache_folder import CacheWarning
 from pipelines.engine.code_version import reachable
@@ -35,10 +35,10 @@ MODULE = """
 import sys
 import numpy as np
 from numba import njit, types
-from fem.numerics.compiled import FLOAT, INTEGER, VECTOR, apart, stored
+from fem.numerics.compiled import FLOAT, INTEGER, VECTOR, by_address, stored
 from factor import FACTOR, scaled
 
-@apart(types.Tuple((FLOAT, INTEGER)), VECTOR, INTEGER)
+@by_address(types.Tuple((FLOAT, INTEGER)), VECTOR, INTEGER)
 @stored(__file__, entry=False)
 def weighted(values, count):
     total = 0.0
@@ -177,9 +177,9 @@ def test_a_full_disk_does_not_stop_the_run(tmp_path, monkeypatch):
     assert compiled_files.read("f.code", "key") == b"code"
 
 
-def test_a_function_apart_is_compiled_when_first_called():
+def test_a_function_called_by_address_is_compiled_when_first_called():
     function = njit(_twice)
-    twice = apart(types.UniTuple(FLOAT, 2), FLOAT, FLOAT)(function)
+    twice = by_address(types.UniTuple(FLOAT, 2), FLOAT, FLOAT)(function)
 
     @njit
     def caller(x, wanted):
@@ -225,15 +225,15 @@ def test_errors_of_the_function_and_of_its_compilation_reach_the_caller(monkeypa
     def nonsense(x):
         return x.missing
 
-    refuses_apart, nonsense_apart = apart(FLOAT, VECTOR, INTEGER)(refuses), apart(FLOAT, FLOAT)(nonsense)
+    refuses_called, nonsense_called = by_address(FLOAT, VECTOR, INTEGER)(refuses), by_address(FLOAT, FLOAT)(nonsense)
 
     @njit
     def one(values, at):
-        return refuses_apart(values, at)
+        return refuses_called(values, at)
 
     @njit
     def other(x):
-        return nonsense_apart(x)
+        return nonsense_called(x)
 
     assert one(np.ones(2), 1) == 1.0
     with pytest.raises(IndexError, match="beyond the end"):

@@ -14,7 +14,7 @@ from datasets import PLAN, make_dataset
 from pipelines.cli.main import main
 from pipelines.datasets.estimate import estimate
 from pipelines.datasets.plan import load_plan
-from pipelines.datasets.scenes import make_draws
+from pipelines.datasets.scenes import sampled_scenes
 
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLE = ROOT / "examples" / "classify_bench.py"
@@ -61,12 +61,12 @@ def test_pieces_of_one_run_in_both_parts_flatter_a_classifier_that_knows_nothing
 
 def test_the_plan_of_the_example_can_be_run_and_keeps_specimens_apart():
     plan = load_plan(EXAMPLE.with_suffix(".toml"))
-    draws = make_draws(plan)
-    assert {draw.group for draw in draws if draw.split == "test"}.isdisjoint(
-        draw.group for draw in draws if draw.split == "train"
+    sampled = sampled_scenes(plan)
+    assert {sample.group for sample in sampled if sample.split == "test"}.isdisjoint(
+        sample.group for sample in sampled if sample.split == "train"
     )
-    assert len(draws) == 240
-    first = [draw for draw in draws if draw.run < 12]
+    assert len(sampled) == 240
+    first = [sample for sample in sampled if sample.run < 12]
     assert estimate(plan, first).labels.keys() == {"healthy", "chipped-tooth", "cracked-tooth"}
 
 

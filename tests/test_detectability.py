@@ -11,10 +11,11 @@ from test_dataset_features import InOrder
 
 from pipelines.cli.main import main
 from pipelines.datasets.rows import read_row
-from pipelines.datasets.scenes import make_draws, scene_of
+from pipelines.datasets.scenes import sampled_scenes, scene_of
 from pipelines.diagnosis.prediction import LEAST_SPREAD, limit, moderated
 from pipelines.diagnosis.simulated import FeatureSettings
-from pipelines.diagnosis.verdict import ALARM
+from pipelines.diagnosis.verdict import ALARM, judge
+from pipelines.diagnosis.words import sentences
 from pipelines.io.errors import InputError
 from pipelines.machine.checks.validity import checked_plant
 from pipelines.scene.file import load_scene
@@ -51,6 +52,7 @@ def table(levels, tooth=0):
         window=("steady",),
         band_low=np.array([100.0]),
         band_high=np.array([1000.0]),
+        speed=np.array([10.0]),
         left_out=(),
     )
 
@@ -59,6 +61,20 @@ def drawn(count, rises, seed, tooth=0):
     """Recordings whose levels (channel, component) are normal about their rises, standard deviation 1 dB."""
     noise = np.random.default_rng(seed).standard_normal((count, *np.atleast_2d(rises).shape))
     return [table(rises + one, tooth) for one in noise]
+
+
+def test_a_baseline_of_many_loads_finds_damage_that_its_scatter_would_hide():
+    speeds, noise = np.linspace(29.6, 29.8, 11), 0.3 * np.random.default_rng(4).standard_normal((11, 1, 3))
+    levels = 50.0 * (speeds - 29.7)[:, None, None] + noise  # 10 dB from the lowest to the highest load
+    one = [table(level).replaced(speed=[speed]) for level, speed in zip(levels, speeds, strict=True)]
+    damaged, healthy = table(levels[5] + [[0.0, 0.0, 4.0]]).replaced(speed=[speeds[5]]), one[:5] + one[6:]
+    found = judge(damaged, healthy, KINEMATICS)
+    assert found.damaged
+    assert found.first.component == "stage 1 wheel"
+    assert "depend on the speed" in " ".join(sentences(found))
+    alike = judge(damaged.replaced(speed=[29.7]), [other.replaced(speed=[29.7]) for other in healthy], KINEMATICS)
+    assert not alike.damaged
+    assert "depend on the speed" not in " ".join(sentences(alike))
 
 
 def machines(rises, damage=("stage 1 wheel", 7), tooth=7, damaged=150, healthy=150, seed=0):
@@ -178,13 +194,13 @@ def plan_of(settings, **design):
 def test_no_pair_of_gears_serves_twice_and_the_damaged_tooth_moves_on():
     over = (Over(key="faults.1.depth_mm", values=(1.0, 2.0)),)
     plan = plan_of({"deviations.seed": 101}, over=over, baseline=5, healthy=3, damaged=2)
-    draws = make_draws(plan)
-    seeds = {state: {draw.values["specimen"] for draw in draws if draw.values["state"] == state} for state in
+    sampled = sampled_scenes(plan)
+    seeds = {state: {sample.values["specimen"] for sample in sampled if sample.values["state"] == state} for state in
              (HEALTHY, DAMAGED)}  # fmt: skip
     assert seeds == {HEALTHY: set(range(1, 9)), DAMAGED: {9, 10}}
-    assert len(draws) == 8 + 2 * 2
-    scenes = [scene_of(plan, draw.values).scene for draw in draws]
-    assert [scene.deviations.seed for scene in scenes] == [100 + draw.values["specimen"] for draw in draws]
+    assert len(sampled) == 8 + 2 * 2
+    scenes = [scene_of(plan, sample.values).scene for sample in sampled]
+    assert [scene.deviations.seed for scene in scenes] == [100 + sample.values["specimen"] for sample in sampled]
     faults = [scene.faults[0] for scene in scenes if scene.faults]
     assert [(fault.depth_mm, fault.tooth) for fault in faults] == [(1.0, 19), (1.0, 20), (2.0, 19), (2.0, 20)]
 
@@ -192,7 +208,7 @@ def test_no_pair_of_gears_serves_twice_and_the_damaged_tooth_moves_on():
 def test_a_load_is_that_of_healthy_and_damaged_machines():
     over = (Over(key="load.torque_N_m", values=(50.0, 100.0)),)
     plan = plan_of({}, over=over, baseline=5, healthy=3, damaged=2)
-    loads = [scene_of(plan, draw.values).scene.load.torque_N_m for draw in make_draws(plan)]
+    loads = [scene_of(plan, sample.values).scene.load.torque_N_m for sample in sampled_scenes(plan)]
     assert loads.count(50.0) == loads.count(100.0) == 5 + 3 + 2
 
 
@@ -200,7 +216,10 @@ def test_shaft_faults_are_gone_from_healthy_machines():
     unbalance = {"model": "unbalance", "shaft": 1, "position_mm": 0.0, "unbalance_g_mm": 100.0}
     over = (Over(key="forces.1.unbalance_g_mm", values=(50.0, 100.0)),)
     plan = plan_of({"faults": [], "forces": [unbalance]}, over=over, baseline=5, healthy=1, damaged=1)
-    forces = [[force.unbalance_g_mm for force in scene_of(plan, draw.values).scene.forces] for draw in make_draws(plan)]
+    forces = [
+        [force.unbalance_g_mm for force in scene_of(plan, sample.values).scene.forces]
+        for sample in sampled_scenes(plan)
+    ]
     assert forces == 6 * [[]] + [[50.0], [100.0]]
 
 

@@ -230,7 +230,7 @@ def test_bars_hold_the_lines_of_simulated_casings(diagnosed, monkeypatch):
     def one_draw(*_):
         return dataclasses.replace(undrawn(form, near), squares=form.squares[None, :near] * 1.015**2)
 
-    monkeypatch.setattr("pipelines.diagnosis.uncertainty.made.DRAWS", 1)
+    monkeypatch.setattr("pipelines.diagnosis.uncertainty.made.SAMPLES", 1)
     monkeypatch.setattr("pipelines.diagnosis.uncertainty.made.drawn_frequencies", one_draw)
     quiet = run.assign_attrs(step_error=0.0)
     known = Uncertain(errors=errors_of(near, 0.0), damping_spread=0.3, remedy="")

@@ -59,7 +59,7 @@ KINDS = (
     "A bearing",
     "A load",
     "An excitation",
-    "A casing kind",
+    "A casing model",
     "An element type",
     "A command",
     "A channel",

@@ -70,6 +70,7 @@ def test_the_average_is_that_of_the_gear_that_is_damaged(damaged, shown):
         changes=(),
         exact=False,
         healthy=8,
+        at_speed=False,
         outlying=(),
         tested=8,
         false_differences=0,

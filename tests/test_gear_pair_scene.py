@@ -122,7 +122,7 @@ def test_the_pattern_of_a_missing_tooth_is_that_of_its_neighbours(tmp_path, monk
     seen = []
     monkeypatch.setattr(inspect_gears, "write_pattern", lambda view, path: seen.append(view))
     plant = plan_study(load_scene("pair", {"faults": [fault]}), with_control=False, both_loads=False).plant
-    inspect_gears.InspectedStage(plant=plant, laws=laws).write_pattern(tmp_path / "pattern.png")
+    inspect_gears.InspectedStage(machine=plant, laws=laws).write_pattern(tmp_path / "pattern.png")
     (view,) = seen
     assert view.title.endswith("neighbours of the missing tooth 24 of the pinion")
     healthy, before, after = view.patterns

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from pipelines.diagnosis.prediction import clopper_pearson, deviations, limit, moderated, probability
+from pipelines.diagnosis.prediction import at_speed, clopper_pearson, deviations, limit, moderated, probability
 
 KINDS = ["rms", "fm4", "kurtosis"] * 5
 
@@ -60,3 +60,33 @@ def test_a_limit_has_its_probability():
 )
 def test_intervals_of_clopper_and_pearson(count, trials, interval):
     assert clopper_pearson(count, trials) == pytest.approx(interval, rel=1e-3)
+
+
+SPEEDS = np.array([29.60, 29.61, 29.63, 29.64, 29.66, 29.69, 29.71, 29.72, 29.75, 29.76])  # Hz, of loads 9, 8, ... 0
+
+
+def over_speed(random, lines, slope=100.0):
+    """Healthy levels (recording, 1, line) on a line over the speed, dB, with normal scatter of 1 dB."""
+    return slope * (SPEEDS - 29.7)[:, None, None] + random.standard_normal((len(SPEEDS), 1, lines))
+
+
+def test_levels_on_a_line_over_the_speed_deviate_from_it_as_students_distribution_says():
+    random, speed = np.random.default_rng(2), 29.62
+    healthy = over_speed(random, 4000)
+    found = at_speed(healthy, SPEEDS, speed)
+    assert found.shape == (9, 1, 4000)
+    line = np.polyfit(SPEEDS - speed, healthy[:, 0], 1)[1]
+    assert np.allclose(found.mean(axis=0)[0], line)
+    new = 100.0 * (speed - 29.7) + random.standard_normal((1, 4000))
+    deviation = deviations(new, found, found.std(axis=0, ddof=1))
+    assert stats.kstest(deviation[0], stats.t(len(SPEEDS) - 2).cdf).pvalue > 0.01
+
+
+@pytest.mark.parametrize(
+    ("speeds", "speed", "slope"),
+    [(SPEEDS, 29.62, 0.0), (SPEEDS, 29.90, 100.0), (SPEEDS[:5], 29.62, 100.0), (np.full(10, 29.62), 29.62, 100.0)],
+    ids=["no trend", "far outside", "too few", "one speed"],
+)
+def test_levels_stay_as_they_are_where_no_line_predicts_them(speeds, speed, slope):
+    healthy = over_speed(np.random.default_rng(3), 200, slope)[: len(speeds)]
+    assert at_speed(healthy, speeds, speed) is healthy

@@ -105,7 +105,9 @@ def test_complex_numbers_and_texts_are_refused(tmp_path):
     assert "holds complex numbers (complex128)" in refusal(saved(tmp_path, signals() * 1j), rate_Hz=RATE)
     with h5py.File(tmp_path / "r.h5", "w") as file:
         file["words"] = np.array([b"one", b"two"] * 300)
-    assert "no channel has the units of an acceleration, the file has words" in refusal(tmp_path / "r.h5", rate_Hz=RATE)
+    assert "no channel has the unit of an acceleration; the channels are words" in refusal(
+        tmp_path / "r.h5", rate_Hz=RATE
+    )
     words = {"bearing": {"z": "words"}}
     assert '"words" holds no numbers' in refusal(tmp_path / "r.h5", rate_Hz=RATE, sensors=words)
     np.save(tmp_path / "o.npy", np.array([{}, 1], dtype=object), allow_pickle=True)
@@ -260,7 +262,7 @@ def test_a_universal_file_of_binary_or_complex_functions_is_refused(tmp_path):
     (tmp_path / "r.uff").write_text(complex_form, encoding="ascii")
     assert "are complex" in refusal(tmp_path / "r.uff")
     (tmp_path / "r.uff").write_text(text.replace(f"{1:5d}{0:10d}", f"{4:5d}{0:10d}"), encoding="ascii")
-    assert "no channel has the units of an acceleration" in refusal(tmp_path / "r.uff")  # a frequency response alone
+    assert "no channel has the unit of an acceleration" in refusal(tmp_path / "r.uff")  # a frequency response alone
 
 
 def test_two_channels_of_one_sensor_and_axis_ask_for_names(tmp_path):

@@ -130,7 +130,7 @@ def test_lines_for_a_pipe():
     assert "".join(written).splitlines() == [
         "6 steps to compute, about 19 s",
         "   0 s  casing: started; about 19 s left",
-        "   2 s  law_1: 2.0 s; about 17 s left",
+        "   2 s  mesh law of stage 1: 2.0 s; about 17 s left",
         "  13 s  casing: 90 %; about 11 s left",
     ]
 
@@ -145,6 +145,9 @@ def test_lines_for_a_pipe():
         ("features healthy seed 12 simulate", "features of the healthy machine (deviations of seed 12)"),
         ("error-free healthy simulate", "motion of the healthy machine (no deviations)"),
         ("casing modes", "casing modes"),
+        ("law_2", "mesh law of stage 2"),
+        ("unmodified_law_1", "mesh law of stage 1 without faults and modifications"),
+        ("diagnose", "diagnosis"),
         ("preset: reference: simulate", "preset: reference: motion of the machine"),
     ],
 )

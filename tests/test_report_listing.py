@@ -35,8 +35,8 @@ BENCH = [
     "# One stage, rigid casing, constant torque",
     "figure: Time-synchronous average of the acceleration at sensor_3, z over 6 revolutions of shaft 1 in the "
     "window steady, without the mesh orders (residual signal).",
-    "figure: Envelope spectrum of sensor_3 (z) in the window steady. Marked: harmonics of the shaft "
-    "frequency fr = 15.0000 Hz, which a damaged tooth raises.",
+    "figure: Envelope spectrum of sensor_3 (z) in the window steady. Marked: harmonics of the revolution "
+    "frequency fr = 15.0000 Hz. A damaged tooth raises them.",
     "# Signals and spectra",
     "figure: Acceleration at the sensor without sensor noise: the whole run (left) and 0.1 s of it (right).",
     "figure: Steady: one-sided peak amplitudes over 6 revolutions of the shaft with fr (0.4 s, a whole "
@@ -58,8 +58,8 @@ DAMAGED = [
     "window steady, without the mesh orders (residual signal). Below: this run minus the healthy "
     "run, the effect of the fault alone. Shaded: the engagement of tooth 3, which is damaged in the scene and whose "
     "envelope has the highest energy. Teeth are numbered from 0.",
-    "figure: Envelope spectrum of sensor_3 (z) in the window steady. Marked: harmonics of the shaft "
-    "frequency fr = 15.0000 Hz, which a damaged tooth raises.",
+    "figure: Envelope spectrum of sensor_3 (z) in the window steady. Marked: harmonics of the revolution "
+    "frequency fr = 15.0000 Hz. A damaged tooth raises them.",
     "# Signals and spectra",
     "figure: Acceleration at the sensor without sensor noise: the whole run (left) and 0.1 s of it (right).",
     "figure: Steady, constant torque, deviations of seed 1: one-sided peak amplitudes over 6 revolutions "

@@ -46,7 +46,7 @@ UNITS = {
 
 def drawn(layout):
     """Torque of the load, N m."""
-    return layout.drawn[layout.loaded]
+    return layout.resisting_torques[layout.loaded]
 
 
 @pytest.fixture

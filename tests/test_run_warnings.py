@@ -12,7 +12,7 @@ from pipelines.cli.main import main
 from pipelines.datasets.card import write_card
 from pipelines.datasets.plan import load_plan
 from pipelines.datasets.rows import read_row, write_row, write_table
-from pipelines.datasets.scenes import make_draws, scene_of
+from pipelines.datasets.scenes import sampled_scenes, scene_of
 from pipelines.scene.file import load_scene
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -118,7 +118,7 @@ def plans():
 def test_no_shipped_plan_has_a_longer_time_step_than_its_scene(name, tmp_path):
     (tmp_path / "plan.toml").write_text(plans()[name], encoding="utf-8")
     plan = load_plan(tmp_path / "plan.toml")
-    for one in make_draws(plan)[:20]:
+    for one in sampled_scenes(plan)[:20]:
         assert scene_of(plan, one.values).scene.simulation.step_us <= (
             load_scene(plan.table.scene).scene.simulation.step_us
         )

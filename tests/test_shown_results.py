@@ -98,6 +98,7 @@ def test_a_verdict_shows_its_findings():
         changes=(),
         exact=False,
         healthy=20,
+        at_speed=False,
         outlying=(),
         tested=0,
         false_differences=0,

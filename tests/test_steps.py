@@ -266,7 +266,7 @@ def test_what_a_step_does_ahead_is_done_beside_others_and_its_failure_is_not_tha
     quick = Step(name="quick", kind="slow", build=make_slowly, spec=0.2)
     last = Step(
         name="last", kind="last", build=finish, spec="sum", takes={"slow": ("s0", "s1"), "quick": "quick"},
-        ahead=begin, ahead_takes=("quick",),
+        prepare=begin, prepare_takes=("quick",),
     )  # fmt: skip
     outcome = run_graph(Graph([quick, *long_graph(2, 0.5), last]), cache, ["last"], processes=processes)
     assert outcome.value("last") == {"calls": begun}

@@ -1,7 +1,7 @@
 """Texts are written in the terms of the field: no word that only the authors of the product would understand.
 
 The table holds each expression that must not come back, and what to write instead. It covers every text that a user
-reads, and the docstrings of the code except in the files that are still listed in `words_of_docstrings.txt`.
+reads, and the docstrings of the code.
 """
 
 import ast
@@ -65,7 +65,6 @@ INSTEAD = {
 }
 PACKAGES = ("fem", "mbd", "pipelines", "gearcase")
 CODE = [path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))]
-LISTED = Path(__file__).with_name("words_of_docstrings.txt").read_text(encoding="utf-8").split()
 MADE = {"docs/modules.md", "docs/changelog.md"}  # from docstrings, and from CHANGELOG.md
 
 
@@ -142,15 +141,9 @@ def test_help_is_written_in_terms_of_the_field():
     assert {name: words for name, words in found.items() if words} == {}
 
 
-def test_docstrings_are_written_in_terms_of_the_field_but_in_files_that_are_listed():
+def test_docstrings_are_written_in_terms_of_the_field():
     found = {named(path): words_to_replace(texts_of_code(path)[0]) for path in CODE}
-    assert {name: words for name, words in found.items() if words and name not in LISTED} == {}
-
-
-def test_the_list_only_shrinks():
-    """A file that has no such docstring any more leaves the list."""
-    assert sorted(name for name in LISTED if not words_to_replace(texts_of_code(ROOT / name)[0])) == []
-    assert sorted(set(LISTED)) == LISTED
+    assert {name: words for name, words in found.items() if words} == {}
 
 
 @pytest.mark.parametrize("text", ["the rung solid", "three lines stand", "energy books", "as dear as a reduction"])

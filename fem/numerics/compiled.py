@@ -1,13 +1,13 @@
-"""Compiled functions: kept on disk under a digest of their sources, and called through their address.
+"""Compiled functions that are stored on disk under a digest of their sources and called through their address.
 
-The compiler links whatever a function calls into it and optimises the whole again, at every level of the calls and in
-every entry point that is stored on disk: a large function called from ten places is compiled ten times. What `apart`
-returns is called in compiled code like the function itself, but the caller holds no more than a call through a cell of
-memory, which it knows by name. The cell is empty at first; the first call has the function compiled, or read from disk,
-and the cell filled. So a function is optimised once, and only if it is called at all. A call costs about 10 ns.
+The compiler links every called function into its caller and optimises both again, at each level of the calls and in
+each entry point that is stored on disk. A large function with ten callers would be compiled ten times. A function that
+is decorated with `by_address` is called in compiled code as usual, but its caller holds only a call through a memory
+cell with a name. The cell is empty at first. The first call compiles the function, or reads it from disk, and fills
+the cell. Each function is thus optimised once, and only if it is called. A call costs about 10 ns.
 
-A `Signature` does the same for functions that are chosen while the program runs: the caller is given the address of the
-cell as a number, so that it need not know which functions there are.
+A `Signature` does the same for functions that are chosen at run time: the caller gets the address of the cell as a
+number and need not know the functions.
 """
 
 from __future__ import annotations
@@ -71,10 +71,10 @@ _COMPILED = re.compile(r"^from (?:numba|fem\.(?:\w+\.)?(?:compiled|inner)) impor
 
 @functools.cache
 def reached(file: str) -> tuple[Path, ...]:
-    """The source files that the compiled functions of ``file`` are made of.
+    """The source files that determine the compiled functions of ``file``.
 
-    Compiled code takes functions and constants from what its file imports at its top level. Of the files of our own
-    packages so found, those that hold compiled functions themselves are followed further.
+    Compiled code uses functions and constants that its file imports at the top level. Imported files of these packages
+    that hold compiled functions are searched in the same way.
     """
     root = Path(file)
     while (root.parent / "__init__.py").is_file():
@@ -95,10 +95,10 @@ def reached(file: str) -> tuple[Path, ...]:
 
 
 def stored(file: str, entry: bool = True, **options: Any) -> Callable:
-    """`njit` in ``file`` (``__file__``) with a copy on disk that is used as long as all it is made of stays as it is.
+    """`njit` in ``file`` (``__file__``) with a copy on disk that is used until one of its source files changes.
 
-    The checksum of the files that are `reached` is made part of the function's name, under which the code is stored.
-    Without ``entry`` Python must not call it.
+    The code is stored under the name of the function, to which the checksum of the files that are `reached` is added.
+    Without ``entry``, only compiled code may call the function.
     """
     options = {**PLAIN, **COUNTED, **({} if entry else NO_ENTRY), **options}
     total = 0
@@ -126,7 +126,7 @@ def stored(file: str, entry: bool = True, **options: Any) -> Callable:
 
 @contextlib.contextmanager
 def _rare_collection() -> Iterator[None]:
-    """Garbage is looked for less often: compiling makes millions of objects, and looking took a sixth of its time."""
+    """Collect garbage less often: compiling creates millions of objects, and collection took a sixth of its time."""
     before = gc.get_threshold()
     if before[0] >= _OBJECTS:  # set by a function that calls this one, or by the user
         yield
@@ -139,11 +139,11 @@ def _rare_collection() -> Iterator[None]:
 
 
 class _Stored:
-    """What a compiled function asks of its cache, answered from our files.
+    """Cache of one compiled function, as Numba's dispatcher uses it, in the files of `compiled_files`.
 
-    The compiler's own cache looks for a folder when the function is defined and stops the program if none can be
-    written; it believes whoever can write there, and what is damaged. It does not know that another process is
-    compiling the same function: here the second one waits and reads.
+    Numba's own cache chooses a folder when the function is defined and stops the program if it cannot write there. It
+    also reads files of other users and damaged files, and compiles a function that another process is compiling; here
+    the second process waits and reads.
     """
 
     def __init__(self, function: Callable) -> None:
@@ -152,11 +152,11 @@ class _Stored:
 
     @property
     def cache_path(self) -> str:
-        """The folder, for statistics."""
+        """Folder of the cache, for statistics."""
         return str(compiled_files.compiled_folder())
 
     def load_overload(self, signature: Any, target: Any) -> CompileResult | None:
-        """The code for a signature; None if it must be compiled: no other process does so until it is saved."""
+        """The code for a signature. None if it must be compiled; other processes then wait until it is saved."""
         target.refresh()
         name, key = self._name_and_key(signature, target.codegen())
         content = compiled_files.read(name, key)
@@ -168,7 +168,7 @@ class _Stored:
         return None if content is None else CompileResult._rebuild(target, *pickle.loads(content))
 
     def save_overload(self, signature: Any, result: Any) -> None:
-        """Keep the code for a signature, and let other processes have it."""
+        """Store the code for a signature, and let other processes read it."""
         if result.library.has_dynamic_globals:
             raise TypeError(f"{self._function} holds addresses of this process and cannot be stored")
         compiled_files.write(*self._name_and_key(signature, result.codegen), dumps(result._reduce()))
@@ -181,7 +181,7 @@ class _Stored:
             self._lock = None
 
     def flush(self) -> None:
-        """Nothing: code that is compiled again replaces what was stored."""
+        """Does nothing: code that is compiled again replaces the stored code."""
 
     def _name_and_key(self, signature: Any, codegen: Any) -> tuple[str, str]:
         made_by = (sys.version, numba.__version__, llvmlite.__version__, codegen.magic_tuple())
@@ -191,22 +191,22 @@ class _Stored:
 
 
 class _Linked(JITCodeLibrary):
-    """The code of an `Inner`, which callers link and optimise with their own. No machine code is made of it alone."""
+    """The code of an `Inner`, which callers link and optimise with theirs. It has no separate machine code."""
 
     @property
     def codegen(self) -> _Linked:
-        """Itself, as it takes no environment."""
+        """The library itself: it has no environment."""
         return self
 
     def set_env(self, *_: Any) -> None:
-        """Nothing: there is no code that runs."""
+        """Does nothing: there is no machine code."""
 
     def get_pointer_to_function(self, name: str) -> int:
-        """0: there is no code that runs."""
+        """0: there is no machine code."""
         return 0
 
     def finalize(self) -> None:
-        """Add the code of what it calls."""
+        """Add the code of the called functions."""
         for library in dict.fromkeys(self._linking_libraries):
             self._final_module.link_in(library._get_module_for_linking(), preserve=True)
         self._finalized = True
@@ -228,7 +228,7 @@ def _type_of_inner(value: Inner, _: Any) -> types.Type:
 
 
 class View(types.Array):
-    """An array made by `views`: in C order, no index negative. Access to an element takes a fifth of the code."""
+    """An array of `views`, in C order. Negative indices are not allowed, so that access needs a fifth of the code."""
 
 
 register_model(View)(models.ArrayModel)
@@ -267,10 +267,10 @@ def _set_element(context: Any, builder: Any, signature: Any, values: Any) -> Non
 
 
 def _views(typingctx: Any, vector: Any, start: Any, count: Any, shape: Any) -> tuple[Any, Callable]:
-    """Tuple of `count` arrays of one shape, one behind the other on the numbers of a vector from `start` on.
+    """Tuple of `count` arrays of one shape, which follow one another in a vector from its element `start` on.
 
-    They hold as long as the caller keeps the vector, and may not reach beyond it. This costs nothing, and where start
-    and shape are constants, the compiler knows that the arrays do not overlap.
+    The arrays are valid as long as the caller keeps the vector, and must end within it. They need no memory. Where
+    `start` and `shape` are constants, the compiler knows that the arrays do not overlap.
     """
     if not isinstance(count, types.IntegerLiteral):
         raise RequireLiteralValue("the number of views must be a literal")
@@ -301,11 +301,11 @@ def _views(typingctx: Any, vector: Any, start: Any, count: Any, shape: Any) -> t
 views: Any = intrinsic(_views)
 
 
-def apart(result: types.Type, *arguments: types.Type) -> Callable:
-    """Decorator of a compiled function (what `njit` returns), for compiled callers: a call through its address.
+def by_address(result: types.Type, *arguments: types.Type) -> Callable:
+    """Decorator that has compiled callers call a compiled function (the result of `njit`) through its address.
 
-    The function takes `arguments` and returns `result`. Callers get a RuntimeError where it cannot be compiled; what
-    the compiler says is printed then. ``compile()`` of what is returned compiles it before the first call.
+    The function takes `arguments` and returns `result`. If it cannot be compiled, the message of the compiler is
+    printed and callers get a RuntimeError. ``compile()`` of the decorated function compiles it before the first call.
     """
 
     def decorate(function: Any) -> Callable:
@@ -327,10 +327,10 @@ def apart(result: types.Type, *arguments: types.Type) -> Callable:
 
 
 class Signature:
-    """Functions that take ``arguments`` and return ``result``, one of which is chosen when it is called.
+    """Functions with the same ``arguments`` and ``result``, of which the caller chooses one at run time.
 
-    `cell` takes a compiled function and returns a number that stands for it in this process; compiled code calls it by
-    ``call(number, *arguments)``. Errors are those of `apart`.
+    `cell` returns a number that represents a compiled function in this process. Compiled code calls the function by
+    ``call(number, *arguments)``. Errors are those of `by_address`.
     """
 
     def __init__(self, result: types.Type, *arguments: types.Type) -> None:
@@ -345,12 +345,12 @@ class Signature:
         self.call = intrinsic(call)
 
     def cell(self, function: Any) -> int:
-        """The number that stands for a compiled function (what `njit` returns) with this signature."""
+        """The number that represents a compiled function (the result of `njit`) with this signature."""
         return _cell_of(function, self._arguments)
 
 
 def _cell_of(function: Any, arguments: tuple[types.Type, ...]) -> int:
-    """Address of a new cell that has `function` compiled when it is called first."""
+    """Address of a new cell; the first call through it compiles `function`."""
     cell = _Cell()
 
     @ctypes.CFUNCTYPE(None)
@@ -367,7 +367,7 @@ def _cell_of(function: Any, arguments: tuple[types.Type, ...]) -> int:
 
 @contextlib.contextmanager
 def _interrupts_held() -> Iterator[None]:
-    """Ctrl-C raised in what compiled code calls would be lost; it is passed on when the caller has gone on."""
+    """Delay Ctrl-C until compiled code has returned: an exception in a function that it calls would be lost."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -382,14 +382,14 @@ def _interrupts_held() -> Iterator[None]:
 
 
 def _generate(symbol: str, context: Any, builder: Any, signature: Any, values: Any) -> Any:
-    """The call through the cell that the linker knows as `symbol`."""
+    """Code of a call through the cell that the linker knows as `symbol`."""
     if symbol not in builder.module.globals:
         ir.GlobalVariable(builder.module, _CELL, symbol)
     return _call_through(builder.module.globals[symbol], symbol, context, builder, signature, values)
 
 
 def _generate_chosen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-    """The call through the cell whose address is the first argument."""
+    """Code of a call through the cell whose address is the first argument."""
     cell = builder.inttoptr(values[0], _CELL.as_pointer())
     own = signature.return_type(*signature.args[1:])
     return _call_through(cell, "a function chosen by its cell", context, builder, own, values[1:])

@@ -1,11 +1,11 @@
-"""Files of compiled code: read only if this user or root wrote them and every byte is as it was written.
+"""Files of compiled code, which are read only if this user or root wrote them and no byte has changed.
 
-They lie in the cache folder, or in a folder of their own under NUMBA_CACHE_DIR where that is set. Reading one runs
-what it holds, so the open file itself is asked for its owner, whatever the folders above it are. Where none can be
-written or read, that is said once and the code is compiled in memory.
+They are in the cache folder, or in the folder `gearcase` of NUMBA_CACHE_DIR if that is set. The program executes the
+code it reads, so the owner of the open file is checked, not only those of the folders above it. If the files cannot
+be written or read, the program warns once and compiles in memory.
 
-A process that compiles a function holds a lock on it, so that others which need it at the same time wait for its file
-instead of compiling it, too.
+A process that compiles a function holds a lock on it, so that other processes wait for its file instead of compiling
+the function, too.
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ _DIGEST_BYTES = 32
 
 
 def compiled_folder() -> Path:
-    """Where compiled code is kept. It need not exist."""
+    """Folder of the compiled code, which need not exist."""
     chosen = os.environ.get("NUMBA_CACHE_DIR")
     return Path(chosen).absolute() / "gearcase" if chosen else cache_root() / COMPILED
 
 
 def read(name: str, key: str) -> bytes | None:
-    """What was written under a name and a key; None if it is absent, damaged or not to be believed."""
+    """The content that was written under a name and a key; None if it is absent, damaged or of another user."""
     folder = compiled_folder()
     try:
         _prepare(folder, make=False)
@@ -59,13 +59,13 @@ def read(name: str, key: str) -> bytes | None:
     if head != _head(key, content):
         warn_once(f"compiled code {folder / name} is damaged. It is compiled again.")
         return None
-    with contextlib.suppress(OSError):  # it may be another's to read only
+    with contextlib.suppress(OSError):  # the file may belong to root
         os.utime(folder / name)  # last use, for `gearcase cache clear --older-than`
     return content
 
 
 def write(name: str, key: str, content: bytes) -> None:
-    """Keep `content` under a name and a key, if that is possible."""
+    """Store `content` under a name and a key; a warning is given if that is not possible."""
     folder = compiled_folder()
     try:
         _prepare(folder, make=True)
@@ -82,9 +82,9 @@ def write(name: str, key: str, content: bytes) -> None:
 
 
 def lock(name: str) -> BinaryIO | None:
-    """Wait until no other process compiles what is kept under a name; the lock, or None where there are no locks.
+    """Wait until no other process compiles the code of a name; the lock, or None where there are no locks.
 
-    It is given back by `unlock`, or by the system when this process ends.
+    `unlock` releases it, or the system does when this process ends.
     """
     folder = compiled_folder()
     path = folder / f"{name}.lock"
@@ -95,19 +95,19 @@ def lock(name: str) -> BinaryIO | None:
             if lock_file(file, wait=True) and same_file(file, path):
                 return file
             file.close()
-    except OSError:  # `write` says what is wrong with the folder
+    except OSError:  # `write` reports what is wrong with the folder
         return None
 
 
 def unlock(file: BinaryIO) -> None:
-    """Let other processes read what this one has compiled."""
-    with contextlib.suppress(OSError):  # where an open file cannot be removed, it stays
+    """Release a lock, and remove its file."""
+    with contextlib.suppress(OSError):  # an open file cannot be removed on every system
         os.unlink(file.name)
     file.close()
 
 
 def files(folder: Path) -> Iterator[Path]:
-    """The files of a folder that hold compiled code of ours, finished or not."""
+    """The files of a folder that hold compiled code of this program, complete or not."""
     for path in sorted(folder.iterdir()) if folder.is_dir() else ():
         if path.is_file() and not path.is_symlink():
             with open(path, "rb") as file:
@@ -125,7 +125,7 @@ def _prepare(folder: Path, *, make: bool) -> None:
 
 
 def _root(folder: Path) -> Path:
-    """The cache that the folder is part of, or itself."""
+    """The cache that contains the folder, or the folder itself."""
     return folder.parent if folder.parent == cache_root() else folder
 
 

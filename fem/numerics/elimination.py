@@ -1,8 +1,8 @@
 """Order of elimination of a sparse symmetric matrix: nested dissection, elimination tree, supernodes.
 
-The graph of the matrix is dissected by METIS. Its elimination tree tells, without forming the factor, which rows every
-column of the factor touches; columns with nearly the same rows are joined to supernodes, so that the factorisation
-works on dense blocks. All of this runs on groups of unknowns (the nodes of a mesh).
+METIS dissects the graph of the matrix. The elimination tree gives the rows of the non-zero entries in each column of
+the factor without forming it. Columns with nearly the same rows are joined to supernodes, so that the factorisation
+works on dense blocks. All of this is done on groups of unknowns (the nodes of a mesh).
 
 References: Karypis & Kumar (1998), SIAM J. Sci. Comput. 20(1), 359-392; Liu (1990), SIAM J. Matrix Anal. Appl. 11(1),
 134-172 (elimination tree); Ashcraft & Grimes (1989), ACM TOMS 15(4), 291-309 (relaxed supernodes).
@@ -17,28 +17,28 @@ import scipy.sparse as sp
 
 from fem.numerics.compiled import stored
 
-_OPENED = 30  # subtrees at most that are opened to find two halves
+_OPENED = 30  # upper bound of the subtrees that are divided to find two halves
 
 
 @dataclass(frozen=True, eq=False)
 class Elimination:
-    """Supernodes in the order of elimination, in numbers of the reordered unknowns."""
+    """Supernodes in the order of elimination; all but `order` are in numbers of the reordered unknowns."""
 
-    order: np.ndarray  # (n,) old number of every new one
+    order: np.ndarray  # (n,) old number of each new unknown
     starts: np.ndarray  # (supernode + 1,) first unknown of each
-    rows: tuple[np.ndarray, ...]  # unknowns behind the supernode that its columns touch, ascending
-    children: tuple[tuple[int, ...], ...]  # supernodes whose remainder is added to it
-    split: tuple[int, int]  # supernodes before the first, and from it to the second, do not touch each other
+    rows: tuple[np.ndarray, ...]  # later unknowns with entries in the columns of the supernode, ascending
+    children: tuple[tuple[int, ...], ...]  # supernodes whose update matrices are added to it
+    split: tuple[int, int]  # supernodes before the first are not coupled with those from it to before the second
 
     @property
     def entries(self) -> int:
-        """Numbers stored by a factor."""
+        """Number of entries that a factor stores."""
         width = np.diff(self.starts)
         return int(sum(w * (w + len(r)) for w, r in zip(width, self.rows, strict=True)))
 
 
 def plan_elimination(K: sp.spmatrix, block: int = 1) -> Elimination:
-    """Supernodes of a symmetric sparse matrix (n, n) whose unknowns come in groups of `block`, a last one in less."""
+    """Supernodes of a symmetric sparse matrix (n, n) with groups of `block` unknowns; the last may be smaller."""
     graph = group_graph(K, block)
     order = dissect(graph)
     graph = _reordered(graph, order)
@@ -71,10 +71,10 @@ def plan_elimination(K: sp.spmatrix, block: int = 1) -> Elimination:
 def _halves(
     width: np.ndarray, rows: list[np.ndarray], children: tuple[tuple[int, ...], ...]
 ) -> tuple[np.ndarray, tuple[int, int]]:
-    """Supernodes in an order of two independent halves of the tree and what lies above both, and where these end.
+    """Order of the supernodes by two independent halves of the tree and the top above both; ends of the two halves.
 
-    The heaviest subtree is opened, its root put to the top, as long as this shortens the way of two that share the
-    work; an order in which children come before parents stays one.
+    The subtree with the most work is divided: its root is moved to the top. Of all divisions, that with the least time
+    on two threads is taken. Children stay before their parents.
     """
     work = np.array([float(w * (w + len(r))) for w, r in zip(width, rows, strict=True)])
     below = work.copy()
@@ -107,12 +107,12 @@ def _halves(
 
 
 def rows_of(K: sp.spmatrix) -> sp.csr_matrix:
-    """A symmetric matrix by rows; one by columns is taken as it is, for these are its rows."""
+    """A symmetric matrix by rows; one stored by columns is not converted, since its columns are its rows."""
     return sp.csr_matrix(K.T if K.format == "csc" else K)
 
 
 def group_graph(K: sp.spmatrix, block: int) -> sp.csr_matrix:
-    """Which groups of `block` unknowns are coupled, without the diagonal."""
+    """Adjacency matrix of groups of `block` unknowns, without the diagonal."""
     K, first = rows_of(K), firsts(K.shape[0], block)
     n, size = K.shape[0], len(first) - 1
     touched = sp.csr_matrix((np.ones(K.nnz, np.int32), K.indices // block, K.indptr), shape=(n, size))
@@ -138,12 +138,12 @@ def dissect(graph: sp.csr_matrix) -> np.ndarray:
 
 
 def firsts(n: int, block: int) -> np.ndarray:
-    """The first unknown of every group of `block`, and n."""
+    """The first unknown of each group of `block`, and n."""
     return np.minimum(np.arange(0, n + block, block), n)
 
 
 def members(groups: np.ndarray, first: np.ndarray) -> np.ndarray:
-    """The unknowns of groups, one group after the other; group g has those from `first[g]` to `first[g + 1]`."""
+    """The unknowns of groups, one group after the other; group g has those from `first[g]` to `first[g + 1] - 1`."""
     count = first[groups + 1] - first[groups]
     return np.arange(count.sum()) + np.repeat(first[groups] + count - np.cumsum(count), count)
 
@@ -155,9 +155,9 @@ def _reordered(graph: sp.csr_matrix, order: np.ndarray) -> sp.csr_matrix:
 
 
 def _supernodes(parent: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Supernode (n,) of every column of a postordered tree, numbered in order, and the one above each (-1: none)."""
+    """Supernode (n,) of each column of a postordered tree, numbered in order, and the parent of each (-1: none)."""
     n = len(parent)
-    begins = np.ones(n, bool)  # a column continues the one before if that one has just one row more: itself
+    begins = np.ones(n, bool)  # a column continues a supernode if the column before has one row more: itself
     begins[1:] = ~((parent[:-1] == np.arange(1, n)) & (counts[:-1] == counts[1:] + 1))
     start = np.flatnonzero(begins)
     column_owner = np.cumsum(begins) - 1
@@ -175,7 +175,7 @@ def _supernodes(parent: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.
 def _structure(
     graph: sp.csr_matrix, starts: np.ndarray, above: np.ndarray
 ) -> tuple[list[np.ndarray], tuple[tuple[int, ...], ...]]:
-    """Rows behind every supernode: those of its own entries and those its children leave."""
+    """Rows after each supernode, from its own entries and from the update matrices of its children; the children."""
     children: list[list[int]] = [[] for _ in above]
     rows: list[np.ndarray] = []
     for number, upper in enumerate(above):
@@ -190,7 +190,7 @@ def _structure(
 
 @stored(__file__)
 def _tree(indptr: np.ndarray, indices: np.ndarray) -> np.ndarray:
-    """Parent of every column in the elimination tree, -1 for a root."""
+    """Parent of each column in the elimination tree, -1 for a root."""
     n = len(indptr) - 1
     parent, ancestor = np.full(n, -1, np.int64), np.full(n, -1, np.int64)
     for i in range(n):
@@ -207,7 +207,7 @@ def _tree(indptr: np.ndarray, indices: np.ndarray) -> np.ndarray:
 
 @stored(__file__)
 def _postorder(parent: np.ndarray) -> np.ndarray:
-    """Columns so that every subtree is contiguous and stands before its root."""
+    """Postorder of the columns: each subtree is contiguous and precedes its root."""
     n = len(parent)
     first, sibling = np.full(n, -1, np.int64), np.full(n, -1, np.int64)
     for j in range(n - 1, -1, -1):
@@ -234,7 +234,7 @@ def _postorder(parent: np.ndarray) -> np.ndarray:
 
 @stored(__file__)
 def _column_counts(indptr: np.ndarray, indices: np.ndarray, parent: np.ndarray) -> np.ndarray:
-    """Entries of every column of the factor, diagonal included: row i holds the paths from its entries up to i."""
+    """Entries in each column of the factor, with the diagonal: row i holds the paths from its entries up to i."""
     n = len(parent)
     counts, mark = np.ones(n, np.int64), np.full(n, -1, np.int64)
     for i in range(n):
@@ -250,7 +250,7 @@ def _column_counts(indptr: np.ndarray, indices: np.ndarray, parent: np.ndarray) 
 
 @stored(__file__)
 def _join(width: np.ndarray, height: np.ndarray, above: np.ndarray) -> np.ndarray:
-    """Supernode that each one is joined to (its own number if it stays), as long as few zeros are stored."""
+    """Supernode to which each one is joined, as long as few zeros are stored; otherwise its own number."""
     width, height, zeros = width.copy(), height.copy(), np.zeros(len(width))
     target = np.arange(len(width))
     for s in range(len(width)):

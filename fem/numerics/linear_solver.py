@@ -1,11 +1,11 @@
 """Direct solution of symmetric positive definite systems K x = b with many right sides.
 
-The default is our multifrontal Cholesky factorisation (`fem.numerics.multifrontal`) on an order by METIS: it needs
-nothing but the BLAS inside SciPy. Where pymetis cannot be imported, SciPy's SuperLU without pivoting takes its place
-and says so; it serves as an independent second solver, too. CHOLMOD runs on request when the optional package
-scikit-sparse is installed; with a good BLAS it is about as fast as ours, on the reference BLAS, with which Debian links
-it unless OpenBLAS is installed, several times slower. All refuse a matrix that is singular or indefinite; SuperLU does
-not notice by itself: the signs of its pivots and a residual are examined here.
+The default is the multifrontal Cholesky factorisation of `fem.numerics.multifrontal` with an ordering by METIS; it
+needs only the BLAS inside SciPy. If pymetis cannot be imported, SciPy's SuperLU without pivoting is used with a
+warning; it is also an independent second solver. CHOLMOD is used on request if the optional package scikit-sparse is
+installed. With an optimised BLAS it is about as fast as the default, with the reference BLAS several times slower. All
+three raise an error if the matrix is singular or indefinite; as SuperLU does not detect this, the signs of its pivots
+and a residual are checked here.
 
 References: Duff & Reid (1983), ACM TOMS 9(3), 302-325; Li (2005), ACM TOMS 31(3), 302-325; Chen, Davis, Hager &
 Rajamanickam (2008), ACM TOMS 35(3), 22.
@@ -39,12 +39,12 @@ class SingularMatrixError(RuntimeError):
 
 @dataclass(frozen=True, eq=False)
 class Factor:
-    """A factorised matrix. `solve` takes (n,) or (n, k) and returns the same shape; it keeps its input unchanged."""
+    """A factorised matrix. `solve` takes (n,) or (n, k) and returns the same shape; it does not change its input."""
 
-    name: str  # which code made it, for the provenance of results
+    name: str  # solver and ordering, for the provenance of results
     n: int
     solve: Callable[[np.ndarray], np.ndarray]
-    plan: Elimination | None = None  # order and supernodes of the multifrontal factor, for other matrices like it
+    plan: Elimination | None = None  # of the multifrontal factor, for other matrices of the same pattern
 
 
 def cholmod_available() -> bool:
@@ -70,7 +70,7 @@ def factorize(K: sp.spmatrix, *, solver: Solver = "auto", block: int = 3) -> Fac
     ------
     SingularMatrixError : K is singular or indefinite (a part without support, a negative modulus)
     ValueError : K is not square, or not finite
-    ImportError : CHOLMOD asked for and scikit-sparse not installed
+    ImportError : `solver` is "cholmod" and scikit-sparse is not installed
     """
     if solver == "cholmod" and not cholmod_available():
         raise ImportError("solver 'cholmod' needs scikit-sparse: pip install 'gearcase[cholmod]', or take 'superlu'")

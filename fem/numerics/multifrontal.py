@@ -1,13 +1,14 @@
 """Multifrontal Cholesky factorisation K = L L^T on dense fronts, and the number of negative eigenvalues of K.
 
-Every supernode gathers its entries and what its children leave into a front [[A, .], [B, C]] (lower triangle),
+Each supernode assembles its entries and the update matrices of its children in a front [[A, .], [B, C]] (lower
+triangle),
 
-    A = L1 L1^T,   remainder C - B A^-1 B^T,   stored panel P = [L1^-1; B A^-1],
+    A = L1 L1^T,   update matrix C - B A^-1 B^T,   stored panel P = [L1^-1; B A^-1],
 
-so that a solution with many right sides is one matrix product per supernode down the tree and one up. All arithmetic
-is done by the BLAS and LAPACK that come with NumPy and SciPy. The two halves of the tree (`Elimination.split`) are
-worked off side by side, then what lies above both. Where A is not definite, blocks of its columns are eliminated by
-their eigenvalues, whose signs are counted (Sylvester's law of inertia).
+so that the solution for many right sides is one matrix product per supernode down the tree and one up. All arithmetic
+is done by the BLAS and LAPACK of NumPy and SciPy. The two halves of the tree (`Elimination.split`) are processed in
+parallel, then the supernodes above both. Where A is not definite, blocks of its columns are eliminated by their
+eigenvalues, whose signs give the Sturm-sequence count.
 
 References: Duff & Reid (1983), ACM TOMS 9(3), 302-325; Liu (1992), SIAM Review 34(1), 82-109.
 """
@@ -27,9 +28,9 @@ from fem.numerics.elimination import Elimination, rows_of
 from fem.numerics.threads import side_by_side
 
 _STRIP = 64  # columns of an indefinite front eliminated at once
-_SMALL = 1e-11  # eigenvalue of a strip over its largest diagonal entry: below it the sign is not to be trusted
+_SMALL = 1e-11  # eigenvalue of a strip over its largest diagonal entry: below it round-off may change the sign
 
-# panels one after the other, every one by columns; their ends; first unknowns and one beyond the last; rows; their ends
+# panels one after the other, each by columns; their ends; first unknowns, and one beyond the last; rows; their ends
 Store = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
@@ -38,7 +39,7 @@ class NotDefiniteError(ValueError):
 
 
 class NearlySingularError(ValueError):
-    """A pivot is too small for its sign to be trusted."""
+    """A pivot is so small that round-off may change its sign."""
 
 
 class Cholesky:
@@ -71,7 +72,7 @@ class Cholesky:
         self.pivots = pivots
 
     def solve(self, b: np.ndarray) -> np.ndarray:
-        """K^-1 b of b (n,) or (n, k)."""
+        """K^-1 b for b (n,) or (n, k)."""
         x = np.ascontiguousarray(np.asarray(b, float).reshape(len(self._order), -1)[self._order])
         starts = self._store[2]
         (first, second), last = self._split, len(starts) - 1
@@ -92,7 +93,7 @@ class Cholesky:
 
 @stored(__file__)
 def _down(x: np.ndarray, passed: np.ndarray, top: int, store: Store, begin: int, end: int) -> None:
-    """L^-1 x on the supernodes `begin` to `end`; what goes to unknowns from `top` on is added to `passed`."""
+    """L^-1 x on the supernodes `begin` to `end`; the contribution to unknowns from `top` on is added to `passed`."""
     panels, ends, starts, rows, row_ends = store
     for s in range(begin, end):
         first, k = starts[s], starts[s + 1] - starts[s]
@@ -133,8 +134,8 @@ def _up(x: np.ndarray, store: Store, begin: int, end: int) -> None:
 def count_negative(plan: Elimination, K: sp.spmatrix, M: sp.spmatrix, shift: float, rows: sp.spmatrix) -> int:
     """Number of negative eigenvalues of A = K - shift M, symmetric, on the null space of `rows`.
 
-    With R of full rank and A regular, In(A on R x = 0) = In(A) + In(-R A^-1 R^T) - (b, b, 0): the matrix bordered by R
-    has both inertias. Nothing of the factor is kept.
+    With R of full rank and A regular, In(A on R x = 0) = In(A) + In(-R A^-1 R^T) - (b, b, 0), which follows from the
+    inertia of the matrix bordered by R. The factor is not stored.
 
     Parameters
     ----------
@@ -145,7 +146,7 @@ def count_negative(plan: Elimination, K: sp.spmatrix, M: sp.spmatrix, shift: flo
 
     Raises
     ------
-    NearlySingularError : A has an eigenvalue (nearly) zero, or a leading part of it has
+    NearlySingularError : A, or a leading submatrix of it, has an eigenvalue of nearly zero
 
     References
     ----------
@@ -154,8 +155,8 @@ def count_negative(plan: Elimination, K: sp.spmatrix, M: sp.spmatrix, shift: flo
     first, second = plan.split
     top, b = int(plan.starts[second]), rows.shape[0]
     loads = sp.csr_matrix(rows)[:, plan.order].T.toarray()
-    passed = np.zeros((2, len(loads) - top, b))  # what the halves leave on the loads of the top
-    schur, negative = np.zeros((3, b, b)), [0, 0, 0]  # of either half and of the top
+    passed = np.zeros((2, len(loads) - top, b))  # contributions of the halves to the loads of the top
+    schur, negative = np.zeros((3, b, b)), [0, 0, 0]  # of both halves and of the top
     scale = abs(K.diagonal() - shift * M.diagonal())[plan.order]
 
     def leave(number: int, change: np.ndarray) -> None:
@@ -204,7 +205,7 @@ def count_negative(plan: Elimination, K: sp.spmatrix, M: sp.spmatrix, shift: flo
         blas.add_square(np.asfortranarray(turned[:, values < 0.0]), C, 1.0)
 
     sizes = [int(k) * (int(k) + len(behind)) for k, behind in zip(np.diff(plan.starts), plan.rows, strict=True)]
-    panels = np.empty((2, max(sizes)))  # one of either half; that of the first serves the top, too
+    panels = np.empty((2, max(sizes)))  # one for each half; the top uses that of the first
 
     def scratch(number: int) -> np.ndarray:
         panel = panels[int(first <= number < second), : sizes[number]]
@@ -222,9 +223,10 @@ def _eliminate_all(
     panel: Callable[[int], np.ndarray],
     eliminate: Callable[[int, np.ndarray, np.ndarray, np.ndarray], None],
 ) -> None:
-    """Form the fronts of a sum of factors times symmetric matrices; `eliminate` leaves the remainder in C.
+    """Assemble the fronts of a sum of factors times symmetric matrices; `eliminate` puts the update matrix in C.
 
-    A (k, k) and B (r, k) lie in the zeros that `panel` gives for the supernode. C is the lower triangle, not zero.
+    `panel` returns the memory of A (k, k) and B (r, k) for a supernode, filled with zeros. Of C, only the lower
+    triangle is used, to which update matrices of children have been added.
     """
     columns = [(factor, rows_of(matrix)) for factor, matrix in terms]
     turned = np.empty(len(plan.order), np.int32)
@@ -254,7 +256,7 @@ def _eliminate_all(
 
 
 class _Buffers:
-    """Memory that is used again: pages that are new to a process cost more than the work on them."""
+    """Memory that is reused: pages that are new to a process take longer than the arithmetic on them."""
 
     def __init__(self) -> None:
         self._free: list[np.ndarray] = []  # by size
@@ -268,7 +270,7 @@ class _Buffers:
         return out
 
     def give_back(self, out: np.ndarray) -> None:
-        """What `zeros` gave is not needed any more."""
+        """Take back an array of `zeros` that is not needed any more."""
         insort(self._free, out if out.base is None else out.base, key=len)
 
 
@@ -285,7 +287,7 @@ def _own_entries(
     first: int,
     place: np.ndarray,
 ) -> None:
-    """Add the lower triangle of factor times the matrix in the columns of the front."""
+    """Add factor times the lower triangle of the matrix in the columns of the front."""
     k = A.shape[1]
     for j in range(k):
         column = order[first + j]
@@ -302,7 +304,7 @@ def _own_entries(
 def _add(
     A: np.ndarray, B: np.ndarray, C: np.ndarray, left: np.ndarray, rows: np.ndarray, first: int, place: np.ndarray
 ) -> None:
-    """Add the lower triangle that a child leaves on its `rows`."""
+    """Add the lower triangle of the update matrix of a child, with its `rows`."""
     k, m = A.shape[1], len(rows)
     split = 0  # rows before it are eliminated here
     while split < m and rows[split] < first + k:

@@ -1,9 +1,9 @@
-"""Two pieces of work side by side.
+"""Two functions in parallel threads.
 
-Heavy steps are cut into two fixed halves, whatever the number of cores: their results do not depend on it, nor on which
-half ends first. A half gains from a second core while it runs code that releases the interpreter lock: NumPy's matrix
-products, compiled loops with `nogil`, and the calls of `fem.numerics.blas`; SciPy's wrappers of BLAS and LAPACK and its
-sparse products keep the lock.
+Long computations are divided into two fixed halves, so that results depend neither on the number of cores nor on which
+half ends first. Two cores help while the code releases the interpreter lock: NumPy's matrix products, compiled loops
+with `nogil`, and the calls of `fem.numerics.blas`. SciPy's wrappers of BLAS and LAPACK and its sparse products keep
+the lock.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ Other = TypeVar("Other")
 
 
 def side_by_side(one: Callable[[], One], other: Callable[[], Other]) -> tuple[One, Other]:
-    """The results of both; `other` runs in a thread of its own. What they raise is raised here, that of `one` first."""
+    """The results of both; `other` runs in a second thread. Exceptions are raised here, that of `one` first."""
     with ThreadPoolExecutor(max_workers=1) as pool:
         later = pool.submit(other)
         result = one()

@@ -45,12 +45,12 @@ def _weigh(values, position, cutoff, table, per_zero, half_width, weight, out):
             below = int(place)
             weight[k] = table[below] + (place - below) * (table[below + 1] - table[below])
             total += weight[k]
-        inside = first >= 0 and last <= samples
+        inside, start = first >= 0 and last <= samples, np.uint64(max(first, 0))  # unsigned: no index from the end
         for channel in range(channels):
             found = 0.0
             if inside:
-                for k in range(last - first):
-                    found += weight[k] * values[channel, first + k]
+                for k in range(np.uint64(last - first)):
+                    found += weight[k] * values[channel, start + k]
             else:
                 for k in range(last - first):
                     found += weight[k] * values[channel, min(max(first + k, 0), samples - 1)]

@@ -18,12 +18,12 @@ _LEFT, _TOP, _BELOW = 70, 8, 36  # px around them
 
 
 def table(caption: str, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    """A table; numbers with five digits, None as a dash.
+    """A table as HTML; numbers have five digits, and None is a dash.
 
     Parameters
     ----------
-    caption : above the table
-    head : of the columns, with their units
+    caption : title above the table
+    head : names of the columns with their units
     rows : values of all columns
     """
     heads = "".join(f"<th>{_cell(name)}</th>" for name in head)
@@ -36,16 +36,16 @@ def number(value: float) -> str:
     return f"{value + 0.0:.5g}"
 
 
-def curves(across: str, x: np.ndarray, upwards: str, drawn: Mapping[str, np.ndarray]) -> str:
-    """A small plot as SVG.
+def curves(across: str, x: np.ndarray, upwards: str, values_of: Mapping[str, np.ndarray]) -> str:
+    """A small plot of curves over x as SVG.
 
     Parameters
     ----------
     across, upwards : names of the axes with their units
     x : (n,), ascending
-    drawn : curves (n,) by name; values that are not finite are omitted
+    values_of : values (n,) of each curve by name; values that are not finite are omitted
     """
-    lines = {name: np.asarray(values, float) for name, values in drawn.items()}
+    lines = {name: np.asarray(values, float) for name, values in values_of.items()}
     finite = np.concatenate([values[np.isfinite(values)] for values in lines.values()])
     if not len(finite) or not np.isfinite(x).all() or x[-1] <= x[0]:
         return ""
@@ -68,7 +68,7 @@ def curves(across: str, x: np.ndarray, upwards: str, drawn: Mapping[str, np.ndar
 
 
 def _outline(place: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The finite points; with more than two per pixel, the least and the greatest in each, so that no peak is lost."""
+    """The finite points of a curve; with more than two a pixel, the lowest and highest of each, to show all peaks."""
     known = np.isfinite(values)
     place, values = place[known], values[known]
     if len(place) <= 2 * _WIDTH:

@@ -1,7 +1,6 @@
-"""Coordinates: what a part of the machine may ask of the place it is put in, to form its matrices and rows.
+"""Interface through which a part of the machine gets the coordinates of the system for its matrices and rows.
 
-`mbd.parts.layout.Layout` is the one that is assembled. Parts know nothing else of the machine around them, so
-that they need not import it.
+`mbd.parts.layout.Layout` implements it. Parts depend only on this interface and do not import the machine.
 """
 
 from __future__ import annotations
@@ -29,8 +28,10 @@ class Coordinates(Protocol):
 
     @property
     def translation(self) -> np.ndarray:
-        """X (coordinate, 3): motion of the coordinates when all moves by 1 along x, y, z; 0 in the casing, whose modes
-        need not hold it."""
+        """X (coordinate, 3): coordinates for a translation of the whole machine by 1 along x, y, z.
+
+        They are 0 for the casing, whose modes may not contain this motion.
+        """
 
     @property
     def ground_inertia(self) -> np.ndarray:
@@ -52,7 +53,7 @@ class Coordinates(Protocol):
         """Deflection over force (m/N) at ``y`` of a shaft alone, simply supported at two stations."""
 
     def read_at(self, shaft: str) -> float:
-        """Place y at which the rotation of a shaft is read: its first gear, else its first end."""
+        """Position y at which the rotation of a shaft is recorded: its first gear, else its first end."""
 
     def node_row(self, shaft: str, y: float, coefficients: np.ndarray) -> np.ndarray:
         """Row of ``coefficients`` (6,) on the displacements of the node at ``y``."""
@@ -73,7 +74,7 @@ class Coordinates(Protocol):
         """Row of a casing point, e.g. ``bearing_1:ux``; zero if the casing has no coordinates."""
 
     def casing_shift(self, name: str) -> np.ndarray:
-        """Motion (3,) of a row of the casing when all moves by 1 along x, y, z."""
+        """Motion (3,) of a row of the casing for a translation of the whole machine by 1 along x, y, z."""
 
     def check_key_point(self, name: str, shaft: str, y: float) -> None:
         """Raise MachineError if the casing's key point of that name is not at ``y`` of the shaft's axis."""

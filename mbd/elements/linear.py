@@ -1,13 +1,13 @@
-"""What a linear part is: its matrices, placed in the coordinates of the machine.
+"""Linear part of a machine: its matrices, and their place in the coordinates of the machine.
 
 A linear part states its mass M, damping C, stiffness K and gyroscopic matrix G (d, d) on its own d displacements u,
 with the source of their equations. The forces on u are
 
     -M u'' - C u' - K u - Omega G u'        stored energy u'^T M u'/2 + u^T K u/2, dissipated power u'^T C u'
 
-A `Part` is what counts as one in the energy balance and among the natural modes: matrices on the displacements
-u = shape q, which are the coordinates themselves or readings of them. `mbd.system.system.assemble` adds the parts of
-all components of the machine and knows none of them.
+A `Part` is one entry of the energy balance and of the energy shares of natural modes. It has matrices on the
+displacements u = shape q, which are coordinates or linear combinations of them. `mbd.system.system.assemble` adds the
+parts of all components without code for a particular kind.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from mbd.elements.mode_words import ModeWords
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Matrices:
-    """On d displacements, SI; one that is not given is zero."""
+    """Matrices on d displacements, SI; those not given are zero."""
 
     mass: np.ndarray | None = None  # M (d, d), symmetric, positive semidefinite
     damping: np.ndarray | None = None  # C (d, d), symmetric, positive semidefinite
@@ -37,7 +37,7 @@ def springs(stiffness: np.ndarray, damping_time: float) -> Matrices:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Part:
-    """Matrices that count as one, on displacements u = ``shape`` q[``index``]; k coordinates, d displacements."""
+    """Matrices on the displacements u = ``shape`` q[``index``]; k coordinates, d displacements."""
 
     name: str
     words: ModeWords
@@ -71,7 +71,7 @@ class Part:
 
     @property
     def is_massive(self) -> bool:
-        """Whether it has inertia; what has none is a spring or a damper between parts that have."""
+        """Whether it has inertia; a part without is a spring or damper between parts with inertia."""
         return bool(self.mass.any())
 
     def own(self, matrix: str) -> np.ndarray:

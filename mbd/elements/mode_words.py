@@ -1,4 +1,4 @@
-"""ModeWords: what natural modes are called whose energy is in a part."""
+"""Names of natural modes after the part that stores their energy."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
-from fem.numerics.compiled import CUBE, FLOAT, INTEGER, INTEGER_MATRIX, MATRIX, VECTOR, apart, stored
+from fem.numerics.compiled import CUBE, FLOAT, INTEGER, INTEGER_MATRIX, MATRIX, VECTOR, by_address, stored
 from fem.numerics.inner import UNCOUNTED, inner
 from mbd.elements.element import WIDTH
 from mbd.elements.table import CLOCK, INSTANT, TABLE, Instant, Table, follow_tangent, parametric_work, row_forces
@@ -83,7 +83,7 @@ def residual_size(force, target, scale):
     return worst
 
 
-@apart(
+@by_address(
     INTEGER,
     *(TABLE, CLOCK, VECTOR, VECTOR, MATRIX, MATRIX, VECTOR, VECTOR, VECTOR, INSTANT, FLOAT, FLOAT, FLOAT),
     *(VECTOR, WORKSPACE),

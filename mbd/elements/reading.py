@@ -30,7 +30,7 @@ class Reading:
     forces: np.ndarray | float = 0.0
     rigid: tuple[float, float, float] = (0.0, 0.0, 0.0)
     shift: np.ndarray | None = None  # (3,) motion by which it reads 1 m along x, y, z; None: that of its coordinates
-    vibration: bool = False  # by which the error of a run is judged
+    vibration: bool = False  # used for the error estimate of the time step
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -25,7 +25,7 @@ def rule_number(rule: Rule) -> int:
 
 @stored(__file__)
 def _evaluate_rule(chosen, values, motion, answer):
-    """A rule for callers in Python."""
+    """Call a rule from Python."""
     call_rule(chosen, values, motion, answer)
 
 
@@ -33,16 +33,16 @@ def evaluated(
     chosen: Rule, values: np.ndarray, u: np.ndarray, v: np.ndarray | None = None, angle: float = 0.0,
     seen: np.ndarray | None = None,
 ) -> Answer:  # fmt: skip
-    """What a rule answers at given rows, the motor at rest.
+    """Answer of a rule for given displacements, with the motor at rest.
 
     Parameters
     ----------
     chosen : the rule
-    values : (k,) numbers of the element as its kind packs them
+    values : (k,) parameters of the element, in the order of its kind
     u : (n,) displacements of its rows, m or rad
     v : (n,) their rates, m/s or rad/s; None: at rest
     angle : of the motor, rad
-    seen : (k,) displacements of the rows that it observes, m or rad; None: it observes none
+    seen : (k,) displacements of observed rows, m or rad; None if there are none
     """
     n = len(u)
     none, still = np.zeros(0), np.zeros(n) if v is None else np.array(v, dtype=float)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
-from fem.numerics.compiled import FLOAT, INTEGER_MATRIX, INTEGERS, MATRIX, VECTOR, apart, stored
+from fem.numerics.compiled import FLOAT, INTEGER_MATRIX, INTEGERS, MATRIX, VECTOR, by_address, stored
 from fem.numerics.inner import UNCOUNTED, inner
 from mbd.elements.element import (
     BY_ANGLE,
@@ -136,7 +136,7 @@ def slope_matrix(slope: np.ndarray, table: Table) -> np.ndarray:
     return matrix
 
 
-@apart(types.none, TABLE, CLOCK, VECTOR, VECTOR, VECTOR, MATRIX, VECTOR, MATRIX, MATRIX, INSTANT)
+@by_address(types.none, TABLE, CLOCK, VECTOR, VECTOR, VECTOR, MATRIX, VECTOR, MATRIX, MATRIX, INSTANT)
 @stored(__file__, entry=False, **UNCOUNTED)
 def row_forces(table, clock, u, v, before, held, force, slope_u, slope_v, now):
     """Residual forces lambda = k0 u + c0 u' - F and their slopes at an instant.

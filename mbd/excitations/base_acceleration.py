@@ -1,9 +1,9 @@
-"""Acceleration of the ground: all feet, and all bearings on the ground, move alike.
+"""Acceleration of the ground: all feet, and all bearings on the ground, have the same motion.
 
-Measured from the moving ground, every mass feels its inertia force: with the motion X of all coordinates by 1 along the
-axis, M q'' + C q' + K q = f + B^T lambda - M X a(t). Of the casing M X is T^T M X of its mesh, so that modes of a
-clamped casing, which hold no translation, are driven as those of the finite elements are.
-Motions are relative to the ground; accelerometers read the true acceleration, q'' + X a.
+Coordinates are relative to the ground. With the motion X of all coordinates for a translation by 1 along the axis, the
+inertia force is -M X a(t): M q'' + C q' + K q = f + B^T lambda - M X a(t). For the casing, M X is T^T M X of its mesh.
+Modes of a clamped casing, which contain no translation, are thus excited as in the finite-element model.
+Accelerometers measure the absolute acceleration, q'' + X a.
 
 References
 ----------
@@ -62,7 +62,7 @@ class BaseAcceleration(Excitation):
         return (base_channel(self.name),)
 
     def elements(self, lay: Coordinates) -> Iterator[Element]:
-        """The inertia forces of everything."""
+        """The inertia forces of all parts."""
         axis = DIRECTIONS.index(self.axis)
         yield Element(
             kind="base acceleration",

@@ -1,7 +1,7 @@
-"""Outside forces over time on a shaft or on the casing.
+"""External forces over time on a shaft or on the casing.
 
-They depend on time alone: F(t) on the row r of the place pulls the coordinates by r^T F. A point of an elastic casing
-that is forced is one of its interfaces (`fem.casing.reduced.grounded`), so that its static response is exact.
+A force F(t) on the row r of its place adds r^T F to the forces on the coordinates. A point of an elastic casing with
+such a force is one of its interfaces (`fem.casing.reduced.grounded`), so that its static response is exact.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ class CasingForce(Excitation):
 
     @property
     def casing_rows(self) -> tuple[str, ...]:
-        """The one of its point and axis."""
+        """The row of its point and axis."""
         return (f"{self.point}:u{self.axis}",)
 
     @property

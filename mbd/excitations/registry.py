@@ -1,4 +1,4 @@
-"""EXCITATIONS: forces from outside by name, each a frozen class of options that makes its elements."""
+"""EXCITATIONS: external forces by name, each a frozen class of options that makes its elements."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """Drag of the bearings under their load, and the holding brake: torques that oppose the rotation.
 
-A bearing drags with mu_b P d/2: P its load at rest, d the shaft's diameter in it; the casing's reaction to it is left
-out. The brake is closed while the motors stand: its torque fades as (1 - (speed/omega_0)^2)^2 of the motor speed. Both
-reverse with the speed as tanh(omega/omega_0), see `mbd.parts.losses`.
+The drag torque of a bearing is mu_b P d/2 with its load P at rest and the diameter d of the shaft; the reaction on the
+casing is neglected. The brake is closed while the motors are at rest: its torque decreases with the motor speed as
+(1 - (speed/omega_0)^2)^2. Both torques change their sign as tanh(omega/omega_0), see `mbd.parts.losses`.
 
 References
 ----------
@@ -35,7 +35,7 @@ def drag_rule(values, motion, answer):
 
 
 def bearing_drags(assembly: Assembly) -> Iterator[Element]:
-    """One per bearing, where bearings drag."""
+    """One element for each bearing, if the loss model has bearing drag."""
     friction = assembly.machine.losses.bearing_friction
     if friction == 0.0:
         return

@@ -1,14 +1,13 @@
-"""Mesh efficiency: a pair of torques that lets every mesh pass on a given share of the power that enters it.
+"""Mesh efficiency: a pair of torques with which every mesh transmits a given share of its input power.
 
-With the mesh force F a pair of torques tau = F r_b1 x opposes the rotation of both gears, so that what comes out is eta
-times what goes in. From (1 - x i)/(1 + x) = eta with i = r_b1/r_b2,
+With the mesh force F a torque tau = F r_b1 x opposes the rotation of each gear, so that the output power is eta times
+the input power. From (1 - x i)/(1 + x) = eta with i = r_b1/r_b2,
 
-    x = (1 - eta)/(eta + i)      the driving gear gives the power
-    x = (1 - eta)/(1 + eta i)    the driven gear gives it (the load lowers; or the coast flank in lifting)
+    x = (1 - eta)/(eta + i)      power from the driving to the driven gear
+    x = (1 - eta)/(1 + eta i)    power from the driven to the driving gear (lowering; or the coast flank in lifting)
 
-and the power tau (phi1' + phi2') is lost. The torques are equal and turn with phi1 and phi2, which have opposite senses
-in space: they need no reaction in the casing. They reverse with the speed as tanh(omega/omega_0), see
-`mbd.parts.losses`.
+and the power tau (phi1' + phi2') is lost. Both torques are equal, and phi1 and phi2 have opposite senses in space, so
+there is no reaction on the casing. The torques change their sign as tanh(omega/omega_0), see `mbd.parts.losses`.
 
 References
 ----------
@@ -50,7 +49,7 @@ def efficiency_rule(values, motion, answer):
 
 
 def elements(assembly: Assembly) -> Iterator[Element]:
-    """One per mesh, where the losses go by efficiency."""
+    """One element for each mesh, if the loss model has an efficiency."""
     efficiency, ratios = assembly.machine.losses.mesh_efficiency, assembly.layout.ratios
     if efficiency is None:
         return

@@ -1,13 +1,14 @@
-"""Squeeze film: the oil that approaching flanks press out of their gap.
+"""Squeeze film: force of the oil in the gap between approaching flanks.
 
-Reynolds' equation for a long cylinder of radius R at the distance h from a plane, approaching at v, without suction:
+Reynolds' equation for a long cylinder of radius R at the distance h from a plane, with the approach speed v and without
+negative pressure, gives
 
-    F = 12 pi eta b v (R/2h)^1.5 = 3 sqrt(2) pi eta b v (R/h)^1.5,   v > 0;   F = 0 where the flanks part.
+    F = 12 pi eta b v (R/2h)^1.5 = 3 sqrt(2) pi eta b v (R/h)^1.5   for v > 0,   F = 0 for v <= 0.
 
-The flanks of both teeth at the pitch point make the cylinder, b is the mean length of all contact lines. h is the gap
-in which no tooth touches, floored by the roughness h_0. Where the flanks carry a force F_c the film is squeezed out: it
-fades as F_0/(F_0 + F_c), F_0 the force that presses the teeth together by h_0; in a loaded mesh the damping of the mesh
-itself counts (`mbd.forces.flank`). Thinning of the oil by pressure and the sliding of the flanks are left out.
+R is the radius of relative curvature at the pitch point, b the mean length of all contact lines. h is the gap between
+the flanks, 0 in contact, plus the roughness h_0. Under a contact force F_c the film force is multiplied by
+F_0/(F_0 + F_c), where F_0 deflects the teeth by h_0. In a loaded mesh the damping of the mesh (`mbd.forces.flank`) thus
+replaces the film. The effect of pressure on the viscosity and the sliding of the flanks are neglected.
 
 References
 ----------
@@ -48,7 +49,7 @@ def film_rule(values, motion, answer):
 
 
 def elements(assembly: Assembly) -> Iterator[Element]:
-    """One per flank, where the mesh has a film."""
+    """One element for each flank of the meshes with a film."""
     flanks = {element.name: element for element in assembly.elements}
     for mesh in assembly.machine.meshes:
         film = mesh.film

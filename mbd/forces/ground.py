@@ -1,7 +1,7 @@
-"""Ground under a container: it pushes upwards only; nothing moves along it.
+"""Ground under a container: a vertical contact force, without friction.
 
-With the height g of the ground and the lift z of the container, both over the place where the just taut rope holds it
-at t = 0, F = max(0, k s + c s') for s = g - z > 0, z with the rolling of the train.
+The height g of the ground and the lift z of the container are relative to its place at t = 0 with the rope just taut.
+The force is F = max(0, k s + c s') for s = g - z > 0, where z contains the rolling of the train.
 """
 
 from __future__ import annotations

@@ -2,9 +2,9 @@
 
     T(s) = 2 T_b (1 + s_b/beta) / (s/s_b + s_b/s + 2 s_b/beta),  s = (omega_s - omega)/omega_s
 
-with 1/beta = 0 (stator resistance left out): T = 2 T_b / (s/s_b + s_b/s), T_b the breakdown torque at the slip s_b. The
-curve is odd in s: above the synchronous speed omega_s the machine brakes. Its electrical transients are left out, which
-is fair while the torque changes more slowly than the supply.
+with 1/beta = 0 (stator resistance neglected): T = 2 T_b / (s/s_b + s_b/s), where T_b is the breakdown torque at the
+slip s_b. The curve is odd in s: above the synchronous speed omega_s the machine brakes. Electrical transients are
+neglected, which is valid if the torque changes slowly compared with the period of the supply.
 
 References
 ----------

@@ -16,7 +16,7 @@ from mbd.elements.element import ENERGY, LOG_COLUMNS, PARAMETRIC
 from mbd.integrators.base import ANGLE, LENGTH, Block
 from mbd.system.system import System
 
-LOST = 1e-9  # of the stored energy: a part that loses less is held against what it stores
+LOST = 1e-9  # of the stored energy: if a part dissipates less, its residual is compared with its stored energy
 
 
 class ElementWork:

@@ -1,4 +1,4 @@
-"""simulate: from equilibrium through the speed profile to a Trajectory."""
+"""Simulation of a machine: time integration from equilibrium over the speed profile; the result is a `Trajectory`."""
 
 from __future__ import annotations
 
@@ -48,18 +48,19 @@ def simulate(
     start: State | None = None,
     file: Path | None = None,
 ) -> Trajectory:
-    """Run the machine.
+    """Simulate a machine.
 
     Parameters
     ----------
-    system, settings : what and how
-    progress : called with the share done (0..1) after every block; may raise to interrupt
+    system, settings : machine in its casing; time step, integrator and output
+    progress : called with the completed share (0..1) after every block; may raise to interrupt
     start : state at t = 0, the equilibrium if None
-    file : a .npy file to be written, in which the values stay; they are held in memory if None
+    file : .npy file to which the values are written; None keeps them in memory
 
     Raises
     ------
-    EquilibriumError, StepError, MachineError (rope wound up) : with the reason
+    EquilibriumError, StepError : no equilibrium, or a step that does not converge
+    MachineError : a motion that the machine does not allow, such as a rope that is wound up
     OSError : `file` cannot be written
     """
     with threadpool_limits(limits=1):  # small matrices: a second thread only waits
@@ -100,7 +101,7 @@ def _simulate(
 
 
 def _advance(integrator: Integrator, system: System, done: int, n: int, step: float) -> Block:
-    """Take n steps; the acceleration of a step is the mean over it, so that no impulse is lost."""
+    """Integrate n steps; the motor acceleration of a step is its mean, which preserves the change of speed."""
     block = integrator.advance(*system.machine.profile.motion(done, n, step))
     if not np.isfinite(block.states).all():
         bad = int(np.argmax(~np.isfinite(block.states).all(axis=1)))

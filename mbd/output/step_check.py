@@ -1,16 +1,14 @@
-"""Error of the time step, measured: stretches of the run are computed a second time with half the step.
+"""Error estimate of the time step: parts of the run are computed again with half the step.
 
-For a method of second order the accelerations a_h and a_(h/2) of a stretch give the error of a_h as 4/3 of their
-difference. All methods show this order with real gears: the third order of the exponential one is that of smooth
-forces, and mesh forces have kinks where a pair of teeth touches or a law enters its next cell (error times 3.5 to 5 for
-a doubled step). A stretch starts without error, and the error builds up until damping removes as much as every step
-adds; so only its second half counts. The estimate is the RMS of the error over all stretches in parts of the RMS of the
-signal, after the filter of the recorder.
+For a method of second order, the error of the accelerations a_h is 4/3 of their difference from a_(h/2). All methods
+have this order for gears. The exponential method has the third order only for smooth forces, and mesh forces have kinks
+where a pair of teeth touches. A part starts without error. The error then increases until damping removes as much as
+each step adds, so only the second half of a part is evaluated. The estimate is the RMS of the error over all parts,
+relative to the RMS of the signal, after the filter of the recorder.
 
-Measured on one stage over 0.5 s against steps of 2.5 us, estimate over true error: 0.8 to 1.5 for loaded machines, ten
-and forty times overloaded ones, friction, rolling bearings, and 20 kg with contacts that open (steps of 10 to 100 us,
-errors of 0.03 to 34 %); 0.88 to 1.12 for the trapezoidal rule. Where the error sits in the few impacts of a run-up, it
-depends on whether a stretch meets them: 0.2 to 2.9 (5 kg; 3000 and 6000 rpm; 50 and 100 us).
+For a single stage, compared with steps of 2.5 us, the estimate is 0.8 to 1.5 times the true error, with loaded and
+overloaded teeth, friction, rolling bearings and loss of contact. If the error is due to a few impacts in a run-up, the
+parts may miss them: the factor is then 0.2 to 2.9.
 """
 
 from __future__ import annotations
@@ -27,16 +25,17 @@ from mbd.parts.drive import SpeedProfile
 logger = logging.getLogger(__name__)
 
 ORDER = 2
-STRETCH = 160  # samples of a stretch
-LEAST = 60  # samples: below, the filter takes all
-STRETCHES = 4
-SHARE = 0.012  # of a long run; computed with half the step it costs twice that
+STRETCH = 160  # samples of a part
+LEAST = 60  # samples; a shorter part is within the length of the filter
+STRETCHES = 4  # least number of parts
+SHARE = 0.012  # of a long run; with half the step the cost is twice this share
 
 
 class StepCheck:
-    """Follows an integrator of a run of ``n_steps`` steps, ``every`` of which make a sample.
+    """Error estimate of a run of ``n_steps`` steps, ``every`` of which make a sample.
 
-    Around every advance, of at most `reach` steps, call `before` and `after` with the steps done before it.
+    Before and after the integrator advances by at most `reach` steps, call `before` and `after` with the number of
+    steps before the advance.
     """
 
     def __init__(self, recorder: Recorder, profile: SpeedProfile, step: float, every: int, n_steps: int) -> None:
@@ -57,25 +56,25 @@ class StepCheck:
         self._error, self._signal = 0.0, 0.0
 
     def reach(self, done: int) -> int:
-        """Steps from ``done`` to the next instant at which a stretch starts or ends."""
+        """Steps from ``done`` to the next start or end of a part."""
         if self._finer is not None:
             return self._left
         return self._starts[0] - done if self._starts else self._n_steps
 
     def before(self, integrator: Integrator, done: int) -> None:
-        """Start a stretch if one starts here."""
+        """Start a part if one starts at this step."""
         if self._starts and done == self._starts[0]:
             del self._starts[0]
             self._finer, self._left = integrator.halved(), self._length
 
     def after(self, done: int, steps: int, block: Block) -> None:
-        """Compute the ``steps`` from ``done`` on, whose result was ``block``, with half the step."""
+        """Repeat the ``steps`` after ``done``, whose result is ``block``, with half the step."""
         if self._finer is None:
             return
         angles, speeds, accelerations = self._profile.motion(2 * done, 2 * steps, 0.5 * self._step)
         try:
             finer = self._finer.advance(angles, speeds, accelerations)
-        except StepError as error:  # other steps need not serve: the stretch is left out
+        except StepError as error:  # the run itself may converge; the part is omitted
             logger.debug("stretch given up: %s", error)
             self._finer, self._pairs = None, []
             return
@@ -96,6 +95,6 @@ class StepCheck:
 
     @property
     def error(self) -> float:
-        """RMS of the error of the accelerations over that of the signal; 0 without a stretch or a signal."""
-        share = 1.0 - 0.5**ORDER  # of the error at h that the difference shows
+        """RMS of the error of the accelerations relative to that of the signal; 0 without a part or a signal."""
+        share = 1.0 - 0.5**ORDER  # the difference relative to the error at h
         return float(np.sqrt(self._error / self._signal)) / share if self._signal > 0.0 else 0.0

@@ -1,4 +1,4 @@
-"""What the elements of a machine are found from: the layout, reference loads, and the linear reference as it grows."""
+"""Assembly of the linear reference of a machine, from which its elements take their rows and reference loads."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ SMOOTHING = 0.02  # of the highest speed
 
 
 class Assembly:
-    """Matrices of the linear parts (n, n), to which every element that is added brings its linear reference.
+    """Matrices (n, n) of the linear parts and of the linear reference of all elements that have been added.
 
-    An element that is found from the modes must have rows that the modes before it span.
+    The rows of an element that is made from the modes must be combinations of these modes.
     """
 
     def __init__(self, lay: Layout, parts: tuple[Part, ...], band: float) -> None:
@@ -49,7 +49,7 @@ class Assembly:
         return self.layout.machine
 
     def add(self, elements: Iterable[Element]) -> None:
-        """Take elements up, in their order."""
+        """Add elements in the given order."""
         for element in elements:
             self.elements.append(element)
             springs = element.rows, element.reference("stiffness"), element.reference("damping")
@@ -65,18 +65,18 @@ class Assembly:
 
     @functools.cached_property
     def mesh_loads(self) -> dict[str, float]:
-        """Load (N) by mesh name at which its linear reference is taken."""
+        """Load (N) by mesh name at which the mesh is linearised for the reference."""
         nominal = nominal_forces(self.machine, inertias=self._inertias)
         return {mesh.name: reference_load(mesh, nominal[mesh.name]) for mesh in self.machine.meshes}
 
     @property
     def smoothing(self) -> float:
-        """Motor speed (rad/s) over which losses reverse."""
+        """Motor speed (rad/s) within which losses change their sign smoothly."""
         return SMOOTHING * self.machine.highest_speed or SLOWEST
 
     @property
     def _inertias(self) -> dict[str, float]:
-        """Moment of inertia (kg m2) by shaft of all that turns with it."""
+        """Moment of inertia (kg m2) by shaft, including all parts that turn with it."""
         turning = self.mass @ self.rolling
         found = {}
         for shaft in self.machine.shafts:
@@ -90,12 +90,12 @@ class Assembly:
 
     @functools.cached_property
     def contact_loads(self) -> dict[str, float]:
-        """Force (N) that every mesh by name carries at t = 0; 0 where nothing acts."""
+        """Force (N) of each mesh by name at t = 0; 0 without a load."""
         return nominal_forces(self.machine, self.machine.starting_torques(), self._inertias)
 
     @property
     def resting_displacement(self) -> np.ndarray:
-        """q (n,) under the constant force, by the linear reference so far; in a free train less the rolling."""
+        """q (n,) under the constant force, by the linear reference so far; in a free train without rolling."""
         if not self.machine.free:
             return np.linalg.solve(self.stiffness, self.constant_force)
         turning = self.mass @ self.rolling
@@ -112,7 +112,7 @@ class Assembly:
         try:
             rolling = self.rolling if self.machine.free else None
             return modal_basis(self.mass, self.stiffness, acting, self.band, self.layout.names, rolling)
-        except MachineError as error:  # what moves freely need not be what is too soft
+        except MachineError as error:  # the coordinate named in the error may be due to another, softer shaft
             softest = min(self.machine.shafts, key=torsional_stiffness)
             raise MachineError(
                 f"{error} The softest shaft in torsion is {softest.name} with {torsional_stiffness(softest):.3g} "

@@ -1,9 +1,9 @@
 """Bearings between a shaft and the casing, or the ground: models `rigid`, `linear`, and nonlinear ones such as `hertz`.
 
 With u = (ux, uy, uz, rx, rz) of the shaft less that of its support, the force on the shaft is -K u - C u'; rotation
-about the shaft axis is free. K and C are symmetric and positive semidefinite, with any cross terms: the circulatory
-part of an oil film (k_xz != k_zx) follows no potential and is refused. A nonlinear bearing has something ``inside``
-that makes its force, e.g. `mbd.forces.rolling_bearing`; it uses K and C as the linear reference of that force only.
+about the shaft axis is free. K and C are symmetric and positive semidefinite, with any cross terms. The circulatory
+part of an oil film (k_xz != k_zx) has no potential and is not allowed. The force of a nonlinear bearing follows from
+its ``inside``, e.g. `mbd.forces.rolling_bearing`; K and C are then only the linear reference of that force.
 
 `rigid` holds the three displacements by springs of ``RIGID_STIFFNESS`` and leaves the tilts free. It moves a natural
 frequency by the share of strain energy in the bearing, k/``RIGID_STIFFNESS``, i.e. below 1e-3 where everything else is
@@ -44,10 +44,10 @@ def journal_acceleration(bearing: str, axis: str) -> str:
 
 
 class Inside(Protocol):
-    """What makes the force of a nonlinear bearing."""
+    """Interface of the force of a nonlinear bearing."""
 
     def element(self, lay: Coordinates, bearing: BearingSpec) -> Element:
-        """Its force on the rows of BEARING_AXES."""
+        """Element of the force on the rows of BEARING_AXES."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -126,12 +126,12 @@ class BearingSpec(Component):
 
     @property
     def words(self) -> ModeWords:
-        """Of modes in which it gives way: the bearings of a shaft count together."""
+        """Names of modes whose energy is in the bearing; the bearings of a shaft are one group."""
         return ModeWords("bearing", "bearings", group=f"bearings of {self.shaft}")
 
     @property
     def places(self) -> tuple[Place, ...]:
-        """Where it sits."""
+        """Place of the bearing on its shaft."""
         return (Place(f"bearing {self.name}", self.shaft, self.y),)
 
     @property
@@ -142,7 +142,7 @@ class BearingSpec(Component):
     def rows(self, lay: Coordinates) -> np.ndarray:
         """Displacements (5, coordinate) of the shaft relative to the support, in the order of BEARING_AXES.
 
-        A casing may leave out the motion that no bearing holds: there the shaft moves against the ground.
+        A casing has no row for a direction without stiffness; the displacement is then relative to the ground.
         """
         if self.support == "casing":
             lay.check_key_point(self.name, self.shaft, self.y)
@@ -154,7 +154,7 @@ class BearingSpec(Component):
         return shaft if self.support == "ground" or free else shaft - lay.casing_row(name)
 
     def parts(self, lay: Coordinates) -> Iterator[Part]:
-        """Springs and dampers in the directions that it holds; none if something inside makes its force."""
+        """Springs and dampers in the directions with stiffness; none for a nonlinear bearing."""
         if self.inside is not None:
             return
         springs, dampers = self.stiffness_matrix, self.damping_matrix
@@ -167,7 +167,7 @@ class BearingSpec(Component):
         )
 
     def elements(self, lay: Coordinates) -> Iterator[Element]:
-        """The force that something inside makes."""
+        """The force of a nonlinear bearing."""
         if self.inside is not None:
             yield self.inside.element(lay, self)
 
@@ -190,13 +190,13 @@ class BearingSpec(Component):
 
 
 def rigid_bearing(name: str, shaft: str, y: float, support: Literal["casing", "ground"] = "casing") -> BearingSpec:
-    """A bearing that does not give way: all displacements held, tilts free.
+    """A rigid bearing: all displacements held, tilts free.
 
     Parameters
     ----------
     name, shaft : names of the bearing and of the shaft in it
     y : m, place on the shaft
-    support : what carries the bearing
+    support : "casing" or "ground"
     """
     k = RIGID_STIFFNESS
     return BearingSpec(

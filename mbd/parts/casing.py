@@ -1,4 +1,4 @@
-"""Casing: the reduced body that carries bearings and sensors, with the mounts it stands on."""
+"""Casing of a machine: the reduced body with its mounts, bearing seats and sensors."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ class Casing(Component):
     body: ReducedBody
 
     def ground_inertia(self, lay: Coordinates) -> np.ndarray:
-        """That of the body: where it is clamped, its coordinates do not hold a translation."""
+        """M X (coordinate, 3) as stored with the body; the coordinates of a clamped body contain no translation X."""
         found = np.zeros((lay.size, 3))
         if len(self.body.coordinate_names):
             found[lay.index(NAME)] = self.body.ground_inertia
         return found
 
     def constant_force(self, lay: Coordinates) -> np.ndarray:
-        """Its weight; what of it rests on clamped nodes goes into the ground."""
+        """Weight of the body; the part on clamped nodes has no coordinate and is taken by the ground."""
         found = np.zeros(lay.size)
         if len(self.body.coordinate_names):
             found[lay.index(NAME)] = self.body.own_weight(lay.gravity)

@@ -1,6 +1,6 @@
 """Channels: named linear readings of the machine, value = D q + V q' + A q'' + L lambda + constant + rigid part.
 
-Names are ``"<thing>:<quantity>"``; the file of each kind spells its own. `channel_names` lists what a machine offers.
+Names are ``"<part>:<quantity>"``, defined in the file of each kind of part. `channel_names` lists those of a machine.
 """
 
 from __future__ import annotations
@@ -112,7 +112,7 @@ def further_channels(names: Sequence[str], **things: tuple[Component, ...]) -> t
     Parameters
     ----------
     names : of `FURTHER`
-    **things : all bearings, shafts, ... of a machine, of which a component takes those that are among its fields
+    **things : all bearings, shafts, ... of a machine; a component receives those that are fields of its class
     """
     kinds = [further_class(name, MachineError) for name in dict.fromkeys(names)]
     return tuple(kind(**{field.name: things[field.name] for field in fields(kind)}) for kind in kinds)
@@ -151,11 +151,11 @@ class ChannelRows:
     acceleration: np.ndarray
     forces: np.ndarray  # (channel, force)
     rigid: np.ndarray
-    vibration: np.ndarray  # (channel,) bool, those by which the error of a run is judged
+    vibration: np.ndarray  # (channel,) bool, those used for the error estimate of the time step
 
 
 def channel_rows(names: tuple[str, ...], lay: Layout, elements: Sequence[Element]) -> ChannelRows:
-    """Readings of ``names`` of a machine with the given elements, whose rows make the forces.
+    """Readings of the channels ``names`` of a machine; the forces are those on the rows of its elements.
 
     Raises
     ------
@@ -174,7 +174,7 @@ def channel_rows(names: tuple[str, ...], lay: Layout, elements: Sequence[Element
                     "or journal accelerations, or use another casing model."
                 )
             row = f"{thing}:u{quantity[1]}"
-            acceleration = lay.casing_row(row)  # which names the rows there are
+            acceleration = lay.casing_row(row)  # raises an error for an unknown row
             readings.append(Reading("m/s2", acceleration=acceleration, shift=lay.casing_shift(row), vibration=True))
         else:
             raise MachineError(f"channel {name!r} is unknown; known: {', '.join(offered)} and '<sensor>:ax|ay|az'.")
@@ -193,7 +193,7 @@ def channel_rows(names: tuple[str, ...], lay: Layout, elements: Sequence[Element
 
 
 def _shaken(readings: Sequence[Reading], lay: Layout, elements: Sequence[Element]) -> np.ndarray:
-    """What accelerometers read of the acceleration of the ground (channel, force); motions are relative to it."""
+    """Part of the readings (channel, force) by the ground acceleration; coordinates are relative to the ground."""
     found = np.zeros((len(readings), sum(len(element.rows) for element in elements)))
     first = 0
     for element in elements:
@@ -215,7 +215,7 @@ def _offered(lay: Layout, elements: Sequence[Element]) -> dict[str, Reading]:
 
 
 def _signals(lay: Layout, elements: Sequence[Element]) -> dict[str, Reading]:
-    """Channels that the elements offer, those of one name added up; F = k0 u + c0 u' - lambda on every row."""
+    """Channels of the elements; channels of the same name are added. The force on a row is k0 u + c0 u' - lambda."""
     found: dict[str, Reading] = {}
     m, first = sum(len(element.rows) for element in elements), 0
     for element in elements:

@@ -61,12 +61,16 @@ def known(where: str, name: str, names: Sequence[str]) -> None:
 
 
 def freeze_pairs(owner: object, name: str, places: str, levels: str) -> None:
-    """Make two fields of an object read-only arrays (n,); MachineError unless its levels belong to rising places.
+    """Make two fields of an object read-only arrays (n,) of pairs.
 
     Parameters
     ----------
-    owner, name : the object, and what it is called in messages
-    places, levels : its fields, e.g. "times" and "torques"
+    owner, name : the object, and its name in messages
+    places, levels : names of its fields, e.g. "times" and "torques"
+
+    Raises
+    ------
+    MachineError : different lengths, no pair, values that are not finite, or places that do not increase strictly
     """
     for field in (places, levels):
         values = np.array(getattr(owner, field), dtype=float).reshape(-1)

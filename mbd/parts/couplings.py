@@ -1,8 +1,8 @@
 """Couplings between two shafts on one axis: linear springs and dampers between a node of each.
 
-The force on the first shaft is -K u - C u' with u = u_1 - u_2, K = diag(k) and C = tau K. A direction of stiffness 0 is
-free, as in a coupling that only takes the rotation; where that is free, it is a bearing between two shafts, each of
-which turns by itself.
+The force on the first shaft is -K u - C u' with u = u_1 - u_2, K = diag(k) and C = tau K. Directions of stiffness 0 are
+free. If only the rotation has stiffness, it is a coupling that transmits torque. If the rotation is free, it is a
+bearing between two shafts with independent speeds.
 """
 
 from __future__ import annotations
@@ -65,11 +65,11 @@ class ShaftCoupling(Component):
 
     @property
     def links(self) -> tuple[Link, ...]:
-        """Both shafts turn alike, if the rotation is held."""
+        """Link of equal speeds, if the rotation has stiffness."""
         return (Link(f"coupling {self.name}", *self.shafts, 1.0),) if self.torsional_stiffness else ()
 
     def parts(self, lay: Coordinates) -> Iterator[Part]:
-        """Springs in the directions that it holds."""
+        """Springs in the directions with stiffness."""
         (one, other), (y_one, y_other) = self.shafts, self.y
         held = [axis for axis, k in enumerate(self.stiffness) if k > 0.0]
         stiffness = np.array([self.stiffness[axis] for axis in held])

@@ -33,7 +33,7 @@ COUPLING_TORQUE = ":coupling_torque"  # N m, behind the name of a rotor with a c
 
 
 def motor_channels(motor: str) -> tuple[str, str, str]:
-    """Angle (rad), speed (rad/s) and torque on the shaft (N m, lifting positive)."""
+    """Names of the channels of a motor: angle (rad), speed (rad/s), torque on the shaft (N m, lifting positive)."""
     return f"{motor}:angle", f"{motor}:speed", f"{motor}:torque"
 
 
@@ -61,12 +61,12 @@ class Drive(Component):
 
     @property
     def places(self) -> tuple[Place, ...]:
-        """Where the couplings sit."""
+        """Places of the couplings."""
         return tuple(Place(f"coupling {c.name}", c.shaft, c.y) for c in self.couplings)
 
     @property
     def channel_names(self) -> tuple[str, ...]:
-        """Those of every motor."""
+        """Channels of every motor."""
         return tuple(name for c in self.couplings for name in motor_channels(c.name))
 
     def parts(self, lay: Coordinates) -> Iterator[Part]:
@@ -98,8 +98,8 @@ class Drive(Component):
 class SpeedProfile:
     """Speed of the first drive (rad/s), linear between the given times (s) and constant outside.
 
-    ``smooth`` lays a monotone cubic (Fritsch & Butland 1984) through measured samples instead: a line through them
-    steps the acceleration at every sample, which strikes the machine each time.
+    With ``smooth`` it is a monotone cubic (Fritsch & Butland 1984), for measured samples: linear interpolation would
+    change the acceleration at every sample abruptly, which excites the machine.
     """
 
     times: np.ndarray

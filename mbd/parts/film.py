@@ -1,4 +1,4 @@
-"""Oil film between the flanks of a gear pair: what `mbd.forces.film` needs to know."""
+"""Parameters of the oil film between the flanks of a gear pair, see `mbd.forces.film`."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from mbd.parts.checks import MachineError, positive
 class Film:
     """Squeeze film of oil between approaching flanks, in all meshes.
 
-    ``radius`` (m) of the cylinder that stands for both flanks at the pitch point, ``length`` (m) of the contact lines
-    together; no film gets thinner than the ``roughness``.
+    ``radius`` (m) is that of relative curvature at the pitch point, ``length`` (m) the total length of the contact
+    lines. The ``roughness`` (m) is the least thickness of the film.
     """
 
     model: Literal["squeeze"] = "squeeze"
@@ -31,5 +31,5 @@ class Film:
 
     @property
     def strength(self) -> float:
-        """12 pi eta b (R/2)^1.5 (N s/m sqrt(m)^3): the damper is this times h^-1.5."""
+        """12 pi eta b (R/2)^1.5 (N s m^0.5); the damping coefficient is this times h^-1.5."""
         return 12.0 * math.pi * self.viscosity * self.length * (0.5 * self.radius) ** 1.5

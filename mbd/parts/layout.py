@@ -1,7 +1,7 @@
-"""Coordinates of the assembled machine and the rows that read its parts.
+"""Coordinates of the assembled machine, and rows that give the motion of its parts.
 
-Order: shafts in machine order, then the casing, then those that other components bring (a container's sway and lift).
-q is measured in the frame that rolls with the train: rotation of a node = s ratio phi_m + its coordinate.
+The order is: shafts in machine order, the casing, then coordinates of other components (sway and lift of a container).
+q is relative to the frame that rolls with the train: rotation of a node = s ratio phi_m + its coordinate.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ BEARING_PLACE_TOLERANCE = 1e-4  # m
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Where each part sits among the ``size`` coordinates."""
+    """Numbers of the coordinates of each part."""
 
     machine: Machine
     casing: ReducedBody
@@ -39,12 +39,12 @@ class Layout:
 
     @property
     def components(self) -> tuple[Component, ...]:
-        """Those of the machine, and the casing."""
+        """The components of the machine, and the casing."""
         return (*self.machine.components, Casing(body=self.casing))
 
     @property
     def gravity(self) -> float:
-        """m/s2, along -z."""
+        """Gravity, m/s2, along -z."""
         return self.machine.gravity
 
     @cached_property
@@ -54,8 +54,10 @@ class Layout:
 
     @cached_property
     def translation(self) -> np.ndarray:
-        """X (coordinate, 3): motion of the coordinates when all moves by 1 along x, y, z; 0 in the casing, whose modes
-        need not hold it."""
+        """X (coordinate, 3): coordinates for a translation of the whole machine by 1 along x, y, z.
+
+        They are 0 for the casing, whose modes may not contain this motion.
+        """
         found = np.zeros((self.size, 3))
         for shaft in self.machine.shafts:
             span = self.spans[shaft.name]
@@ -92,7 +94,7 @@ class Layout:
         return flexibility(self.machine.shaft(shaft), self.shaft_nodes[shaft], y, supports)
 
     def read_at(self, shaft: str) -> float:
-        """Place y at which the rotation of a shaft is read: its first gear, else its first end."""
+        """Position y at which the rotation of a shaft is recorded: its first gear, else its first end."""
         gears = [mesh.y for mesh in self.machine.meshes if shaft in (mesh.driving, mesh.driven)]
         return gears[0] if gears else self.machine.shaft(shaft).y_start
 
@@ -135,12 +137,14 @@ class Layout:
         return row
 
     def casing_shift(self, name: str) -> np.ndarray:
-        """Motion (3,) of a row of the casing when all moves by 1 along x, y, z."""
+        """Motion (3,) of a row of the casing for a translation of the whole machine by 1 along x, y, z."""
         return self.casing.row_shifts[self.casing.row_names.index(name)]
 
     def check_key_point(self, name: str, shaft: str, y: float) -> None:
-        """Raise MachineError if the casing's key point of that name is not at ``y`` of the shaft's axis; one that is
-        missing is named by `casing_row`."""
+        """Raise MachineError if the key point ``name`` of the casing is not at ``y`` of the shaft's axis.
+
+        A missing key point is reported by `casing_row`.
+        """
         if not len(self.casing.coordinate_names) or name not in self.casing.point_names:
             return
         axis = self.machine.shaft(shaft)
@@ -153,7 +157,7 @@ class Layout:
             )
 
     def rolling(self) -> np.ndarray:
-        """R (coordinate,): motion of all coordinates per motor angle with every mesh rolling rigidly."""
+        """R (coordinate,): motion of all coordinates per motor angle if all meshes roll rigidly."""
         pattern = np.zeros(self.size)
         for name, ratio in self.ratios.items():
             span = self.spans[name]
@@ -169,7 +173,7 @@ def layout(machine: Machine, casing: ReducedBody) -> Layout:
 
     Raises
     ------
-    MachineError : a shaft of too many nodes
+    MachineError : a shaft with too many nodes
     """
     nodes, bases, spans = {}, {}, {}
     names: list[str] = []

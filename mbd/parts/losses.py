@@ -1,9 +1,8 @@
-"""Losses of meshes and bearings: models `none`, `efficiency`, `coulomb`; and the holding brake. All are internal
-torques.
+"""Losses of meshes and bearings: models `none`, `efficiency`, `coulomb`; and the holding brake.
 
-The forces stand in `mbd.forces`: `efficiency`, `sliding`, `drag`. All reverse smoothly with the speed omega of the
-element, as tanh(omega/omega_0); omega_0 is a share of the highest speed in the run (`mbd.parts.assembly`). At rest
-nothing is lost and nothing is held by friction.
+The forces are computed in `mbd.forces`: `efficiency`, `sliding`, `drag`. All are internal torques. They change their
+sign smoothly with the speed omega of the element, as tanh(omega/omega_0); omega_0 is a share of the highest speed in
+the run (`mbd.parts.assembly`). At rest there is neither loss nor static friction.
 """
 
 from __future__ import annotations
@@ -17,8 +16,7 @@ from mbd.parts.checks import Options, not_negative
 
 
 class Losses(Options):
-    """What every model answers; the elements of `mbd.forces` that these numbers are for are left out where they are 0
-    or None."""
+    """Interface of the loss models; an element of `mbd.forces` is omitted if its parameter here is 0 or None."""
 
     mesh_efficiency: float | None = None
     tooth_friction: float = 0.0
@@ -34,7 +32,7 @@ class NoLosses(Losses):
 
 @dataclass(frozen=True, kw_only=True)
 class Efficiency(Losses):
-    """Every mesh passes on the given share of its input power."""
+    """Every mesh transmits the given share of its input power."""
 
     model: Literal["efficiency"] = "efficiency"
     mesh_efficiency: float = option(0.99, gt=0.5, le=1, text="output power divided by input power of every mesh")
@@ -64,5 +62,5 @@ class Brake(Component):
 
     @property
     def places(self) -> tuple[Place, ...]:
-        """Where it sits."""
+        """Place of the brake on its shaft."""
         return (Place("brake", self.shaft, self.y),)

@@ -1,4 +1,4 @@
-"""Machine: what there is, in SI, before any matrix is formed.
+"""Machine: all parts of a drivetrain in SI, before matrices are formed.
 
 Shafts lie along y; the shaft of the first drive is the input. The angle of every shaft is positive in the sense that
 this drive turns it, and follows from the drive's angle by the ratios of meshes and shaft couplings: the rolling pattern
@@ -50,7 +50,7 @@ class Train:
     losses: Losses = NoLosses()
     brake: Brake | None = None
     gyroscopic: bool = False
-    probes: tuple[Component, ...] = ()  # what only reads
+    probes: tuple[Component, ...] = ()  # channels without a force
     meshes: tuple[GearedShafts, ...]
 
     @property
@@ -127,7 +127,7 @@ class Machine(Train):
 
     @property
     def links(self) -> tuple[Link, ...]:
-        """What makes shafts turn together."""
+        """Connections of shafts by meshes and couplings."""
         return tuple(link for component in self.components for link in component.links)
 
     def ratios(self) -> dict[str, float]:

@@ -30,11 +30,11 @@ class BearingMisalignment(Component):
 
     @property
     def channel_names(self) -> tuple[str, ...]:
-        """About x and z, bearing by bearing."""
+        """Names for the angles about x and z of each bearing."""
         return tuple(name for bearing in self.bearings for name in self.kind.spelled(bearing.name))
 
     def readings(self, lay: Coordinates) -> dict[str, Reading]:
-        """The angles. MachineError where the casing does not state the rotation of a seat."""
+        """The angles; MachineError if the casing has no rotation of a seat."""
         found = {}
         for bearing in self.bearings:
             if bearing.support == "casing" and not lay.reads_casing(f"{bearing.name}:rx"):

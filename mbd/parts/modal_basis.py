@@ -71,7 +71,7 @@ def modal_basis(
 
 
 def _check_blur(squares: np.ndarray, highest: np.ndarray, mass: np.ndarray, names: tuple[str, ...]) -> None:
-    """Refuse motions so light that round-off of their omega^2 hides the others: eps omega_max^2 is what is lost."""
+    """Raise MachineError if a motion has so little mass that round-off of its omega^2 hides others: eps omega_max^2."""
     blur = float(np.sqrt(np.finfo(float).eps * max(squares[-1], 0.0))) / (2 * np.pi)
     if blur > LARGEST_BLUR:
         i = int(np.argmax(abs(highest) * np.sqrt(np.diag(mass))))

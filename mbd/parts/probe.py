@@ -29,7 +29,7 @@ class Probe(Options, Component):
 
     @property
     def places(self) -> tuple[Place, ...]:
-        """Where it looks at the shaft."""
+        """Place of the probe along the shaft."""
         return (Place(f"probe {self.name}", self.shaft, self.y),)
 
     @property

@@ -1,9 +1,9 @@
 """A small catalogue of rolling bearings by designation.
 
-Boundary dimensions follow ISO 15; makers do not publish the inside. Sourced entries: 6205 and 6203 (ball and pitch
-diameters printed by the Case Western Reserve University Bearing Data Center for SKF 6205-2RS JEM and 6203-2RS JEM). All
-others are estimates: pitch diameter (d + D)/2, usual element sizes and numbers, groove radii 0.52 ball diameters. Give
-the maker's geometry where pass frequencies must match to better than some per cent.
+Boundary dimensions follow ISO 15. Manufacturers do not publish the internal geometry. That of 6205 and 6203 is known
+(ball and pitch diameters by the Case Western Reserve University Bearing Data Center for SKF 6205-2RS JEM and
+6203-2RS JEM). All others are estimates: pitch diameter (d + D)/2, usual sizes and numbers of elements, groove radii of
+0.52 ball diameters. If pass frequencies must be accurate to a few per cent or better, give the actual geometry.
 """
 
 from __future__ import annotations

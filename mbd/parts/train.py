@@ -18,11 +18,11 @@ RATIO_TOLERANCE = 1e-9  # relative: teeth are whole numbers, so that ratios agre
 
 
 def shaft_ratios(shafts: Sequence[str], links: Sequence[Link], start: str) -> dict[str, float]:
-    """Lifting angle of every shaft per lifting angle of the shaft ``start``, along the links in both directions.
+    """Lifting angle of every shaft per lifting angle of the shaft ``start``, by the ratios of the links.
 
     Raises
     ------
-    MachineError : a shaft that nothing turns, or a loop that locks
+    MachineError : a shaft that is not connected, or a closed loop whose ratios do not agree
     """
     result = {start: 1.0}
     waiting = list(links)

@@ -1,4 +1,4 @@
-"""Linearised view: small free motion M q'' + C_t q' + K_t q = 0 about the loaded equilibrium, the motors standing.
+"""Linearised model: small free motion M q'' + C_t q' + K_t q = 0 about the loaded equilibrium, with the motors held.
 
 With the slopes S_u = d lambda/du, S_v = d lambda/du' of the residual forces on the rows B at the equilibrium
 
@@ -10,9 +10,9 @@ rolling frame at mesh cycle, cage angle and rope length of t = 0: C_t then holds
 them, where the time step keeps the strongest planes) and K_t the friction that follows the tooth forces, which is not
 symmetric.
 
-The vibration also turns the gears and so shifts the mesh cycle, which changes F at frozen delta. The time step has this
-without its counterpart, a torque dU/dc, so that K_t would be asymmetric. It is left out: in the scene `minimal` and the
-rig (`iso` laws, no casing) it moves frequencies by at most 0.08 %; by 0.35 %, a motor mode, at a missing tooth.
+The vibration also turns the gears, which shifts the mesh cycle and changes F at constant delta. The time step contains
+this effect without its counterpart, a torque dU/dc, which would make K_t asymmetric. It is neglected here: it changes
+frequencies by at most 0.08 % (scene `minimal` and rig, `iso` laws, no casing), or 0.35 % at a missing tooth.
 
 The energy of a mode is its mean over a period, strain phi^H K phi/4 and kinetic |lambda|^2 phi^H M phi/4, split by
 part. Masses and strain of shafts and casing are theirs; meshes, bearings, couplings and ropes are springs alone.

@@ -1,1 +1,1 @@
-"""One module per command of `gearcase`, imported only when it is asked for."""
+"""One module for each command of `gearcase`. A module is imported only when its command is given."""

@@ -20,7 +20,7 @@ disk        about 144 MB in 1200 files, 5 for each simulation"""
 
 
 def arguments(sub: argparse.ArgumentParser) -> None:
-    """A plan, and who simulates its scenes."""
+    """Add the arguments: a plan, the folder of the data set, and the processes that simulate."""
     sub.add_argument("plan", metavar="PLAN", type=path, help="plan of the campaign, a file that ends in .toml")
     sub.add_argument("--out", metavar="FOLDER", type=path, help="folder of the data set (default: ./campaigns/<plan>)")
     sub.add_argument(
@@ -39,16 +39,16 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 
 
 def main(options: argparse.Namespace) -> Printed:
-    """Simulate what is missing and say how fast it went; 1 if every scene failed."""
+    """Simulate the scenes that are missing and print a summary; 1 if every scene failed."""
     from pipelines.datasets.campaign import run_campaign
     from pipelines.datasets.estimate import estimate
     from pipelines.datasets.plan import load_plan
-    from pipelines.datasets.scenes import make_draws
+    from pipelines.datasets.scenes import sampled_scenes
     from pipelines.datasets.workers import dask_workers, local_workers
 
     plan = load_plan(options.plan)
     if options.dry_run:
-        yield estimate(plan, make_draws(plan)).to_text()
+        yield estimate(plan, sampled_scenes(plan)).to_text()
         return 0
     if options.cluster or options.scheduler:
         workers = dask_workers(options.scheduler, options.processes)

@@ -27,7 +27,7 @@ uncertainty bands, and weight. --response writes frequency responses, --export t
 seconds to minutes."""
 EXAMPLE = """\
 gearcase casing minimal
-casing rigid: 6 coordinates, 23 output channels
+casing rigid: 6 coordinates, 23 outputs
 ...
   bearing_1  x     0.00  y   -65.00  z     0.00 mm
 ..."""
@@ -55,8 +55,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         metavar="POINT",
         nargs="+",
         default=[],
-        help="write frequency responses (m/s2/N, CSV and PNG). The force acts at the first POINT in its axis, as in "
-        "bearing_1:z; the others respond (default: all sensors)",
+        help="write frequency responses (m/s2/N, CSV and PNG). The first POINT gives place and axis of the force, as "
+        "in bearing_1:z; the responses are those of the others (default: all sensors)",
     )
     sub.add_argument(
         "--out",
@@ -83,27 +83,27 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     folder = writable_folder(options.out or ".")
     targets = [writable_file(name, "--export", FORMATS) for name in options.export]
     loaded, work = scene_and_work(options)
-    graph, plant = scene_graph(loaded)
+    graph, machine = scene_graph(loaded)
     if "casing mesh" not in graph.steps and any(t.suffix == ".vtu" for t in targets):
-        raise InputError(plant.casing.no_full_model)
+        raise InputError(machine.casing.no_full_model)
     if options.response:
-        if plant.models["casing"] == "none":
+        if machine.models["casing"] == "none":
             raise InputError("--response: casing.model = 'none' has no motion. Set casing.model to craig-bampton.")
-        bearings = [f"bearing_{number}" for number in range(1, len(plant.bearing_points) + 1)]
-        checked_names(options.response, bearings, [sensor.name for sensor in plant.sensors])
+        bearings = [f"bearing_{number}" for number in range(1, len(machine.bearing_points) + 1)]
+        checked_names(options.response, bearings, [sensor.name for sensor in machine.sensors])
     casing = build_casing(loaded, work, error_check=options.error_check)
     if missed := missed_error(casing):
         warnings.warn(missed, SceneWarning, stacklevel=1)
-    for words in misread_sensors(casing.body, {sensor.name: sensor.position for sensor in plant.sensors}):
+    for words in misread_sensors(casing.body, {sensor.name: sensor.position for sensor in machine.sensors}):
         warnings.warn(words, SceneWarning, stacklevel=1)
     if options.json:
         yield json_text(casing_facts(casing, loaded.name))
     else:
         yield from _texts(casing, options.modes)
-    written = [path for target in targets for path in write_casing(casing, plant.title, target)]
+    written = [path for target in targets for path in write_casing(casing, machine.title, target)]
     if options.response:
         folder.mkdir(parents=True, exist_ok=True)
-        written += _write_response(casing, options.response, loaded.name, plant.title, folder)
+        written += _write_response(casing, options.response, loaded.name, machine.title, folder)
     if options.json:
         sys.stderr.write("".join(f"{path}\n" for path in written))
     else:
@@ -146,7 +146,7 @@ def _texts(casing: Casing, count: int) -> Iterator[str]:
         )
     if casing.error is not None:
         yield casing.error.report()
-    yield f"casing {body.model}: {len(body.coordinate_names)} coordinates, {len(body.row_names)} output channels"
+    yield f"casing {body.model}: {len(body.coordinate_names)} coordinates, {len(body.row_names)} outputs"
     for name, (x, y, z) in zip(body.point_names, body.point_positions * 1000, strict=True):
         yield f"  {name:10} x {x:8.2f}  y {y:8.2f}  z {z:8.2f} mm"
     if body.feet:
@@ -220,7 +220,7 @@ def weight_lines(body: ReducedBody) -> str:
         for name in body.row_names
         if name.startswith("bearing_") and name.endswith(":uz")
     ]
-    seats = f"; its bearing seats sink by {min(sunk):.3g} to {max(sunk):.3g} um" if sunk else ""
+    seats = f"; the bearing seats sink by {min(sunk):.3g} to {max(sunk):.3g} um" if sunk else ""
     return f"own weight {up.sum():.4g} N: {feet} N{seats}\n"
 
 

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 MOST_NAME = 60  # characters of the name of a recording in a table
 FOLDER = "comparison"
 HELP = """\
-Compare recordings, measured or simulated. Print a table of features; write it as CSV, and figures of order spectra,
-envelope spectra and time-synchronous averages. The first recording is the reference. Takes seconds."""
+Compare recordings, measured or simulated. Print a table of features and write it as CSV. Write figures of order
+spectra, envelope spectra and time-synchronous averages. The first recording is the reference. Takes seconds."""
 EXAMPLE = """\
 gearcase compare bench@0.5:0.9 bench@0.9:1.3
    recording               s  turns   rpm  f_m Hz  samples/s  speed from

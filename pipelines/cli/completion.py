@@ -1,11 +1,11 @@
-"""`gearcase completion`: the script that lets a shell complete commands, options and files."""
+"""`gearcase completion`: the script by which a shell completes commands, options and file names."""
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator
 
-SHELLS = ("bash", "zsh", "tcsh")  # that can be completed
+SHELLS = ("bash", "zsh", "tcsh")  # that shtab supports
 HELP = """\
 Print the script by which a shell completes commands, options and file names. For bash, write it to
 ~/.local/share/bash-completion/completions/gearcase; for zsh, to a file _gearcase in a folder of `fpath`."""
@@ -17,7 +17,7 @@ _shtab_gearcase_runs_subparsers=(list open compare clean)
 
 
 def arguments(sub: argparse.ArgumentParser) -> None:
-    """A shell."""
+    """Add the argument: the shell."""
     sub.add_argument("shell", metavar="SHELL", choices=SHELLS, help=f"shell: {', '.join(SHELLS)}")
 
 
@@ -37,7 +37,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
 
 
 def _complete_files(parser: argparse.ArgumentParser, files: object) -> None:
-    """Say of every argument that names a file that it does, in all commands below."""
+    """Mark the arguments that are file names, in all commands below a parser, so that the shell completes them."""
     from pipelines.io.argument_types import path
 
     for action in parser._actions:
@@ -45,4 +45,4 @@ def _complete_files(parser: argparse.ArgumentParser, files: object) -> None:
             for below in action.choices.values():
                 _complete_files(below, files)
         elif action.type is path:
-            setattr(action, "complete", files)  # noqa: B010 - an attribute of shtab's, not of argparse
+            setattr(action, "complete", files)  # noqa: B010 - an attribute that shtab reads, not one of argparse

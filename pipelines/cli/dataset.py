@@ -1,4 +1,4 @@
-"""`gearcase dataset`: count, check, export a data set, or compute features of it."""
+"""`gearcase dataset`: summarise, check or export a data set, or compute its features."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ gearcase dataset export campaigns/plan --to npz --split train --seconds 0.25 --n
 
 
 def arguments(sub: argparse.ArgumentParser) -> None:
-    """info, check, features and export."""
+    """Add the actions info, check, features and export with their arguments."""
     actions = action_parsers(sub, ACTIONS, title="actions", required=True)
     for action in actions:
         action.add_argument("folder", metavar="FOLDER", type=path, help="folder of the data set, as in campaigns/plan")
@@ -133,7 +133,7 @@ def _export_arguments(sub: argparse.ArgumentParser) -> None:
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Do what is asked with a data set; 1 if the check finds anything wrong."""
+    """Run the action on a data set; 1 if the check finds an error."""
     return {"info": _info, "check": _check, "features": _features, "export": _export}[options.action](options)
 
 
@@ -165,9 +165,9 @@ def _features(options: argparse.Namespace) -> Iterator[str]:
 
 
 def _export(options: argparse.Namespace) -> Iterator[str]:
-    from pipelines.datasets.export import Wanted, export_dataset
+    from pipelines.datasets.export import Selection, export_dataset
 
-    wanted = Wanted(
+    selection = Selection(
         splits=tuple(options.split),
         labels=tuple(options.label),
         sensors=tuple(options.sensors),
@@ -177,5 +177,5 @@ def _export(options: argparse.Namespace) -> Iterator[str]:
         noise_m_s2=options.noise,
         seed=options.seed,
     )
-    target, count = export_dataset(Path(options.folder), options.form, wanted, options.out)
+    target, count = export_dataset(Path(options.folder), options.form, selection, options.out)
     yield f"{count} pieces\n{target}"

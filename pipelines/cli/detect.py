@@ -66,7 +66,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """Simulate what is missing; print the probabilities and write them with their figure."""
     from pipelines.datasets.campaign import run_campaign
     from pipelines.datasets.estimate import estimate
-    from pipelines.datasets.scenes import make_draws
+    from pipelines.datasets.scenes import sampled_scenes
     from pipelines.datasets.workers import local_workers
     from pipelines.engine.progress import reported_count
     from pipelines.io.errors import InputError
@@ -81,23 +81,23 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.studies.detect.study import study
 
     loaded = load_asked(options)
-    plant = checked_plant(loaded.scene, loaded.source.shown)
+    machine = checked_plant(loaded.scene, loaded.source.shown)
     design = Design(
         over=tuple(map(parse_over, options.over)),
         baseline=options.baseline,
         healthy=options.healthy,
         damaged=options.seeds,
     )
-    plan = detection_plan(loaded, plant, design)
+    plan = detection_plan(loaded, machine, design)
     if options.dry_run:
-        expected = estimate(plan, make_draws(plan))
+        expected = estimate(plan, sampled_scenes(plan))
         if expected.refused:
             raise InputError(f"detect: {expected.refused} scenes cannot be run; the first: {expected.first_refusal}")
         yield expected.to_text()
         return
     folder = Path(options.out or f"campaigns/{plan.name}")
     finished = run_campaign(plan, folder, local_workers(options.processes), work_of(options), quiet=options.quiet)
-    looked_for = plant.looked_for
+    looked_for = machine.looked_for
     noises = tuple(dict.fromkeys(options.noise)) or (looked_for.noise,)
     with local_workers(options.processes) as workers, reported_count("runs", quiet=options.quiet) as report:
         found = study(plan, folder, design, looked_for.windows, noises, workers.executor, report)

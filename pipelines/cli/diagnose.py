@@ -1,4 +1,4 @@
-"""`gearcase diagnose`: what is damaged in a recording, or the lines of a fault in a finished run, looked for anew."""
+"""`gearcase diagnose`: the damaged component in a recording, or the fault lines of a finished run."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from pipelines.io.argument_types import number, path
 
 HELP = """\
 Find the damaged component from vibration. A measured recording is compared with recordings of healthy machines
-(--baseline). A finished run is compared with its healthy control, and its spectral lines are listed. Nothing is
-simulated. Takes seconds."""
+(--baseline). A finished run is compared with its healthy control, and the spectral lines of both are listed.
+Nothing is simulated. Takes seconds."""
 EXAMPLE = """\
 gearcase diagnose bench
 Chipped tooth 10 of the stage 1 wheel: found. Evidence (steady, torque on the shaft, deviations of seed 1): ...
@@ -23,7 +23,7 @@ envelope f_r      10.081       0.0224       0.00656          +10.7          +28.
 
 
 def arguments(sub: argparse.ArgumentParser) -> None:
-    """A recording, its machine, healthy ones."""
+    """Add the arguments: a recording or a run, its machine, and healthy recordings."""
     sub.add_argument(
         "run",
         metavar="RECORD",
@@ -42,7 +42,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         type=path,
         nargs="+",
         default=[],
-        help="recordings of healthy machines to compare with; limits need 5 or more",
+        help="recordings of healthy machines to compare with; limits for the answer damaged need 5 or more",
     )
     sub.add_argument(
         "--window",
@@ -55,7 +55,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--out",
         metavar="FOLDER",
         type=path,
-        help="folder for report.html: verdict, spectra over the first healthy recording, levels and features",
+        help="folder for report.html: verdict, spectra with those of the first healthy recording, levels and features",
     )
     sub.add_argument(
         "--set",
@@ -69,7 +69,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Print verdict and tables: of a file, or of a run against its control; nothing is simulated."""
+    """Print the verdict and the tables of a recording, or of a run compared with its control, without simulation."""
     from pipelines.io.errors import InputError
     from pipelines.io.json_text import json_text
     from pipelines.io.shown import shown

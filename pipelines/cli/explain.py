@@ -46,6 +46,6 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     actions = [status.action for status in found]
     yield (
         f"{actions.count('build')} steps to compute, {actions.count('reuse')} to reuse, "
-        f"{actions.count('follow')} not decided yet: they are reused if their new input is unchanged. "
+        f"{actions.count('follow')} undecided (reused if the new input turns out to be unchanged). "
         "Diagnosis and report follow and take seconds."
     )

@@ -109,7 +109,9 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         found = {"pairs": rows, "orders": orders, "notes": notes(cases), "curves": target, "plot": picture}
         yield json_text(found)
         return
-    title = "Drive flanks without deviations, along the transverse line of action, compliance counted from the bores"
+    title = (
+        "Drive flanks without deviations, along the transverse line of action, with the compliance of the gear bodies"
+    )
     yield grid(title, rows).to_text()
     if orders:
         yield grid("Transmission error of the healthy pair, amplitudes of its orders", orders).to_text()
@@ -144,9 +146,10 @@ def notes(cases: Sequence[tuple[PairLaws, MeshState]]) -> list[str]:
         )
         lines += [f"stage {stage}: {line}" for line in _relief(own)]
     lines.append(
-        "All values refer to the mesh cycles in which one tooth pair is in contact, that of the damaged tooth if there "
-        "is one: means, least stiffness with its position in mesh cycles from the pitch point (at), peak-to-peak "
-        "transmission error, largest load share, and largest Hertz pressure on the active flank."
+        "All values refer to the mesh cycles in which one tooth pair is in contact: that of the damaged tooth, or any "
+        "pair of healthy gears. secant, tangent, TE: means. least: smallest secant stiffness, at this position in mesh "
+        "cycles from the pitch point (at). TE p-p: peak-to-peak. share: largest load share. pressure: largest Hertz "
+        "pressure on the active flank."
     )
     return lines
 
@@ -168,4 +171,4 @@ def _relief(cases: Sequence[tuple[PairLaws, MeshState]]) -> Iterator[str]:
         words = f"{whole} (mean deflection)"
         if not gears.pinion.helix_angle:
             words = f"{least} (least transmission error, with long) to {whole} (deflection of one tooth pair)"
-        yield f"at {state.force * gears.pinion.base_radius:.4g} N m on the pinion amount_um = {words}"
+        yield f"for {state.force * gears.pinion.base_radius:.4g} N m on the pinion: amount_um = {words}"

@@ -1,4 +1,4 @@
-"""`gearcase housing`: what a file of a housing holds, which bores are seats of shafts, and the block for a scene."""
+"""`gearcase housing`: the solids and bores of a housing file, the bearing seats, and the block for a scene."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _SYSTEMS = ("kg-m-s", "t-mm-s", "kg-mm-ms", "kg-mm-s", "lbf-in-s")
 
 
 def arguments(sub: argparse.ArgumentParser) -> None:
-    """Of `gearcase housing`."""
+    """Add the arguments of `gearcase housing`."""
     sub.add_argument(
         "file",
         metavar="FILE",
@@ -50,8 +50,9 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--unit",
         metavar="UNIT",
         choices=(*_LENGTHS, *_SYSTEMS),
-        help=f"of a CAD file or mesh the unit of length: {', '.join(_LENGTHS)} (default: the declared one, or mm); of "
-        f"matrices the units of mass (lbf: force), length and time: {', '.join(_SYSTEMS)} (default {_SYSTEMS[0]})",
+        help=f"unit of FILE. CAD file or mesh: {', '.join(_LENGTHS)} (default: the unit that the file declares, else "
+        f"mm). Matrices: units of mass, length and time, as {', '.join(_SYSTEMS)} (default {_SYSTEMS[0]}); lbf-in-s "
+        "has the unit of force instead of mass",
     )
     sub.add_argument(
         "--solids",
@@ -100,7 +101,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Print the listing, the seats and the block; write the picture, the page and the block."""
+    """Print the solids, the seats and the block, and write the picture, the page and the block."""
     from fem.casing.imported.files import SUFFIXES
     from pipelines.io.errors import InputError
     from pipelines.scene.shipped_files import find_file
@@ -136,7 +137,7 @@ def _geometry(path: Path, options: argparse.Namespace) -> Iterator[str]:
 
 
 def _matrices(path: Path, options: argparse.Namespace) -> Iterator[str]:
-    """The check-up of matrices; with points, the reduced body in a file."""
+    """Print the checks of stiffness and mass matrices; if points are to be kept, write the reduced body to a file."""
     from fem.casing.imported.checks import check_foreign
     from fem.casing.imported.files import MatrixFiles, read_body
     from pipelines.io.user_files import writable_folder
@@ -164,7 +165,7 @@ def _matrices(path: Path, options: argparse.Namespace) -> Iterator[str]:
 
 
 def _surveyed(path: Path, options: argparse.Namespace) -> tuple[Contents, ShaftFit | None, str, list[str]]:
-    """What the file holds (of the solids asked), where the scene's shafts fit, the block, and remarks."""
+    """Contents of the file (of the chosen solids), fit of the shafts of the scene, block, and remarks."""
     from fem.casing.recognition.read import survey
     from pipelines.io.errors import InputError
 
@@ -204,11 +205,11 @@ def _surveyed(path: Path, options: argparse.Namespace) -> tuple[Contents, ShaftF
 
 
 def no_fit(contents: Contents, shafts: tuple) -> str:
-    """Why no seats are proposed: the centre distances of the scene, and the nearest ones of the bores."""
+    """Message why no seats are proposed, with the centre distances of the scene."""
     import numpy as np
 
-    wanted = [1000 * float(np.hypot(b.x - a.x, b.z - a.z)) for a, b in zip(shafts, shafts[1:], strict=False)]
-    distances = ", ".join(f"{one:.4g}" for one in wanted) or "none"
+    centres = [1000 * float(np.hypot(b.x - a.x, b.z - a.z)) for a, b in zip(shafts, shafts[1:], strict=False)]
+    distances = ", ".join(f"{one:.4g}" for one in centres) or "none"
     return (
         f"no bores match the shafts of the scene (centre distances {distances} mm; diameters above that of the shaft, "
         f"{1000 * min(s.diameter for s in shafts):.4g} mm). Correct gears or shafts of the scene, or set --unit"

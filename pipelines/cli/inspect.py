@@ -33,7 +33,7 @@ casing rigid: no mesh to show"""
 
 
 def arguments(sub: argparse.ArgumentParser) -> None:
-    """Of `gearcase inspect`."""
+    """Add the arguments of `gearcase inspect`."""
     work_arguments(sub)
     sub.add_argument(
         "--out", metavar="FOLDER", type=path, default=".", help="folder for the pictures (default: the working folder)"
@@ -46,10 +46,10 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--position",
         type=number,
         metavar="C",
-        help="show only this position in mesh, in mesh cycles (default: a film over one mesh cycle)",
+        help="show only this position in mesh, in mesh cycles (default: an animation over one mesh cycle)",
     )
     sub.add_argument(
-        "--frames", type=count, metavar="N", default=17, help="number of pictures in the film (default 17)"
+        "--frames", type=count, metavar="N", default=17, help="number of pictures in the animation (default 17)"
     )
     sub.add_argument(
         "--stress", action="store_true", help="show the von Mises stress of the loaded teeth instead (PNG)"
@@ -71,7 +71,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Write the pictures of a stage and, of a meshed casing, casing.png; say what could not be rendered."""
+    """Write the pictures of a stage and, of a meshed casing, casing.png; print why a picture is not rendered."""
     from pipelines.io.errors import InputError
     from pipelines.io.user_files import writable_folder
     from pipelines.report.figures.mesh_pictures import show_mesh
@@ -85,22 +85,22 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         last = len(loaded.scene.stages)
         numbers = f"a number from 1 to {last}" if last > 1 else "1, the only stage of the scene"
         raise InputError(f"--stage {stage}: there is no such stage. Set {numbers}.")
-    graph, plant = scene_graph(loaded)
+    graph, machine = scene_graph(loaded)
     if options.stress or options.mesh is not None:
         from pipelines.runs.inspect_stress import stress_files
 
-        yield from _listed(stress_files, plant, graph, options, work)
+        yield from _listed(stress_files, machine, graph, options, work)
         return
     folder.mkdir(parents=True, exist_ok=True)
     if options.casing_mode:
-        yield from _casing_mode(graph, plant, options.casing_mode, folder, work)
+        yield from _casing_mode(graph, machine, options.casing_mode, folder, work)
         return
-    outcome = work.build(graph, law_names(plant))
-    pairs = pair_laws(plant, outcome.value)
+    outcome = work.build(graph, law_names(machine))
+    pairs = pair_laws(machine, outcome.value)
     laws = pairs[stage - 1]
     if options.torque is not None:
         laws = dataclasses.replace(laws, force=options.torque / laws.pair.pinion.base_radius)
-    shown = InspectedStage(plant=plant, laws=laws)
+    shown = InspectedStage(machine=machine, laws=laws)
     frames = options.frames if options.position is None else 1
     if options.screen:
         show_mesh(shown.mesh_view(_cycles(shown, options)))
@@ -108,7 +108,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     yield from _listed(shown.write_overview, folder / f"gears_{stage}.png")
     yield from _write_mesh(shown, folder / f"mesh_{stage}", options, frames)
     yield from _listed(shown.write_pattern, folder / f"pattern_{stage}.png")
-    yield from _write_casing(graph, plant, folder, work)
+    yield from _write_casing(graph, machine, folder, work)
 
 
 def _cycles(shown: InspectedStage, options: argparse.Namespace) -> np.ndarray:
@@ -120,7 +120,7 @@ def _cycles(shown: InspectedStage, options: argparse.Namespace) -> np.ndarray:
 
 
 def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, frames: int) -> Iterator[str]:
-    """A still where the damage acts, or at the position asked for; with more than one frame the film, too."""
+    """Write a picture where the damage acts, or at the given position; with more than one frame also the film."""
     import numpy as np
 
     from pipelines.report.figures.mesh_pictures import write_film, write_still
@@ -139,26 +139,26 @@ def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, 
     yield from _listed(write_film, shown.mesh_view(_cycles(shown, options)), stem, progress)
 
 
-def _write_casing(graph: Graph, plant: Plant, folder: Path, work: Work) -> Iterator[str]:
+def _write_casing(graph: Graph, machine: Plant, folder: Path, work: Work) -> Iterator[str]:
     from pipelines.report.figures.callouts import casing_figure
     from pipelines.report.figures.film import save_figure
     from pipelines.report.figures.views import NotRendered
     from pipelines.steps.pictures import rendered_casing
 
     if "casing mesh" not in graph.steps:
-        yield f"casing {plant.models['casing']}: no mesh to show"
+        yield f"casing {machine.models['casing']}: no mesh to show"
         return
     mesh = work.build(graph, ["casing mesh"]).value("casing mesh")
     try:
-        picture = rendered_casing(mesh, plant.sensors)
+        picture = rendered_casing(mesh, machine.sensors)
     except NotRendered as left_out:
         yield f"casing.png: {left_out}"
         return
-    save_figure(casing_figure(picture, f"Casing and key points of {plant.title}"), folder / "casing.png", dpi=115)
+    save_figure(casing_figure(picture, f"Casing and key points of {machine.title}"), folder / "casing.png", dpi=115)
     yield str(folder / "casing.png")
 
 
-def _casing_mode(graph: Graph, plant: Plant, number: int | str, folder: Path, work: Work) -> Iterator[str]:
+def _casing_mode(graph: Graph, machine: Plant, number: int | str, folder: Path, work: Work) -> Iterator[str]:
     from pipelines.io.errors import InputError
 
     if "casing mesh" not in graph.steps or "casing modes" not in graph.steps:
@@ -167,11 +167,11 @@ def _casing_mode(graph: Graph, plant: Plant, number: int | str, folder: Path, wo
             "craig-bampton, and casing.housing to a shape, a CAD file or a mesh."
         )
     outcome = work.build(graph, ["casing", "casing modes"])
-    yield from _listed(_casing_mode_files, outcome, graph, plant.title, number, folder)
+    yield from _listed(_casing_mode_files, outcome, graph, machine.title, number, folder)
 
 
 def _listed(write: Callable[..., Path | list[Path]], *given: object) -> list[str]:
-    """The names of the files that a function writes, or why it writes none."""
+    """The names of the files that a function writes, or the reason why it writes none."""
     from pipelines.report.figures.views import NotRendered
 
     try:
@@ -182,7 +182,7 @@ def _listed(write: Callable[..., Path | list[Path]], *given: object) -> list[str
 
 
 def _casing_mode_files(outcome: Outcome, graph: Graph, title: str, number: int | str, folder: Path) -> list[Path]:
-    """Still, film and page of a natural mode of the casing in its ground, or a sheet of all modes in its band.
+    """Write picture, film and page of a natural mode of the casing on its mounts, or a sheet of all modes in its band.
 
     Raises
     ------

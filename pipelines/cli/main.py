@@ -1,4 +1,4 @@
-"""The command `gearcase`: one command run, errors turned into one message and an exit code.
+"""The command `gearcase`: runs one command, and turns errors into a message and an exit code.
 
 Exit codes: 0 success, 1 the work failed, 2 the input cannot be used, 130 interrupted (SIGINT, SIGTERM).
 """
@@ -24,12 +24,12 @@ if TYPE_CHECKING:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; the exit code. Nothing but argparse's own usage errors leaves by SystemExit."""
+    """Run one command and return the exit code. Only usage errors of argparse are raised, as SystemExit."""
     if not _streams_open():
         return 2
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="replace")  # a console without some letter must not stop a run
+            stream.reconfigure(errors="replace")  # a console that lacks a character must not stop a run
     given = sys.argv[1:] if arguments is None else arguments
     top = parser(given)
     options, unknown = top.parse_known_args(given)
@@ -47,7 +47,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _streams_open() -> bool:
-    """False, with the reason, if nothing can be printed; closed descriptors lead nowhere, so that no file gets them."""
+    """False, with a message, if nothing can be printed. Closed descriptors are opened, so that no file gets them."""
     for descriptor in (0, 1, 2):
         try:
             os.fstat(descriptor)
@@ -87,7 +87,7 @@ def _guarded(options: argparse.Namespace) -> int:
         return 130
     except BrokenPipeError:
         _to_nowhere(sys.stdout, sys.stderr)
-        return 0  # who reads us, as `head` does, has enough
+        return 0  # the reader has stopped on purpose, as `head` does
     except Exception as error:
         try:
             sys.stdout.flush()
@@ -99,18 +99,18 @@ def _guarded(options: argparse.Namespace) -> int:
 
 
 def _printed(lines: Printed) -> int:
-    """Print the lines of a command as they come; its exit code."""
+    """Print the lines of a command as they come, and return its exit code."""
     while True:
         try:
             line = next(lines)
         except StopIteration as end:
             return end.value or 0
         sys.stdout.write(line if line.endswith("\n") else f"{line}\n")
-        sys.stdout.flush()  # a full disk or a reader that is gone shows here, not when the interpreter ends
+        sys.stdout.flush()  # raises here if the disk is full or the reader has ended, not when the interpreter ends
 
 
 def _to_nowhere(*streams: TextIO) -> None:
-    """Drop what is still to be written: at its end, the interpreter would try again and set an exit code of its own."""
+    """Discard unwritten output. Otherwise the interpreter tries again when it ends, and changes the exit code."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     for stream in streams:
         os.dup2(nowhere, stream.fileno())
@@ -119,7 +119,7 @@ def _to_nowhere(*streams: TextIO) -> None:
 @contextlib.contextmanager
 def _interrupted_by_sigterm() -> Iterator[None]:
     """Treat SIGTERM, of `kill` or a batch system, like Ctrl-C: child processes, locks and partial files are removed."""
-    if threading.current_thread() is not threading.main_thread():  # which alone may handle signals
+    if threading.current_thread() is not threading.main_thread():  # only the main thread can handle signals
         yield
         return
     before = signal.signal(signal.SIGTERM, signal.default_int_handler)

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 HELP = """\
 Linearise the loaded machine about its static equilibrium. Print natural frequencies, damping and the share of each
 part in the strain and kinetic energy of each mode. The part named as dominant has most of the strain energy; for casing
-and rope the kinetic energy counts too. Takes seconds if the cache holds mesh stiffness and casing."""
+and rope the mean of strain and kinetic energy is used instead. Takes seconds if the cache holds mesh stiffness and
+casing."""
 EXAMPLE = """\
 gearcase modes minimal
 minimal: small vibrations about the loaded static equilibrium, stage 1 at mesh cycle 0
@@ -66,20 +67,20 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         cycle=options.cycle,
         speed=options.speed / 60 * 2 * math.pi,
     )
-    _, plant = scene_graph(loaded)
+    _, machine = scene_graph(loaded)
     if options.json:
         found = {
             "scene": loaded.name,
             "cycle": cycle,
             "modes": mode_rows(modes),
             "foot_forces_N": dict(zip(modes.foot_names, modes.foot_forces.tolist(), strict=True)),
-            "notes": notes(plant, modes, options.up_to),
+            "notes": notes(machine, modes, options.up_to),
         }
         yield json_text(found)
         return
     title = f"{loaded.name}: small vibrations about the loaded static equilibrium, stage 1 at mesh cycle {cycle:.4g}"
     yield mode_table(title, modes).to_text() + "\n"  # a table without modes ends in an empty line
-    yield from notes(plant, modes, options.up_to)
+    yield from notes(machine, modes, options.up_to)
 
 
 def mode_rows(modes: LinearModes) -> list[dict[str, Any]]:
@@ -117,7 +118,7 @@ def mode_table(title: str, modes: LinearModes) -> Grid:
     return grid(title, rows)
 
 
-def notes(plant: Plant, modes: LinearModes, up_to: float) -> list[str]:
+def notes(machine: Plant, modes: LinearModes, up_to: float) -> list[str]:
     """What the table was made with, and what bounds it."""
     from fem.casing.reduced.body import MODES_OVER_BAND
 
@@ -131,7 +132,7 @@ def notes(plant: Plant, modes: LinearModes, up_to: float) -> list[str]:
     ]
     if modes.overdamped:
         found.append(f"{modes.overdamped} overdamped motions do not oscillate and are not listed.")
-    limit = plant.casing.limit
+    limit = machine.casing.limit
     if limit is not None and limit / MODES_OVER_BAND < up_to:
         found.append(
             f"The casing is resolved to {limit / MODES_OVER_BAND:g} Hz; modes above that are only indicative. "

@@ -1,4 +1,4 @@
-"""`gearcase new`: a commented scene file to change."""
+"""`gearcase new`: write a commented scene file as a start."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ my.toml written from bench. Change it, then: gearcase check my.toml"""
 
 
 def arguments(sub: argparse.ArgumentParser) -> None:
-    """The file, and what it is copied from."""
+    """Add the arguments: the file, and the scene or gear unit that it is copied from."""
     sub.add_argument("file", metavar="FILE", type=path, help="scene file to write, ending in .toml; it must not exist")
     sub.add_argument(
         "--from",
@@ -29,7 +29,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Write the file and say what to do next; of a gear unit in REXS also what it does not take as it is."""
+    """Write the file and print the next step; for a gear unit in REXS also what is missing or was assumed."""
     from pipelines.rexs.files import is_rexs
 
     return _from_rexs(options) if is_rexs(options.source) else _from_scene(options)

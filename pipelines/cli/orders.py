@@ -1,4 +1,4 @@
-"""`gearcase orders`: waterfall over speed and order, cuts along orders, natural frequencies over speed."""
+"""`gearcase orders`: order spectra over speed, amplitudes of orders over speed, and a Campbell diagram."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from pipelines.signals.orders.kinematics import Kinematics
     from pipelines.signals.orders.order_spectra import Waterfall
 
-SPEEDS = 9  # of a Campbell diagram
+SPEEDS = 9  # at which a Campbell diagram has natural frequencies
 AXES = ("x", "y", "z")
 HELP = """\
 Analyse the run-up or coast-down of a finished run or a recording by orders of a shaft. Print the highest amplitude of
@@ -40,7 +40,7 @@ runs/reducer/2026-11-25_01-02-30/orders.png
 
 
 def arguments(sub: argparse.ArgumentParser) -> None:
-    """A run and the orders that are shown."""
+    """Add the arguments: a run or a recording, the sensor, and the orders."""
     sub.add_argument("run", metavar="RECORD", type=path, help=f"recording file, {RUN_HELP}")
     sub.add_argument("--machine", metavar="FILE", type=path, help=MACHINE_HELP)
     sub.add_argument(
@@ -76,11 +76,11 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Write the pictures of a run-up beside its signals, and print the highest amplitude along every order.
+    """Write the pictures of a run-up to the folder of its signals, and print the highest amplitude of each order.
 
     Raises
     ------
-    InputError : the run holds no run-up that could be shown, or nothing can be written
+    InputError : the run has no run-up to show, or the folder cannot be written
     """
     import numpy as np
 
@@ -125,17 +125,17 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     target.mkdir(parents=True, exist_ok=True)
     for name, figure in figures.items():
         figure.savefig(target / f"{name}.png", dpi=110)
-    yield words + "\n"  # a table without orders ends in an empty line
+    yield words + "\n"  # a table without rows ends in an empty line
     yield from (str(target / f"{name}.png") for name in figures)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _RunUp:
-    """Signal and angle of a run or a recording, and what is looked for in it; a recording has no scene."""
+    """Signal and shaft angle of a run or a recording, and the orders to show; a recording has no scene."""
 
     loaded: LoadedScene | None
     title: str
-    place: str  # "motor_side z"
+    place: str  # as in "motor_side z"
     units: str
     shaft: str
     orders: tuple[float, ...]
@@ -145,7 +145,7 @@ class _RunUp:
 
 
 def _read(folder: Path, options: argparse.Namespace) -> _RunUp:
-    """What is looked at, from the files of a result folder.
+    """The signal to analyse, from the files of a run.
 
     Raises
     ------
@@ -187,7 +187,7 @@ def _read(folder: Path, options: argparse.Namespace) -> _RunUp:
 
 
 def _read_file(source: Path, options: argparse.Namespace) -> _RunUp:
-    """What is looked at, from a recording.
+    """The signal to analyse, from a recording.
 
     Raises
     ------
@@ -216,19 +216,19 @@ def _read_file(source: Path, options: argparse.Namespace) -> _RunUp:
 
 
 def _mesh_orders(kinematics: Kinematics, shaft: str) -> tuple[float, ...]:
-    """Tooth meshing of every stage and its double, in orders of a shaft."""
+    """The first two mesh orders of each stage, in orders of a shaft."""
     own = kinematics.shaft(shaft).ratio
     return tuple(sorted({round(k * order / own, 6) for order in kinematics.mesh_orders().values() for k in (1, 2)}))
 
 
 def _natural_over_speed(loaded: LoadedScene, work: Work, speeds: np.ndarray, up_to: float) -> dict[float, np.ndarray]:
-    """Natural frequencies (Hz) of the loaded machine with its gyroscopic moments, by motor speed (rad/s).
+    """Natural frequencies (Hz) of the loaded machine with gyroscopic moments, by motor speed (rad/s).
 
     Parameters
     ----------
-    loaded, work : the scene, and what builds its steps
+    loaded, work : the scene, and the executor of its steps
     speeds : (n,) of the motors, rad/s
-    up_to : Hz, highest frequency
+    up_to : upper limit of the frequencies, Hz
     """
     from pipelines.runs.single_results import build_machine_modes
     from pipelines.scene.file import changed
@@ -241,7 +241,7 @@ def _natural_over_speed(loaded: LoadedScene, work: Work, speeds: np.ndarray, up_
 
 
 def _table(found: Waterfall, orders: list[float], read: _RunUp) -> str:
-    """The highest amplitude along every order, and the speed where it is."""
+    """Table of the highest amplitude of each order, and the speed at which it occurs."""
     from pipelines.io.grid import Grid
 
     rows = []

@@ -35,15 +35,15 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--one-load",
         action="store_true",
-        help="simulate a hanging load once (default: a second time with its weight as a constant torque)",
+        help="simulate a hanging load on its rope only (default: also with its weight as a constant torque)",
     )
     sub.add_argument(
         "--seeds",
         metavar="N",
         type=count,
         default=0,
-        help="repeat the simulation with the deviations of seeds 1 to N, and without any (default: only the seed of "
-        "the scene)",
+        help="repeat the simulation with the deviations of each seed from 1 to N, and once without deviations "
+        "(default: only the seed of the scene)",
     )
     sub.add_argument(
         "--baseline",
@@ -77,7 +77,8 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         yield finished.words.partition("\n\n")[0]
     yield from finished.left_out
     yield (
-        f"{len(built)} steps computed in {seconds:.1f} s of processing, {len(finished.records) - len(built)} reused.\n"
+        f"{len(built)} steps computed, {seconds:.1f} s in sum; {len(finished.records) - len(built)} reused from "
+        "the cache.\n"
         f"report: {finished.folder / REPORT}\n"
         "next:"
     )

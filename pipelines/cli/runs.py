@@ -1,4 +1,4 @@
-"""`gearcase runs`: list the finished runs, open the report of one, lay them side by side, remove them."""
+"""`gearcase runs`: list the finished runs, open the report of one, compare several, or remove old ones."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ gearcase runs clean 5 --yes
 
 
 def arguments(sub: argparse.ArgumentParser) -> None:
-    """list, open, compare and clean; list without any."""
+    """Add the actions list (the default), open, compare and clean with their arguments."""
     json_argument(sub)
     sub.set_defaults(scene=None)
     listing, opened, compared, clean = action_parsers(sub, ACTIONS, title="actions (default: list)")
@@ -86,16 +86,16 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     compared.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print the table as JSON")
     clean.add_argument("runs", metavar="RUN", type=path, nargs="*", help=RUN_HELP)
     clean.add_argument("--older-than", metavar="DAYS", type=days, help="only runs older than this, days")
-    clean.add_argument("--keep", metavar="N", type=count, help="not the newest N runs of each scene")
+    clean.add_argument("--keep", metavar="N", type=count, help="keep the newest N runs of each scene")
     clean.add_argument("--yes", action="store_true", help="remove the runs (default: only list them)")
 
 
 DAY = 86400.0  # s
-LONGEST = 60  # characters of a value in the table of runs side by side
+LONGEST = 60  # characters of a value in the table of compared runs
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Do what is asked with the runs below ./runs."""
+    """Run the action on the runs in ./runs."""
     return {"list": _list, "open": _open, "compare": _compare, "clean": _clean}[options.action or "list"](options)
 
 
@@ -176,7 +176,7 @@ def _kept(name: str) -> KeptRun:
 
 
 def compared_runs(runs: Sequence[KeptRun]) -> Grid:
-    """A column per run: verdict, every setting that is not the same in all, rms of the acceleration at each sensor."""
+    """Table with a column for each run: verdict, settings that differ, and rms of the acceleration at each sensor."""
     from pipelines.io.grid import Grid
     from pipelines.io.shown import shown_value
     from pipelines.runs.kept_runs import run_settings
@@ -198,7 +198,7 @@ def compared_runs(runs: Sequence[KeptRun]) -> Grid:
 
 
 def sensor_levels(folder: Path) -> dict[str, float]:
-    """Root mean square of the acceleration of a run, m/s2, of all axes together, by sensor; none without sensors."""
+    """Root mean square of the acceleration by sensor, m/s2, of all axes together; empty for a run without sensors."""
     from pipelines.runs.run_folder import RESPONSE, opened_run
 
     with opened_run(folder / RESPONSE) as run:
@@ -212,29 +212,29 @@ def sensor_levels(folder: Path) -> dict[str, float]:
 def chosen(
     runs: Sequence[KeptRun], folders: Iterable[Path] = (), older_than: float | None = None, keep: int | None = None
 ) -> tuple[KeptRun, ...]:
-    """The runs that are asked for.
+    """The runs that meet all conditions.
 
     Parameters
     ----------
-    runs : all that there are, newest first
-    folders : of those that were named; all, if none was
-    older_than : s, only those of a greater age
-    keep : only those that are not among so many newest ones of their scene
+    runs : all runs, newest first
+    folders : of the named runs; all runs if empty
+    older_than : only runs of a greater age, s
+    keep : only runs that are not among this number of newest runs of their scene
     """
     named = {folder.resolve() for folder in folders}
     seen: Counter[str] = Counter()
     found = []
     for run in runs:
         seen[run.scene] += 1
-        wanted = not named or run.folder.resolve() in named
+        selected = not named or run.folder.resolve() in named
         old = older_than is None or run.age > older_than
-        if wanted and old and (keep is None or seen[run.scene] > keep):
+        if selected and old and (keep is None or seen[run.scene] > keep):
             found.append(run)
     return tuple(found)
 
 
 def remove_runs(runs: Iterable[KeptRun]) -> int:
-    """Remove the folders, and note which run of each scene is the newest now; bytes that were freed.
+    """Remove the folders of runs, and note which run of each scene is now the newest; the number of bytes freed.
 
     Raises
     ------

@@ -9,10 +9,10 @@ from pipelines.cli.command_line import scene_and_work, work_arguments
 from pipelines.io.argument_types import picture, seconds, share
 
 HELP = """\
-Measure time, memory and error of the presets, of every model and main setting, and of combinations: mesh laws, casing
-and time step of different presets. The error is the deviation from the preset `reference`. Print a table, the least
-expensive choice within --error and the most accurate within --time; write a plot. Takes about a minute for the scene
-`minimal`, and about 5 minutes for the scenes `rig-...`."""
+Measure time, memory and error of the presets, of every model and main setting, and of combinations that take mesh
+laws, casing and time step from different presets. The error is the deviation from the preset `reference`. Print a
+table, the least expensive choice within --error and the most accurate within --time; write a plot. Takes about a minute
+for the scene `minimal`, and about 5 minutes for the scenes `rig-...`."""
 EXAMPLE = """\
 gearcase tradeoff minimal --error 2%
 ...

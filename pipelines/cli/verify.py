@@ -1,4 +1,4 @@
-"""`gearcase verify rig`: what the study of the rig claims, put to the test."""
+"""`gearcase verify rig`: check the claims of the published study of the rig."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ claims/claims.json"""
 
 
 def arguments(sub: argparse.ArgumentParser) -> None:
-    """Which claims, over how many seeds."""
+    """Add the arguments: the study, the number of seeds, and the preset."""
     sub.add_argument("what", metavar="WHAT", choices=("rig",), help="study to check: rig, the quay-crane hoist rig")
     sub.add_argument(
         "--seeds", type=several, metavar="N", default=5, help="seeds of the deviations, 2 or more (default 5)"
@@ -45,7 +45,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Print the measures, simulate the cases, print the verdicts; write them if a folder is given."""
+    """Print the claims and their limits, simulate the cases, and print the verdicts, or write them to a folder."""
     from pipelines.engine.code_version import library_versions
     from pipelines.io.user_files import writable_folder
     from pipelines.studies.verification import page

@@ -15,15 +15,15 @@ from fem.processes.executor import ProcessEnded
 from fem.storage import shown_html
 from pipelines.datasets.card import write_card
 from pipelines.datasets.expressions import ExpressionError
-from pipelines.datasets.folder import begin, find_begun, held, identity_facts, stored_or_said
+from pipelines.datasets.folder import begin, disk_errors, find_begun, held, identity_facts
 from pipelines.datasets.job import Done, Job, row_head, work
 from pipelines.datasets.layout import RunLayout, run_layout
 from pipelines.datasets.plan import Plan
 from pipelines.datasets.rows import FAILED, numbers, read_rows, row_path, sweep_rows, write_row, write_table
-from pipelines.datasets.scenes import Draw, make_draws, scene_of
+from pipelines.datasets.scenes import SampledScene, sampled_scenes, scene_of
 from pipelines.datasets.store import sweep, write_run
+from pipelines.datasets.worker_cache import WorkerCache
 from pipelines.datasets.workers import Workers, lost
-from pipelines.datasets.workshop import Workshop
 from pipelines.engine.progress import reported_count
 from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph
@@ -110,32 +110,32 @@ def run_campaign(
     SceneError, InputError : the plan, its first scenes or the folder cannot be used
     WorkError : the disk is full, or the workers are gone; what is finished is kept
     """
-    draws = make_draws(plan)
-    facts = identity_facts(plan, draws)
+    sampled = sampled_scenes(plan)
+    facts = identity_facts(plan, sampled)
     with held(out) as folder:
         known = find_begun(folder, facts)
         if known is None:
-            first, layout = first_layout(plan, draws, building)
-            known = begin(folder, plan, first.resolved(), draws, layout, facts), layout
+            first, layout = first_layout(plan, sampled, building)
+            known = begin(folder, plan, first.resolved(), sampled, layout, facts), layout
         identity, layout = known
         if retry:
             _forget_failed(folder)
         stored = numbers(folder)
-        left = [one for one in draws if one.run not in stored]
+        left = [one for one in sampled if one.run not in stored]
         start, loop, failed, count = time.perf_counter(), 0.0, 0, 0
         if left:
             jobs = (
-                Job(plan=plan, layout=layout, folder=folder.absolute(), identity=identity, draw=one) for one in left
+                Job(plan=plan, layout=layout, folder=folder.absolute(), identity=identity, sample=one) for one in left
             )
             with workers as hands, reported_count("scenes", quiet=quiet) as report:
                 count = hands.count()
-                done = f", {len(draws) - len(left)} already done" if len(left) < len(draws) else ""
+                done = f", {len(sampled) - len(left)} already done" if len(left) < len(sampled) else ""
                 board = f"; {hands.dashboard}" if hands.dashboard else ""
-                report.line(f"{len(draws)} scenes{done}; {count} workers{board}")
+                report.line(f"{len(sampled)} scenes{done}; {count} workers{board}")
                 report(0, len(left))
                 start = time.perf_counter()
                 for number, finished in enumerate(_outcomes(jobs, hands), 1):
-                    with stored_or_said(folder):
+                    with disk_errors(folder):
                         _keep(folder, finished)
                     loop += finished.row.get("loop_seconds", 0.0)
                     if finished.row["status"] == FAILED:
@@ -145,12 +145,12 @@ def run_campaign(
             sweep(folder)
             sweep_rows(folder)
         seconds = time.perf_counter() - start
-        with stored_or_said(folder):
+        with disk_errors(folder):
             write_table(folder)
             warnings = write_card(folder).warnings
     return Finished(
         folder=folder,
-        runs=len(draws),
+        runs=len(sampled),
         simulated=len(left),
         failed=failed,
         seconds=seconds,
@@ -160,7 +160,7 @@ def run_campaign(
     )
 
 
-def first_layout(plan: Plan, draws: Sequence[Draw], building: Work) -> tuple[LoadedScene, RunLayout]:
+def first_layout(plan: Plan, sampled: Sequence[SampledScene], building: Work) -> tuple[LoadedScene, RunLayout]:
     """The first scene that can be run, and the layout of its signals, from a motion of a few samples.
 
     Raises
@@ -168,27 +168,27 @@ def first_layout(plan: Plan, draws: Sequence[Draw], building: Work) -> tuple[Loa
     SceneError, ExpressionError : none of the first scenes can be run: what is wrong with the first one
     """
     failure: SceneError | ExpressionError | None = None
-    for one in draws[:_LAYOUT_TRIES]:
+    for one in sampled[:_LAYOUT_TRIES]:
         try:
             loaded = scene_of(plan, one.values)
-            plant = checked_plant(loaded.scene, loaded.source.shown)
+            machine = checked_plant(loaded.scene, loaded.source.shown)
         except (SceneError, ExpressionError) as error:
             failure = failure or error
             continue
-        check_memory(loaded.name, plant)
-        graph = Graph(plant_steps(plant))
+        check_memory(loaded.name, machine)
+        graph = Graph(plant_steps(machine))
         building.build(graph, graph.steps["simulate"].inputs)
-        given = plant.motion
+        given = machine.motion
         few = replace(given, end=_LAYOUT_SAMPLES / given.output_rate)
-        motion = moved(Workshop(building.cache).system(plant), few)
+        motion = moved(WorkerCache(building.cache).system(machine), few)
         return loaded, run_layout(motion, round(given.end * given.output_rate), plan.table.signals)
     assert failure is not None
     raise failure
 
 
-def check_memory(name: str, plant: Plant) -> None:
+def check_memory(name: str, machine: Plant) -> None:
     """InputError if one run does not fit into the memory of a worker, where it is until it is stored."""
-    one = cost(plant)
+    one = cost(machine)
     if one.bytes > MOST_BYTES:
         raise InputError(
             f"one run of {name} holds {size_words(one.bytes)} in memory, limit {size_words(MOST_BYTES)} in a "
@@ -215,8 +215,8 @@ def _outcomes(jobs: Iterator[Job], workers: Workers) -> Iterator[Done]:
                 try:
                     yield future.result()
                 except ProcessEnded:
-                    deaths[job.draw.run] += 1
-                    if deaths[job.draw.run] == MOST_DEATHS:
+                    deaths[job.sample.run] += 1
+                    if deaths[job.sample.run] == MOST_DEATHS:
                         yield _killed(job)
                     else:
                         running[executor.submit(work, job)] = job
@@ -225,7 +225,7 @@ def _outcomes(jobs: Iterator[Job], workers: Workers) -> Iterator[Done]:
                         yield _killed(job)
                     elif isinstance(error, OSError) and error.errno is not None:
                         raise WorkError(
-                            f"scene {job.draw.run}: {error}. Finished scenes are kept. Correct the cause and repeat "
+                            f"scene {job.sample.run}: {error}. Finished scenes are kept. Correct the cause and repeat "
                             "the command."
                         ) from error
                     else:
@@ -240,7 +240,7 @@ def _outcomes(jobs: Iterator[Job], workers: Workers) -> Iterator[Done]:
 def _killed(job: Job) -> Done:
     """The row of a scene whose process died again and again."""
     reason = f"the process ended without a result {MOST_DEATHS} times, perhaps for lack of memory. Reduce --processes."
-    return Done(run=job.draw.run, row=row_head(job, FAILED, reason), written=False)
+    return Done(run=job.sample.run, row=row_head(job, FAILED, reason), written=False)
 
 
 def _keep(folder: Path, done: Done) -> None:

@@ -22,7 +22,7 @@ from pipelines.datasets.layout import RunLayout, read_facts, stored_layout
 from pipelines.datasets.plan import Plan, stored_plan
 from pipelines.datasets.rows import DONE, FAILED, ROWS, TABLE, cell, flat, numbers, read_row
 from pipelines.datasets.run_warnings import run_warnings
-from pipelines.datasets.scenes import Draw, make_draws, scene_of
+from pipelines.datasets.scenes import SampledScene, sampled_scenes, scene_of
 from pipelines.datasets.store import SIGNALS, checksum, chunk_path, read_run
 from pipelines.datasets.summary import stretches
 from pipelines.io.errors import InputError, SceneError
@@ -71,12 +71,12 @@ def check_dataset(folder: Path, on_progress: Callable[[int, int], None] = lambda
     plan = stored_plan(facts)
     present = numbers(folder)
     found = Findings(runs=facts["runs"], rows=len(present))
-    draws = make_draws(plan)
-    if identity_facts(plan, draws)["draws"] != facts["facts"]["draws"]:
+    sampled = sampled_scenes(plan)
+    if identity_facts(plan, sampled)["draws"] != facts["facts"]["draws"]:
         found.notes.append(
             "the installed libraries sample other values from the plan, so the values in the rows are not checked"
         )
-        draws = []
+        sampled = []
     firsts: dict[str, dict[str, Any]] = {}
     repeated = 0
     qualities: list[dict[str, Any]] = []
@@ -84,7 +84,7 @@ def check_dataset(folder: Path, on_progress: Callable[[int, int], None] = lambda
         on_progress(count, len(present))
         try:
             row = read_row(folder, run)
-            errors = [*_of_row(row, plan, draws, facts["runs"]), *_of_signals(folder, row, layout)]
+            errors = [*_of_row(row, plan, sampled, facts["runs"]), *_of_signals(folder, row, layout)]
         except InputError as error:
             found.wrong.append(f"run {run}: {error}")
             continue
@@ -111,7 +111,7 @@ def check_dataset(folder: Path, on_progress: Callable[[int, int], None] = lambda
     return found
 
 
-def _of_row(row: Mapping[str, Any], plan: Plan, draws: Sequence[Draw], runs: int) -> Iterator[str]:
+def _of_row(row: Mapping[str, Any], plan: Plan, sampled: Sequence[SampledScene], runs: int) -> Iterator[str]:
     """What is wrong with the values and labels of a row."""
     run = row["run"]
     if run >= runs:
@@ -119,9 +119,9 @@ def _of_row(row: Mapping[str, Any], plan: Plan, draws: Sequence[Draw], runs: int
         return
     if row["status"] not in (DONE, FAILED):
         yield f"its status is {row['status']!r}, allowed: {DONE}, {FAILED}. {AGAIN}"
-    if draws:
-        drawn = draws[run]
-        for name, value in (("values", dict(drawn.values)), ("group", drawn.group), ("split", drawn.split)):
+    if sampled:
+        one = sampled[run]
+        for name, value in (("values", dict(one.values)), ("group", one.group), ("split", one.split)):
             if row[name] != value:
                 yield f"its {name} differ from those of the plan, {_short(row[name])} for {_short(value)}. {AGAIN}"
     if row["status"] == DONE:

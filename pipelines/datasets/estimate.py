@@ -12,7 +12,7 @@ from pipelines.datasets.expressions import ExpressionError
 from pipelines.datasets.labels import labels
 from pipelines.datasets.layout import CASING_SIGNALS
 from pipelines.datasets.plan import Plan
-from pipelines.datasets.scenes import Draw, group_variables, scene_of
+from pipelines.datasets.scenes import SampledScene, group_variables, scene_of
 from pipelines.engine.cache import Cache
 from pipelines.engine.step import Graph, Step
 from pipelines.engine.storage import digest
@@ -68,7 +68,7 @@ class Estimate:
         return "".join(f"{line}\n" for line in lines)
 
 
-def estimate(plan: Plan, draws: Sequence[Draw]) -> Estimate:
+def estimate(plan: Plan, sampled: Sequence[SampledScene]) -> Estimate:
     """Look at the scenes of a plan without simulating any.
 
     Raises
@@ -80,32 +80,32 @@ def estimate(plan: Plan, draws: Sequence[Draw]) -> Estimate:
     distinct: dict[str, Step] = {}
     found: Counter[str] = Counter()
     seconds = size = 0.0
-    looked = draws[:MOST_LOOKED_AT]
+    looked = sampled[:MOST_LOOKED_AT]
     for one in looked:
         try:
             loaded = scene_of(plan, one.values)
-            plant = checked_plant(loaded.scene, loaded.source.shown)
+            machine = checked_plant(loaded.scene, loaded.source.shown)
         except (SceneError, ExpressionError) as error:
             refused.append(error)
             continue
-        found[labels(plant)["label"]] += 1
-        motion = cost(plant)
+        found[labels(machine)["label"]] += 1
+        motion = cost(machine)
         seconds += motion.seconds
-        size += _STORED_SHARE * _SAMPLE_BYTES * motion.samples * _stored_channels(plan, plant, motion.channels)
-        graph = Graph(plant_steps(plant))
+        size += _STORED_SHARE * _SAMPLE_BYTES * motion.samples * _stored_channels(plan, machine, motion.channels)
+        graph = Graph(plant_steps(machine))
         for step in graph.needed(graph.steps["simulate"].inputs):
             distinct.setdefault(digest([step.kind, step.spec, [step.code]]), step)
     if not found:
         raise refused[0]
-    share = len(draws) / len(looked)
+    share = len(sampled) / len(looked)
     return Estimate(
-        runs=len(draws),
-        distinct=len({json.dumps(one.values) for one in draws}),
+        runs=len(sampled),
+        distinct=len({json.dumps(one.values) for one in sampled}),
         looked_at=len(looked),
         refused=len(refused),
         first_refusal=" ".join(str(refused[0]).split()) if refused else "",
         labels=found,
-        splits=Counter(one.split for one in draws),
+        splits=Counter(one.split for one in sampled),
         groups_by=group_variables(plan.table),
         kinds=Counter(step.kind for step in distinct.values()),
         missing_seconds=sum(step.seconds for step in distinct.values() if not _stored(step, cache)),
@@ -115,12 +115,12 @@ def estimate(plan: Plan, draws: Sequence[Draw]) -> Estimate:
     )
 
 
-def _stored_channels(plan: Plan, plant: Plant, channels: int) -> float:
+def _stored_channels(plan: Plan, machine: Plant, channels: int) -> float:
     """About how many channels of four bytes are stored of a scene."""
     if plan.table.signals:
         return channels
-    vibration = 3 * (len(plant.sensors) or len(plant.bearing_points))
-    return vibration + 2 * len(plant.machine.shafts) + 3 * max(1, len(plant.machine.couplings))
+    vibration = 3 * (len(machine.sensors) or len(machine.bearing_points))
+    return vibration + 2 * len(machine.machine.shafts) + 3 * max(1, len(machine.machine.couplings))
 
 
 def _stored(step: Step, cache: Cache) -> bool:

@@ -1,7 +1,7 @@
-"""Pieces of a data set in the files of other programs, with what is known of each one beside it.
+"""Export of pieces of a data set, with their labels, to file formats of other programs.
 
-One file for NumPy (and with it scikit-learn and PyTorch) or HDF5; for MATLAB and CSV a folder with a file per run and
-labels.csv. Runs are gone through one at a time, so that the data set may be larger than the memory.
+For NumPy (and with it scikit-learn and PyTorch) or HDF5 one file; for MATLAB and CSV a folder with one file for each
+run and labels.csv. Only one run at a time is in memory, so that the data set may be larger than the memory.
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ if TYPE_CHECKING:
     import xarray
 
 LABELS = "labels.csv"
-_LEFT_OUT = ("key", "status", "reason", "seconds", "loop_seconds")  # of the columns: what tells of the work alone
+_LEFT_OUT = ("key", "status", "reason", "seconds", "loop_seconds")  # columns that describe only the computation
 
 
 @dataclass(frozen=True, kw_only=True)
-class Wanted:
-    """Which runs, cut and noised how; see `pipelines.datasets.pieces.pieces`. Of nothing named, all."""
+class Selection:
+    """Runs to export, and pieces to cut from them as in `pipelines.datasets.pieces.pieces`; an empty list is all."""
 
     splits: tuple[str, ...] = ()
     labels: tuple[str, ...] = ()
     sensors: tuple[str, ...] = ()
-    start: float = 0.0  # s; earlier samples are left out
+    start: float = 0.0  # s; earlier samples are omitted
     seconds: float | None = None
     overlap: float = 0.0
     noise_m_s2: float = 0.0
@@ -44,7 +44,7 @@ class Wanted:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Cut:
-    """All pieces that are wanted: how many, their shape, and each run's in turn."""
+    """The selected pieces: their number, their shape, and an array for each run."""
 
     count: int
     shape: tuple[int, ...]  # sensor, axis, time
@@ -53,24 +53,24 @@ class Cut:
     named: dict[str, np.ndarray]  # sensor, axis, time in s, rate_Hz
 
 
-def export_dataset(folder: Path, form: str, wanted: Wanted, out: str | None = None) -> tuple[Path, int]:
-    """Write the pieces that are wanted as `form`; where they are, and how many.
+def export_dataset(folder: Path, form: str, selection: Selection, out: str | None = None) -> tuple[Path, int]:
+    """Write the selected pieces in a file format; the file or folder, and the number of pieces.
 
     Parameters
     ----------
     folder : of the data set
-    form : one of FORMATS
-    wanted : runs and pieces
-    out : file or folder; pieces.npz, pieces.hdf5, pieces-csv or pieces-mat in the data set by default
+    form : file format, a key of FORMATS
+    selection : runs and pieces
+    out : file or folder; by default pieces.npz, pieces.hdf5, pieces-csv or pieces-mat in the data set
 
     Raises
     ------
-    InputError : no such runs, sensors or pieces, or a place that cannot be written
+    InputError : there are no such runs, sensors or pieces, or the target cannot be written
     """
     write, one_file = FORMATS[form]
     place = out or str(folder / (f"pieces.{form}" if one_file else f"pieces-{form}"))
     target = writable_file(place) if one_file else writable_folder(place)
-    cut = _cut(folder, wanted)
+    cut = _cut(folder, selection)
     try:
         if one_file:
             with whole_file(target) as partial:
@@ -83,10 +83,10 @@ def export_dataset(folder: Path, form: str, wanted: Wanted, out: str | None = No
     return target, cut.count
 
 
-def _cut(folder: Path, wanted: Wanted) -> Cut:
+def _cut(folder: Path, selection: Selection) -> Cut:
     dataset = open_dataset(folder)
     chosen = dataset.status.values == DONE
-    for name, values in (("split", wanted.splits), ("label", wanted.labels)):
+    for name, values in (("split", selection.splits), ("label", selection.labels)):
         known = sorted(set(map(str, dataset[name].values[dataset.status.values == DONE]))) if name in dataset else []
         if missing := [value for value in values if value not in known]:
             raise InputError(
@@ -99,11 +99,15 @@ def _cut(folder: Path, wanted: Wanted) -> Cut:
         raise InputError(
             f"{folder}: no finished run matches --split, --label and --sensors together. Leave one of them out."
         )
-    part = _from(part, wanted.start)
-    options: dict[str, Any] = {"seconds": wanted.seconds, "overlap": wanted.overlap, "noise_m_s2": wanted.noise_m_s2}
-    runs = pieces(part, **options, seed=wanted.seed, sensors=wanted.sensors or None)
-    first = next(pieces(part.isel(run=[0]), **options, sensors=wanted.sensors or None))
-    each = pieces_per_run(part.sizes["time"], dataset.attrs["rate_Hz"], wanted.seconds, wanted.overlap)
+    part = _from(part, selection.start)
+    options: dict[str, Any] = {
+        "seconds": selection.seconds,
+        "overlap": selection.overlap,
+        "noise_m_s2": selection.noise_m_s2,
+    }
+    runs = pieces(part, **options, seed=selection.seed, sensors=selection.sensors or None)
+    first = next(pieces(part.isel(run=[0]), **options, sensors=selection.sensors or None))
+    each = pieces_per_run(part.sizes["time"], dataset.attrs["rate_Hz"], selection.seconds, selection.overlap)
     columns = {
         str(name): np.repeat(column.values, each)
         for name, column in part.coords.items()
@@ -121,21 +125,21 @@ def _cut(folder: Path, wanted: Wanted) -> Cut:
 
 
 def _from(runs: xarray.Dataset, start: float) -> xarray.Dataset:
-    """The runs without the samples before `start` (s). InputError if fewer than two samples are left."""
+    """The runs without the samples before `start` (s). InputError if fewer than two samples remain."""
     time, rate = runs.time.values, runs.attrs["rate_Hz"]
-    first = int(np.searchsorted(time, start - 1e-3 / rate))  # a rounded time is still that of its sample
+    first = int(np.searchsorted(time, start - 1e-3 / rate))  # tolerance for a rounded start time
     if first > len(time) - 2:
         raise InputError(f"--start {start:g}: the runs last {len(time) / rate:g} s. Set a time from 0 to below that.")
     return runs.isel(time=slice(first, None))
 
 
 def _plain(values: np.ndarray) -> np.ndarray:
-    """Texts of any length as an array that NumPy stores without pickling."""
+    """Texts as an array of fixed length, which NumPy stores without pickling."""
     return values.astype(np.str_) if values.dtype == object else values
 
 
 def _write_npz(cut: Cut, path: Path) -> None:
-    """One .npz: `acceleration` (piece, sensor, axis, time) float32, and an array of its length per column."""
+    """Write one .npz file: `acceleration` (piece, sensor, axis, time) as float32, and an array for each column."""
     shape = (cut.count, *cut.shape)
     with zipfile.ZipFile(path, "w", allowZip64=True) as archive:
         with archive.open("acceleration.npy", "w", force_zip64=True) as file:
@@ -148,7 +152,7 @@ def _write_npz(cut: Cut, path: Path) -> None:
 
 
 def _write_hdf5(cut: Cut, path: Path) -> None:
-    """One HDF5 file with the same arrays; a chunk per piece, texts as UTF-8."""
+    """Write one HDF5 file with the same arrays, one chunk for each piece, and texts as UTF-8."""
     import h5py
 
     with h5py.File(path, "w") as file:
@@ -166,7 +170,7 @@ def _write_hdf5(cut: Cut, path: Path) -> None:
 
 
 def _write_mat(cut: Cut, folder: Path) -> None:
-    """A MATLAB 5 file per run, `acceleration` (piece, sensor, axis, time), and labels.csv."""
+    """Write a MATLAB 5 file for each run, with `acceleration` (piece, sensor, axis, time), and labels.csv."""
     from scipy.io import savemat
 
     def write(one: xarray.DataArray, path: Path) -> None:
@@ -182,7 +186,7 @@ def _write_mat(cut: Cut, folder: Path) -> None:
 
 
 def _write_csv(cut: Cut, folder: Path) -> None:
-    """A CSV file per run, a line per sample, and labels.csv."""
+    """Write a CSV file for each run, with a line for each sample, and labels.csv."""
     channels = [f"{sensor} {axis} [m/s2]" for sensor in cut.named["sensor"] for axis in cut.named["axis"]]
 
     def write(one: xarray.DataArray, path: Path) -> None:
@@ -197,7 +201,7 @@ def _write_csv(cut: Cut, folder: Path) -> None:
 
 
 def _per_run(cut: Cut, folder: Path, ending: str, write: Callable[[xarray.DataArray, Path], None]) -> None:
-    """A file per run, and a line of labels.csv per file."""
+    """Write a file for each run, and labels.csv with a line for each file."""
     names = [name for name in cut.columns if name not in ("run", "start")]
     with whole_file(folder / LABELS) as partial, partial.open("w", encoding="utf-8", newline="") as file:
         lines = csv.writer(file)
@@ -211,13 +215,13 @@ def _per_run(cut: Cut, folder: Path, ending: str, write: Callable[[xarray.DataAr
 
 
 def _cells(one: xarray.DataArray, names: Sequence[str]) -> Iterator[Any]:
-    """What is known of a run; nothing where there is no number."""
+    """The columns of a run as cells of labels.csv; empty where there is no number."""
     for name in names:
         value = one[name].values[0]
         yield "" if isinstance(value, float) and np.isnan(value) else value
 
 
-FORMATS: dict[str, tuple[Callable[[Cut, Path], None], bool]] = {  # writer, one file
+FORMATS: dict[str, tuple[Callable[[Cut, Path], None], bool]] = {  # function that writes, whether it writes one file
     "csv": (_write_csv, False),
     "mat": (_write_mat, False),
     "npz": (_write_npz, True),

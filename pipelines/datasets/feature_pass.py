@@ -1,8 +1,8 @@
-"""Features of all runs: a pass over the stored signals that can be stopped at any moment and gone on with.
+"""Features of all runs, computed from the stored signals; the computation can be interrupted and continued.
 
-Every run has a row in `feature_rows`, written as the rows of the campaign are. It holds the checksums of the signals
-and the version of the code it was made with, so that a run that was simulated anew, or features that are computed in
-another way, are noticed. features.parquet is made of these rows: a line per run, sensor and axis.
+Each run has a row in `feature_rows`. It holds the checksums of the signals and the version of the code, so that the
+features are computed again when a run was simulated again or the computation has changed. features.parquet is made
+from these rows, with a line for each run, sensor and axis.
 """
 
 from __future__ import annotations
@@ -41,12 +41,12 @@ ANGLE = "shaft_angle"
 
 @dataclass(frozen=True, kw_only=True)
 class FeatureJob(RowJob):
-    """The features of a run: its signal with the names along it, its shafts and their meshes."""
+    """Computation of the features of a run from its signal, shaft angles and mesh orders."""
 
     signal: str
     sensors: tuple[str, ...]
     axes: tuple[str, ...]
-    shafts: tuple[str, ...]  # none where their angles were not stored
+    shafts: tuple[str, ...]  # empty if their angles were not stored
     meshes: tuple[Mapping[int, int], ...]
     rate: float
     start: float
@@ -54,12 +54,12 @@ class FeatureJob(RowJob):
 
     @property
     def rows(self) -> str:
-        """The folder of the rows of features."""
+        """The folder of the rows."""
         return FEATURE_ROWS
 
     @property
     def made_of(self) -> dict[str, Any]:
-        """The code with the signals, and the part and the noise of them."""
+        """Everything that the features depend on: code, checksums of the signals, start, and noise."""
         code = code_version(
             "pipelines.signals.features.statistics",
             "pipelines.signals.features.synchronous",
@@ -79,15 +79,15 @@ def make_features(
     noise: float = 0.0,
     on_progress: Callable[[int, int], None] = lambda done, left: None,
 ) -> tuple[int, int]:
-    """Write the features of all runs that are done, and the table of them; how many were made now, lines of the table.
+    """Compute the features of all finished runs and write their table; number of runs computed now, and of lines.
 
     Parameters
     ----------
     folder : of the data set
-    executor : of the work
-    start : s, of the part of every run that is looked at
-    noise : rms of the sensor noise that is added, m/s2, as `pipelines.datasets.pieces.pieces` does with seed 0
-    on_progress : called with how many of how many are done
+    executor : of the computation
+    start : time before which signals are ignored, s
+    noise : rms of the sensor noise that is added, m/s2, as in `pipelines.datasets.pieces.pieces` with seed 0
+    on_progress : called with the number of finished runs and the number of all runs
 
     Raises
     ------
@@ -134,7 +134,7 @@ def _jobs(folder: Path, facts: Mapping[str, Any], start: float, noise: float) ->
 
 
 def _channels(job: FeatureJob) -> Iterator[dict[str, Any]]:
-    """The features of every channel, None where there are none."""
+    """The features of every channel; None for a feature without a finite value."""
     first = math.ceil(job.start * job.rate)
     stored = read_run(job.folder, job.run, job.signal)
     signal = noisy_run(stored, job.run, job.sensors, job.axes, job.noise, seed=0)[..., first:].astype(float)
@@ -153,7 +153,7 @@ def _channels(job: FeatureJob) -> Iterator[dict[str, Any]]:
 
 
 def _of_shaft(signal: np.ndarray, time: np.ndarray, angle: np.ndarray, meshes: Meshes) -> dict[str, np.ndarray]:
-    """Features of the average over the longest stretch in which a shaft turns; none where it turns too seldom."""
+    """Features of the time-synchronous average over the longest rotation of a shaft; empty if it turns too little."""
     stretches = moving_stretches(angle)
     if not stretches:
         return {}
@@ -174,9 +174,9 @@ def _lines(folder: Path) -> Iterator[dict[str, Any]]:
 
 
 def _shaft_meshes(plan: Plan, values: Mapping[str, Any]) -> list[dict[int, int]]:
-    """For every shaft of the scene of these values, the teeth of its gears by the number of their stage.
+    """For each shaft of the scene of these values: the teeth of its gears by the number of their stage.
 
-    SceneError, ExpressionError as `pipelines.datasets.scenes.scene_of`.
+    SceneError and ExpressionError as in `pipelines.datasets.scenes.scene_of`.
     """
     scene = scene_of(plan, values).scene
     found: list[dict[int, int]] = [{} for _ in scene.shafts]

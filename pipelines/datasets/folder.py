@@ -1,10 +1,10 @@
-"""The folder of a campaign: made once, held by one command at a time, and gone on with only by the same campaign.
+"""The folder of a campaign. One command at a time uses it, and only the same campaign can continue it.
 
-campaign.json       identity, plan, versions, what was drawn and how; a campaign that goes on compares it
+campaign.json       identity, plan, versions and digest of the samples; compared when a campaign is continued
 plan.toml           as given
-scene.toml          the scene of the plan with all its defaults, before anything is varied
+scene.toml          the scene of the plan with all its defaults, before variables are set
 signals.zarr/       signals, see `pipelines.datasets.store`
-rows/, rows.parquet one file per run, and the table made of them, see `pipelines.datasets.rows`
+rows/, rows.parquet one file for each run, and the table made from them, see `pipelines.datasets.rows`
 README.md           the card
 """
 
@@ -25,7 +25,7 @@ from fem.storage.locks import lock_file
 from pipelines.datasets.layout import FACTS, RunLayout, stored_layout
 from pipelines.datasets.plan import Plan
 from pipelines.datasets.rows import ROWS
-from pipelines.datasets.scenes import Draw, group_variables
+from pipelines.datasets.scenes import SampledScene, group_variables
 from pipelines.datasets.store import create_store
 from pipelines.engine.code_version import code_version, library_versions
 from pipelines.io.errors import InputError, WorkError
@@ -33,21 +33,21 @@ from pipelines.io.shown import shown
 from pipelines.io.user_files import writable_folder, write_whole
 
 LOCK = ".lock"
-_UNFINISHED = re.compile(r"\.(begun-|[0-9a-f]{32}\.)")  # what a command that was killed leaves, also an earlier one
+_UNFINISHED = re.compile(r"\.(begun-|[0-9a-f]{32}\.)")  # files of a command that was killed, also of earlier versions
 PLAN, SCENE = "plan.toml", "scene.toml"
 LIBRARIES = ("numpy", "scipy", "numba", "scikit-fem", "gmsh")
 
 
-def identity_facts(plan: Plan, draws: Sequence[Draw]) -> dict[str, Any]:
-    """Everything that the signals of a campaign hang on, in a form that can be compared."""
-    draw_digest = hashlib.sha256()
-    for draw in draws:
-        draw_digest.update(json.dumps([draw.values, draw.group, draw.split]).encode())
+def identity_facts(plan: Plan, sampled: Sequence[SampledScene]) -> dict[str, Any]:
+    """Everything that determines the signals of a campaign, in a form that can be compared."""
+    sample_digest = hashlib.sha256()
+    for sample in sampled:
+        sample_digest.update(json.dumps([sample.values, sample.group, sample.split]).encode())
     table = plan.table.model_dump(mode="json", by_alias=True, exclude={"title", "licence"})
     return {
         "plan": table,
         "scene": json.loads(json.dumps(plan.tree)),
-        "draws": draw_digest.hexdigest(),
+        "draws": sample_digest.hexdigest(),
         "code": code_version("pipelines.datasets.job"),
         "versions": library_versions(*LIBRARIES),
     }
@@ -55,23 +55,23 @@ def identity_facts(plan: Plan, draws: Sequence[Draw]) -> dict[str, Any]:
 
 @contextlib.contextmanager
 def held(folder: str | Path) -> Iterator[Path]:
-    """The folder of a campaign for this command alone.
+    """Lock the folder of a campaign for this command.
 
     Raises
     ------
-    InputError : it cannot be written, or another command works on it
+    InputError : the folder cannot be written, or another command uses it
     """
     place = writable_folder(folder)
     try:
         place.mkdir(parents=True, exist_ok=True)
-        lock = open(place / LOCK, "ab")  # noqa: SIM115 - held until the command ends
+        lock = open(place / LOCK, "ab")  # noqa: SIM115 - open until the command ends
     except OSError as error:
         raise InputError(f"{shown(place)}: cannot be written ({error.strerror}). Set another --out.") from error
     with lock:
         try:
             mine = lock_file(lock)
         except OSError:
-            mine = True  # a file system without locks
+            mine = True  # the file system has no locks
         if not mine:
             raise InputError(
                 f"{shown(place)}: another command is working on this campaign. Wait for it, end it, or set another "
@@ -81,11 +81,11 @@ def held(folder: str | Path) -> Iterator[Path]:
 
 
 def find_begun(folder: Path, facts: dict[str, Any]) -> tuple[str, RunLayout] | None:
-    """Identity and layout of the campaign that was begun here; None in an empty folder.
+    """Identity and layout of the campaign that was begun in a folder; None if the folder is empty.
 
     Raises
     ------
-    InputError : the folder holds something else, or a campaign that differs
+    InputError : the folder holds other files, or a campaign that differs
     """
     path = folder / FACTS
     if not path.is_file():
@@ -96,8 +96,8 @@ def find_begun(folder: Path, facts: dict[str, Any]) -> tuple[str, RunLayout] | N
             )
         return None
     try:
-        told = json.loads(path.read_text(encoding="utf-8"))
-        begun, layout = told["facts"], stored_layout(told["layout"])
+        stored = json.loads(path.read_text(encoding="utf-8"))
+        begun, layout = stored["facts"], stored_layout(stored["layout"])
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(f"{shown(path)}: cannot be read ({error}). Set another --out.") from error
     different = [name for name in facts if begun.get(name) != facts[name]]
@@ -113,41 +113,44 @@ def find_begun(folder: Path, facts: dict[str, Any]) -> tuple[str, RunLayout] | N
             f"{shown(folder)}: was begun with {' and '.join(words[name] for name in different)}. Use what it was begun "
             "with, or set another --out."
         )
-    return told["identity"], layout
+    return stored["identity"], layout
 
 
-def begin(folder: Path, plan: Plan, scene: str, draws: Sequence[Draw], layout: RunLayout, facts: dict[str, Any]) -> str:
-    """Make the folder of a campaign, its facts last; the identity.
+def begin(
+    folder: Path, plan: Plan, scene: str, sampled: Sequence[SampledScene], layout: RunLayout, facts: dict[str, Any]
+) -> str:
+    """Make the folder of a campaign, with campaign.json last; the identity of the campaign.
 
     Parameters
     ----------
-    folder, plan, draws, layout, facts : what the campaign is
-    scene : its scene as text
+    folder, plan, sampled, layout : of the campaign
+    scene : the scene of the plan as TOML
+    facts : those of `identity_facts`
     """
     identity = uuid.uuid4().hex
-    with stored_or_said(folder):
+    with disk_errors(folder):
         (folder / ROWS).mkdir(exist_ok=True)
         (folder / PLAN).write_text(plan.text, encoding="utf-8")
         (folder / SCENE).write_text(scene, encoding="utf-8")
         attributes = {"title": plan.table.title or plan.name, "source": "gearcase campaign"}
-        create_store(folder, len(draws), layout, attributes)
-        told = {
+        create_store(folder, len(sampled), layout, attributes)
+        stored = {
             "identity": identity,
             "name": plan.name,
-            "runs": len(draws),
+            "runs": len(sampled),
             "groups by": list(group_variables(plan.table)),
             "facts": facts,
             "layout": {"signals": [vars(one) for one in layout.signals], "names": layout.names}
             | {"samples": layout.samples, "rate": layout.rate},
             "made with": {"python": platform.python_version(), **library_versions("gearcase", "zarr")},
         }
-        write_whole(folder / FACTS, json.dumps(told, indent=1, default=dict))
+        write_whole(folder / FACTS, json.dumps(stored, indent=1, default=dict))
     return identity
 
 
 @contextlib.contextmanager
-def stored_or_said(folder: Path) -> Iterator[None]:
-    """WorkError where the disk takes no more."""
+def disk_errors(folder: Path) -> Iterator[None]:
+    """Raise an OSError as a WorkError with what to do, as when the disk is full."""
     try:
         yield
     except OSError as error:

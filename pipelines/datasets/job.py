@@ -1,6 +1,6 @@
-"""One scene of a campaign, simulated in whatever process it comes to; its signals and its row are written there.
+"""Simulation of one scene of a campaign in a worker process, which also writes its signals and its row.
 
-Where the folder of the campaign cannot be reached, on a machine without a shared file system, both come back instead.
+If the worker cannot reach the folder of the campaign, as on a machine without a shared file system, it returns both.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from pipelines.datasets.labels import labels
 from pipelines.datasets.layout import FACTS, RunLayout, run_arrays
 from pipelines.datasets.plan import Plan
 from pipelines.datasets.rows import DONE, FAILED, write_row
-from pipelines.datasets.scenes import Draw, scene_key, scene_of
+from pipelines.datasets.scenes import SampledScene, scene_key, scene_of
 from pipelines.datasets.store import write_run
-from pipelines.datasets.workshop import Workshop
+from pipelines.datasets.worker_cache import WorkerCache
 from pipelines.engine.build_step import one_thread
 from pipelines.engine.cache import Cache
 from pipelines.io.errors import CacheWarning
@@ -34,18 +34,18 @@ from pipelines.steps.motion import moved
 
 @dataclass(frozen=True, kw_only=True)
 class Job:
-    """A scene to simulate. `identity` is that of the campaign, `folder` where it lies on the commanding machine."""
+    """A scene to simulate, with the identity of its campaign and the folder on the machine of the command."""
 
     plan: Plan
     layout: RunLayout
     folder: Path
     identity: str
-    draw: Draw
+    sample: SampledScene
 
 
 @dataclass(frozen=True, kw_only=True)
 class Done:
-    """The row of a scene; `arrays` are its signals where they could not be written here."""
+    """The row of a simulated scene; `arrays` are its signals if the worker could not write them."""
 
     run: int
     row: Mapping[str, Any]
@@ -54,18 +54,18 @@ class Done:
 
 
 def row_head(job: Job, status: str, reason: str = "") -> dict[str, Any]:
-    """What a row says of its scene however the simulation went."""
-    one = job.draw
-    told = {"run": one.run, "key": "", "status": status, "reason": reason, "values": dict(one.values)}
-    return told | {"group": one.group, "split": one.split}
+    """The columns of a row that do not depend on the simulation."""
+    one = job.sample
+    head = {"run": one.run, "key": "", "status": status, "reason": reason, "values": dict(one.values)}
+    return head | {"group": one.group, "split": one.split}
 
 
 def work(job: Job) -> Done:
-    """Simulate a scene and write its signals, then its row. What is wrong with the scene stands in the row.
+    """Simulate a scene and write its signals and its row. An error of the scene is written to the row.
 
     Raises
     ------
-    OSError : something cannot be written or read; nothing is wrong with the scene
+    OSError : a file cannot be written or read
     """
     begun = time.perf_counter()
     arrays: dict[str, np.ndarray] = {}
@@ -81,23 +81,23 @@ def work(job: Job) -> Done:
         row = row_head(job, FAILED, _reason(error))
     here = _reaches(job.folder, job.identity)
     if here and arrays:
-        row["checksums"] = write_run(job.folder, job.draw.run, arrays)
+        row["checksums"] = write_run(job.folder, job.sample.run, arrays)
     row["seconds"] = round(time.perf_counter() - begun, 3)
     if here:
-        write_row(job.folder, job.draw.run, row)
-    return Done(run=job.draw.run, row=row, arrays=None if here or not arrays else arrays, written=here)
+        write_row(job.folder, job.sample.run, row)
+    return Done(run=job.sample.run, row=row, arrays=None if here or not arrays else arrays, written=here)
 
 
 def _simulated(job: Job) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    loaded = scene_of(job.plan, job.draw.values)
-    plant = checked_plant(loaded.scene, loaded.source.shown)
-    system = _workshop(str(Cache().folder)).system(plant)
+    loaded = scene_of(job.plan, job.sample.values)
+    machine = checked_plant(loaded.scene, loaded.source.shown)
+    system = _worker_cache(str(Cache().folder)).system(machine)
     begun = time.perf_counter()
-    motion = moved(system, plant.motion)
+    motion = moved(system, machine.motion)
     loop = time.perf_counter() - begun
     row = {
         "key": scene_key(loaded),
-        "labels": labels(plant),
+        "labels": labels(machine),
         "quality": quality(motion),
         "loop_seconds": round(loop, 3),
     }
@@ -105,7 +105,7 @@ def _simulated(job: Job) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
 
 
 def quality(motion: Trajectory) -> dict[str, Any]:
-    """What a motion says of itself: error of the accelerations by the step, how long it can be repeated, warnings."""
+    """Quality of a motion: error of the accelerations by the time step, time for which it is repeatable, warnings."""
     return {
         "step_error": motion.step_error,
         "repeatable_until_s": motion.parted_at or float(motion.time[-1]),
@@ -114,13 +114,13 @@ def quality(motion: Trajectory) -> dict[str, Any]:
 
 
 @functools.lru_cache(maxsize=1)
-def _workshop(folder: str) -> Workshop:
-    """That of this process."""
-    return Workshop(Cache(folder))
+def _worker_cache(folder: str) -> WorkerCache:
+    """The worker cache of this process."""
+    return WorkerCache(Cache(folder))
 
 
 def _reaches(folder: Path, identity: str) -> bool:
-    """True if the folder of the campaign is here."""
+    """True if this process can read the folder of the campaign."""
     try:
         return json.loads((folder / FACTS).read_text(encoding="utf-8"))["identity"] == identity
     except (OSError, ValueError, KeyError, TypeError):
@@ -128,7 +128,7 @@ def _reaches(folder: Path, identity: str) -> bool:
 
 
 def _reason(error: Exception) -> str:
-    """Why a scene failed, on one line."""
+    """The reason why a scene failed, on one line."""
     ours = type(error).__module__.partition(".")[0] in ("fem", "mbd", "pipelines")
     name = "" if ours else f"{type(error).__name__}: "
     return f"{name}{' '.join(str(error).split())}"[:1000]

@@ -1,4 +1,4 @@
-"""Labels: what is wrong in a scene, read from its plant, so that no label can contradict what was simulated."""
+"""Labels: the faults of a scene, read from the machine model in SI that is simulated, so that both always agree."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 from pipelines.machine.plant import Plant
 
 HEALTHY = "healthy"
-COLUMNS = {  # all columns of a data set that are no variables of its plan, and what they mean
+COLUMNS = {  # meaning of all columns of a data set that are not variables of its plan
     "run": "number of the scene in the plan, and along the first dimension of every array",
     "key": "SHA-256 of the scene with all its defaults; equal for equal scenes",
     "status": "done, failed, or empty while the campaign runs",
@@ -27,22 +27,22 @@ COLUMNS = {  # all columns of a data set that are no variables of its plan, and 
     "seconds": "computing time of the run, s",
     "loop_seconds": "part of it in the time loop, s",
 }
-_SIZES = ("depth_mm", "depth_um", "unbalance_g_mm", "eccentricity_um", "bow_um")  # each grows as its fault does
+_SIZES = ("depth_mm", "depth_um", "unbalance_g_mm", "eccentricity_um", "bow_um")  # of faults; zero without the fault
 
 
-def labels(plant: Plant) -> dict[str, Any]:
+def labels(machine: Plant) -> dict[str, Any]:
     """Labels of a scene: kinds and places of all faults in words, the size of the first one, and all tables.
 
-    `severity` is the number that stands in the scene under `severity_key`; None without a fault, or where the fault
-    has no size, as a missing tooth.
+    `severity` is the value of the key `severity_key` in the scene; None without a fault, or where the fault has no
+    size, as a missing tooth.
     """
-    told = plant.labels
-    faults = json.loads(told["faults"])
+    written = machine.labels
+    faults = json.loads(written["faults"])
     size = next((key for key in _SIZES if faults and faults[0].get(key) is not None), None)
     return {
-        "label": told["state"],
-        "places": "; ".join(plant.fault_words) or HEALTHY,
+        "label": written["state"],
+        "places": "; ".join(machine.fault_words) or HEALTHY,
         "severity": faults[0][size] if size else None,
         "severity_key": size,
-        "faults": told["faults"],
+        "faults": written["faults"],
     }

@@ -1,4 +1,4 @@
-"""What every run of a campaign records: names, dimensions and types of its signals, the same for all runs."""
+"""Layout of the signals of a campaign: names, dimensions and types, which are the same for all runs."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from pipelines.io.errors import InputError, WorkError
 from pipelines.io.shown import shown
 from pipelines.signals.labelled import Signal, coordinates, read, signals
 
-FACTS = "campaign.json"  # what a data set is and how it was made, written when its campaign begins
+FACTS = "campaign.json"  # identity and layout of a data set, written when its campaign begins
 CASING_SIGNALS = ("acceleration", "shaft_angle", "motor_speed", "motor_torque")
 GROUND_SIGNALS = ("journal_acceleration", "shaft_angle", "motor_speed", "motor_torque")
 
 
 @dataclass(frozen=True, kw_only=True)
 class SignalLayout:
-    """One signal of a run: `shape` and `dims` end with time; `dtype` is how it is stored."""
+    """One signal of a run. `shape` and `dims` end with time; `dtype` is the stored type."""
 
     name: str
     dims: tuple[str, ...]
@@ -33,7 +33,7 @@ class SignalLayout:
 
 @dataclass(frozen=True, kw_only=True)
 class RunLayout:
-    """All signals of a run: `samples` at 0, 1/`rate`, ...; `names` along every dimension but time."""
+    """All signals of a run, with `samples` at 0, 1/`rate`, ... and the `names` along each dimension except time."""
 
     signals: tuple[SignalLayout, ...]
     names: Mapping[str, tuple[Any, ...]]
@@ -42,30 +42,30 @@ class RunLayout:
 
     @property
     def bytes(self) -> int:
-        """Of one run before it is packed."""
+        """Size of one run before compression."""
         return sum(int(np.prod(one.shape)) * np.dtype(one.dtype).itemsize for one in self.signals)
 
 
-def run_layout(motion: Trajectory, samples: int, wanted: Sequence[str] = ()) -> RunLayout:
-    """The layout of runs like a motion.
+def run_layout(motion: Trajectory, samples: int, requested: Sequence[str] = ()) -> RunLayout:
+    """The layout of runs whose signals are those of a motion.
 
     Parameters
     ----------
     motion : of any length
     samples : of a whole run
-    wanted : names of signals; by default the accelerations with shaft angles, speed and torque of the motors
+    requested : names of signals; by default the accelerations, shaft angles, and speed and torque of the motors
 
     Raises
     ------
-    InputError : a signal that such a motion does not have
+    InputError : the motion does not have a requested signal
     """
     found = {signal.name: signal for signal in signals(motion)}
-    if not wanted:
-        wanted = CASING_SIGNALS if motion.sensors else GROUND_SIGNALS
-    for name in wanted:
+    if not requested:
+        requested = CASING_SIGNALS if motion.sensors else GROUND_SIGNALS
+    for name in requested:
         if name not in found:
             raise InputError(f"signals: {name!r} is not a signal of this scene. Allowed: {', '.join(found)}.")
-    chosen = [found[name] for name in dict.fromkeys(wanted)]
+    chosen = [found[name] for name in dict.fromkeys(requested)]
     used = {dim for signal in chosen for dim in signal.dims}
     return RunLayout(
         signals=tuple(
@@ -85,7 +85,7 @@ def run_layout(motion: Trajectory, samples: int, wanted: Sequence[str] = ()) -> 
 
 
 def run_arrays(motion: Trajectory, layout: RunLayout) -> dict[str, np.ndarray]:
-    """The signals of a run in their layout.
+    """The signals of a run as arrays of the layout.
 
     Raises
     ------
@@ -118,26 +118,26 @@ def _time_last(motion: Trajectory, signal: Signal) -> np.ndarray:
 
 
 def read_facts(folder: str | Path) -> dict[str, Any]:
-    """What campaign.json holds.
+    """The contents of campaign.json.
 
     Raises
     ------
-    InputError : this is no folder of a campaign
+    InputError : the folder is not that of a campaign
     """
     path = Path(folder) / FACTS
     try:
-        told = json.loads(path.read_text(encoding="utf-8"))
-        told["identity"], told["runs"], told["facts"]["plan"], stored_layout(told["layout"])
+        stored = json.loads(path.read_text(encoding="utf-8"))
+        stored["identity"], stored["runs"], stored["facts"]["plan"], stored_layout(stored["layout"])
     except (OSError, ValueError, KeyError, TypeError) as error:
         reason = f"it has no {FACTS}" if isinstance(error, FileNotFoundError) else shown(str(error))
         raise InputError(
             f"{shown(folder)}: not the folder of a data set ({reason}). Give the folder that `gearcase campaign` wrote."
         ) from error
-    return told
+    return stored
 
 
-def stored_layout(told: dict[str, Any]) -> RunLayout:
-    """The layout in campaign.json. KeyError, TypeError if it is none."""
+def stored_layout(stored: dict[str, Any]) -> RunLayout:
+    """The layout in campaign.json. KeyError or TypeError if it is not a layout."""
     signals = tuple(
         SignalLayout(
             name=one["name"],
@@ -146,7 +146,7 @@ def stored_layout(told: dict[str, Any]) -> RunLayout:
             dtype=one["dtype"],
             attributes=one["attributes"],
         )
-        for one in told["signals"]
+        for one in stored["signals"]
     )
-    names = {name: tuple(values) for name, values in told["names"].items()}
-    return RunLayout(signals=signals, names=names, samples=told["samples"], rate=told["rate"])
+    names = {name: tuple(values) for name, values in stored["names"].items()}
+    return RunLayout(signals=signals, names=names, samples=stored["samples"], rate=stored["rate"])

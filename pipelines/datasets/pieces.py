@@ -1,7 +1,7 @@
-"""Pieces: windows of the stored accelerations with added sensor noise. Views, not simulations: nothing is stored.
+"""Pieces: windows of the stored accelerations with added sensor noise; nothing is simulated or stored.
 
-The noise of a run is that of a recording: it is drawn for the whole run, and pieces are cut from the noisy signal. It
-hangs on seed, run, sensor and axis alone, so that a piece is the same whatever else is chosen, and in whatever order.
+As in a recording, noise is generated for the whole run, and pieces are cut from the noisy signal. The noise depends
+only on seed, run, sensor and axis, so that a piece does not depend on the selection or the order of the others.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ def pieces(
     seed: int = 0,
     sensors: Sequence[str] | None = None,
 ) -> Iterator[xarray.DataArray]:
-    """Windows of the accelerations of every run that is done, one run at a time in the order of the data set.
+    """Windows of the accelerations of each finished run, one run at a time in the order of the data set.
 
     Parameters
     ----------
-    dataset : as `open_dataset` gives it, or a part of it: some runs, some time
+    dataset : result of `open_dataset`, or a part of it: some runs, or an interval of time
     seconds : length of a piece; the whole run if None
     overlap : share of a piece that the next one repeats, from 0 to below 1
     noise_m_s2 : rms of the white sensor noise
@@ -43,13 +43,13 @@ def pieces(
 
     Returns
     -------
-    per run float32 (piece, sensor, axis, time); `time` counts from the start of the piece, and along `piece` stand
-    `start` (s), `run` and all columns of its row. Runs, and with them parts of the split, are never mixed
+    for each run float32 (piece, sensor, axis, time); `time` is measured from the start of the piece. Coordinates along
+    `piece` are `start` (s), `run` and all columns of its row. An array holds pieces of one run only
 
     Raises
     ------
-    InputError : a sensor that is not there, a length, overlap or noise that cannot be
-    DiagnosisError : the time was thinned out unevenly
+    InputError : a sensor is not in the data set, or length, overlap or noise is out of range
+    DiagnosisError : the times of the samples are not equidistant
     """
     signal = vibration(dataset)
     if sensors is not None:
@@ -75,12 +75,12 @@ def pieces(
 
 
 def pieces_per_run(samples: int, rate: float, seconds: float | None, overlap: float) -> int:
-    """How many pieces `pieces` cuts from a run.
+    """Number of pieces that `pieces` cuts from a run.
 
     Parameters
     ----------
-    samples, rate : of a run, at Hz
-    seconds, overlap : as `pieces`
+    samples, rate : of a run; the rate in Hz
+    seconds, overlap : as in `pieces`
     """
     size = samples if seconds is None else round(seconds * rate)
     return (samples - size) // max(1, round(size * (1.0 - overlap))) + 1
@@ -127,16 +127,16 @@ def _pieces(
 def noisy_run(
     values: np.ndarray, run: int, sensors: Sequence[str], axes: Sequence[str], noise: float, seed: int, first: int = 0
 ) -> np.ndarray:
-    """The accelerations of a run with white sensor noise, float32.
+    """The accelerations of a run with white sensor noise, as float32.
 
     Parameters
     ----------
     values : (sensor, axis, time), m/s2
-    run : its number
+    run : number of the run
     sensors, axes : names
     noise : rms, m/s2
     seed : of the noise
-    first : number of the first sample in the whole run
+    first : number of the first sample, counted from the start of the run
     """
     values = np.asarray(values, dtype=np.float32)
     if noise == 0.0:

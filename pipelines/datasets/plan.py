@@ -1,4 +1,4 @@
-"""Plan: the TOML file of a campaign, validated with every error at once.
+"""The plan of a campaign: a TOML file, of which all errors are reported together.
 
 scene = "bench"                     # a shipped scene, or a path ending in .toml
 design = "sobol"
@@ -11,7 +11,7 @@ state = ["healthy", "chipped"]
 [settings]                          # keys of the scene; "$..." is an expression of variables
 drive.speeds_rpm = [0.0, "$speed_rpm", "$speed_rpm"]
 
-[cases.state.healthy]               # settings that come with one value of a variable
+[cases.state.healthy]               # settings for one value of a variable
 faults = []
 """
 
@@ -41,12 +41,12 @@ from pipelines.scene.tables.base import Whole as Integer
 
 MOST_SCENES = 1_000_000
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-_FIXED = ("simulation.end_s", "simulation.output_rate_Hz", "sensors", "probes")  # the arrays hold one length and shape
-_VIEWS = ("diagnosis", "control", "title", "extends")  # no motion depends on them
+_FIXED = ("simulation.end_s", "simulation.output_rate_Hz", "sensors", "probes")  # they determine the shape of arrays
+_VIEWS = ("diagnosis", "control", "title", "extends")  # the motion does not depend on them
 
 
 class SplitTable(Table):
-    """Which scenes train and which test: scenes with equal values of all of `by` stay together."""
+    """Split of the scenes into parts for training and test. Scenes with equal values of all of `by` stay together."""
 
     by: Annotated[
         tuple[str, ...] | None,
@@ -57,7 +57,7 @@ class SplitTable(Table):
 
 
 class PlanTable(Table):
-    """A campaign: a scene, what is varied, and which scenes are drawn."""
+    """Plan of a campaign: a scene, the variables, and the design that samples them."""
 
     title: Annotated[str, Field(max_length=200, description="one line that names the campaign")] = ""
     licence: Annotated[str, Field(max_length=200, description="licence of the data set, printed in its card")] = ""
@@ -108,7 +108,7 @@ class PlanTable(Table):
             )
 
     def _named(self) -> Iterator[tuple[str, ...]]:
-        """Names in each expression of the settings that can be read."""
+        """Names in each expression of the settings that can be parsed."""
         for _, text in self.references():
             with contextlib.suppress(ExpressionError):  # reported elsewhere
                 yield Expression(text[1:]).names
@@ -140,7 +140,7 @@ class PlanTable(Table):
                     yield f"{where}: {name!r} is not a variable; allowed: {', '.join(self.variables) or 'none'}"
 
     def _paths(self) -> Iterator[str]:
-        """Settings that no campaign can have, or that may not differ from scene to scene."""
+        """Errors of settings that a campaign cannot have, or that must be the same in all scenes."""
         varied = {path for path, _ in self.references()}
         varied |= {path for cases in self.cases.values() for case in cases.values() for path in leaves(case)}
         for path in sorted({*leaves(self.settings), *varied}):
@@ -166,7 +166,7 @@ class PlanTable(Table):
             yield "scenes: is missing; set the number of scenes"
 
     def references(self) -> Iterator[tuple[tuple[str, ...], str]]:
-        """Texts of all settings that begin with $, by path."""
+        """Texts of all settings that begin with $, with their paths."""
         yield from expressions(self.settings)
         for cases in self.cases.values():
             for case in cases.values():
@@ -174,7 +174,7 @@ class PlanTable(Table):
 
 
 def expressions(value: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Texts in a tree that begin with $, by path; items count from 1."""
+    """Texts in a tree that begin with $, with their paths; items of lists count from 1."""
     if isinstance(value, Mapping):
         for key, item in value.items():
             yield from expressions(item, (*path, str(key)))
@@ -187,7 +187,7 @@ def expressions(value: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[
 
 @dataclass(frozen=True, kw_only=True)
 class Plan:
-    """A valid plan with its scene: `tree` is that of the scene before variables, without control and windows."""
+    """A valid plan with its scene. `tree` is the scene before variables are set, without control and windows."""
 
     name: str
     text: str
@@ -224,7 +224,7 @@ def stored_plan(facts: Mapping[str, Any]) -> Plan:
 
     Raises
     ------
-    InputError : it is none that this version reads
+    InputError : this version cannot read the plan
     """
     try:
         table, _ = validate(Merged(dict(facts["facts"]["plan"])), PlanTable, "the stored plan")
@@ -236,7 +236,7 @@ def stored_plan(facts: Mapping[str, Any]) -> Plan:
 
 
 def plan_on(loaded: LoadedScene, tables: Mapping[str, Any], name: str) -> Plan:
-    """A plan on a scene that is at hand, with all its settings, from the tables that a file would hold but `scene`.
+    """A plan on a loaded scene with all its settings, from the tables of a plan file without `scene`.
 
     Raises
     ------
@@ -248,14 +248,14 @@ def plan_on(loaded: LoadedScene, tables: Mapping[str, Any], name: str) -> Plan:
 
 
 def _base_tree(source: Source, table: PlanTable) -> dict[str, Any]:
-    """The scene of a plan with its preset, as a tree that needs no other scene."""
+    """The scene of a plan with its preset, as a tree that extends no other scene."""
     found = find_source(table.scene, source.folder)
     loaded = load_scene(found.name if found.folder is None else found.folder / f"{found.name}.toml")
     return _bare(preset_on(loaded, table.preset).tree if table.preset else loaded.tree)
 
 
 def _bare(tree: Mapping[str, Any]) -> dict[str, Any]:
-    """A scene that is compared with nothing: without control, and without windows, which its length may not hold."""
+    """A scene without control, and without windows of the diagnosis, which may exceed its duration."""
     bare = {key: value for key, value in tree.items() if key != "control"}
     diagnosis = {key: value for key, value in bare.get("diagnosis", {}).items() if key != "windows_s"}
     return {**bare, "diagnosis": Whole(diagnosis)} if diagnosis else {k: v for k, v in bare.items() if k != "diagnosis"}

@@ -1,7 +1,7 @@
-"""A data set as one xarray.Dataset: signals read run by run when they are asked for, rows as coordinates along `run`.
+"""A data set as one xarray.Dataset, with the columns of its rows as coordinates along `run`.
 
-One chunk holds one run of one signal, so that `dataset.acceleration[17]` reads one file. Nothing is kept in memory and
-no scheduler is needed.
+A signal is read when its values are used. One chunk holds one run of one signal, so that `dataset.acceleration[17]`
+reads one file. Nothing stays in memory, and no scheduler is needed.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ if TYPE_CHECKING:
     import xarray
 
 START = "start"  # of a piece
-VIBRATION = ("acceleration", "journal_acceleration")  # on the casing; without one, of the shafts in their bearings
+VIBRATION = ("acceleration", "journal_acceleration")  # on the casing; without a casing, of the shafts in their bearings
 
 
 def open_dataset(folder: str | Path) -> xarray.Dataset:
-    """The signals of a data set over run and time, with the columns of its rows along `run`, also while it grows.
+    """The signals of a data set over run and time, with the columns of its rows along `run`; also while it grows.
 
-    A run that is not there yet has the status "" and reads as NaN. A variable of the plan that is named like a signal
-    or a dimension has `variable_` in front of its name.
+    A run that is not finished has the status "" and the value NaN. A variable of the plan that has the name of a signal
+    or a dimension gets the prefix `variable_`.
 
     Raises
     ------
-    InputError : the folder holds no data set, or a damaged one
+    InputError : the folder has no data set, or a damaged one
     """
     import xarray
     from zarr.errors import BaseZarrError
@@ -62,7 +62,7 @@ def open_dataset(folder: str | Path) -> xarray.Dataset:
 
 
 def vibration(dataset: xarray.Dataset) -> xarray.DataArray:
-    """The accelerations (run, sensor, axis, time): those on the casing, or of the journals, whose bearings are sensors.
+    """The accelerations (run, sensor, axis, time) on the casing, or of the journals, with bearings as sensors.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Scenes of a campaign: the plan's scene with the values of one draw in it, its key, its group and its split."""
+"""Scenes of a campaign: the scene of the plan with sampled values, its key, its group and its part of the split."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from pipelines.datasets.draws import Values, draw
 from pipelines.datasets.expressions import Expression
 from pipelines.datasets.plan import Plan, PlanTable, expressions
+from pipelines.datasets.sampling import Values, sampled_values
 from pipelines.scene.file import LoadedScene, Source, validate
 from pipelines.scene.merge import Merged, merge
 from pipelines.scene.scene import Scene
@@ -22,10 +22,10 @@ TRAIN, TEST, VALIDATION = "train", "test", "validation"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Draw:
-    """One scene of a campaign: its number, the values of its variables, its group and the part it belongs to.
+class SampledScene:
+    """One scene of a campaign: its number, the values of its variables, its group and its part of the split.
 
-    Variables that nothing in the scene hangs on are None: the depth of a chip that is not there.
+    Variables on which the scene does not depend are None, as the depth of a chip in a healthy scene.
     """
 
     run: int
@@ -34,16 +34,16 @@ class Draw:
     split: str
 
 
-def make_draws(plan: Plan) -> list[Draw]:
-    """All scenes of a plan without repeats, numbered in their order. InputError as `pipelines.datasets.draws.draw`."""
+def sampled_scenes(plan: Plan) -> list[SampledScene]:
+    """All different scenes of a plan, numbered in their order. InputError as in `sampling.sampled_values`."""
     table = plan.table
     distinct: dict[str, dict[str, Any]] = {}
-    known: dict[tuple[str, ...], set[str]] = {}  # by the case of every variable that has cases
-    for values in draw(plan):
+    known: dict[tuple[str, ...], set[str]] = {}  # used variables by the values of the variables that have cases
+    for values in sampled_values(plan):
         case = tuple(str(values[name]) for name in table.cases)
         used = known[case] if case in known else known.setdefault(case, used_variables(table, values))
         row = {name: value if name in used else None for name, value in values.items()}
-        key = json.dumps(row) if table.design == "grid" else str(len(distinct))  # samples may meet by chance
+        key = json.dumps(row) if table.design == "grid" else str(len(distinct))  # equal samples may occur by chance
         distinct.setdefault(key, row)
     by = group_variables(table)
     groups = ["/".join(f"{name}={row[name]}" for name in by) for row in distinct.values()]
@@ -51,13 +51,13 @@ def make_draws(plan: Plan) -> list[Draw]:
         groups = [str(number) for number in range(len(distinct))]
     parts = split_groups(table, groups)
     return [
-        Draw(run=run, values=row, group=group, split=parts[group])
+        SampledScene(run=run, values=row, group=group, split=parts[group])
         for run, (row, group) in enumerate(zip(distinct.values(), groups, strict=True))
     ]
 
 
 def used_variables(table: PlanTable, values: Values) -> set[str]:
-    """Variables that the scene of these values hangs on."""
+    """Variables on which the scene of these values depends."""
     chosen = [table.settings, *(cases[str(values[name])] for name, cases in table.cases.items())]
     return set().union(table.cases.keys(), *map(_names, chosen))
 
@@ -68,9 +68,9 @@ def _names(tree: Any) -> set[str]:
 
 
 def group_variables(table: PlanTable) -> tuple[str, ...]:
-    """Variables whose values keep scenes together in the split: by default those that `deviations.seed` hangs on.
+    """Variables whose values keep scenes together in the split; by default those that determine `deviations.seed`.
 
-    Two scenes with the same deviations of the teeth are the same pair of gears, which a classifier recognises.
+    Two scenes with the same deviations of the teeth are the same gear pair, which a classifier recognises.
     """
     if table.split.by is not None:
         return table.split.by
@@ -80,7 +80,7 @@ def group_variables(table: PlanTable) -> tuple[str, ...]:
 
 
 def split_groups(table: PlanTable, groups: Sequence[str]) -> dict[str, str]:
-    """The part of every group, in shares of the groups, drawn by the seed of the plan."""
+    """Part of the split of each group. The seed of the plan determines the order, the plan the shares of the parts."""
     distinct = sorted(set(groups))
     order = np.random.default_rng([table.seed, 1]).permutation(len(distinct))
     tests = round(table.split.test * len(distinct))
@@ -91,11 +91,11 @@ def split_groups(table: PlanTable, groups: Sequence[str]) -> dict[str, str]:
 
 
 def scene_of(plan: Plan, values: Mapping[str, Any]) -> LoadedScene:
-    """The scene of one draw.
+    """The scene of sampled values.
 
     Raises
     ------
-    SceneError : these values make no scene
+    SceneError : the scene of these values is not valid
     ExpressionError : an expression has no value
     """
     merged = merge(Merged(dict(plan.tree)), _filled(plan.table.settings, values))
@@ -107,7 +107,7 @@ def scene_of(plan: Plan, values: Mapping[str, Any]) -> LoadedScene:
 
 
 def _filled(tree: Any, values: Mapping[str, Any]) -> Any:
-    """A tree with the values of its expressions."""
+    """A tree with expressions replaced by their values."""
     if isinstance(tree, Mapping):
         return {key: _filled(item, values) for key, item in tree.items()}
     if isinstance(tree, list | tuple):
@@ -118,6 +118,6 @@ def _filled(tree: Any, values: Mapping[str, Any]) -> Any:
 
 
 def scene_key(loaded: LoadedScene) -> str:
-    """SHA-256 of a scene with all defaults, whatever it is called."""
+    """SHA-256 digest of a scene with all defaults, without its name."""
     values = loaded.scene.model_dump(mode="json")
     return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()

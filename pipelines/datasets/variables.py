@@ -1,4 +1,4 @@
-"""Variables of a plan: what each one may be, from numbers between 0 and 1 to its values."""
+"""Variables of a plan, and the conversion of numbers between 0 and 1 to their values."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 from pipelines.scene.tables.base import Number, Table, Whole
 
 MOST = 10_000  # values of a list, levels of a grid
-NEAREST = 1e-15  # to the ends of a distribution, which may lie at infinity
+NEAREST = 1e-15  # smallest distance of a share from 0 and 1, where a distribution may be infinite
 Level = float | int | str | bool
 
 
 class RangeTable(Table):
-    """Any number between two, or any whole number where both are whole."""
+    """Any number in a range, or any whole number if both limits are whole."""
 
     from_: Annotated[Number | Whole, Field(alias="from", description="least value")]
     to: Annotated[Number | Whole, Field(description="largest value")]
@@ -33,18 +33,18 @@ class RangeTable(Table):
 
     @property
     def whole(self) -> bool:
-        """Only whole numbers."""
+        """True if only whole numbers are allowed."""
         return isinstance(self.from_, int) and isinstance(self.to, int)
 
     def at(self, shares: np.ndarray) -> list[Level]:
-        """The values that shares (n,), from 0 to below 1, of all values lie below."""
+        """Values at the cumulative shares (n,), from 0 to below 1."""
         width = self.to - self.from_
         if self.whole:
             return (int(self.from_) + np.minimum(np.floor(shares * (width + 1)), width).astype(np.int64)).tolist()
         return (self.from_ + shares * width).tolist()
 
     def grid(self) -> list[Level]:
-        """The values of a grid; ValueError where nothing says how many."""
+        """The values of a grid. ValueError if their number is not defined."""
         if self.whole and self.levels is None:
             return list(range(int(self.from_), int(self.to) + 1))
         if self.levels is None:
@@ -54,10 +54,7 @@ class RangeTable(Table):
 
 
 class DistributionTable(Table):
-    """A continuous distribution of scipy.stats by its name, with its parameters; cut off at `from` and `to` if given.
-
-    The part that is cut off is shared out over the rest.
-    """
+    """A continuous distribution of scipy.stats with its parameters, truncated at `from` and `to` if given."""
 
     distribution: Annotated[
         str, Field(pattern=r"^[a-z][a-z0-9_]*$", description="name in scipy.stats, for example norm")
@@ -96,18 +93,18 @@ class DistributionTable(Table):
         return low, 1.0 if self.to is None else float(frozen.cdf(self.to))
 
     def at(self, shares: np.ndarray) -> list[Level]:
-        """The values that shares (n,), from 0 to below 1, of all values lie below."""
+        """Values at the cumulative shares (n,), from 0 to below 1."""
         frozen = self._frozen()
         low, high = self._limits(frozen)
         return frozen.ppf(np.clip(low + shares * (high - low), NEAREST, 1.0 - NEAREST)).tolist()
 
     def grid(self) -> list[Level]:
-        """A distribution has no grid: ValueError."""
+        """Raise ValueError: a distribution has no grid."""
         raise ValueError("a distribution cannot be part of a grid; give a list of values, or set another design")
 
 
 class ListTable(Table):
-    """One of several values, all numbers or all texts, with a frequency in proportion to its weight."""
+    """One of several values, all numbers or all texts, with a probability proportional to its weight."""
 
     values: Annotated[tuple[Level, ...], Field(min_length=1, max_length=MOST, description="numbers, or texts")]
     weights: Annotated[
@@ -131,10 +128,10 @@ class ListTable(Table):
         return self
 
     def at(self, shares: np.ndarray) -> list[Level]:
-        """The values that shares (n,), from 0 to below 1, of all values lie below."""
+        """Values at the cumulative shares (n,), from 0 to below 1."""
         ends = np.cumsum(self.weights or (1.0,) * len(self.values))
         places = np.searchsorted(ends, shares * ends[-1], side="right")
-        last = int(np.searchsorted(ends, ends[-1]))  # what has no weight after it never comes
+        last = int(np.searchsorted(ends, ends[-1]))  # later values have the weight 0
         return [self.values[place] for place in np.minimum(places, last)]
 
     def grid(self) -> list[Level]:
@@ -143,12 +140,12 @@ class ListTable(Table):
 
 
 def _as_table(given: Any) -> Any:
-    """A plain list is that of the values."""
+    """The table for a plain list of values."""
     return {"values": given} if isinstance(given, list | tuple) else given
 
 
 def _kind(given: Any) -> str:
-    """Which table is meant, by its keys."""
+    """The kind of a table, by its keys."""
     if isinstance(given, Table):
         return type(given).__name__
     keys = given if isinstance(given, Mapping) else ()

@@ -1,4 +1,4 @@
-"""What was varied in a data set, how, and what came of it: a row per variable of the plan."""
+"""Table of the variables of a data set: distribution, the keys of the scene they set, and values of the runs."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ _DESIGNS = {
     "latin-hypercube": "Latin hypercube",
     "sobol": "Sobol points, scrambled after Owen",
 }
-_MOST_VALUES = 8  # of a list that are shown
+_MOST_VALUES = 8  # upper bound of the values of a list that are shown
 
 
 def varied_grid(plan: Mapping[str, Any], columns: Mapping[str, np.ndarray]) -> Grid:
-    """Variables with their distribution and the range of the runs that have a row.
+    """Variables with their distribution, keys, and range in the runs that have a row.
 
     Parameters
     ----------
-    plan : in campaign.json
+    plan : that of campaign.json
     columns : see `pipelines.datasets.columns.read_columns`
     """
     rows = [
@@ -35,7 +35,7 @@ def varied_grid(plan: Mapping[str, Any], columns: Mapping[str, np.ndarray]) -> G
 
 
 def sets(plan: Mapping[str, Any], variable: str) -> list[str]:
-    """Keys of the scene that hang on a variable; they say its unit."""
+    """Keys of the scene that depend on a variable, and so define its unit."""
     name = re.compile(rf"\b{variable}\b")
     cases = [case for values in plan["cases"].values() for case in values.values()]
     found = [path for tree in (plan["settings"], *cases) for path, text in _expressions(tree, "") if name.search(text)]
@@ -43,7 +43,7 @@ def sets(plan: Mapping[str, Any], variable: str) -> list[str]:
 
 
 def _expressions(value: Any, path: str) -> Iterator[tuple[str, str]]:
-    """Expressions in a tree by the key that they stand under; items of a list stand under that of the list."""
+    """Expressions in a tree with their keys; items of a list have the key of the list."""
     if isinstance(value, Mapping):
         for key, item in value.items():
             yield from _expressions(item, f"{path}.{key}" if path else str(key))
@@ -55,7 +55,7 @@ def _expressions(value: Any, path: str) -> Iterator[tuple[str, str]]:
 
 
 def design_words(plan: Mapping[str, Any]) -> str:
-    """How the scenes were chosen, and from which seed."""
+    """Design of the samples, and its seed."""
     words = _DESIGNS[plan["design"]]
     seed = "" if plan["design"] == "grid" else f", seed {plan['seed']}"
     limits = f"; only where {' and '.join(plan['constraints'])}" if plan["constraints"] else ""
@@ -86,7 +86,7 @@ def _list_words(values: list[Any], weights: list[float] | None) -> str:
 
 
 def observed(values: np.ndarray) -> str:
-    """Range of numbers, or how often each text came; runs without a value are left out."""
+    """Range of numbers, or frequency of each text; runs without a value are omitted."""
     if values.dtype.kind in "fi":
         found = values[np.isfinite(values)]
         return f"{found.min():.6g} to {found.max():.6g}" if found.size else "none yet"

@@ -1,4 +1,4 @@
-"""Who simulates the scenes: processes of this machine, or workers of a Dask scheduler, both as an executor."""
+"""Executors that simulate scenes: processes of this machine, or workers of a Dask scheduler."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _CONNECT_SECONDS = 30
 
 @dataclass(frozen=True, kw_only=True)
 class Workers:
-    """An executor and how many scenes it takes at once."""
+    """An executor and the number of scenes that it simulates at a time."""
 
     executor: Executor
     count: Callable[[], int]
@@ -28,7 +28,7 @@ class Workers:
 
 @contextlib.contextmanager
 def local_workers(processes: int | None) -> Iterator[Workers]:
-    """A pool of processes, as many as there are cores if None. They end when this process does, however it does."""
+    """A pool of processes, by default one for each core. They end when this process ends, also if it is killed."""
     count = processes or os.cpu_count() or 1
     with Processes(count) as children:
         yield Workers(executor=children, count=lambda: count)
@@ -40,13 +40,13 @@ def dask_workers(scheduler: str | None, processes: int | None) -> Iterator[Worke
 
     Parameters
     ----------
-    scheduler : its address, or the file that it wrote; None: a scheduler of our own on this machine, which only this
-        user's processes can talk to
-    processes : of our own scheduler, as many as there are cores if None
+    scheduler : its address, or the file that it wrote; None starts a scheduler on this machine, which accepts only
+        processes of this user
+    processes : of a scheduler that is started here; by default one for each core
 
     Raises
     ------
-    InputError : the extra is not installed, the scheduler does not answer
+    InputError : the extra is not installed, or the scheduler does not answer
     """
     try:
         import distributed
@@ -94,7 +94,7 @@ def _client(distributed: Any, scheduler: str) -> Any:
     given = {"scheduler_file": scheduler} if in_file else {"address": scheduler}
     try:
         if in_file:
-            regular_file(Path(scheduler))  # Dask would wait for it without end
+            regular_file(Path(scheduler))  # Dask would wait for a missing file without end
         return distributed.Client(**given, timeout=_CONNECT_SECONDS, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:
         raise InputError(
@@ -103,7 +103,7 @@ def _client(distributed: Any, scheduler: str) -> Any:
 
 
 def lost(error: BaseException) -> WorkError:
-    """What is said when the workers, or their scheduler, are gone for good."""
+    """Error when all workers, or their scheduler, have ended."""
     return WorkError(
         f"the workers have ended ({type(error).__name__}: {error}). Finished scenes are kept. Repeat the command to "
         "simulate the others."

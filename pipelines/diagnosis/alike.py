@@ -1,19 +1,21 @@
-"""What orders cannot tell apart: shafts that turn alike, or one a whole number of times as often as the other.
+"""Components that cannot be distinguished by their orders: shafts whose speeds are equal or have an integer ratio.
 
-A fault on the faster of two such shafts repeats with the slower one, too; gears on one shaft share all of its orders.
+A fault on the faster of two such shafts also repeats once per revolution of the slower one. Gears on one shaft share
+all of its orders.
 """
 
 from __future__ import annotations
 
 from pipelines.signals.orders.kinematics import Kinematics
 
-SAME = 1e-3  # of a ratio; over a window of some hundred turns lines this close fall together
+SAME = 1e-3  # relative difference of ratios: in a window of a few hundred turns, such lines are in the same bin
 
 
 def alike(name: str, kinematics: Kinematics) -> tuple[str, ...]:
-    """Names of the other shafts, gears or bearings whose orders coincide with those of one, or nest in them.
+    """Names of the other shafts, gears or bearing parts with the orders of the named one, or integer multiples of them.
 
-    Pass orders of bearings are no whole numbers, so that bearings are alike only if one shaft carries equal ones.
+    Pass orders of bearings are not integers. Parts of two bearings are therefore alike only if their shaft and their
+    order are the same.
     """
     shafts = {shaft.name: shaft.ratio for shaft in kinematics.shafts}
     gears = {gear.name: shafts[gear.shaft] for gear in kinematics.gears}

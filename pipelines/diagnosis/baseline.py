@@ -1,8 +1,8 @@
-"""Healthy recordings to compare with: none twice, none the judged one, and those that are not like the others named.
+"""Checks of a baseline of healthy recordings: duplicates, and outlying recordings.
 
-Outlying recordings are found by a forward search (Hadi 1992, J. R. Stat. Soc. B 54(3), 761-771): the most central
-recordings are taken as healthy, then the others one by one, the most similar first. Where the next one differs from
-those taken with a probability of at most OUTLYING, it and the rest are outlying.
+Outlying recordings are found by a forward search (Hadi 1992, J. R. Stat. Soc. B 54(3), 761-771). The most central
+recordings are accepted first, then the others one by one, the most similar first. If a healthy recording differs as
+much from the accepted ones as the next one with a probability of at most OUTLYING, it and all others are outlying.
 """
 
 from __future__ import annotations
@@ -11,15 +11,15 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from pipelines.diagnosis.prediction import FEWEST_FOR_P
+from pipelines.diagnosis.prediction import FEWEST_FOR_TREND
 from pipelines.signals.features.table import WHOLE, FeatureTable
 
-OUTLYING = 0.01  # probability that a healthy recording differs so much from those that were taken before
-_SAME = 1e-6  # relative: features of one recording, in whatever format it was stored
+OUTLYING = 0.01  # probability that a healthy recording differs so much from the accepted ones
+_SAME = 1e-6  # relative difference of features below which two files contain the same recording
 
 
 class BaselineError(ValueError):
-    """Recordings cannot be compared: other channels, other features, one of them twice, or none."""
+    """Recordings cannot be compared: different channels or features, a duplicate, or no recording."""
 
 
 def check_baseline(
@@ -29,9 +29,9 @@ def check_baseline(
 
     Parameters
     ----------
-    recording, baseline : features of the judged recording and of the healthy ones
-    names : of the healthy ones, as messages show them
-    exact : the healthy ones are the control, which a fault without effect leaves equal to the judged one
+    recording, baseline : features of the diagnosed recording and of the healthy ones
+    names : of the healthy ones, for messages
+    exact : the healthy ones are the control; it may be equal to the diagnosed recording if a fault has no effect
     """
     if not baseline:
         raise BaselineError("no healthy recording to compare with. Give at least one.")
@@ -55,21 +55,24 @@ def check_baseline(
         if exact:
             continue
         if _same(other, recording):
-            raise BaselineError(f"{name} is the recording to diagnose itself. Delete it from the healthy recordings.")
+            raise BaselineError(
+                f"{name} has the same signals as the recording to diagnose. Remove it from the healthy recordings."
+            )
         twice = [first for first, one in zip(names[:number], baseline, strict=False) if _same(one, other)]
         if twice:
             raise BaselineError(f"{name} is the same recording as {twice[0]}. Give each healthy recording once.")
 
 
-def outlying(healthy: np.ndarray, difference: Callable[[np.ndarray, np.ndarray], float]) -> list[int]:
-    """Numbers of the recordings that are not like the others; none if there are too few to find out.
+def outlying(healthy: np.ndarray, difference: Callable[[int, np.ndarray], float]) -> list[int]:
+    """Numbers of the outlying recordings; empty if there are too few recordings.
 
     Parameters
     ----------
     healthy : levels (recording, channel, line), dB
-    difference : probability that a recording (channel, line) is another one of (recording, channel, line)
+    difference : function that returns the probability that a healthy recording differs as much from accepted ones;
+        its arguments are the number of the recording and those of the accepted ones (accepted,)
     """
-    core = max(FEWEST_FOR_P, len(healthy) // 2 + 1)
+    core = max(FEWEST_FOR_TREND, len(healthy) // 2 + 1)
     if len(healthy) <= core:
         return []
     away = np.abs(healthy - np.median(healthy, axis=0))
@@ -77,7 +80,7 @@ def outlying(healthy: np.ndarray, difference: Callable[[np.ndarray, np.ndarray],
     distance = np.divide(away, size, out=np.zeros_like(away), where=size > 0.0).mean(axis=(1, 2))
     taken, rest = np.split(np.argsort(distance), [core])
     while len(rest):
-        chances = [difference(healthy[one], healthy[taken]) for one in rest]
+        chances = [difference(int(one), taken) for one in rest]
         best = int(np.argmax(chances))
         if chances[best] <= OUTLYING:
             return sorted(rest.tolist())

@@ -1,8 +1,8 @@
 """Known damage in several cases: in how many of them the diagnosis finds it, and its evidence.
 
-A case is a window of a run with a load and a set of deviations. The diagnosis does not know the damage. It finds it if
-the damaged component exceeds its limit, and no component without damage has stronger evidence. Two bearings of one size
-on one shaft have the same pass orders, and so the same evidence: both are found.
+A case is a window of a run with a load and a set of deviations. The diagnosis does not use the known damage. Damage is
+found if the damaged component exceeds its limit and no undamaged component has stronger evidence. Two equal bearings on
+one shaft have the same pass orders, thus the same evidence, and both are found.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pipelines.signals.lines import LOADS
 
 @dataclass(frozen=True, kw_only=True)
 class Damage:
-    """What is known to be damaged, and its `tooth`, None where it has none."""
+    """A component that is known to be damaged, with its `tooth` (None if it has none) and a description."""
 
     component: str
     tooth: int | None
@@ -36,19 +36,19 @@ class Case:
 
     @property
     def name(self) -> str:
-        """Words for window, load and deviations."""
+        """Window, load and deviations as text."""
         return f"{self.window}, {LOADS.get(self.load, self.load)}, {deviation_words(self.deviations)}"
 
 
 def deviation_words(deviations: str) -> str:
-    """ "error-free gears", or of which seed the deviations are."""
+    """Text for deviations: "error-free gears" or "deviations of seed <n>"."""
     return "error-free gears" if deviations == "off" else f"deviations of {deviations}"
 
 
 def found(case: Case, damage: Damage, damages: Sequence[Damage]) -> Finding | None:
     """The finding of a damaged component if the diagnosis finds it, None otherwise.
 
-    `damages` are all that are known: none of them counts as stronger evidence without damage.
+    `damages` are all known damages. Their components may have stronger evidence.
     """
     others = {other.component for other in damages} - {damage.component}
     ranked = [one for one in case.verdict.findings if one.component not in others]
@@ -58,13 +58,13 @@ def found(case: Case, damage: Damage, damages: Sequence[Damage]) -> Finding | No
 
 
 def _tied(verdict: Verdict, one: Finding) -> list[str]:
-    """The components that have the same evidence as one of them."""
+    """Components with the same orders and the same evidence as a finding."""
     others = (other for other in verdict.findings if other.component in one.alike)
     return [other.component for other in others if words.ratio(other.evidence) == words.ratio(one.evidence)]
 
 
 def any_found(cases: Sequence[Case], damages: Sequence[Damage]) -> bool | None:
-    """Whether a known damage is found in any case, or with none known, any damage; None if nothing is decided."""
+    """Whether a known damage, or any damage if none is known, is found in any case; None without a decision."""
     if all(case.verdict.damaged is None for case in cases):
         return None
     if not damages:
@@ -73,7 +73,7 @@ def any_found(cases: Sequence[Case], damages: Sequence[Damage]) -> bool | None:
 
 
 def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
-    """In how many cases every damage is found, with its weakest evidence; the verdict itself if none is known."""
+    """Sentences on how many cases each damage is found in, with its weakest evidence; the verdict if none is known."""
     if not damages:
         count = sum(bool(case.verdict.damaged) for case in cases)
         answer = f"Damage is found in {count or 'none'} of {len(cases)} case{'s' if len(cases) > 1 else ''}."
@@ -98,7 +98,7 @@ def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
 
 
 def cases_grid(cases: Sequence[Case], damages: Sequence[Damage]) -> Grid:
-    """A row per case and damage: the evidence of the damaged component, its place among all, the tooth."""
+    """Table with one row for each case and damage: evidence of the damaged component, its rank, and the tooth."""
     rows = []
     for case in cases:
         order = [one.component for one in case.verdict.findings]
@@ -120,7 +120,7 @@ def cases_grid(cases: Sequence[Case], damages: Sequence[Damage]) -> Grid:
 
 
 def text(cases: Sequence[Case], damages: Sequence[Damage]) -> str:
-    """All of it for the terminal."""
+    """Sentences and tables for the terminal."""
     first = cases[0]
     parts = [" ".join(sentences(cases, damages))]
     parts += [cases_grid(cases, damages).to_text().rstrip()] if damages else []

@@ -1,10 +1,10 @@
-"""Diagnosis: the lines a local gear fault must raise, faulty run against its healthy control.
+"""Lines of a faulty run, compared with those of its healthy control.
 
-A fault on one tooth repeats with the revolution frequency f_r of its shaft. It modulates the mesh: harmonics of f_r
-in the envelope and sidebands n f_m + k f_r in the spectrum. Pitch deviations repeat with the same revolution and put
-the same lines into a healthy run, so a line is detected only if it rises over the control with the same deviations
-(6 dB) and over the local floor between the orders (10 dB), both with the stated sensor noise. The band of the
-envelope comes from the healthy run, see pipelines.signals.analysis.
+A fault on one tooth repeats with the revolution frequency f_r of its shaft. It modulates the mesh vibration, which
+causes harmonics of f_r in the envelope and sidebands n f_m + k f_r in the spectrum. Pitch deviations cause the same
+lines in a healthy run. A line is therefore detected only if it is at least 6 dB over the control with the same
+deviations and at least 10 dB over the local floor, both with the stated sensor noise. The band of the envelope is
+chosen from the healthy run, see `pipelines.signals.analysis`.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ __all__ = ["Diagnosis", "DiagnosisError", "DiagnosisSettings", "diagnose"]
 
 STATES = ("faulty", "healthy")
 _LINES_SHOWN = 12
-LINE_WIDTH = 2.0  # bins; a rope mode this close to a line cannot be told from it
+LINE_WIDTH = 2.0  # bins; a rope mode this close to a line cannot be distinguished from it
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Diagnosis:
-    """One faulty run against its control: the lines, and the spectra they were read from."""
+    """Lines of a faulty run and its control, with the spectra from which they were taken."""
 
     settings: DiagnosisSettings
     load: str
@@ -54,7 +54,7 @@ class Diagnosis:
         return f"{int(self.lines.detected.sum())} of {len(self.lines)} lines detected"
 
     def _repr_html_(self) -> str:
-        """The lines that rise most over the control, and the spectra of the first window, for a notebook."""
+        """The lines with the largest increase over the control, and the spectra of the first window, for a notebook."""
         lines, window = self.lines, next(iter(self.settings.windows))
         rising = np.argsort(-lines.difference)[:_LINES_SHOWN]
         rows = [
@@ -69,24 +69,24 @@ class Diagnosis:
         ]
         title = f"{self._words()}; the {len(rows)} with the largest increase over the control"
         head = ("window", "kind", "line", "Hz", "faulty, m/s2", "healthy, m/s2", "difference, dB", "detected")
-        drawn = {state: self.spectra[state, window].amplitude for state in ("faulty", "healthy")}
+        amplitudes = {state: self.spectra[state, window].amplitude for state in ("faulty", "healthy")}
         across = self.spectra["faulty", window].frequency
-        return shown_html.table(title, head, rows) + shown_html.curves(f"Hz, {window}", across, "m/s2", drawn)
+        return shown_html.table(title, head, rows) + shown_html.curves(f"Hz, {window}", across, "m/s2", amplitudes)
 
 
 def diagnose(faulty: xarray.Dataset, healthy: xarray.Dataset, settings: DiagnosisSettings) -> Diagnosis:
-    """Compare two runs of one scene that differ in the fault alone.
+    """Compare two runs of one scene that differ only in the fault.
 
     Parameters
     ----------
-    faulty, healthy : Datasets with acceleration(time, sensor, axis) in m/s2 of equal sampling; attributes load, seed
-        ("none" for error-free gears) and sensor_noise_m_s2
+    faulty, healthy : Datasets with acceleration (time, sensor, axis) in m/s2 of equal sampling, and the attributes
+        load, seed ("none" for error-free gears) and sensor_noise_m_s2
 
     Raises
     ------
-    DiagnosisError : different load, seed or sampling; sensor or axis missing; the shaft does not turn at f_r, or
-        unevenly where its speed was not known before
-    SpectrumError : a window holds no whole revolution
+    DiagnosisError : different load, seed or sampling; sensor or axis missing; the shaft does not turn at f_r, or, if
+        its speed was not known, its speed varies too much
+    SpectrumError : a window contains no whole revolution
     """
     _check_comparable(faulty, healthy)
     if not settings.speed_is_known:
@@ -126,22 +126,22 @@ def _window_lines(
     envelopes: Mapping[tuple[str, str], Spectrum],
 ) -> LineTable:
     f_r, f_m = settings.revolution_frequency, settings.mesh_frequency
-    wanted: list[tuple[str, int, int]] = [("envelope", 0, k) for k in range(1, settings.envelope_harmonics + 1)]
+    on_bins: list[tuple[str, int, int]] = [("envelope", 0, k) for k in range(1, settings.envelope_harmonics + 1)]
     for n in settings.mesh_harmonics:
         for k in range(-settings.sideband_orders, settings.sideband_orders + 1):
-            wanted.append(("sideband" if k else "mesh", n, k))
+            on_bins.append(("sideband" if k else "mesh", n, k))
     resolution = envelopes["faulty", window].resolution
     top = resolution * (envelopes["faulty", window].amplitude.size - 1)
     placed = _placed_lines(settings, resolution, top)
     columns: dict[str, Any] = {
-        "kind": [kind for kind, _, _ in wanted] + [line.kind for line in placed],
-        "mesh_harmonic": np.array([n for _, n, _ in wanted] + [0] * len(placed)),
-        "order": np.array([k for _, _, k in wanted] + [line.order for line in placed]),
-        "label": [_label(n, k) for _, n, k in wanted] + [line.label for line in placed],
+        "kind": [kind for kind, _, _ in on_bins] + [line.kind for line in placed],
+        "mesh_harmonic": np.array([n for _, n, _ in on_bins] + [0] * len(placed)),
+        "order": np.array([k for _, _, k in on_bins] + [line.order for line in placed]),
+        "label": [_label(n, k) for _, n, k in on_bins] + [line.label for line in placed],
     }
     frequency = columns["mesh_harmonic"] * f_m + columns["order"] * f_r
     places, reach = np.array([line.frequency for line in placed]), np.array([line.reach for line in placed])
-    frequency[len(wanted) :] = np.round(places / resolution) * resolution  # no bin of their own: the nearest one
+    frequency[len(on_bins) :] = np.round(places / resolution) * resolution  # the nearest bin
     is_envelope = np.array([kind in IN_ENVELOPE for kind in columns["kind"]])
     for state in STATES:
         columns[state] = np.empty(len(frequency))
@@ -149,8 +149,8 @@ def _window_lines(
         for spectrum, rows in ((envelopes[state, window], is_envelope), (spectra[state, window], ~is_envelope)):
             columns[state][rows] = spectrum.lines(frequency[rows])
             columns[f"{state}_floor"][rows] = spectrum.floors(frequency[rows])
-            own = rows[len(wanted) :]
-            columns[state][len(wanted) :][own] = peaks(spectrum, places[own].tolist(), reach[own].tolist())
+            own = rows[len(on_bins) :]
+            columns[state][len(on_bins) :][own] = peaks(spectrum, places[own].tolist(), reach[own].tolist())
     difference = level(columns["faulty"], columns["healthy"])
     over_floor = level(columns["faulty"], columns["faulty_floor"])
     healthy_over_floor = level(columns["healthy"], columns["healthy_floor"])
@@ -158,7 +158,7 @@ def _window_lines(
     width = LINE_WIDTH * spectra["faulty", window].resolution
     count = len(frequency)
     offset = np.abs(columns["order"]) * f_r
-    offset[len(wanted) :] = frequency[len(wanted) :]
+    offset[len(on_bins) :] = frequency[len(on_bins) :]
     return LineTable(
         load_case=(load,) * count,
         deviations=(deviations,) * count,
@@ -175,7 +175,7 @@ def _window_lines(
 
 
 class _Placed(NamedTuple):
-    """A line that lies on no bin: read at the largest within `reach` (Hz) of its `frequency` (Hz)."""
+    """A line between bins: its amplitude is the largest within `reach` (Hz) of its `frequency` (Hz)."""
 
     kind: str
     label: str
@@ -185,8 +185,8 @@ class _Placed(NamedTuple):
 
 
 def _placed_lines(settings: DiagnosisSettings, resolution: float, top: float) -> list[_Placed]:
-    """Those of bearings and shafts that a spectrum with a resolution (Hz) up to `top` (Hz) holds."""
-    least = resolution / 2  # not the mean itself
+    """Lines of bearings and shafts that a spectrum with the resolution (Hz) contains, up to `top` (Hz)."""
+    least = resolution / 2  # excludes the mean
     found = [_Placed("bearing", name, 0, f, 0.0) for name, f in settings.bearings.items() if least < f <= top]
     for spall in settings.passes:
         for name, k, f in spall.wanted():
@@ -197,7 +197,7 @@ def _placed_lines(settings: DiagnosisSettings, resolution: float, top: float) ->
         for name, k, f in fault.wanted():
             if readable(f, resolution, top):
                 found.append(_Placed("shaft", name, k, f, resolution))
-    return list(dict.fromkeys(found))  # faults of one shaft share its lines
+    return list(dict.fromkeys(found))  # faults of one shaft have the same lines
 
 
 def _label(n: int, k: int) -> str:

@@ -1,4 +1,4 @@
-"""Results in files that other tools read: signals as CSV, MATLAB or UFF, diagnoses as netCDF, CSV and JSON."""
+"""Export of results to files for other programs: signals as CSV, MATLAB or UFF, diagnoses as netCDF, CSV and JSON."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def write_csv(run: xarray.Dataset, path: Path | str) -> Path:
         names = [name for name, _ in signal_columns(run.isel(time=slice(0)))]
         csv.writer(file).writerow(["time [s]", *names])
         for first in range(0, run.time.size, ROWS_AT_ONCE):
-            last = min(first + ROWS_AT_ONCE, run.time.size)  # h5netcdf 1.3 fills up what lies beyond the end
+            last = min(first + ROWS_AT_ONCE, run.time.size)  # h5netcdf 1.3 pads slices beyond the end
             block = run.isel(time=slice(first, last))
             table = np.column_stack([block.time.values, *(values for _, values in signal_columns(block))])
             np.savetxt(file, table, fmt="%.9g", delimiter=",", newline="\r\n")
@@ -73,7 +73,7 @@ def write_mat(run: xarray.Dataset, path: Path | str) -> Path:
     }
     labels = {str(name): _plain(value) for name, value in run.attrs.items()}
     with path.open("wb") as file:
-        for name in ("time", *run.data_vars):  # one by one: together they may not fit into memory
+        for name in ("time", *run.data_vars):  # one by one to limit memory
             savemat(file, {str(name): run[name].values}, do_compression=True, long_field_names=True)
         content = {"units": units, "coordinates": coordinates, "labels": labels}
         savemat(file, content, do_compression=True, long_field_names=True)
@@ -83,8 +83,9 @@ def write_mat(run: xarray.Dataset, path: Path | str) -> Path:
 def write_uff(run: xarray.Dataset, path: Path | str) -> Path:
     """Universal file: a function (dataset 58, ASCII, double precision) for each signal, read and written one by one.
 
-    The first line of each is the name of the signal, as in the header of the CSV file, the second the title of the run.
-    Its point is named after the place (cut to ten characters), its direction is the axis, 0 where there is none.
+    The first line of each function is the name of the signal, as in the header of the CSV file, the second line the
+    title of the run. The response entity is the name of the place, cut to ten characters. The direction is the axis, 0
+    if there is none.
     """
     path = Path(path)
     time = run.time.values
@@ -116,7 +117,7 @@ def write_uff(run: xarray.Dataset, path: Path | str) -> Path:
 
 
 def signal_places(run: xarray.Dataset, variable: xarray.DataArray) -> Iterator[tuple[list[str], dict[str, int]]]:
-    """The names of every place of a signal, and its numbers along all dimensions but time."""
+    """Names, and numbers along all dimensions except time, of every place of a signal."""
     others = [str(dim) for dim in variable.dims if dim != "time"]
     for numbers in np.ndindex(*(run.sizes[dim] for dim in others)):
         place = dict(zip(others, numbers, strict=True))
@@ -124,7 +125,7 @@ def signal_places(run: xarray.Dataset, variable: xarray.DataArray) -> Iterator[t
 
 
 def signal_columns(run: xarray.Dataset) -> Iterator[tuple[str, np.ndarray]]:
-    """Name with unit and samples (time,) of every signal; several dimensions become several columns."""
+    """Name with unit and samples (time,) of every signal; a signal of more dimensions has several columns."""
     for name, variable in run.data_vars.items():
         if "time" not in variable.dims:
             continue
@@ -166,7 +167,7 @@ def diagnosis_facts(diagnoses: Sequence[Diagnosis]) -> dict[str, Any]:
 
 
 def _plain(value: object) -> object:
-    """A value MATLAB takes: numbers and texts as they are, anything else as its text; "" for nothing."""
+    """A value for MATLAB: numbers and texts unchanged, "" for None, others as text."""
     if value is None:
         return ""
     return value if isinstance(value, (str, int, float, np.ndarray, np.generic)) else str(value)

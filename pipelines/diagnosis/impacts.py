@@ -1,7 +1,7 @@
-"""Damage of rolling bearings that a recording shows by itself: impacts at a pass order, without healthy recordings.
+"""Diagnosis of rolling bearings without healthy recordings, by impacts at pass orders.
 
 A healthy bearing has no impacts at the pass orders of its races and rolling elements. Gears, shafts and cages modulate
-the vibration of healthy machines, too, so that nothing can be stated about them without a reference.
+the vibration of healthy machines as well, and cannot be diagnosed without a reference.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ CLEAR = 20.0  # dB; levels at orders of healthy elements in measured recordings 
 
 @dataclass(frozen=True, kw_only=True)
 class Impacts:
-    """The `level` (dB) of a pass order at the channel where it is highest; `clear` from the limit on."""
+    """Level (dB) of a pass order over the envelope spectrum around it, at the channel where it is highest."""
 
     component: str
     sensor: str
@@ -30,15 +30,20 @@ class Impacts:
 
     @property
     def clear(self) -> bool:
-        """Whether the element is damaged."""
+        """Whether the level reaches the limit for damage."""
         return self.level >= CLEAR
 
 
+def in_race_or_element(component: str, feature: str) -> bool:
+    """Whether a feature of a component is the level of impacts of a race or a rolling element."""
+    return feature == PASSING and not component.endswith(CAGE)
+
+
 def impacts(table: FeatureTable) -> tuple[Impacts, ...]:
-    """Those of all races and rolling elements in a recording, the highest level first."""
+    """Impacts at the pass orders of all races and rolling elements in a recording, the highest level first."""
     found = []
     for (component, feature), levels in zip(table.lines, table.value.T, strict=True):
-        if feature == PASSING and not component.endswith(CAGE):
+        if in_race_or_element(component, feature):
             best = int(levels.argmax())
             level = 20.0 * math.log10(levels[best])
             found.append(Impacts(component=component, sensor=table.sensor[best], axis=table.axis[best], level=level))
@@ -46,7 +51,7 @@ def impacts(table: FeatureTable) -> tuple[Impacts, ...]:
 
 
 def impact_words(found: tuple[Impacts, ...]) -> str:
-    """What the impacts show, and what healthy recordings would add."""
+    """Sentences on the damage that impacts show, and on what healthy recordings would add."""
     more = "Give healthy recordings to diagnose gears and shafts: --baseline FILE FILE ..."
     if not found:
         return f"There is no verdict without healthy recordings to compare with. {more}"

@@ -1,4 +1,4 @@
-"""The lines of a run and its control in words and tables."""
+"""The lines of a run and its control as sentences and tables."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ EQUAL = 1.0  # dB; modulations this close are called equal
 
 
 def criterion(settings: DiagnosisSettings) -> str:
-    """When a line is marked as detected."""
+    """Sentences on the criterion for a detected line."""
     return (
         f"A line is marked as detected if it is at least {settings.difference_limit:g} dB over the same line of the "
         f"healthy control and at least {settings.floor_limit:g} dB over its floor, the median of the bins between the "
@@ -25,12 +25,12 @@ def criterion(settings: DiagnosisSettings) -> str:
 
 
 def case_name(diagnosis: Diagnosis) -> str:
-    """Words for load and deviations."""
+    """Load and deviations as text."""
     return f"{LOADS.get(diagnosis.load, diagnosis.load)}, {deviation_words(diagnosis.deviations)}"
 
 
 def modulation(lines: LineTable, state: str, mesh_harmonic: int = 1) -> float:
-    """Root sum square of the sidebands around one mesh order over the mesh line itself, dB."""
+    """Root sum square of the sidebands around a mesh order, relative to the line at the mesh order, dB."""
     sidebands = getattr(lines.where(kind="sideband", mesh_harmonic=mesh_harmonic), state)
     carrier = getattr(lines.where(kind="mesh", mesh_harmonic=mesh_harmonic), state)
     tiny = np.finfo(float).tiny
@@ -38,7 +38,7 @@ def modulation(lines: LineTable, state: str, mesh_harmonic: int = 1) -> float:
 
 
 def directions(diagnosis: Diagnosis) -> str:
-    """In which of the first two windows the faulty run shows its modulation more clearly; "" with one window."""
+    """Sentences on the modulation of the faulty run in the first two windows; "" with one window."""
     windows = list(diagnosis.settings.windows)[:2]
     if len(windows) < 2:
         return ""
@@ -54,7 +54,7 @@ def directions(diagnosis: Diagnosis) -> str:
 
 
 def lines_grid(diagnosis: Diagnosis, window: str) -> Grid:
-    """The envelope table of one case and window."""
+    """Table of the lines of one case and window."""
     lines = diagnosis.lines.where(window=window)
     rope = diagnosis.settings.rope_mode.get(window, 0.0)
     low, high = diagnosis.band
@@ -88,7 +88,7 @@ def lines_grid(diagnosis: Diagnosis, window: str) -> Grid:
 
 
 def seeds_grid(diagnoses: Sequence[Diagnosis], load: str, window: str) -> Grid:
-    """Difference faulty over healthy of every line, a column per set of deviations; a dot marks detected lines."""
+    """Table of the difference of every line, faulty over healthy, with one column for each set of deviations."""
     chosen = sorted((d for d in diagnoses if d.load == load), key=lambda d: _seed_order(d.deviations))
     tables = [d.lines.where(window=window).of("envelope", "sideband", "pass", "shaft") for d in chosen]
     rows = []
@@ -104,7 +104,7 @@ def seeds_grid(diagnoses: Sequence[Diagnosis], load: str, window: str) -> Grid:
 
 
 def markdown(diagnoses: Sequence[Diagnosis]) -> str:
-    """Every line of every load and window with all deviations side by side."""
+    """Markdown tables of all lines by load and window, with one column for each set of deviations."""
     parts = [criterion(diagnoses[0].settings), directions(diagnoses[0])]
     for load in dict.fromkeys(d.load for d in diagnoses):
         for window in dict.fromkeys(w for d in diagnoses if d.load == load for w in d.settings.windows):

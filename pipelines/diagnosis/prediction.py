@@ -1,11 +1,15 @@
-"""Is a new recording another of the healthy ones? Standardised deviations, their probabilities, rates of alarms.
+"""Deviation of a new recording from healthy ones: standardised deviations, their probabilities, and rates of alarms.
 
-With m the mean of n healthy levels (dB) and s their standard deviation, a new level x deviates by
+Let m be the mean of n healthy levels (dB) and s their standard deviation. The deviation of a new level x is
 
     t = (x - m) / (s~ sqrt(1 + 1/n)),   s~^2 = (d0 s0^2 + d s^2) / (d0 + d),   d = n - 1.
 
-s0 is the scale that all levels of one kind have in common, and d0 its weight (Smyth 2004): the less the scales of a
-kind differ, the larger. Channels of one machine are not independent, so d0 is at most d.
+s0 is the common standard deviation of all levels of one kind. Its weight d0 is the larger, the less the standard
+deviations of a kind differ (Smyth 2004). Channels of one machine are not independent, so d0 is at most d.
+
+Levels depend on load and speed, and the load changes the speed of a motor. If a linear regression over the speed
+predicts the levels of omitted recordings better than their mean does, the levels are predicted for the speed of the new
+recording.
 
 Probabilities come from simulated healthy machines. Levels of real machines have heavier tails than a normal
 distribution, so the simulated levels have Student's distribution with TAILS degrees of freedom. A mean over several
@@ -13,8 +17,9 @@ features has lighter tails; the estimator of Asmussen & Kroese (2006) gives them
 
 References
 ----------
-Smyth (2004), Stat. Appl. Genet. Mol. Biol. 3(1), 3 (moderated scales); Asmussen & Kroese (2006), Adv. Appl. Probab.
-38(2), 545-558 (tails of sums); Clopper & Pearson (1934), Biometrika 26(4), 404-413.
+Smyth (2004), Stat. Appl. Genet. Mol. Biol. 3(1), 3 (moderated scales); Allen (1974), Technometrics 16(1), 125-127
+(errors of prediction); Asmussen & Kroese (2006), Adv. Appl. Probab. 38(2), 545-558 (tails of sums); Clopper & Pearson
+(1934), Biometrika 26(4), 404-413.
 """
 
 from __future__ import annotations
@@ -25,22 +30,25 @@ from functools import cache
 
 import numpy as np
 
-FEWEST_FOR_P = 5  # recordings; with fewer the standard deviation is hardly known
-LEAST_SPREAD = 0.25  # dB, 3 %: levels of a model may repeat better, those of a sensor that is mounted anew hardly do
+FEWEST_FOR_P = 5  # recordings; with fewer the standard deviation is too uncertain
+FEWEST_FOR_TREND = FEWEST_FOR_P + 1  # recordings; the slope takes one degree of freedom
+BEYOND = 0.5  # of the range of their speeds, distance outside it up to which levels are extrapolated
+LEAST_SPREAD = 0.25  # dB (3 %); simulated levels may scatter less, those of a sensor that is mounted again hardly do
 TAILS = 5.0  # degrees of freedom of healthy levels
 _UNIT = math.sqrt(TAILS / (TAILS - 2.0))  # standard deviation of Student's distribution with TAILS
-_DRAWS = 4000  # simulated baselines
+_ROUNDING = 1e-9
+_BASELINES = 4000  # simulated baselines
 _GRID = np.concatenate([np.linspace(-10.0, 20.0, 121), np.geomspace(20.5, 1000.0, 60)])  # standard deviations
 
 
 def moderated(healthy: np.ndarray, kinds: Sequence[str], least: float) -> tuple[np.ndarray, int]:
-    """Standard deviations s~ (channel, line) of healthy levels (recording, channel, line), and d0 as a whole number.
+    """Standard deviations s~ (channel, line) of healthy levels (recording, channel, line), and d0 as an integer.
 
     Parameters
     ----------
     healthy : levels of FEWEST_FOR_P recordings or more
-    kinds : (line,), lines of one kind have one s0
-    least : standard deviation, no level repeats better
+    kinds : (line,), lines of one kind have a common s0
+    least : lower bound of the standard deviations
     """
     from scipy.special import digamma, polygamma
 
@@ -52,12 +60,50 @@ def moderated(healthy: np.ndarray, kinds: Sequence[str], least: float) -> tuple[
     for kind in set(kinds):
         common[:, names == kind] = np.median(logarithm[:, names == kind])
     _, spread = _simulated(len(healthy), 1)
-    drawn = 2.0 * np.log(spread)
-    excess = float(np.mean((logarithm - common) ** 2)) - float(np.var(drawn))
-    worth = polygamma(1, np.arange(1, freedom + 1) / 2)  # the excess with d0 = 1, 2, ...
-    prior = max(int(np.sum(worth >= excess)), 1)
-    pooled = np.exp(common + digamma(prior / 2) - math.log(prior / 2) - np.mean(drawn))
+    sampled = 2.0 * np.log(spread)
+    excess = float(np.mean((logarithm - common) ** 2)) - float(np.var(sampled))
+    expected = polygamma(1, np.arange(1, freedom + 1) / 2)  # the excess with d0 = 1, 2, ...
+    prior = max(int(np.sum(expected >= excess)), 1)
+    pooled = np.exp(common + digamma(prior / 2) - math.log(prior / 2) - np.mean(sampled))
     return np.sqrt((prior * pooled + freedom * variance) / (prior + freedom)), prior
+
+
+def at_speed(healthy: np.ndarray, speeds: np.ndarray, speed: float) -> np.ndarray:
+    """Healthy levels, predicted for a speed if they depend on it; otherwise unchanged.
+
+    The mean of the predicted levels is the regression line at the speed. Their standard deviation is that of the
+    residuals, which have n - 2 degrees of freedom. It is increased such that the deviation of a new level from the mean
+    contains the uncertainty of the line at this speed.
+
+    Parameters
+    ----------
+    healthy : levels (recording, channel, line)
+    speeds : of the recordings (recording,), in the unit of `speed`
+    speed : of the recording that is compared with them
+
+    Returns
+    -------
+    levels (recording, channel, line), for one recording less if they depend on the speed
+    """
+    from scipy.linalg import null_space
+
+    count, mean = len(healthy), speeds.mean()
+    away, reach = speeds - mean, BEYOND * np.ptp(speeds)
+    share = 1.0 / count + away**2 / max(float(away @ away), np.finfo(float).tiny)  # leverage of each recording
+    inside = speeds.min() - reach <= speed <= speeds.max() + reach
+    if count < FEWEST_FOR_TREND or not inside or reach == 0.0 or share.max() > 1.0 - _ROUNDING:
+        return healthy
+    centred = healthy - healthy.mean(axis=0)
+    slope = np.tensordot(away, centred, axes=1) / (away @ away)
+    rest = centred - away[:, None, None] * slope
+    of_line = np.sum((rest / (1.0 - share)[:, None, None]) ** 2, axis=0)
+    of_mean = np.sum((centred / (1.0 - 1.0 / count)) ** 2, axis=0)
+    if 2 * int((of_line < of_mean).sum()) <= int((of_mean > 0.0).sum()):
+        return healthy
+    wider = (1.0 + 1.0 / count + (speed - mean) ** 2 / (away @ away)) / (1.0 + 1.0 / (count - 1))
+    free = null_space(np.stack([np.ones(count), away / np.abs(away).max()])).T @ rest.reshape(count, -1)
+    turned = math.sqrt(wider) * null_space(np.ones((1, count - 1))) @ free
+    return np.asarray(healthy.mean(axis=0) + (speed - mean) * slope + turned.reshape(-1, *healthy.shape[1:]))
 
 
 def deviations(levels: np.ndarray, healthy: np.ndarray, spread: np.ndarray) -> np.ndarray:
@@ -72,20 +118,20 @@ def deviations(levels: np.ndarray, healthy: np.ndarray, spread: np.ndarray) -> n
 
 
 def probability(deviation: np.ndarray, count: int, prior: int, parts: int = 1) -> np.ndarray:
-    """Probability that a healthy machine has a standardised deviation of at least this, each for itself.
+    """Probability, for each single deviation, that a healthy machine has at least this standardised deviation.
 
     Parameters
     ----------
-    deviation : standardised
-    count : healthy recordings
+    deviation : standardised deviations
+    count : number of healthy recordings
     prior : d0
-    parts : number of features whose mean it is
+    parts : number of features whose mean deviates
     """
     return np.exp(np.interp(deviation, _GRID, _tail(count, prior, parts)))
 
 
 def limit(chance: float, count: int, prior: int, parts: int = 1) -> float:
-    """The standardised deviation that a healthy machine exceeds with a chance.
+    """The standardised deviation that a healthy machine exceeds with a given probability.
 
     Parameters
     ----------
@@ -97,22 +143,22 @@ def limit(chance: float, count: int, prior: int, parts: int = 1) -> float:
 
 @cache
 def _simulated(count: int, parts: int) -> tuple[np.ndarray, np.ndarray]:
-    """Means and standard deviations (baseline,) of simulated levels: means over `parts` of unit variance together."""
-    levels = np.random.default_rng([count, parts]).standard_t(TAILS, (_DRAWS, count, parts)).sum(axis=2)
+    """Means and standard deviations (baseline,) of simulated levels of unit variance, each a mean over `parts`."""
+    levels = np.random.default_rng([count, parts]).standard_t(TAILS, (_BASELINES, count, parts)).sum(axis=2)
     levels /= _UNIT * math.sqrt(parts)
     return levels.mean(axis=1), levels.std(axis=1, ddof=1)
 
 
 @cache
 def _tail(count: int, prior: int, parts: int) -> np.ndarray:
-    """Logarithm of the probability at every deviation of the grid, the mean over simulated baselines."""
+    """Logarithm of the exceedance probability at each deviation of the grid, averaged over simulated baselines."""
     from scipy.special import stdtr
 
     mean, spread = _simulated(count, parts)
     random, freedom = np.random.default_rng([count, parts, 1]), count - 1
-    scale = np.sqrt(prior / random.chisquare(prior, _DRAWS))  # of these levels, with s0 = 1
+    scale = np.sqrt(prior / random.chisquare(prior, _BASELINES))  # of these levels, with s0 = 1
     used = np.sqrt((prior + freedom * (scale * spread) ** 2) / (prior + freedom)) / scale
-    others = random.standard_t(TAILS, (_DRAWS, parts - 1))
+    others = random.standard_t(TAILS, (_BASELINES, parts - 1))
     largest, total = others.max(axis=1, initial=-np.inf), others.sum(axis=1)
     factor = math.sqrt(1.0 + 1.0 / count)
     found = []
@@ -123,7 +169,7 @@ def _tail(count: int, prior: int, parts: int) -> np.ndarray:
 
 
 def clopper_pearson(count: int, trials: int, confidence: float = 0.95) -> tuple[float, float]:
-    """Interval of the probability of something that came `count` times in `trials`, which may be none."""
+    """Confidence interval of the probability of an event that occurred `count` times in `trials`, which may be 0."""
     from scipy.stats import beta
 
     outside = (1.0 - confidence) / 2.0

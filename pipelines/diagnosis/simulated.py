@@ -1,4 +1,4 @@
-"""Features of a run: its accelerations with the stated sensor noise, over the turns of its shafts."""
+"""Features of a simulated run, with the sensor noise that it states."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class FeatureSettings:
-    """What the machine has, and the windows (s) in which it is looked at; the whole run if there are none."""
+    """Kinematics of the machine and diagnosed windows (s) by name; the whole run if there are none."""
 
     kinematics: Kinematics
     windows: Mapping[str, tuple[float, float]]
@@ -33,9 +33,9 @@ def run_features(run: xarray.Dataset, settings: FeatureSettings, rotation: Rotat
 
     Parameters
     ----------
-    run : as a simulation gives it; `sensor_noise_m_s2` among its attributes is added
+    run : response of a simulation, or a recording; noise of the RMS in its attribute `sensor_noise_m_s2` is added
     settings : machine and windows
-    rotation : of its first shaft; the best that the recording has if None
+    rotation : of the first shaft; if None it is determined from the recording
 
     Raises
     ------
@@ -48,9 +48,9 @@ def run_features(run: xarray.Dataset, settings: FeatureSettings, rotation: Rotat
 
 
 def window_features(run: xarray.Dataset, settings: FeatureSettings, samples: int = 1) -> dict[str, list[FeatureTable]]:
-    """The features of a run in each of the windows by itself, with several samples of its sensor noise.
+    """Features of a run by window, a list of one table for each of `samples` samples of its sensor noise.
 
-    Arguments and errors otherwise as in `run_features`.
+    Other arguments and errors are as for `run_features`.
     """
     rotation = rotation_of(run, settings.kinematics)
     noisy = [with_stated_noise(run, sample) for sample in range(samples)]
@@ -61,10 +61,10 @@ def window_features(run: xarray.Dataset, settings: FeatureSettings, samples: int
 
 
 def with_stated_noise(run: xarray.Dataset, sample: int = 0) -> xarray.Dataset:
-    """A run with `sensor_noise_m_s2`, if that is among its attributes, in its accelerations.
+    """A run whose accelerations contain noise of the RMS in its attribute `sensor_noise_m_s2`, if it has one.
 
-    The signals and the number of the sample fix the noise: it is the same whenever a run is read, and another one in
-    any other run.
+    The seed of the noise follows from the signals and the number of the sample. The noise of a run is therefore
+    repeatable, and differs from that of any other run.
     """
     name = "acceleration" if "acceleration" in run else "journal_acceleration"
     stream = zlib.crc32(np.ascontiguousarray(run[name].values).tobytes()) + sample

@@ -1,12 +1,16 @@
 """The diagnosis of a recording against a reference: is it different, and which component is damaged?
 
-The reference is a baseline of healthy recordings, or the exact control of a simulation: the same machine without the
-fault. Nothing here knows of a fault. There are two answers, each for every channel by itself:
+The reference is a baseline of healthy recordings, or the control of a simulation: the same machine without the fault.
+The diagnosis does not use the known faults of a simulation. It answers two questions from all channels:
 
-- Different (two-sided): any feature deviates from the healthy ones to either side, with a probability of at most
-  DIFFERENT that one of all features of a healthy machine does.
-- Damaged (one-sided): the evidence of a component, the mean of the deviations of its own features, is higher, with a
-  probability of at most ALARM that one of all components of a healthy machine is so high.
+- Different (two-sided): a feature deviates from the healthy recordings to either side. At most DIFFERENT of healthy
+  machines have such a deviation in any of their features.
+- Damaged (one-sided): the evidence of a component, the mean deviation of its features, is high. At most ALARM of
+  healthy machines have such evidence for any of their components.
+
+Clear impacts of a rolling bearing are damage by themselves, see `pipelines.diagnosis.impacts`, if no healthy recording
+has them. They rank before all other evidence: impacts reach the features of gears and shafts, too, but damage of gears
+and shafts does not cause impacts at pass orders.
 
 Features of the whole signal are no evidence of a component. A control is a baseline of the same machine: its
 recordings differ in their sensor noise alone. With fewer than FEWEST_FOR_P healthy recordings there is only the order
@@ -24,9 +28,11 @@ import numpy as np
 from fem.storage import shown_html
 from pipelines.diagnosis.alike import alike
 from pipelines.diagnosis.baseline import check_baseline, outlying
+from pipelines.diagnosis.impacts import CLEAR, in_race_or_element
 from pipelines.diagnosis.prediction import (
     FEWEST_FOR_P,
     LEAST_SPREAD,
+    at_speed,
     clopper_pearson,
     deviations,
     limit,
@@ -37,16 +43,18 @@ from pipelines.signals.features.recorded import OF_SHAFT, OF_WHITENED
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 
-LEAST_ORDER = -40.0  # dB over the rms of healthy recordings: weaker orders of a shaft come and go
+LEAST_ORDER = -40.0  # dB over the rms of healthy recordings: weaker orders of a shaft are no evidence
 DIFFERENT, ALARM = 0.01, 0.001  # of healthy machines are called different, or damaged
+_OVER_HEALTHY = 6.0  # dB of clear impacts over every healthy recording
 
 
 @dataclass(frozen=True, kw_only=True)
 class Evidence:
-    """What a component shows at the channel where it shows most: the mean over its own `features`.
+    """Evidence of a component at the channel where it is strongest: the mean over a group of its `features`.
 
     `increase` (dB) over the healthy mean; `deviation` in standard deviations of healthy recordings with the `limit`
-    that makes it damaged, None without p-values; `p` corrected for all components and channels.
+    that makes it damaged, None without p-values; `p` corrected for all components and channels, 0 for clear impacts;
+    `impacts` their level (dB) over the envelope spectrum around them, None if there are none.
     """
 
     features: tuple[str, ...]
@@ -56,12 +64,16 @@ class Evidence:
     deviation: float
     limit: float | None
     p: float | None
+    impacts: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class Finding:
-    """A component with its evidence, what has the same orders, and the tooth of a gear that stands out most, None if
-    its place is not known or the gear has no increase. `damaged` is None where the evidence has no limit."""
+    """A component with its evidence, and `alike`, the components with the same orders.
+
+    `tooth` is the most conspicuous tooth of a gear; None if its position is not known or the gear shows no increase.
+    `damaged` is None if the evidence has no limit.
+    """
 
     component: str
     evidence: Evidence
@@ -72,7 +84,7 @@ class Finding:
 
 @dataclass(frozen=True, kw_only=True)
 class Change:
-    """A feature of a component at a channel: increase (dB) and standardised deviation, the more unlike the larger."""
+    """A feature that differs at a channel: its increase (dB) and its deviation in standard deviations."""
 
     component: str
     feature: str
@@ -84,12 +96,16 @@ class Change:
 
 @dataclass(frozen=True, kw_only=True)
 class Verdict:
-    """`findings` with the strongest evidence first; `different` and `damaged` None without a limit.
+    """Result of a diagnosis: is the recording different or damaged, and `findings`, the strongest evidence first.
 
-    `p_different` is corrected for all features and channels; `changes` are those that differ, the clearest first. Of
-    `tested` healthy recordings `false_differences` and `false_alarms` are different or damaged against the others, none
-    tested if the others would be too few. `outlying` healthy recordings are left out; `left_out` are components that
-    turn too seldom, in words.
+    `different`, `damaged` and `p_different` are None with fewer than FEWEST_FOR_P healthy recordings. `p_different` is
+    corrected for the number of features and channels. `changes` are the features that differ, the largest deviation
+    first. `exact` means that the reference is a control. `at_speed` means that the levels of the healthy recordings
+    depend on the speed and were taken at that of the recording.
+
+    `tested` healthy recordings were diagnosed against the others; `false_differences` and `false_alarms` of them were
+    called different or damaged. `tested` is 0 if the others are too few. `healthy` counts the recordings of the
+    reference without those that are `outlying`. `left_out` names components with too few turns, and the reason.
     """
 
     findings: tuple[Finding, ...]
@@ -99,6 +115,7 @@ class Verdict:
     changes: tuple[Change, ...]
     exact: bool
     healthy: int
+    at_speed: bool
     outlying: tuple[str, ...]
     tested: int
     false_differences: int
@@ -107,7 +124,7 @@ class Verdict:
 
     @property
     def first(self) -> Finding:
-        """The component that stands out most."""
+        """The component with the strongest evidence."""
         return self.findings[0]
 
     def __repr__(self) -> str:
@@ -134,12 +151,12 @@ class Verdict:
         return shown_html.table(self._words(), head, rows)
 
     def interval(self, count: int) -> tuple[float, float]:
-        """95 % interval of the rate of a false answer that `count` of the tested healthy recordings gave."""
+        """95 % confidence interval of the rate of false answers, `count` of the tested healthy recordings."""
         return clopper_pearson(count, self.tested)
 
 
 def decibels(increase: float) -> str:
-    """An increase (dB) as it is shown, without minus zero."""
+    """An increase (dB) as text with a sign, without minus zero."""
     return f"{round(increase, 1) + 0.0:+.1f}"
 
 
@@ -150,38 +167,45 @@ def judge(
     names: Sequence[str] = (),
     exact: bool = False,
 ) -> Verdict:
-    """The verdict on a recording against healthy ones.
+    """The verdict on a recording, compared with healthy ones.
 
     Parameters
     ----------
     recording, baseline : features of the same machine at the same channels
-    kinematics : its machine
-    names : of the healthy recordings; "healthy recording 1", ... if there are none
+    kinematics : of the machine
+    names : of the healthy recordings; by default "healthy recording 1", ...
     exact : the healthy recordings are the control of a simulation with several samples of the sensor noise
 
     Raises
     ------
-    BaselineError : recordings cannot be compared, one is given twice or is the judged one, or most differ
+    BaselineError : recordings cannot be compared, one is given twice, one is the recording itself, or most are outlying
     """
     names = names or [f"healthy recording {number}" for number in range(1, len(baseline) + 1)]
     check_baseline(recording, baseline, names, exact)
     levels, healthy = _compared(recording, baseline)
+    speed, speeds = _speeds(recording, baseline)
     lines = _Lines(recording)
-    odd = [] if exact else outlying(healthy, lambda one, others: min(lines.chances(one, others)))
-    kept = np.delete(healthy, odd, axis=0)
+
+    def chances(one: int, others: np.ndarray) -> tuple[float, float]:
+        return lines.chances(healthy[one], at_speed(healthy[others], speeds[others], speeds[one]))
+
+    odd = [] if exact else outlying(healthy, lambda one, others: min(chances(one, others)))
+    kept = np.delete(np.arange(len(healthy)), odd)
     tested = len(kept) if len(kept) > FEWEST_FOR_P and not exact else 0
-    others = [lines.chances(kept[i], np.delete(kept, i, axis=0)) for i in range(tested)]
-    enough = len(kept) >= FEWEST_FOR_P
-    different = lines.chances(levels, kept)[0] if enough else None
-    findings = _findings(lines, levels, kept, kinematics)
+    others = [chances(one, kept[kept != one]) for one in kept[:tested]]
+    reference = at_speed(healthy[kept], speeds[kept], speed)
+    enough = len(reference) >= FEWEST_FOR_P
+    different = lines.chances(levels, reference)[0] if enough else None
+    findings = _findings(lines, levels, reference, kinematics)
     return Verdict(
         findings=findings,
         different=None if different is None else different <= DIFFERENT,
         damaged=any(one.damaged for one in findings) if enough else None,
         p_different=different,
-        changes=_changes(lines, levels, kept) if enough else (),
+        changes=_changes(lines, levels, reference) if enough else (),
         exact=exact,
         healthy=len(kept),
+        at_speed=len(reference) < len(kept),
         outlying=tuple(names[i] for i in odd),
         tested=tested,
         false_differences=sum(one <= DIFFERENT for one, _ in others),
@@ -195,21 +219,24 @@ def damage_p(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> float
 
     Parameters
     ----------
-    recording, baseline : as `judge` takes them, FEWEST_FOR_P healthy ones or more
+    recording, baseline : as for `judge`, with FEWEST_FOR_P healthy recordings or more
 
     Raises
     ------
-    BaselineError : as `judge`
+    BaselineError : as for `judge`
     """
     check_baseline(recording, baseline, [f"healthy recording {number}" for number in range(1, len(baseline) + 1)])
-    return _Lines(recording).chances(*_compared(recording, baseline))[1]
+    levels, healthy = _compared(recording, baseline)
+    speed, speeds = _speeds(recording, baseline)
+    return _Lines(recording).chances(levels, at_speed(healthy, speeds, speed))[1]
 
 
 class _Lines:
-    """The features of a table, and the groups that are the evidence of a component each.
+    """The features of a table, and their groups; each group is the evidence of one component.
 
-    A shaft has two of them, since unbalance raises the first order only. A gear has one of its whitened and one of its
-    other features: whitening shows small damage that deviations hide, but it hides a rise of the level.
+    Each order of a shaft is a group, since unbalance raises the first order only. A gear has two groups, features of
+    the whitened signal and all others. Whitening shows small damage that flank deviations mask, but it removes an
+    increase of the level.
     """
 
     def __init__(self, table: FeatureTable) -> None:
@@ -220,17 +247,19 @@ class _Lines:
                 kind = feature if feature in OF_SHAFT else feature in OF_WHITENED
                 groups.setdefault((component, kind), []).append(number)
         self.groups = [(component, tuple(own)) for (component, _), own in groups.items()]
+        self.of_impacts = np.array([in_race_or_element(*table.lines[own[0]]) for _, own in self.groups])
 
     def features(self, own: Sequence[int]) -> tuple[str, ...]:
         """Names of the features of a group."""
         return tuple(self.table.feature[i] for i in own)
 
     def means(self, values: np.ndarray) -> np.ndarray:
-        """Sums of values (..., line) over the root of their number (..., group)."""
+        """Sums (..., group) of values (..., line), each divided by the square root of the size of the group."""
         return np.stack([values[..., own].sum(axis=-1) / math.sqrt(len(own)) for _, own in self.groups], axis=-1)
 
     def standardised(self, levels: np.ndarray, healthy: np.ndarray) -> tuple[np.ndarray, int, np.ndarray, int]:
-        """Deviations (channel, line) and (channel, group), each followed by its d0."""
+        """Deviations of features (channel, line) and of groups (channel, group), each with its prior degrees of freedom
+        d0 of `moderated`."""
         spread, prior = moderated(healthy, self.table.feature, LEAST_SPREAD)
         centred = (healthy - healthy.mean(axis=0)) / spread
         own = (levels - healthy.mean(axis=0)) / spread
@@ -239,39 +268,49 @@ class _Lines:
         of_groups = deviations(self.means(own), self.means(centred), together)
         return deviations(levels, healthy, spread), prior, of_groups, prior_of_groups
 
-    def group_chances(self, deviation: np.ndarray, count: int, prior: int) -> np.ndarray:
-        """p-values (channel, group) corrected for their number."""
+    def clear(self, levels: np.ndarray, healthy: np.ndarray) -> np.ndarray:
+        """Whether groups (channel, group) are clear impacts of a bearing that no healthy recording has."""
+        first = [own[0] for _, own in self.groups]
+        over = (levels - healthy.max(axis=0))[:, first]
+        return np.asarray(self.of_impacts & (levels[:, first] >= CLEAR) & (over >= _OVER_HEALTHY))
+
+    def group_chances(self, deviation: np.ndarray, count: int, prior: int, clear: np.ndarray) -> np.ndarray:
+        """p-values (channel, group) corrected for their number, 0 for clear impacts."""
         columns = [
             probability(column, count, prior, len(own))
             for column, (_, own) in zip(deviation.T, self.groups, strict=True)
         ]
-        return np.minimum(np.stack(columns, axis=1) * deviation.size, 1.0)
+        return np.where(clear, 0.0, np.minimum(np.stack(columns, axis=1) * deviation.size, 1.0))
 
     def chances(self, levels: np.ndarray, healthy: np.ndarray) -> tuple[float, float]:
-        """Probabilities that a healthy machine is so different, or that a component of it has so much evidence."""
+        """Probabilities that a healthy machine deviates as much, and that any of its components has as strong
+        evidence."""
         count = len(healthy)
         of_lines, prior, of_groups, prior_of_groups = self.standardised(levels, healthy)
-        damaged = float(self.group_chances(of_groups, count, prior_of_groups).min())
+        damaged = float(self.group_chances(of_groups, count, prior_of_groups, self.clear(levels, healthy)).min())
         apart = 2.0 * of_lines.size * float(probability(np.abs(of_lines).max(), count, prior))
         return min(2.0 * min(apart, damaged), 1.0), damaged
 
 
 def _findings(lines: _Lines, levels: np.ndarray, healthy: np.ndarray, kinematics: Kinematics) -> tuple[Finding, ...]:
-    """All components, the strongest evidence first."""
+    """All components: clear impacts first, then the others, the strongest evidence first."""
     table, count = lines.table, len(healthy)
     rises = levels - healthy.mean(axis=0)
     increase = np.stack([rises[:, own].mean(axis=1) for _, own in lines.groups], axis=1)
     deviation, p = increase, None
+    clear = lines.clear(levels, healthy)
     bounds: list[float | None] = [None] * len(lines.groups)
     if count >= FEWEST_FOR_P:
         _, _, deviation, prior = lines.standardised(levels, healthy)
-        p = lines.group_chances(deviation, count, prior)
+        p = lines.group_chances(deviation, count, prior, clear)
         bounds = [limit(ALARM / deviation.size, count, prior, len(own)) for _, own in lines.groups]
     scaled = deviation / np.array([bound or 1.0 for bound in bounds])
-    best: dict[str, tuple[float, Finding]] = {}
+    best: dict[str, tuple[tuple[bool, float], Finding]] = {}
     for number, (component, own) in enumerate(lines.groups):
-        channel = int(np.argmax(scaled[:, number]))
-        bound = bounds[number]
+        strength, channel = max(
+            ((bool(clear[channel, number]), float(scaled[channel, number])), -channel) for channel in range(len(scaled))
+        )
+        channel, bound = -channel, bounds[number]
         evidence = Evidence(
             features=lines.features(own),
             sensor=table.sensor[channel],
@@ -280,22 +319,22 @@ def _findings(lines: _Lines, levels: np.ndarray, healthy: np.ndarray, kinematics
             deviation=float(deviation[channel, number]),
             limit=bound,
             p=None if p is None else float(p[channel, number]),
+            impacts=float(levels[channel, own[0]]) if strength[0] else None,
         )
         found = Finding(
             component=component,
             evidence=evidence,
-            damaged=None if bound is None else evidence.deviation >= bound,
+            damaged=None if bound is None else strength[0] or evidence.deviation >= bound,
             alike=alike(component, kinematics),
             tooth=table.tooth_of(component) if evidence.increase > 0.0 else None,
         )
-        strength = float(scaled[channel, number])
         if component not in best or strength > best[component][0]:
             best[component] = (strength, found)
-    return tuple(found for _, found in sorted(best.values(), key=lambda one: -one[0]))
+    return tuple(found for _, found in sorted(best.values(), key=lambda one: one[0], reverse=True))
 
 
 def _changes(lines: _Lines, levels: np.ndarray, healthy: np.ndarray) -> tuple[Change, ...]:
-    """The features that differ at a channel, the clearest first."""
+    """The features that differ at a channel, the largest deviation first."""
     table, count = lines.table, len(healthy)
     deviation, prior, _, _ = lines.standardised(levels, healthy)
     rises = levels - healthy.mean(axis=0)
@@ -317,20 +356,31 @@ def _changes(lines: _Lines, levels: np.ndarray, healthy: np.ndarray) -> tuple[Ch
 def _compared(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> tuple[np.ndarray, np.ndarray]:
     """Levels (channel, line) of the recording and (recording, channel, line) of the healthy ones, dB.
 
-    Weak orders of a shaft are raised to the least level that counts at their channel.
+    Weak orders of a shaft have little weight, see `counted`.
     """
     healthy = np.array([other.channel_levels for other in baseline])
     rms = healthy[:, :, recording.lines.index((WHOLE, "rms"))].mean(axis=0)
-    least = least_levels(recording.feature, rms)
-    return np.maximum(recording.channel_levels, least), np.maximum(healthy, least)
+    return counted(recording.channel_levels, recording.feature, rms), counted(healthy, recording.feature, rms)
 
 
-def least_levels(features: Sequence[str], rms: np.ndarray) -> np.ndarray:
-    """Levels (..., feature), dB, below which nothing is evidence: orders of a shaft that hardly add to the vibration.
+def _speeds(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> tuple[float, np.ndarray]:
+    """Mean speed (Hz) of the recording, and of the healthy ones (recording,)."""
+    return float(recording.speed.mean()), np.array([other.speed.mean() for other in baseline])
+
+
+def counted(levels: np.ndarray, features: Sequence[str], rms: np.ndarray) -> np.ndarray:
+    """Levels (..., feature), dB, for a diagnosis: the power at LEAST_ORDER is added to that of an order of a shaft.
+
+    Lines that hardly contribute to the vibration, or consist of noise, then scatter little. The maximum of the level
+    and LEAST_ORDER is not suitable: levels just below it would be equal in all healthy recordings, without any scatter,
+    and the next recording may exceed it.
 
     Parameters
     ----------
+    levels : (..., feature), dB
     features : names
     rms : level (...) of the healthy vibration, dB
     """
-    return np.where(np.isin(features, list(OF_SHAFT)), np.asarray(rms)[..., None] + LEAST_ORDER, -np.inf)
+    least = np.where(np.isin(features, list(OF_SHAFT)), np.asarray(rms)[..., None] + LEAST_ORDER, -np.inf)
+    neper = math.log(10.0) / 10.0  # of powers, per dB
+    return np.asarray(np.logaddexp(levels * neper, least * neper) / neper)

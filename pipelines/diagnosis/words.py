@@ -1,7 +1,8 @@
-"""The verdict in words: sentences and tables made from its numbers, and from nothing else."""
+"""A verdict as text: sentences and tables."""
 
 from __future__ import annotations
 
+from pipelines.diagnosis.impacts import CLEAR
 from pipelines.diagnosis.prediction import FEWEST_FOR_P
 from pipelines.diagnosis.verdict import ALARM, DIFFERENT, Evidence, Finding, Verdict, decibels
 from pipelines.io.grid import Grid
@@ -29,7 +30,7 @@ NAMES = {
 STRENGTH = "evidence / limit"  # heading
 EVIDENCE = (
     "Increase: mean of a group of features of a component at the channel of its strongest evidence. A component is "
-    f"damaged if {STRENGTH} is 1 or more."
+    f"damaged if {STRENGTH} is 1 or more, a bearing also if its impacts are clear. Clear impacts rank first."
 )
 NO_LIMIT = "Increase: mean of a group of features of a component at the channel where it is highest."
 _NAMED = 3  # features that differ
@@ -48,7 +49,7 @@ def headline(verdict: Verdict) -> str:
 
 
 def sentences(verdict: Verdict) -> tuple[str, ...]:
-    """The answer, its evidence, what it was compared with, how often it would be wrong, and what was left out."""
+    """Sentences: answer, evidence, reference, rates of false answers, and omitted components."""
     found = [headline(verdict)]
     if verdict.damaged is not False:
         found.append(f"Evidence: {standing(verdict.first.evidence)}.")
@@ -69,25 +70,28 @@ def sentences(verdict: Verdict) -> tuple[str, ...]:
 
 
 def standing(evidence: Evidence) -> str:
-    """The evidence of a component with its limit."""
+    """Text with the evidence of a component and its limit."""
     count = len(evidence.features)
     what = NAMES.get(evidence.features[0], evidence.features[0]) if count == 1 else f"mean of {count} features"
     text = f"{what} at {evidence.sensor} {evidence.axis} is {decibels(evidence.increase)} dB"
-    if evidence.limit is None:
-        return text
-    return f"{text}, {evidence.deviation:.1f} standard deviations (limit {evidence.limit:.1f})"
+    if evidence.limit is not None:
+        text += f", {evidence.deviation:.1f} standard deviations (limit {evidence.limit:.1f})"
+    if evidence.impacts is not None:
+        text += f", and {evidence.impacts:.0f} dB over the envelope spectrum around it (limit {CLEAR:g} dB)"
+    return text
 
 
 def compared(verdict: Verdict) -> list[str]:
-    """What the recording was compared with, and the rates of false answers."""
+    """Sentences on the reference of the comparison and on the rates of false answers."""
     if verdict.exact:
         return [
-            "The control is the same machine without the fault, which only a simulation has: every increase is an "
-            f"effect of the fault. Limits follow from {verdict.healthy} samples of the sensor noise. Add --baseline 8 "
-            "to compare with healthy machines of other deviations."
+            "The control is the same machine without the fault; only a simulation has one. Therefore every increase "
+            f"is an effect of the fault. Limits follow from {verdict.healthy} samples of the sensor noise. Add "
+            "--baseline 8 to compare with healthy machines of other deviations."
         ]
     many = f"Compared with {verdict.healthy} healthy recording{'s' if verdict.healthy > 1 else ''}."
     found = [many]
+    found += ["Their levels depend on the speed and are taken at that of this recording."] if verdict.at_speed else []
     if verdict.outlying:
         names = ", ".join(verdict.outlying)
         found.append(f"Left out because they differ from the other healthy recordings: {names}. Check them.")
@@ -108,7 +112,7 @@ def compared(verdict: Verdict) -> list[str]:
 
 
 def ranking_grid(verdict: Verdict) -> Grid:
-    """All components, the strongest evidence first."""
+    """Table of all components, the strongest evidence first."""
     rows = tuple(
         (
             one.component,
@@ -125,22 +129,22 @@ def ranking_grid(verdict: Verdict) -> Grid:
 
 
 def text(verdict: Verdict) -> str:
-    """All of it for the terminal."""
+    """Sentences and table for the terminal."""
     return "\n\n".join([" ".join(sentences(verdict)), ranking_grid(verdict).to_text().rstrip(), note(verdict)]) + "\n"
 
 
 def note(verdict: Verdict) -> str:
-    """What explains the columns of the ranking."""
+    """Explanation of the columns of the ranking."""
     return NO_LIMIT if verdict.damaged is None else EVIDENCE
 
 
 def ratio(evidence: Evidence) -> float:
-    """The evidence over its limit, or over 1 without one."""
+    """Evidence divided by its limit, or by 1 without a limit."""
     return evidence.deviation / (evidence.limit or 1.0)
 
 
 def strength(evidence: Evidence) -> str:
-    """The evidence over its limit, "-" without one."""
+    """Evidence divided by its limit, as text; "-" without a limit."""
     return "-" if evidence.limit is None else f"{ratio(evidence):.2f}"
 
 

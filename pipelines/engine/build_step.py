@@ -20,7 +20,7 @@ from pipelines.engine.step import Step, StepRecord, Unkept
 from pipelines.engine.storage import StorageError, digest, load_value, save_value
 from pipelines.io.errors import WorkError
 
-LONG_SECONDS = 3.0  # steps expected to take longer may go to a process of their own
+LONG_SECONDS = 3.0  # steps that are expected to take longer may be built in a child process
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,9 @@
-"""Content-addressed store of finished steps, safe against kills, damage and a second process.
+"""Cache of finished steps, addressed by content, which interrupted or parallel processes and damage cannot corrupt.
 
-One entry is one folder ``entries/<kind>-<key>/`` with the files of a result and a manifest of their SHA-256. It is
-written aside and moved into place in one step, so it is whole or absent; who loses a race throws its copy away.
-What cannot be stored (read-only folder, full disk) is a warning, never a failure of the work. Whose the folder may be
-and who may write in it: `fem.storage.cache_folder`. Nothing is removed that does not carry our manifest.
+One entry is one folder ``entries/<kind>-<key>/`` with the files of a result and a manifest of their SHA-256 digests.
+It is written in a partial folder and renamed, so it is complete or absent; if two processes write the same entry, the
+second discards its copy. If a result cannot be stored (read-only folder, full disk), the program warns and continues.
+`fem.storage.cache_folder` checks the owner and permissions of the folder. Only entries with a manifest are removed.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ _STALE_SECONDS = 24 * 3600
 
 
 class Cache:
-    """The cache in one folder (the default one if none is given). Nothing is created before the first entry."""
+    """The cache in one folder (by default the cache folder of the user). The folder is created with the first entry."""
 
     def __init__(self, folder: Path | str | None = None) -> None:
         self.folder = Path(folder).absolute() if folder is not None else cache_root()
@@ -51,10 +51,10 @@ class Cache:
         self._partial = self.folder / PARTIAL
 
     def find(self, kind: str, key: str, *, thorough: bool = True) -> Entry | None:
-        """The entry, its checksums verified. A damaged one is removed with a warning and counts as absent.
+        """The entry with verified checksums; None if it is absent. A damaged entry is removed with a warning.
 
-        Not `thorough`: only the manifest is verified and the sizes of the files; enough to know what an entry holds,
-        not to read it.
+        Without `thorough`, only the manifest and the sizes of the files are verified. This is sufficient to read the
+        facts of an entry, but not its files.
         """
         folder = self._entries / entry_name(kind, key)
         if not self._readable() or not folder.is_dir():
@@ -77,7 +77,7 @@ class Cache:
 
     def discard(self, folder: Path, damage: str) -> None:
         """Remove an entry that cannot be used, with a warning."""
-        if folder.is_dir():  # else another process has just cleared it
+        if folder.is_dir():  # otherwise another process has just removed it
             text = f"cache entry {folder.name} is damaged ({damage}). It is deleted and computed again."
             warnings.warn(CacheWarning(text), stacklevel=3)
             self._remove(folder)
@@ -85,13 +85,13 @@ class Cache:
     def store(
         self, kind: str, key: str, write: Callable[[Path], None], facts: Mapping[str, Any] | None = None
     ) -> Entry | None:
-        """Let a function fill an empty folder, and keep it; None if the cache cannot take it.
+        """Store the files that a function writes; None if the cache cannot store them.
 
         Parameters
         ----------
         kind, key : of the result, by which it is found
-        write : fills the folder that it is given
-        facts : of the result, to be read without it; as JSON takes them
+        write : writes the files to the empty folder that is its argument
+        facts : of the result, stored as JSON, which can be read without its files
         """
         final = self._entries / entry_name(kind, key)
         with self.workplace() as partial:
@@ -116,7 +116,7 @@ class Cache:
 
     @contextlib.contextmanager
     def workplace(self) -> Iterator[Path | None]:
-        """A folder beside the entries for what is made before it is stored; None, with a warning, if there is none."""
+        """A folder on the file system of the entries for unfinished files; None, with a warning, if there is none."""
         folder = self._partial / f"{os.getpid()}-{uuid.uuid4().hex[:12]}"
         try:
             claim(self.folder, make=True)
@@ -133,10 +133,10 @@ class Cache:
 
     @contextlib.contextmanager
     def alone(self, key: str) -> Iterator[bool]:
-        """True while this process alone may build the result of a key, False if another one builds it.
+        """True while only this process may build the result of a key; False if another process builds it.
 
-        The system drops the right of a process that dies. Without locks, on some network file systems, a result may be
-        built twice, which costs time alone.
+        The system releases the lock of a process that ends. On network file systems without locks, two processes may
+        build the same result, which only takes more time.
         """
         path = self._partial / f"0-{key[:12]}"
         with contextlib.ExitStack() as held:
@@ -149,13 +149,13 @@ class Cache:
                 if mine:
                     held.callback(path.unlink, missing_ok=True)
             except FileNotFoundError:
-                mine = False  # removed by who held it, between opening and looking
+                mine = False  # the holder of the lock removed the file after it was opened
             except OSError as error:
                 _LOG.debug("no locks in %s: %s", self.folder, error)
             yield mine
 
     def entries(self, kind: str | None = None) -> Iterator[Entry]:
-        """All entries (of one kind) by their manifests, newest use first; files of results are not verified."""
+        """All entries (of one kind) by their manifests, latest use first; files of results are not verified."""
         if not self._readable():
             return
         used = []
@@ -171,11 +171,11 @@ class Cache:
                 yield Entry(folder, facts, sum(f["bytes"] for f in files.values()))
 
     def verify(self) -> tuple[int, list[str]]:
-        """Check every entry; damaged ones are removed. Number of sound entries, and what was removed and why.
+        """Check every entry and remove damaged ones; the number of undamaged entries, and each removal with its reason.
 
         Raises
         ------
-        InputError : the folder is not ours
+        InputError : the folder is not a cache of this program
         """
         self._must_be_ours()
         sound, removed = 0, []
@@ -189,11 +189,11 @@ class Cache:
         return sound, removed
 
     def clear(self, older_than_days: float = 0.0) -> tuple[int, int]:
-        """Remove entries and compiled code that were not used for so many days. Their number and bytes.
+        """Remove entries and compiled code that were not used for some days; their number and bytes.
 
         Raises
         ------
-        InputError : the folder is not ours
+        InputError : the folder is not a cache of this program
         """
         self._must_be_ours()
         count = size = 0
@@ -208,21 +208,21 @@ class Cache:
                 path.unlink(missing_ok=True)
         self._sweep(min(_STALE_SECONDS, older_than_days * 86400))
         for folder in (self._entries, self._partial, self.folder / COMPILED):
-            with contextlib.suppress(OSError):  # it is absent, or not empty
+            with contextlib.suppress(OSError):  # the folder is absent, or not empty
                 folder.rmdir()
         return count, size
 
     def compiled(self) -> list[Path]:
-        """The files of compiled code."""
+        """The files of compiled code in the cache."""
         return list(compiled_files.files(self.folder / COMPILED)) if self._readable() else []
 
     def _entry_folders(self, prefix: str = "") -> list[Path]:
-        """Folders that carry our manifest, their names beginning like that; whatever else there is stays as it is."""
+        """Folders with a manifest whose names begin with a prefix; other folders are ignored."""
         found = self._entries.iterdir() if self._entries.is_dir() else ()
         return sorted(folder for folder in found if folder.name.startswith(prefix) and is_entry(folder))
 
     def _readable(self) -> bool:
-        """True if the folder is there and can be believed; it is said if it cannot."""
+        """True if the folder exists and is safe to read; a warning is given if it is not safe."""
         try:
             claim(self.folder, make=False)
             check_private(self._entries)
@@ -242,7 +242,7 @@ class Cache:
             raise InputError(f"the cache {self.folder} cannot be changed: {error}") from error
 
     def _remove(self, folder: Path) -> None:
-        """Move aside in one step, then delete: no reader meets half an entry."""
+        """Rename a folder, then delete it, so that no process reads a part of an entry."""
         try:
             make_private(self._partial)
             aside = self._partial / f"removed-{uuid.uuid4().hex[:12]}"
@@ -254,7 +254,7 @@ class Cache:
             warn_without(self.folder, error)
 
     def _sweep(self, seconds: float = _STALE_SECONDS) -> None:
-        """Delete what killed processes left behind so long ago."""
+        """Delete files of killed processes that are older than some seconds."""
         for path in filter(is_partial, self._partial.iterdir()) if self._partial.is_dir() else ():
             try:
                 last = max(one.stat().st_mtime for one in (path, *path.rglob("*")))
@@ -262,6 +262,6 @@ class Cache:
                     if path.is_dir():
                         shutil.rmtree(path, ignore_errors=True)
                     else:
-                        path.unlink(missing_ok=True)  # a right to build whose holder died, see `alone`
+                        path.unlink(missing_ok=True)  # a lock file of `alone` whose process has ended
             except FileNotFoundError:
                 _LOG.debug("%s was swept by another process", path.name)

@@ -25,6 +25,7 @@ _MOTION = re.compile(  # names of the steps of a study, as `pipelines.steps.stud
     r"(?P<features>features )?(?P<torque>torque )?(healthy seed (?P<seeded>\d+) )?(seed (?P<seed>\d+) )?"
     r"(?P<free>error-free )?(?P<healthy>healthy )?simulate"
 )
+_LAW = re.compile(r"(?P<unmodified>unmodified_)?law_(?P<stage>\d+)")
 _LINE_SECONDS = 10.0  # between two lines about a step at work
 _COUNT_SECONDS = 30.0  # between two lines about a count
 
@@ -161,9 +162,13 @@ def step_words(name: str) -> str:
     case, colon, name = name.rpartition(": ")  # of a study: "preset: reference: simulate"
     if case:
         return f"{case}{colon}{step_words(name)}"
+    if found := _LAW.fullmatch(name):
+        return f"mesh law of stage {found['stage']}" + (
+            " without faults and modifications" if found["unmodified"] else ""
+        )
     found = _MOTION.fullmatch(name)
     if found is None:
-        return name
+        return "diagnosis" if name == "diagnose" else name
     what = "features" if found["features"] else "motion"
     machine = "healthy machine" if found["healthy"] or found["seeded"] else "machine"
     parts = ["load as a torque"] if found["torque"] else []

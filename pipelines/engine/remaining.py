@@ -1,8 +1,8 @@
-"""How long a run still takes: its schedule, simulated with the seconds that each step is expected to take.
+"""Remaining time of a run: its schedule is simulated with the expected seconds of each step.
 
-A step of this kind that was built on this machine before gives the seconds; without one the step's own estimate does.
-Code that is not compiled yet is a task of its own, which the steps that run it wait for. What finished steps took
-against what was expected scales the rest: those of the same kind, else all of them.
+The expected time is that of a step of the same kind which was built before on this machine, otherwise the estimate of
+the step. Compiling code is a separate task, for which the steps that call the code wait. Expected times are scaled by
+the ratio of actual to expected time of the finished steps of the same kind, or of all finished steps.
 """
 
 from __future__ import annotations
@@ -16,22 +16,22 @@ from pipelines.engine.cache import Cache
 from pipelines.engine.manifest import Entry
 from pipelines.engine.step import Step, seconds_to_the_end, stored, whole
 
-_LOOKED_AT = 3  # stored results of a kind, the newest ones
-_PRIOR = 10.0  # s: finished steps that took much less change the scale little
-_FASTEST = 0.67  # less says that the estimates were too long, not that the machine is that fast
-_SLOWEST = 3.0  # more says that a step waited, or that its own estimate was too short
-_OVERDUE = 0.2  # what a step that takes longer than expected still takes, as a share of what it took
+_LOOKED_AT = 3  # newest stored results of a kind
+_PRIOR = 10.0  # s: finished steps that took much less hardly change the scale
+_FASTEST = 0.67  # a smaller ratio means that the estimates were too long, not that the machine is that fast
+_SLOWEST = 3.0  # a larger ratio means that a step waited, or that its estimate was too short
+_OVERDUE = 0.2  # expected remaining time of a step that exceeds its expected time, over the time it has taken
 
 
 @dataclass(frozen=True, kw_only=True)
 class Task:
-    """What is computed, the tasks that it waits for, and the seconds that it is expected to take."""
+    """A computation, the tasks for which it waits, and its expected time in seconds."""
 
     name: str
     takes: tuple[str, ...]
     seconds: float
     kind: str = ""
-    compiles: bool = False  # nobody says when it begins or ends: it begins when it can, and ends with what takes it
+    compiles: bool = False  # without events: it begins when its inputs are finished, and ends with the steps that wait
 
 
 class Remaining:
@@ -39,17 +39,17 @@ class Remaining:
 
     Parameters
     ----------
-    tasks : in an order in which each one comes after those it takes
-    processes : tasks at work at the same time
+    tasks : each after those for which it waits
+    processes : number of tasks that run at the same time
     """
 
     def __init__(self, tasks: Iterable[Task], processes: int) -> None:
         self._left = {task.name: task for task in tasks}
         self._processes = processes
-        self._since: dict[str, float] = {}  # beginning of what is at work, s
-        self._shares: dict[str, list[tuple[float, float]]] = {}  # first and last one with their times
+        self._since: dict[str, float] = {}  # start of each running task, s
+        self._shares: dict[str, list[tuple[float, float]]] = {}  # first and last reported share with their times
         self._expected = self._took = _PRIOR
-        self._factors: dict[str, float] = {}  # by kind: what the last one took over what was expected
+        self._factors: dict[str, float] = {}  # by kind: actual over expected time of the last finished step
 
     @property
     def count(self) -> int:
@@ -57,19 +57,19 @@ class Remaining:
         return sum(not task.compiles for task in self._left.values())
 
     def started(self, name: str, now: float) -> None:
-        """A task is at work since `now`, s."""
+        """Note that a task runs since `now`, s."""
         self._since[name] = now
         self._begin_compiling(now)
 
     def advanced(self, name: str, share: float, now: float) -> None:
-        """So much of a task (0 to 1) is done; what came before its first share, reading and compiling, is over."""
+        """Note that a share (0 to 1) of a task is done. Before its first share, the task reads and compiles."""
         first = self._shares.get(name, [(share, now)])[0]
         self._shares[name] = [first, (share, now)]
         for compiling in self._compiling_of(name):
             del self._left[compiling.name]
 
     def finished(self, name: str, now: float) -> None:
-        """A task is done, by work or because a stored result serves."""
+        """Note that a task is finished, or that a stored result is used."""
         if name in self._left and name in self._since:
             (first, since), (last, then) = self._shares.get(name, [(0.0, self._since[name]), (1.0, now)])
             task, code = self._left[name], sum(compiling.seconds for compiling in self._compiling_of(name))
@@ -84,7 +84,7 @@ class Remaining:
         self._begin_compiling(now)
 
     def left(self, now: float) -> float:
-        """Seconds to the end: tasks begin as soon as what they take is done, those with the longest chain first."""
+        """Seconds to the end. Tasks begin when their inputs are finished, those with the longest chain first."""
         waiting = dict(self._left)
         at_work = {name: self._left_of(waiting.pop(name), now) for name in self._left if name in self._since}
         chain = seconds_to_the_end((task.name, task.seconds, task.takes) for task in self._left.values())
@@ -100,12 +100,12 @@ class Remaining:
         return time
 
     def pace(self, name: str) -> float | None:
-        """Seconds that a task still takes at the pace since its first share; None while there is none."""
+        """Remaining seconds of a task at its pace since the first share; None before the second share."""
         (first, since), (last, then) = self._shares.get(name, [(0.0, 0.0), (0.0, 0.0)])
         return (then - since) * (1.0 - last) / (last - first) if last > first else None
 
     def _left_of(self, task: Task, now: float) -> float:
-        """Seconds that a task at work still takes."""
+        """Remaining seconds of a running task."""
         pace = self.pace(task.name)
         if pace is not None:
             return max(pace - (now - self._shares[task.name][1][1]), 0.0)
@@ -116,7 +116,7 @@ class Remaining:
         return max(self._scaled(task) - took, _OVERDUE * took)
 
     def _scaled(self, task: Task) -> float:
-        """Seconds of a whole task on this machine."""
+        """Seconds of a complete task on this machine."""
         machine = max(self._took / self._expected, _FASTEST)
         return task.seconds * self._factors.get(task.kind, machine)
 
@@ -131,7 +131,7 @@ class Remaining:
 
 
 def expected(steps: Iterable[Step], cache: Cache) -> list[Task]:
-    """The tasks of steps that the cache does not hold, as far as that is known before any is built."""
+    """The tasks of the steps that are not in the cache, as far as this is known before any step is built."""
     contents: dict[str, str] = {}
     factors: dict[str, float | None] = {}
     missing: list[Step] = []
@@ -153,7 +153,7 @@ def expected(steps: Iterable[Step], cache: Cache) -> list[Task]:
         takes, compiling = step.inputs, f"code of {step.kind}"
         if seconds:
             code = Task(
-                name=compiling, kind=compiling, takes=step.ahead_takes, seconds=machine * seconds, compiles=True
+                name=compiling, kind=compiling, takes=step.prepare_takes, seconds=machine * seconds, compiles=True
             )
             tasks.setdefault(compiling, code)
             takes = (*takes, compiling)
@@ -163,7 +163,7 @@ def expected(steps: Iterable[Step], cache: Cache) -> list[Task]:
 
 
 def _like(step: Step, cache: Cache, contents: Mapping[str, str]) -> Entry | None:
-    """For a step whose spec follows from results: a stored one that took the same."""
+    """For a step without a spec: a stored result that was built from the same inputs."""
     if step.spec is not None:
         return None
     took = step.received(contents.__getitem__)
@@ -171,7 +171,7 @@ def _like(step: Step, cache: Cache, contents: Mapping[str, str]) -> Entry | None
 
 
 def _factor(cache: Cache, kind: str) -> float | None:
-    """Seconds that steps of a kind took on this machine, over their own estimates; None if none is stored."""
+    """Ratio of the actual time of steps of a kind on this machine to their estimates; None if none is stored."""
     found = [
         entry.facts["seconds"] / entry.facts["estimate"]
         for entry in _newest(cache, kind)

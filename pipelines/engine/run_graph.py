@@ -1,4 +1,4 @@
-"""Run a graph of steps: take what the cache holds, build the rest, long independent steps side by side."""
+"""Run of a graph of steps: use stored results, and build the others, long independent steps in parallel processes."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ from pipelines.engine.step import Graph, Step, StepRecord, seconds_to_the_end, s
 from pipelines.io.errors import WorkError
 
 _LOG = logging.getLogger(__name__)
-_HELD_BYTES = 16e6  # a larger result is not held in memory: who needs it reads it from the cache
+_HELD_BYTES = 16e6  # a larger result is not kept in memory, but read from the cache when it is needed
 
 Ready = list[tuple[Step, str]]  # steps that can be built, with their keys
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """All steps of a run by name."""
+    """Results of all steps of a run by name."""
 
     results: Mapping[str, Result]
 
     def value(self, name: str) -> Any:
-        """What the step returned."""
+        """Result of a step."""
         return self.results[name].load()
 
     @property
@@ -43,7 +43,7 @@ class Outcome:
         return tuple(result.record for result in self.results.values())
 
     def ledger(self) -> dict[str, int]:
-        """Counts of all steps, each distinct result counted once, reused or not."""
+        """Counts of all steps, reused or not; equal results are counted once."""
         total: dict[str, int] = {}
         for record in {r.key: r for r in self.records}.values():
             for name, count in record.ledger.items():
@@ -54,33 +54,33 @@ class Outcome:
 def run_graph(
     graph: Graph,
     cache: Cache,
-    wanted: Iterable[str],
+    requested: Iterable[str],
     *,
     on_event: Callable[[Event], None] = lambda event: None,
     processes: int | None = None,
     known: Mapping[str, Result] | None = None,
 ) -> Outcome:
-    """Build or reuse steps and what they take.
+    """Build or reuse steps and their inputs.
 
     Parameters
     ----------
-    graph, cache : the steps, and where their results are stored
-    wanted : names of the steps
-    on_event : called with what happens to every step
-    processes : long steps built at the same time; default 2, or 1 on a single core
-    known : results of steps of this graph that are at hand
+    graph, cache : the steps, and the cache of their results
+    requested : names of the steps
+    on_event : called with the events of all steps
+    processes : number of long steps that are built at the same time; default 2, or 1 on a single core
+    known : results of steps of this graph that are in memory
 
     Raises
     ------
-    whatever a step raises, with the step's name added; WorkError if a process ends without an answer. Finished steps
-    stay in the cache. A short step that fails while long ones are at work does not stop those.
+    any error of a step, with the name of the step added; WorkError if a process ends without a result. Finished steps
+    stay in the cache. If a short step fails while long ones are being built, those are finished first.
     """
-    return _Run(graph, cache, set(wanted), on_event, process_count(processes), known or {}).outcome()
+    return _Run(graph, cache, set(requested), on_event, process_count(processes), known or {}).outcome()
 
 
 @dataclass(frozen=True, kw_only=True)
 class Work:
-    """`processes` long steps are built side by side (None: 2, or 1 on a single core); `progress` is called for each."""
+    """Executor of graphs: number of `processes` (see `run_graph`), progress output unless `quiet`, callback, cache."""
 
     processes: int | None = None
     quiet: bool = True
@@ -88,12 +88,15 @@ class Work:
     cache: Cache = field(default_factory=Cache)
 
     def build(
-        self, graph: Graph, wanted: Iterable[str], on_result: Callable[[Step, Result], None] = lambda step, result: None
+        self,
+        graph: Graph,
+        requested: Iterable[str],
+        on_result: Callable[[Step, Result], None] = lambda step, result: None,
     ) -> Outcome:
-        """Some steps and what they take, from the cache or built; `on_result` is called with each of them."""
-        wanted = tuple(wanted)
+        """Build or reuse steps and their inputs; `on_result` is called with each of them."""
+        requested = tuple(requested)
         processes = process_count(self.processes)
-        steps = graph.needed(wanted)
+        steps = graph.needed(requested)
         with reported_steps(steps, self.cache, processes, quiet=self.quiet, on_progress=self.progress) as report:
 
             def on_event(event: Event) -> None:
@@ -101,68 +104,71 @@ class Work:
                 if event.result is not None:
                     on_result(event.step, event.result)
 
-            return run_graph(steps, self.cache, wanted, on_event=on_event, processes=processes)
+            return run_graph(steps, self.cache, requested, on_event=on_event, processes=processes)
 
 
 class _Run:
-    """The state of a run: the results so far, and what is at work.
+    """State of a run: the results so far, and the steps that are being built.
 
-    Long steps are built in child processes (`_away`) where two of them can be, one short step in a thread at the same
-    time (`_beside`), and all others here.
+    Long steps are built in child processes (`_in_children`) if two can run at the same time. One short step at a time
+    is built in a thread (`_in_thread`) at the same time, also next to another short one. All others are built in the
+    main thread.
     """
 
     def __init__(
         self,
         graph: Graph,
         cache: Cache,
-        wanted: set[str],
+        requested: set[str],
         on_event: Callable[[Event], None],
         processes: int,
         known: Mapping[str, Result],
     ) -> None:
-        self._graph, self._cache, self._wanted, self._on_event = graph.needed(wanted), cache, wanted, on_event
+        self._graph, self._cache, self._requested, self._on_event = graph.needed(requested), cache, requested, on_event
         self._processes = processes
         self._results = {name: result for name, result in known.items() if name in self._graph.steps}
         self._errors: list[Exception] = []
         self._verified: set[str] = set()
-        # what the most must wait for starts first
+        # the step with the longest chain of waiting steps starts first
         self._urgency = seconds_to_the_end((step.name, step.seconds, step.inputs) for step in self._graph)
         self._awaited = self._graph.needed(step.name for step in self._graph if step.seconds >= LONG_SECONDS).steps
-        self._prepared: dict[str, Future] = {}  # by step: its own work ahead of its turn
-        self._away: dict[str, str] = {}  # keys of the steps in children, by name
-        self._beside: dict[str, str] = {}  # key of the short step in a thread, by name
+        self._prepared: dict[str, Future] = {}  # by step: its preparation
+        self._in_children: dict[str, str] = {}  # keys of the steps in child processes, by name
+        self._in_thread: dict[str, str] = {}  # key of the short step in a thread, by name
         self._events: queue.SimpleQueue[tuple[Step, Future | float]] = queue.SimpleQueue()
 
     def outcome(self) -> Outcome:
-        """Build everything; the results in the order of the graph."""
+        """Build everything; results in the order of the graph."""
         with one_thread(), Processes(self._processes) as children:
             while any(name not in self._results for name in self._graph.steps):
-                while not self._events.empty() or (self._beside and not self._away):
+                while not self._events.empty():
                     self._take_event()
-                ready = [(step, key) for step, key in self._reuse() if key not in self._away.values()]
+                at_work = {*self._in_children.values(), *self._in_thread.values()}
+                ready = [(step, key) for step, key in self._reuse() if key not in at_work]
                 if self._drop_damaged(ready):
                     continue
-                ready = self._send_away(ready, children)
-                if self._away:
+                ready = self._start_in_children(ready, children)
+                if self._in_children:
                     self._prepare()
-                    ready = self._start_beside(ready)
+                if self._in_children or (len(ready) > 1 and self._processes > 1):
+                    ready = self._start_in_thread(ready)
                 if ready:
                     self._build(*ready[0], children)
-                elif self._away:
+                elif self._in_children or self._in_thread:
                     for step in self._graph:
                         if step.name not in self._results and step.inputs:
-                            step.load()  # while the children work
+                            step.load()  # import modules while the child processes build
                     self._take_event()
         if self._errors:
             raise self._errors[0]
         return Outcome({name: self._results[name] for name in self._graph.steps})
 
     def _reuse(self) -> Ready:
-        """Move steps that need no work into the results; those that are ready to be built.
+        """Add known and stored results; the steps that can be built now.
 
-        Only the steps of `run_graph` are verified to the last byte now, the rest when it is read.
+        The files of requested steps are verified now, those of other steps before they are read.
         """
-        ready, at_work = [], self._away.keys() | self._beside.keys()
+        ready, at_work = [], self._in_children.keys() | self._in_thread.keys()
         for step in self._graph:
             if (
                 step.name in self._results
@@ -173,7 +179,7 @@ class _Run:
             contents = {name: self._results[name].record.content for name in step.inputs}
             key = step.key(contents)
             same = next((result for result in self._results.values() if result.record.key == key), None)
-            entry = None if same else stored(step, self._cache, contents, thorough=step.name in self._wanted)
+            entry = None if same else stored(step, self._cache, contents, thorough=step.name in self._requested)
             if same is not None:
                 self._keep(step, replace(same, record=replace(same.record, name=step.name, reused=True)))
             elif entry is not None:
@@ -183,7 +189,7 @@ class _Run:
         return ready
 
     def _drop_damaged(self, ready: Ready) -> bool:
-        """Verify stored results before steps read them; True if one was damaged and must be built again."""
+        """Verify stored results before steps read them; True if one is damaged and must be built again."""
         dropped = False
         for name in dict.fromkeys(name for step, _ in ready for name in step.inputs if name not in self._verified):
             record, entry = self._results[name].record, self._results[name].entry
@@ -194,16 +200,16 @@ class _Run:
                 self._verified.add(name)
         return dropped
 
-    def _send_away(self, ready: Ready, children: Processes) -> Ready:
-        """Give long steps to children if two can be at work at the same time; the others are built here."""
+    def _start_in_children(self, ready: Ready, children: Processes) -> Ready:
+        """Start long steps in child processes if two can run at the same time; the steps to build here."""
         long = [(step, key) for step, key in ready if step.seconds >= LONG_SECONDS]
-        alone = len({key for _, key in long}) < 2 and not (long and self._away)
+        alone = len({key for _, key in long}) < 2 and not (long and self._in_children)
         if self._processes < 2 or alone:
             return ready
         for step, key in sorted(long, key=lambda one: -self._urgency[one[0].name]):
-            if len(self._away) < self._processes and key not in self._away.values():
+            if len(self._in_children) < self._processes and key not in self._in_children.values():
                 self._on_event(Event(step))
-                self._away[step.name] = key
+                self._in_children[step.name] = key
                 upstream = {name: result.stored() for name, result in self._upstream(step).items()}
                 job = pickle.dumps((step, key, upstream, self._cache.folder))
                 put = functools.partial(self._put, step)
@@ -211,30 +217,34 @@ class _Run:
         return [(step, key) for step, key in ready if step.seconds < LONG_SECONDS]
 
     def _prepare(self) -> None:
-        """Begin what steps can do before their turn: compiling takes longer than most steps."""
+        """Start the preparation of steps, as compiling takes longer than most steps."""
         for step in self._graph:
             waiting = step.name not in {*self._results, *self._prepared}
-            if step.ahead and waiting and self._results.keys() >= {*step.ahead_takes}:
-                taken = [self._results[name] for name in step.ahead_takes]
-                self._prepared[step.name] = in_thread(_work_ahead, step, taken)
+            if step.prepare and waiting and self._results.keys() >= {*step.prepare_takes}:
+                taken = [self._results[name] for name in step.prepare_takes]
+                self._prepared[step.name] = in_thread(_run_preparation, step, taken)
 
-    def _start_beside(self, ready: Ready) -> Ready:
-        """Build one short step that no long one waits for in a thread; those that long ones wait for."""
+    def _start_in_thread(self, ready: Ready) -> Ready:
+        """Start one short step in a thread if no long step waits for it; the steps that are left for the main thread.
+
+        These are the ones for which long steps wait and, with no child at work, all others.
+        """
         spare = [(step, key) for step, key in ready if step.name not in self._awaited]
-        if spare and not self._beside:
+        if spare and not self._in_thread:
             step, key = spare[0]
             self._on_event(Event(step))
-            self._beside[step.name] = key
+            self._in_thread[step.name] = key
             made = in_thread(build_here, step, key, self._upstream(step), self._cache)
             made.add_done_callback(functools.partial(self._put, step))
-        return [(step, key) for step, key in ready if step.name in self._awaited]
+        at_work = self._in_thread.values()
+        return [one for one in ready if one[0].name in self._awaited or not (self._in_children or one[1] in at_work)]
 
     def _build(self, step: Step, key: str, children: Processes) -> None:
         """Build a step in this thread."""
         self._on_event(Event(step))
         if step.name in self._prepared:
             wait([self._prepared[step.name]])
-        started = {*self._results, *self._away, step.name}
+        started = {*self._results, *self._in_children, step.name}
         if not any(other.seconds >= LONG_SECONDS for other in self._graph if other.name not in started):
             children.end_idle()
         with listening(lambda share: self._on_event(Event(step, share))):
@@ -245,13 +255,13 @@ class _Run:
         self._events.put((step, event))
 
     def _take_event(self) -> None:
-        """The share, the result or the error of a step that is built elsewhere."""
+        """Process the share, result or error of a step in a child process or thread."""
         step, event = self._next_event()
         if isinstance(event, float):
             self._on_event(Event(step, event))
             return
-        child = self._away.pop(step.name, None)
-        self._beside.pop(step.name, None)
+        child = self._in_children.pop(step.name, None)
+        self._in_thread.pop(step.name, None)
         try:
             self._keep(step, event.result())
         except ProcessEnded as ended:
@@ -265,7 +275,7 @@ class _Run:
             self._graph = self._graph.without(step.name)
 
     def _next_event(self) -> tuple[Step, Future | float]:
-        """The next event; the wait is cut, so that an interrupt is noticed on every system."""
+        """The next event. The wait has a timeout, since an interrupt would not end it on some systems."""
         while True:
             with contextlib.suppress(queue.Empty):
                 return self._events.get(timeout=1.0)
@@ -279,17 +289,17 @@ class _Run:
         return {name: self._results[name] for name in step.inputs}
 
 
-def _work_ahead(step: Step, taken: list[Result]) -> None:
-    """What a step can do before its turn."""
-    assert step.ahead is not None
+def _run_preparation(step: Step, taken: list[Result]) -> None:
+    """Run the preparation of a step."""
+    assert step.prepare is not None
     try:
-        step.ahead(step.spec, *(result.load() for result in taken))
-    except Exception as error:  # the build itself says what is wrong
+        step.prepare(step.spec, *(result.load() for result in taken))
+    except Exception as error:  # the build raises the same error
         _LOG.debug("step %s, preparation failed: %s", step.name, error)
 
 
 def _build_in_child(job: bytes) -> Result:
-    """Build the step of a job; what cannot be imported for it is an error like any other."""
+    """Build the step of a job in a child process; a failing import is raised as a WorkError."""
     try:
         step, key, upstream, cache_folder = pickle.loads(job)
     except ImportError as error:
@@ -311,5 +321,5 @@ def _lost(step: Step, code: int) -> WorkError:
 
 
 def process_count(processes: int | None) -> int:
-    """Number of long steps that are built at the same time: as given, else 2, or 1 on a single core."""
+    """Number of long steps that are built at the same time: as given, or 2, or 1 on a single core."""
     return min(2, os.cpu_count() or 1) if processes is None else processes

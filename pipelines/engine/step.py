@@ -1,9 +1,8 @@
-"""Steps: what a run consists of, and the keys under which their results are kept.
+"""Steps, the parts of a computation, and the keys of their stored results.
 
-A step is a function, the part of the plant it reads (handed to it as `spec`, so it cannot read more), and the steps
-whose results it takes, by the names of its parameters. Its key is the hash of the spec, of the CONTENT of what it
-takes, of its code and of the libraries it names. An upstream step that was built again with the same content changes
-nothing downstream.
+A step is a function with its `spec`, the only part of the machine model that it can read, and the steps whose results
+are its inputs, by the names of its parameters. Its key is the digest of the spec, of the content of the inputs, of its
+code and of the libraries it names. If an input is built again with the same content, the key stays the same.
 """
 
 from __future__ import annotations
@@ -38,10 +37,10 @@ class Step:
     """One step of a run: ``build(spec, **results of takes)``.
 
     `kind` names the cache entries; steps of one kind with equal inputs share one entry. `build` is a function of a
-    module (not a lambda); what it counts (`fem.storage.ledger`) is kept with the result. `takes` are the names of other
-    steps by the parameters of `build` that receive their results; several names give a list. `seconds` is what it is
-    expected to take: long steps that do not wait for each other run side by side. `reads` are functions of a module
-    that take from a large result what the build needs.
+    module (not a lambda); its counts (`fem.storage.ledger`) are stored with the result. `takes` maps parameters of
+    `build` to the names of the steps whose results they receive; several names give a list. `seconds` is the expected
+    time; long steps that are independent run in parallel. `reads` maps parameters to functions of a module that
+    extract from a large result what `build` needs.
     """
 
     name: str
@@ -49,23 +48,23 @@ class Step:
     build: Callable[..., Any]
     spec: Any = None
     takes: Mapping[str, str | Sequence[str]] = field(default_factory=dict)
-    modules: tuple[str, ...] = ()  # further modules whose code counts, beyond what `build` imports
+    modules: tuple[str, ...] = ()  # further modules on whose code the result depends; those that `build` imports do too
     libraries: tuple[str, ...] = ("numpy",)
     seconds: float = 0.1
-    streams: bool = False  # `build` takes a `folder` for arrays too large for memory; None where none can be written
+    streams: bool = False  # `build` takes a `folder` for arrays too large for memory; None if none can be written
     reads: Mapping[str, Callable[[Any], Any]] = field(default_factory=dict)  # by parameter
-    enough: str = ""  # a number in `spec`: a stored result with a larger one holds all that is asked, and serves
-    ahead: Callable[..., None] | None = None  # ``ahead(spec, *results)``, while others are built elsewhere
-    ahead_takes: tuple[str, ...] = ()
-    compiles: Mapping[str, float] = field(default_factory=dict)  # s to compile, by the beginning of stored code's name
+    enough: str = ""  # a number in `spec`; a stored result for a larger number can also be used
+    prepare: Callable[..., None] | None = None  # ``prepare(spec, *results)``, called while other steps are built
+    prepare_takes: tuple[str, ...] = ()
+    compiles: Mapping[str, float] = field(default_factory=dict)  # s to compile, by prefix of the name of stored code
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """Names of all steps whose results it takes."""
+        """Names of all steps whose results are inputs."""
         return _each(self.takes)
 
     def received(self, value: Callable[[str], Any]) -> dict[str, Any]:
-        """What the parameters of `build` receive; `value` gives the result of a step by its name."""
+        """Arguments of `build`; `value` returns the result of a step by its name."""
         return {
             key: value(names) if isinstance(names, str) else list(map(value, names))
             for key, names in self.takes.items()
@@ -73,17 +72,17 @@ class Step:
 
     @property
     def code(self) -> str:
-        """Version of the code: that of the build, of the modules it names, and of the classes in the spec."""
+        """Version of the code of the build, of the modules it names, and of the classes in the spec."""
         return code_version(self.build.__module__, *self.modules, *sorted(class_modules(self.spec)))
 
     def load(self) -> str:
-        """Import the modules that it names and read its code, ahead of the build; the version of the code."""
+        """Import the modules that it names before the build; the version of the code."""
         for module in self.modules:
             importlib.import_module(module)
         return self.code
 
     def facts(self, contents: Mapping[str, str]) -> dict[str, Any]:
-        """Everything the result depends on, in a form that can be compared; `contents` are digests by step name."""
+        """Everything that determines the result, in comparable form; `contents` are digests by step name."""
         return {**self._inputs(contents), "fields": flat(self.spec)}
 
     def _inputs(self, contents: Mapping[str, str]) -> dict[str, Any]:
@@ -96,15 +95,15 @@ class Step:
         }
 
     def key(self, contents: Mapping[str, str]) -> str:
-        """SHA-256 of what the result depends on."""
+        """SHA-256 digest of everything that determines the result."""
         return hashlib.sha256(json.dumps(self._inputs(contents), sort_keys=True).encode()).hexdigest()
 
 
 @dataclass(frozen=True)
 class Unkept:
-    """What a step returns instead of a value that is not to be stored.
+    """Result of a step that must not be stored.
 
-    It lacks something that another attempt may have, a picture for want of memory say.
+    It is incomplete in a way that another attempt may avoid, as a picture that was not rendered for lack of memory.
     """
 
     value: Any
@@ -112,9 +111,9 @@ class Unkept:
 
 @dataclass(frozen=True, kw_only=True)
 class StepRecord:
-    """What happened to a step in a run. Seconds, memory and ledger are those of the time it was built.
+    """Record of a step in a run. Seconds, memory and ledger are those of its build, also if the result was reused.
 
-    `libraries` are the versions of those that its result depends on.
+    `libraries` are the versions of the libraries on which its result depends.
     """
 
     name: str
@@ -130,18 +129,18 @@ class StepRecord:
 
 @dataclass(frozen=True)
 class StepStatus:
-    """What would happen to a step: "reuse", "build", or "follow" (decided by the content of what it waits for)."""
+    """Expected action for a step: "reuse", "build", or "follow", which depends on the content of its inputs."""
 
     name: str
     action: str
     reason: str
-    first: bool = False  # nothing is stored that it could be compared with
+    first: bool = False  # no stored result to compare with
 
 
 class Graph:
-    """Steps in an order in which each one stands after those it takes.
+    """Steps in an order in which each follows its inputs.
 
-    Raises ValueError for a repeated name or a step that takes what does not stand before it.
+    Raises ValueError if a name is repeated or a step precedes one of its inputs.
     """
 
     def __init__(self, steps: Iterable[Step]) -> None:
@@ -156,9 +155,9 @@ class Graph:
     def __iter__(self) -> Iterator[Step]:
         return iter(self.steps.values())
 
-    def needed(self, wanted: Iterable[str]) -> Graph:
-        """The graph cut down to the wanted steps and what they take, directly or not."""
-        keep, waiting = set(), list(wanted)
+    def needed(self, requested: Iterable[str]) -> Graph:
+        """The graph of the requested steps and all their direct and indirect inputs."""
+        keep, waiting = set(), list(requested)
         while waiting:
             name = waiting.pop()
             if name not in keep:
@@ -167,7 +166,7 @@ class Graph:
         return Graph(step for step in self if step.name in keep)
 
     def without(self, name: str) -> Graph:
-        """The graph without a step and those that take it, directly or not."""
+        """The graph without a step and all steps that depend on it."""
         dropped = {name}
         for step in self:
             if not dropped.isdisjoint(step.inputs):
@@ -176,11 +175,11 @@ class Graph:
 
 
 def seconds_to_the_end(tasks: Iterable[tuple[str, float, Sequence[str]]]) -> dict[str, float]:
-    """Seconds of every task with the longest chain of those that wait for it.
+    """Seconds of each task with the longest chain of tasks that wait for it.
 
     Parameters
     ----------
-    tasks : name, seconds, and names of the tasks that it waits for, which come before it
+    tasks : name, seconds, and names of the tasks for which it waits, which precede it
     """
     chain: dict[str, float] = {}
     behind: dict[str, float] = {}
@@ -191,13 +190,13 @@ def seconds_to_the_end(tasks: Iterable[tuple[str, float, Sequence[str]]]) -> dic
 
 
 def stored(step: Step, cache: Cache, contents: Mapping[str, str], *, thorough: bool) -> Entry | None:
-    """The entry that serves a step: its own, or that with the next larger number where more is `enough`.
+    """The stored entry for a step: with its key, or with the next larger number if the step allows it by `enough`.
 
     Parameters
     ----------
-    step, cache : the step, and where results are stored
-    contents : digests of the results by the names of the steps that it takes
-    thorough : verify the checksums of all files, as it must be before they are read
+    step, cache : the step, and the cache of results
+    contents : digests of the inputs by the names of their steps
+    thorough : verify the checksums of all files, as is necessary before they are read
     """
     found = cache.find(step.kind, step.key(contents), thorough=thorough)
     if found is not None and not whole(found):
@@ -206,23 +205,23 @@ def stored(step: Step, cache: Cache, contents: Mapping[str, str], *, thorough: b
     if found is not None or not step.enough:
         return found
     facts = step.facts(contents)
-    wanted = facts["fields"][step.enough]
+    requested = facts["fields"][step.enough]
     serving = []
     for entry in filter(whole, cache.entries(step.kind)):
         given = entry.facts["fields"].get(step.enough)
         same = all(entry.facts[name] == facts[name] for name in ("takes", "code", "libraries"))
-        others = {**entry.facts["fields"], step.enough: wanted}
-        if same and others == facts["fields"] and isinstance(given, int | float) and given > wanted:
+        others = {**entry.facts["fields"], step.enough: requested}
+        if same and others == facts["fields"] and isinstance(given, int | float) and given > requested:
             serving.append((given, entry.facts["key"]))
     return cache.find(step.kind, min(serving)[1], thorough=thorough) if serving else None
 
 
 def stored_contents(steps: Iterable[Step], cache: Cache, known: Mapping[str, str]) -> tuple[dict[str, str], list[Step]]:
-    """Digests of the results that are known or stored, by name; and the steps of the others that could be built now.
+    """Digests by name of the results that are known or stored, and the missing steps that could be built now.
 
     Parameters
     ----------
-    steps, cache : each step after those it takes, and where results are stored
+    steps, cache : each step after its inputs, and the cache of results
     known : digests by name
     """
     contents, missing = dict(known), []
@@ -237,7 +236,7 @@ def stored_contents(steps: Iterable[Step], cache: Cache, known: Mapping[str, str
 
 
 def explain(graph: Graph, cache: Cache) -> list[StepStatus]:
-    """What a run of the graph would reuse and build, and why; builds nothing."""
+    """For each step whether a run would reuse or build it, and why; nothing is built."""
     contents: dict[str, str] = {}
     out = []
     planned: dict[str, str] = {}
@@ -265,16 +264,16 @@ def explain(graph: Graph, cache: Cache) -> list[StepStatus]:
 
 
 def _own_changes(step: Step, cache: Cache, contents: Mapping[str, str]) -> list[str] | None:
-    """Differences to the nearest entry in all but the results that are not known yet; None without one."""
+    """Differences to the nearest entry, except in results that are not known yet; None without such an entry."""
     known = {name: contents.get(name, "") for name in step.inputs}
     differences = _nearest(step, cache, step.facts(known))
     return None if differences is None else [d for d in differences if not d.startswith("another")]
 
 
 def _nearest(step: Step, cache: Cache, facts: Mapping[str, Any]) -> list[str] | None:
-    """Differences to the entry with the fewest; None without entries of inputs like these.
+    """Differences to the entry with the fewest; None without entries with the same kinds of inputs.
 
-    Of equals, one that was built for a step of the same name comes first, then the newest.
+    Among equals, an entry of a step of the same name is preferred, then the newest.
     """
     ranked = [
         (len(found), entry.facts.get("step") != step.name, found)
@@ -285,7 +284,7 @@ def _nearest(step: Step, cache: Cache, facts: Mapping[str, Any]) -> list[str] | 
 
 
 def _differences(step: Step, entry: Entry, facts: Mapping[str, Any]) -> list[str] | None:
-    """What sets a step apart from a stored one; None if that took other steps or belongs to another scene."""
+    """Differences between a step and a stored one; None if that has other inputs or belongs to another scene."""
     old = entry.facts
     before, after = old["fields"], facts["fields"]
     changed = [
@@ -307,24 +306,24 @@ def _differences(step: Step, entry: Entry, facts: Mapping[str, Any]) -> list[str
 
 
 def _each(taken: Mapping[str, str | Sequence[str]]) -> tuple[str, ...]:
-    """Names or digests, one after the other."""
+    """Names or digests in one sequence."""
     return tuple(one for ones in taken.values() for one in ([ones] if isinstance(ones, str) else ones))
 
 
 def _comparable(values: int) -> int:
-    """How many of so many values may differ in a variant of one scene; with more it is another scene."""
+    """Number of values that may differ between variants of one scene; with more, an entry is of another scene."""
     return max(3, min(10, values // 4))
 
 
 def whole(entry: Entry) -> bool:
-    """True if an entry has the facts of a step; others were not stored by one."""
+    """True if an entry has the facts of a step; other entries were not stored by a step."""
     facts = entry.facts
     typed = all(isinstance(facts.get(name), kind) for name, kind in _FACTS.items())
     return typed and all(isinstance(count, int) for count in facts["ledger"].values())
 
 
 def _change(before: Mapping[str, Any], after: Mapping[str, Any], path: str) -> str:
-    """The values of a field, before and after, in six digits where these tell them apart."""
+    """The values of a field before and after, with six digits if that is enough to distinguish them."""
     short = [_shown(fields, path, _rounded) for fields in (before, after)]
     was, now = short if short[0] != short[1] else [_shown(fields, path) for fields in (before, after)]
     return f"{was} -> {now}"

@@ -1,7 +1,7 @@
-"""Save, load and fingerprint what a step returns: records, datasets, arrays, text, and trees of them.
+"""Storage and digests of results of steps: records, datasets, arrays, text, and trees of them.
 
-A tree of dicts, lists, tuples and frozen dataclasses may hold records (`fem.storage.records.Record`), xarray datasets,
-numpy arrays, text, bytes, numbers, booleans and None. What is loaded has the same bits as what was saved.
+A tree of dicts, lists, tuples and frozen dataclasses may contain records (`fem.storage.records.Record`), xarray
+datasets, NumPy arrays, text, bytes, numbers, booleans and None. A loaded value is bitwise equal to the saved one.
 """
 
 from __future__ import annotations
@@ -27,47 +27,47 @@ from pipelines.engine.code_version import OWN_PACKAGES
 
 CONTENTS = "contents.json"  # the table of contents of a stored value: a tree of nodes
 DEPTH = 50
-SHORT = 100  # numbers of an array that are compared one by one
+SHORT = 100  # longest array whose elements are compared one by one
 _FILE = re.compile(r"part_\d+\.[a-z0-9]+")
 _TYPE = re.compile(r"([A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*):([A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*)")
 
 
 class ContentsError(ValueError):
-    """A table of contents is not one that a step wrote."""
+    """The table of contents is not one that a step wrote."""
 
 
 class StorageError(TypeError):
-    """A value is of a kind that cannot be stored."""
+    """A value of this type cannot be stored."""
 
 
 def save_value(folder: Path, value: Any) -> None:
-    """Write `value` into the empty folder."""
+    """Write `value` into an empty folder."""
     files = _Files(folder)
     node = files.save(value)
     (folder / CONTENTS).write_text(json.dumps(node), encoding="utf-8")
 
 
 def load_value(folder: Path) -> Any:
-    """Read what `save_value` wrote.
+    """Read a value of `save_value`.
 
     Raises
     ------
-    OSError, ValueError : a file is missing or not what it should be
+    OSError, ValueError : a file is missing or damaged
     """
     return reader(folder)()
 
 
 def reader(folder: Path) -> Callable[[], Any]:
-    """A function that reads what `save_value` wrote; all of the table of contents is checked before.
+    """A function that reads a value of `save_value`; the whole table of contents is checked first.
 
-    The table may be damaged or made up: nested too deep, of wrong types, naming a file elsewhere or a class of another
-    program. Nothing outside our packages is imported for it; records of a user's own program are known if that program
-    has imported them.
+    A damaged or manipulated table may be nested too deep, have wrong types, or name a file in another folder or a class
+    of another program. Only modules of this program are imported for it; records of a user's program can be read if
+    that program has imported them.
 
     Raises
     ------
-    ContentsError : it is not what it should be
-    OSError : it cannot be read
+    ContentsError : the table of contents is not valid
+    OSError : the table cannot be read
     """
     try:
         node = json.loads((folder / CONTENTS).read_text(encoding="utf-8"))
@@ -77,13 +77,12 @@ def reader(folder: Path) -> Callable[[], Any]:
 
 
 def digest(value: Any) -> str:
-    """SHA-256 of the content of a value, independent of how it is stored."""
+    """SHA-256 digest of the content of a value, which does not depend on how it is stored."""
     return hashlib.sha256(json.dumps(_fingerprint(value), sort_keys=True).encode()).hexdigest()
 
 
 def flat(value: Any, path: str = "") -> dict[str, Any]:
-    """The plain leaves of a value by dotted path, but records and large arrays by their digest; items of lists are
-    counted from 1."""
+    """The leaves of a value by dotted path, with digests for records and large arrays; items of lists count from 1."""
     if isinstance(value, np.ndarray) and value.ndim == 1 and value.size <= SHORT and np.isfinite(value).all():
         value = value.tolist()
     if isinstance(value, Record) or _is_dataset(value) or isinstance(value, np.ndarray | bytes):
@@ -103,7 +102,7 @@ def flat(value: Any, path: str = "") -> dict[str, Any]:
 
 
 def class_modules(value: Any) -> set[str]:
-    """Modules of the classes of ours in a value: a spec with a rope in it hangs on the code of the rope."""
+    """Modules of the classes of this program in a value, since the result depends on their code."""
     found: set[str] = set()
     parts: Iterable[Any] = ()
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
@@ -125,7 +124,7 @@ class _Files:
         return self.folder / f"part_{self.count}{suffix}"
 
     def linked(self, source: Path) -> str:
-        """Take a file in by a second name, or a copy where the file system knows no second names; its name here."""
+        """Add a file by a hard link, or by a copy if the file system has no hard links; its new name."""
         path = self.path(source.suffix)
         try:
             os.link(source, path)
@@ -134,7 +133,7 @@ class _Files:
         return path.name
 
     def save(self, value: Any) -> Any:
-        """Write the parts of `value` to files; the node that describes them."""
+        """Write the parts of `value` to files; the node that describes the value."""
         if isinstance(value, Record):
             path = self.path(".h5")
             arrays = {name: self.linked(array.path) for name, array in value.stored_arrays().items()}
@@ -169,7 +168,7 @@ class _Files:
 
 
 def _reader(folder: Path, node: Any, depth: int) -> Callable[[], Any]:
-    """The reader of a node; it names nothing but parts of the folder and classes that can be stored."""
+    """The function that reads a node. A node can name only parts of the folder and classes that can be stored."""
     if depth > DEPTH:
         raise ContentsError(f"{CONTENTS} is nested more than {DEPTH} deep")
     match _table(node).get("kind"):
@@ -210,7 +209,7 @@ def _load_dataset(path: Path) -> Any:
     return xarray.load_dataset(path, engine="h5netcdf")
 
 
-_FILES: dict[str, Callable[[Path], Any]] = {  # readers of what is one file, by kind
+_FILES: dict[str, Callable[[Path], Any]] = {  # functions that read a single file, by kind
     "dataset": _load_dataset,
     "array": functools.partial(np.load, allow_pickle=False),
     "text": lambda path: path.read_bytes().decode(),
@@ -219,7 +218,7 @@ _FILES: dict[str, Callable[[Path], Any]] = {  # readers of what is one file, by 
 
 
 def _file(folder: Path, given: Any) -> Path:
-    """A file that a node names: a part in this folder."""
+    """The file in this folder that a node names."""
     name = _text(given)
     if not _FILE.fullmatch(name):
         raise ContentsError(f"{name[:80]!r} is not the name of a part")
@@ -246,11 +245,11 @@ def type_name(value: Any) -> str:
 
 
 def stored_class(name: str, *, record: bool) -> Any:
-    """The class of this name: a record, or (not `record`) a frozen dataclass of our packages.
+    """The class of a name: a record, or (not `record`) a frozen dataclass of this program.
 
     Raises
     ------
-    ContentsError : there is none
+    ContentsError : there is no such class
     """
     match = _TYPE.fullmatch(name)
     if match is None:

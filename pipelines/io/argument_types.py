@@ -1,4 +1,4 @@
-"""Values of command line arguments; ArgumentTypeError says what is wrong with one."""
+"""Types of command line arguments; an ArgumentTypeError explains why a value is not allowed."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import argparse
 import math
 from typing import TypeVar
 
-MOST = 1000  # of anything that is counted
+MOST = 1000  # upper bound of all counts
 T = TypeVar("T")
 
 
 def _accepted(value: T, accepted: bool, words: str) -> T:
-    """The value; ArgumentTypeError with what is wrong if it is not accepted."""
+    """The value, or ArgumentTypeError with `words` if it is not accepted."""
     if not accepted:
         raise argparse.ArgumentTypeError(words)
     return value
@@ -54,7 +54,7 @@ def number(text: str) -> float:
 
 
 def _read(text: str) -> float:
-    """The number of a text, NaN if it is none."""
+    """The number of a text; NaN if it is not a number."""
     try:
         return float(text)
     except ValueError:
@@ -75,7 +75,7 @@ def tilt(text: str) -> float | str:
 
 
 def picture(text: str) -> str:
-    """The file of a picture; without an ending it gets .png."""
+    """The file name of a picture; .png is added to a name without suffix."""
     path(text)
     suffix = text.rpartition(".")[2].lower() if "." in text.rpartition("/")[2] else ""
     words = f"{text!r} is not a picture format that can be written; end it in .png, .svg or .pdf"
@@ -83,12 +83,12 @@ def picture(text: str) -> str:
 
 
 def share(text: str) -> float:
-    """A share, as a number or in per cent."""
+    """A share, as a number or in percent."""
     return positive(text.removesuffix("%")) / 100 if text.endswith("%") else positive(text)
 
 
 def seconds(text: str) -> float:
-    """Seconds, with or without the letter s."""
+    """A time in seconds, with or without the letter s."""
     try:
         return positive(text.removesuffix("s"))
     except argparse.ArgumentTypeError:
@@ -107,7 +107,7 @@ def from_zero(text: str) -> float:
 
 
 def part(text: str) -> float:
-    """A share from 0 to below 1, as a number or in per cent."""
+    """A share from 0 to below 1, as a number or in percent."""
     value = number(text.removesuffix("%")) / 100 if text.endswith("%") else number(text)
     return _accepted(value, 0 <= value < 1, f"{text!r} is not a fraction from 0 to below 1")
 

@@ -1,4 +1,4 @@
-"""Errors that a command turns into one readable message and an exit code (2: the input, 1: the work)."""
+"""Errors for which a command prints one message and returns an exit code (2: the input, 1: the computation)."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ from pipelines.io.shown import MOST_LINES, shown
 
 
 class InputError(ValueError):
-    """Something the user gave cannot be used: a file, a folder, an option (exit code 2)."""
+    """A file, folder or option that the user gave cannot be used (exit code 2)."""
 
 
 class WorkError(RuntimeError):
-    """The input was fine, the work on it failed (exit code 1)."""
+    """The computation failed although the input is valid (exit code 1)."""
 
 
 class SceneWarning(UserWarning):
-    """A scene is computed otherwise than its files say, by what was set on top of them."""
+    """A scene is not computed as its files state, because of settings that override them."""
 
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing that is wrong in a scene: where, what, and what to do."""
+    """One error of a scene: its key, what is wrong, and what to do."""
 
     path: str  # "stages.1.face_width_mm"; "" for the scene as a whole
     message: str  # "must be greater than 0"
     remedy: str = ""  # "Give a number above 0."
-    shown: str | None = None  # the value as written, None where there is none
+    shown: str | None = None  # the value as written; None if there is none
 
     def __str__(self) -> str:
         """``path = value: message. Remedy.``"""
@@ -43,7 +43,7 @@ class Problem:
 
 
 def problem_of(path: str, line: str) -> Problem:
-    """What a part refuses in one line, at the path of its table; "key = value: ..." is a problem of that key."""
+    """The error of a part in one line as a problem of its table; "key = value: ..." is a problem of that key."""
     found = re.match(r'([a-z]\w*) = (".*?"|\S+): (.+)', line)
     if found is None:
         return Problem(path, line)
@@ -52,7 +52,7 @@ def problem_of(path: str, line: str) -> Problem:
 
 
 class SceneError(InputError):
-    """A scene is not valid. `problems` lists what was found, not only the first; `unlisted` counts the others."""
+    """A scene is not valid. `problems` are all that were found; `unlisted` is the number of further ones."""
 
     def __init__(self, source: str, problems: Sequence[Problem], unlisted: int = 0) -> None:
         self.source = source
@@ -71,11 +71,11 @@ class SceneError(InputError):
 
 
 class Problems(list[Problem]):
-    """Problems of a scene, collected while its parts are made; `refusals` are the errors by which parts refuse values.
+    """Problems of a scene, collected while its parts are made.
 
     Parameters
     ----------
-    *refusals : classes of errors
+    *refusals : classes of the errors that parts raise for a value that is not allowed
     """
 
     def __init__(self, *refusals: type[Exception]) -> None:
@@ -83,7 +83,7 @@ class Problems(list[Problem]):
         self._refusals = refusals
 
     def made(self, path: str, make: Callable[..., Any], *arguments: Any) -> Any:
-        """What a function makes of its arguments; None where it refuses, a problem of the table at a path."""
+        """Result of a function; None if it raises one of the errors, which becomes a problem of the table at a path."""
         try:
             return make(*arguments)
         except SceneError as error:
@@ -93,10 +93,10 @@ class Problems(list[Problem]):
         return None
 
     def each(self, path: str, makes: Iterable[Callable[[], Any]]) -> tuple[Any, ...]:
-        """What functions make, one for each table of a list at a path, without what is refused."""
+        """Results of functions, one for each table of a list at a path, without those that raise an error."""
         found = [self.made(f"{path}.{number}", make) for number, make in enumerate(makes, 1)]
         return tuple(one for one in found if one is not None)
 
     def error(self, source: str) -> SceneError:
-        """All problems of the scene called `source`, each once."""
+        """An error with all problems of the scene of name `source`."""
         return SceneError(source, list(dict.fromkeys(self)))

@@ -1,7 +1,7 @@
-"""Universal file format, dataset 58: functions over time as text, written block by block and read record by record.
+"""Universal file format, dataset 58: functions over time as text, written in blocks and read record by record.
 
-A dataset is framed by lines "    -1". Eleven records say what the function is, then its values follow in columns of
-fixed width: 13 characters in single, 20 in double precision. The step of the abscissa has six digits.
+A dataset is enclosed in lines "    -1". Eleven records describe the function. Its values follow in columns of fixed
+width: 13 characters in single, 20 in double precision. The step of the abscissa has six digits.
 
 References
 ----------
@@ -18,7 +18,7 @@ from typing import IO, Any
 import numpy as np
 
 TIME_RESPONSE = 1
-QUANTITIES = {8: "m", 11: "m/s", 12: "m/s2", 13: "N"}  # types of the ordinate that we write, with their units
+QUANTITIES = {8: "m", 11: "m/s", 12: "m/s2", 13: "N"}  # types of the ordinate that can be written, with their units
 _FRAME = "    -1"
 _SINGLE, _DOUBLE = "S13", "S20"
 _COLUMNS: dict[tuple[int, int], list[tuple[str, str]]] = {  # by type of the data and spacing of the abscissa
@@ -31,15 +31,15 @@ _PER_LINE = 4  # values in double precision
 
 
 class UniversalFileError(ValueError):
-    """The file is no universal file, or not all of one."""
+    """The file is not a universal file, or is incomplete."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Function:
-    """What a dataset 58 says of its function: the five lines of text, the point, and the axes.
+    """Description of a function in a dataset 58: the five lines of text, the point, and the axes.
 
-    `function` is its type, 1 for a time response; `direction` is 1, 2, 3 for +x, +y, +z, negative for the other way, 0
-    for a scalar; `quantity` is the type of the ordinate, 12 for an acceleration. Texts are "" where nothing is said.
+    `function` is its type, 1 for a time response. `direction` is 1, 2, 3 for +x, +y, +z, negative for the opposite
+    directions, 0 for a scalar. `quantity` is the type of the ordinate, 12 for an acceleration. Missing texts are "".
     """
 
     lines: tuple[str, ...]  # five
@@ -56,7 +56,7 @@ class Function:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Record:
-    """A function with its values (n,); `x` is the abscissa where it is not even."""
+    """A function with its values (n,); `x` is the abscissa if its step varies."""
 
     head: Function
     values: np.ndarray
@@ -64,7 +64,7 @@ class Record:
 
 
 def write_function(file: IO[str], head: Function, blocks: Iterable[np.ndarray]) -> None:
-    """Write a function in double precision; `blocks` are its values, in parts whose sizes are multiples of 4."""
+    """Write a function in double precision; `blocks` are its values, in arrays whose sizes are multiples of 4."""
     lines = (*head.lines, *[""] * (5 - len(head.lines)))
     file.write(f"{_FRAME}\n{58:6d}\n")
     file.writelines(f"{line[:80] or 'NONE':<80}\n" for line in lines)
@@ -82,11 +82,11 @@ def write_function(file: IO[str], head: Function, blocks: Iterable[np.ndarray]) 
 
 
 def read_functions(file: IO[str]) -> Iterator[Record]:
-    """All time responses of a file, in its order; datasets of other types are passed over.
+    """All time responses of a file in their order; datasets of other types are skipped.
 
     Raises
     ------
-    UniversalFileError : no universal file, binary or complex values, or the file ends within a dataset
+    UniversalFileError : not a universal file, binary or complex values, or the file ends within a dataset
     """
     lines = (line.rstrip() for line in file)
     for line in lines:
@@ -141,21 +141,21 @@ def _record(lines: Iterator[str]) -> Iterator[Record]:
 
 
 def _head(lines: list[str]) -> tuple[int, int, int, Function]:
-    """Type of the function, spacing, type of the data and the rest of the eleven head records."""
+    """Type of the function, spacing, type of the data, and the other facts of the eleven head records."""
     place, form, ordinate = (line.ljust(80) for line in (lines[5], lines[6], lines[8]))
     function, data_type, spacing = int(place[:5]), int(form[:10]), int(form[20:30])
     facts: dict[str, Any] = {
-        "entity": _said(place[31:41]),
+        "entity": _text(place[31:41]),
         "node": int(place[41:51]),
         "direction": int(place[51:55]),
         "size": int(form[10:20]),
         "start": float(form[30:43]),
         "step": float(form[43:56]),
         "quantity": int(ordinate[:10]),
-        "units": _said(ordinate[47:67]),
+        "units": _text(ordinate[47:67]),
     }
-    return function, spacing, data_type, Function(lines=tuple(map(_said, lines[:5])), function=function, **facts)
+    return function, spacing, data_type, Function(lines=tuple(map(_text, lines[:5])), function=function, **facts)
 
 
-def _said(text: str) -> str:
+def _text(text: str) -> str:
     return "" if text.strip() in ("NONE", "None") else text.strip()

@@ -1,7 +1,7 @@
-"""Files that a user names: only regular files of a bounded size are read, and a place to write to is tried first.
+"""Files that a user names: only regular files of limited size are read, and targets are checked before computing.
 
-A name may lead to a folder, a device that never ends (``/dev/zero``), a pipe nobody writes to, a loop of links, or
-hold characters that no file can have. Each is refused in one sentence before anything is opened or computed.
+A name may be that of a folder, an endless device (``/dev/zero``), a pipe without a writer or a loop of links, or have
+characters that no file name can have. Each of these raises an error before a file is opened or a result computed.
 """
 
 from __future__ import annotations
@@ -26,16 +26,16 @@ _KINDS = (
 )
 
 _UNSAFE = re.compile(r'[<>:"/\\|?*\x00-\x1f\x7f-\x9f\ud800-\udfff]')
-_RESERVED = {"CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"}  # of Windows, whatever follows the first dot
+_RESERVED = {"CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"}  # names of Windows, also with any suffix
 _RESERVED |= {f"{port}{number}" for port in ("COM", "LPT") for number in "0123456789\u00b9\u00b2\u00b3"}
 
 
 def checked_path(name: str | Path) -> Path:
-    """The path of a name that a file can have.
+    """The path of a name, if a file can have this name.
 
     Raises
     ------
-    InputError : empty, or with control characters, or bytes that are no text
+    InputError : the name is empty, or has control characters or bytes that are not text
     """
     text = str(name)
     wrong = ""
@@ -51,7 +51,7 @@ def checked_path(name: str | Path) -> Path:
 
 
 def folder_name(name: str) -> str:
-    """The name of a scene as that of one visible folder on every system; InputError if nothing is left of it."""
+    """The name of a scene as the name of a visible folder on every system; InputError if no character can be used."""
     safe = _UNSAFE.sub("_", name).strip(". ")
     if not safe or safe.partition(".")[0].rstrip().upper() in _RESERVED:
         raise InputError(
@@ -62,7 +62,7 @@ def folder_name(name: str) -> str:
 
 
 def is_regular_file(path: Path) -> bool:
-    """Whether there is a file to read; a name that no file can have is none."""
+    """True if there is a regular file of this name."""
     try:
         return stat.S_ISREG(os.stat(path).st_mode)
     except (OSError, ValueError):
@@ -70,12 +70,12 @@ def is_regular_file(path: Path) -> bool:
 
 
 def regular_file(path: Path, most_bytes: int | None = None) -> Path:
-    """The path, if a regular file of at most so many bytes lies there.
+    """The path, if it is a regular file with at most `most_bytes` bytes.
 
     Raises
     ------
-    FileNotFoundError : nothing lies there
-    InputError : something else than a file, too large, or not to be reached
+    FileNotFoundError : it does not exist
+    InputError : it is not a regular file, is too large, or cannot be accessed
     """
     checked_path(path)
     try:
@@ -100,8 +100,8 @@ def read_text(path: Path, most_bytes: int) -> str:
 
     Raises
     ------
-    FileNotFoundError : nothing lies there
-    InputError : no file that can be read, too large, or not UTF-8
+    FileNotFoundError : it does not exist
+    InputError : it is not a regular file, cannot be read, is too large, or is not UTF-8
     """
     regular_file(path, most_bytes)
     try:
@@ -121,12 +121,12 @@ def _not_readable(path: Path, error: OSError) -> InputError:
 
 
 def _without_waiting(name: str, flags: int) -> int:
-    """Open without waiting for the other end, should a pipe have taken the place of the file meanwhile."""
+    """Open without waiting for the other end, in case a pipe has replaced the file meanwhile."""
     return os.open(name, flags | getattr(os, "O_NONBLOCK", 0))
 
 
-def names_beside(path: Path, ending: str = "") -> list[str]:
-    """Names of the files in the folder of `path`, to look for a similar one; none where it cannot be read."""
+def sibling_names(path: Path, ending: str = "") -> list[str]:
+    """Names of the files in the folder of `path`, for suggestions; none if it cannot be read."""
     try:
         return sorted(name for name in os.listdir(path.parent) if name.endswith(ending))
     except (OSError, ValueError):
@@ -134,16 +134,16 @@ def names_beside(path: Path, ending: str = "") -> list[str]:
 
 
 def writable_file(name: str | Path, option: str = "--out", endings: Collection[str] = ()) -> Path:
-    """The path of a file that is to be written, tried before the work that fills it.
+    """The path of a file to write, checked before its content is computed.
 
     Parameters
     ----------
-    name, option : of the file, and the option that it was given to
-    endings : the name has one of them; empty: any
+    name, option : of the file, and the option of the command line
+    endings : allowed suffixes; empty: any
 
     Raises
     ------
-    InputError : a folder, or below something that is no folder we may write to; an ending that is not known
+    InputError : it is a folder, its folder cannot be written, or its suffix is not allowed
     """
     path = checked_path(name)
     try:
@@ -162,11 +162,11 @@ def writable_file(name: str | Path, option: str = "--out", endings: Collection[s
 
 
 def writable_folder(name: str | Path, option: str = "--out") -> Path:
-    """The path of a folder that files are to be written into, tried before the work that fills it.
+    """The path of a folder for files to write, checked before their content is computed.
 
     Raises
     ------
-    InputError : there is something else, or it is below something that is no folder we may write to
+    InputError : it is not a folder, or it cannot be made or written
     """
     path = checked_path(name)
     try:
@@ -178,10 +178,10 @@ def writable_folder(name: str | Path, option: str = "--out") -> Path:
 
 @contextlib.contextmanager
 def whole_file(path: str | Path) -> Iterator[Path]:
-    """A name beside `path`, with its ending, to write to: it becomes `path` if the block ends without an error.
+    """A temporary path in the folder of `path`, with its suffix; it is renamed to `path` if the block raises no error.
 
-    So who stops the work, or fills the disk, leaves the file as it was. What is no regular file (a pipe, a device) is
-    written itself; so is a file in a folder that takes no other.
+    An interrupted computation or a full disk thus leaves the old file unchanged. Targets that are not regular files (a
+    pipe, a device) and files in a folder without write permission are written directly.
     """
     final = Path(os.path.realpath(path))
     if final.exists() and not (final.is_file() and os.access(final.parent, os.W_OK)):
@@ -197,13 +197,13 @@ def whole_file(path: str | Path) -> Iterator[Path]:
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
-    """Write a text (UTF-8) or bytes: all of it, or the file stays as it was."""
+    """Write a text (UTF-8) or bytes completely, or leave the file unchanged."""
     with whole_file(path) as partial:
         partial.write_bytes(content.encode("utf-8") if isinstance(content, str) else content)
 
 
 def _check_folder(path: Path, name: str | Path, option: str) -> None:
-    """The part of the path that is already there must be a folder that can be written."""
+    """Check that the existing part of the path is a folder that can be written."""
     there = path
     while not there.exists() and there != there.parent:
         there = there.parent

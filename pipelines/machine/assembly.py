@@ -1,4 +1,4 @@
-"""The machine of a plant, put together of its parts and the mesh laws; with the casing, the system that moves."""
+"""Assembly of the multibody model: the machine from its parts and mesh laws, and the system of machine and casing."""
 
 from __future__ import annotations
 
@@ -26,7 +26,12 @@ Laws = tuple[MeshLaw, MeshLaw]  # of drive and coast flank
 
 
 def assemble_machine(parts: MachineParts, laws: Sequence[Laws]) -> Machine:
-    """Everything the multibody run needs but the casing. `MachineError` names what does not fit."""
+    """The multibody machine without its casing.
+
+    Raises
+    ------
+    MachineError : parts that do not fit together
+    """
     return parts.geared(tuple(_mesh(mesh, *flanks) for mesh, flanks in zip(parts.meshes, laws, strict=True)))
 
 
@@ -36,8 +41,8 @@ def assemble_system(machine: Machine, body: ReducedBody, recorded: Recorded, ban
     Parameters
     ----------
     machine, body : the machine and its reduced casing
-    recorded : the channels
-    band : Hz, modes above it are left out; by default that of `mbd`
+    recorded : recorded channels
+    band : Hz, modes above it are omitted; by default that of `mbd`
     """
     from mbd.system.system import DEFAULT_BAND, assemble
 
@@ -65,9 +70,10 @@ def _mesh(mesh: GearMesh, drive: MeshLaw, coast: MeshLaw) -> MeshSpec:
 
 
 def clearances(pair: GearPair, pinion: GearTeeth, wheel: GearTeeth) -> dict[str, np.ndarray]:
-    """What the teeth of a pair bring to its laws, by flank and gear: deviations, missing and damaged teeth.
+    """Deviations, missing and damaged teeth of a pair by flank and gear: "drive_clearance_pinion" ...
 
-    Clearances (tooth,) in m where that is all, else tooth terms (tooth, 6), see `fem.contact.teeth`.
+    Each value holds the clearances (tooth,) in m, or tooth terms (tooth, 6) if clearances are not sufficient, see
+    `fem.contact.teeth`.
     """
     found: dict[str, np.ndarray] = {}
     for name, gear, teeth in (("pinion", pair.pinion, pinion), ("wheel", pair.wheel, wheel)):
@@ -79,8 +85,8 @@ def clearances(pair: GearPair, pinion: GearTeeth, wheel: GearTeeth) -> dict[str,
         faulty = fault_terms(gear.teeth, teeth)
         shapes = {}
         if given is not None and ("profile" in given.include or "helix" in given.include):
-            wanted = {key: key in given.include for key in ("profile", "helix")}
-            shapes = sample_flank_deviations(pair, name, given.grade, given.seed, **wanted)
+            included = {key: key in given.include for key in ("profile", "helix")}
+            shapes = sample_flank_deviations(pair, name, given.grade, given.seed, **included)
         for flank, clearance in flanks.items():
             terms = clearance + (faulty if faulty.ndim == 1 else faulty[:, 0])
             if flank in shapes:
@@ -99,9 +105,9 @@ def clearances(pair: GearPair, pinion: GearTeeth, wheel: GearTeeth) -> dict[str,
 
 
 def fault_terms(count: int, teeth: GearTeeth) -> np.ndarray:
-    """The faults of a gear with `count` teeth without its deviations, on either flank.
+    """The faults of a gear with `count` teeth, without its deviations; the same for both flanks.
 
-    Clearances (tooth,), +inf at missing teeth, or tooth terms (tooth, 6) where teeth are damaged otherwise.
+    The result holds clearances (tooth,) in m, +inf for missing teeth, or tooth terms (tooth, 6) if teeth are damaged.
     """
     clearance, variant = np.zeros(count), np.zeros(count)
     for tooth, more in teeth.clearances:

@@ -31,7 +31,7 @@ class RollingBearing:
 
 @dataclass(frozen=True, kw_only=True)
 class BearingFault:
-    """A spall of a bearing on a shaft (from 0), and the share of speed by which the cage slips at random."""
+    """A spall of a bearing on a shaft (from 0); `slip` is the random slip of the cage, relative to its speed."""
 
     bearing: str
     shaft: int
@@ -40,13 +40,16 @@ class BearingFault:
 
     @property
     def name(self) -> str:
-        """In words: "spall on the outer ring of bearing_3"."""
+        """Description such as "spall on the outer ring of bearing_3"."""
         return f"spall on the {self.spall.place} of {self.bearing}"
 
 
 def bearing_names(shafts: Sequence[ShaftTable]) -> list[tuple[str, int, int]]:
-    """Name, shaft and place on it (0-based) of every bearing: bearing_1, bearing_2, ... carried by the casing, numbered
-    in shaft order from -y; ground_bearing_1, ... by the ground."""
+    """Name, shaft and number on the shaft (both from 0) of every bearing.
+
+    Bearings on the casing are bearing_1, bearing_2, ..., those on the ground ground_bearing_1, ..., numbered in the
+    order of the shafts and from -y to +y.
+    """
     found: list[tuple[str, int, int]] = []
     counts = {"casing": 0, "ground": 0}
     for number, shaft in enumerate(shafts):
@@ -58,7 +61,7 @@ def bearing_names(shafts: Sequence[ShaftTable]) -> list[tuple[str, int, int]]:
 
 
 def bearing_points(shafts: Sequence[ShaftTable], layout: Layout) -> tuple[tuple[float, float, float], ...]:
-    """(x, y, z) of bearing_1, bearing_2, ... (m), those that the casing carries."""
+    """(x, y, z) of the bearings on the casing, bearing_1, bearing_2, ..., m."""
     return tuple(
         (layout.axes[shaft][0], shafts[shaft].si.bearing_positions[place], layout.axes[shaft][1])
         for name, shaft, place in bearing_names(shafts)
@@ -68,7 +71,7 @@ def bearing_points(shafts: Sequence[ShaftTable], layout: Layout) -> tuple[tuple[
 
 @dataclass(frozen=True, kw_only=True)
 class _Placed:
-    """A bearing of a scene: shaft and place on it from 0, y in m, its options, the path of its table."""
+    """A bearing of a scene: its shaft and number on it (from 0), y in m, its model, and the path of its table."""
 
     name: str
     shaft: int
@@ -79,7 +82,7 @@ class _Placed:
 
     @property
     def support(self) -> Support:
-        """What carries it."""
+        """The part that carries the bearing."""
         return "ground" if self.name.startswith("ground") else "casing"
 
 
@@ -110,7 +113,7 @@ def rolling_bearings(scene: Scene) -> tuple[RollingBearing, ...]:
 
 
 def bearing_faults(scene: Scene) -> dict[int, BearingFault]:
-    """The spalls of the bearings by their numbers in the scene, from 1."""
+    """The spalls of the bearings by fault number in the scene, from 1."""
     placed = {(one.shaft, one.place): one for one in _placed(scene)}
     found = {}
     for number, fault in scene.spalls.items():
@@ -120,12 +123,14 @@ def bearing_faults(scene: Scene) -> dict[int, BearingFault]:
 
 
 def bearing_specs(scene: Scene, problems: Problems) -> tuple[BearingSpec, ...]:
-    """All bearings in shaft order, from -y, with their spalls and slipping cages; each cage has a sequence of its own.
+    """All bearings with their spalls and the slip of their cages, in the order of the shafts and from -y to +y.
+
+    The slip of each cage is a separate random sequence.
 
     Parameters
     ----------
     scene : the scene
-    problems : take the bearings and spalls that do not fit
+    problems : collects errors of bearings and spalls
     """
     faults = bearing_faults(scene)
     found = []
@@ -148,5 +153,5 @@ def bearing_specs(scene: Scene, problems: Problems) -> tuple[BearingSpec, ...]:
 
 
 def bearing_table(shaft: ShaftTable, usual: BearingModel, place: int) -> BearingModel:
-    """The table of the bearing at a place on a shaft (from 0); `usual` where the shaft names none."""
+    """The table of a bearing by its number on a shaft (from 0); `usual` if the shaft has no tables of bearings."""
     return shaft.bearings[place] if shaft.bearings else usual

@@ -1,6 +1,6 @@
 """The casing of a scene, in SI: its model, and the structure that the model reduces.
 
-Its housing is parametric, with bores where the shafts are, or from a file, whose bores must be there.
+The housing is parametric, with bores at the shafts, or imported from a file, whose bores must be at the shafts.
 """
 
 from __future__ import annotations
@@ -38,16 +38,16 @@ END_DISTANCE = 0.05  # from the end of the box to the outer feet, in lengths of 
 
 
 def casing(scene: Scene, layout: Layout, machine: MachineParts) -> tuple[Casing, Structure]:
-    """The model with its options, and what it reduces, with the sensors on it.
+    """The casing model with its options, and the structure that it reduces, with the sensors on it.
 
     Parameters
     ----------
-    scene, layout, machine : the scene, where its shafts are, and the machine that the casing carries
+    scene, layout, machine : the scene, its layout, and the machine in the casing
 
     Raises
     ------
     HousingError, InputError : a housing that does not fit
-    SceneError : the same with the keys that are wrong
+    SceneError : the same, with the keys that must be corrected
     """
     table, points = scene.casing, bearing_points(scene.shafts, layout)
     model: Casing = table.made()
@@ -67,7 +67,7 @@ def _shaped(table: FlexibleBase, made: Geometry) -> Structure:
 
     Raises
     ------
-    SceneError : bolts that do not fit, elements by the wavelength in a wall whose thickness is not known
+    SceneError : bolts that do not fit, or element sizes by wavelength for a wall whose thickness is not known
     """
     thinnest = made.thinnest_wall if isinstance(made, Housing) else table.housing.si.wall_thickness
     if thinnest is None and getattr(table, "elements_per_wavelength", None) is not None:
@@ -83,7 +83,7 @@ def _shaped(table: FlexibleBase, made: Geometry) -> Structure:
 
 
 def forced_points(machine: MachineParts, sensors: Sequence[Sensor]) -> tuple[ForcedPoint, ...]:
-    """Sensors that bear outside forces, with the axes along which they do."""
+    """Sensors at which external forces act, with the axes of these forces."""
     pulled = {row for force in machine.forces for row in force.casing_rows}
     if not pulled:
         return ()
@@ -126,7 +126,7 @@ def dimensions(table: HousingBase, layout: Layout) -> Dimensions:
 
 
 def feet(table: HousingBase) -> Feet:
-    """Feet evenly spread between the ends of the box: three a side, or as many as their largest distance asks for."""
+    """Feet at equal distances along the box: three on each side, or more if their largest distance requires it."""
     box = table.si
     length, left, side, pitch = box.length, box.left_end, box.foot_length, box.foot_pitch
     first, last = left + END_DISTANCE * length + side / 2, left + (1 - END_DISTANCE) * length - side / 2
@@ -149,8 +149,8 @@ def housing(
     ----------
     table : of the housing
     sensors : on it
-    layout : where the shafts are
-    points : (x, y, z) of the bearings that it carries, m
+    layout : layout of the shafts
+    points : (x, y, z) of its bearings, m
 
     Raises
     ------
@@ -191,7 +191,7 @@ def _imported(table: ImportedTable, points: Sequence[Point], placed: tuple[Senso
 def foreign_housing(
     table: MatricesHousingTable, sensors: tuple[Sensor, ...], points: Sequence[Point]
 ) -> ForeignHousing:
-    """The housing whose matrices another program made, with the sensors on it; arguments as for `housing`."""
+    """The housing given by imported matrices, with the sensors on it; arguments as for `housing`."""
     from fem.casing.imported.casing import ForeignHousing, file_digests
     from fem.casing.imported.files import MatrixFiles
 
@@ -214,15 +214,15 @@ def foreign_housing(
 
 
 def _seat_problems(given: Sequence[str], bearings: int) -> Iterator[Problem]:
-    """What is wrong with the names of the seats given for so many bearings."""
-    wanted = [f"bearing_{number}" for number in range(1, bearings + 1)]
-    if missing := [name for name in wanted if name not in given]:
+    """Problems with the names of the bearing seats."""
+    expected = [f"bearing_{number}" for number in range(1, bearings + 1)]
+    if missing := [name for name in expected if name not in given]:
         yield Problem(
             "casing.housing.bearings", f"there is no seat for {', '.join(missing)}", "Add a table for every bearing"
         )
-    if unknown := [name for name in given if name not in wanted]:
+    if unknown := [name for name in given if name not in expected]:
         yield Problem(
             "casing.housing.bearings",
-            f"there is no bearing {', '.join(unknown)}; the shafts have {wanted[0]} to {wanted[-1]}",
+            f"there is no bearing {', '.join(unknown)}; the shafts have {expected[0]} to {expected[-1]}",
             "Correct the name, or delete the table",
         )

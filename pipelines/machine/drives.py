@@ -22,7 +22,7 @@ def motor_places(drive: DriveModel, shaft: ShaftTable) -> tuple[float, ...]:
 
 
 def speed_profile(drive: DriveModel) -> SpeedProfile:
-    """Speed of the motors; of those that give a torque, the speed at t = 0 alone.
+    """Speed of the motors over time; for motors that give a torque, only the speed at t = 0.
 
     Raises
     ------

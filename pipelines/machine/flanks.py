@@ -1,7 +1,8 @@
 """Flanks of a scene in SI: modifications, misalignment, and damaged teeth with the numbers of their variants.
 
-Scenes speak of the ends -y and +y of the global axis. The face coordinate of a mesh law points along the rotation of
-the driving gear in lifting, so where its lifting sense is -1 the ends change places and slopes their sign.
+In scenes, the ends of the face are -y and +y of the global axis. The face coordinate of a mesh law is positive along
+the rotation vector of the pinion in lifting. For a lifting sense of -1 the ends are therefore exchanged, and slopes
+change their sign.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ GEARS = ("pinion", "wheel")
 
 @dataclass(frozen=True, kw_only=True)
 class Fault:
-    """A fault of a gear of a stage (from 1), on one tooth or (None) on all."""
+    """A fault of a gear of a stage (from 1) on one tooth, or on all teeth if `tooth` is None."""
 
     stage: int
     gear: str
@@ -34,12 +35,12 @@ class Fault:
 
     @property
     def name(self) -> str:
-        """Kind and tooth in words: "missing-tooth 0", "worn-tooth, all teeth"."""
+        """Kind and tooth, such as "missing-tooth 0" or "worn-tooth, all teeth"."""
         return f"{self.kind}, all teeth" if self.tooth is None else f"{self.kind} {self.tooth}"
 
 
 def flanks_spec(pair: GearPair, modifications: PairModifications, faults: Sequence[Fault], stage: int) -> FlanksSpec:
-    """What is added to the law of a stage; no law depends on the play between the flanks.
+    """Modifications, damage and wear of a stage, without backlash, on which no mesh law depends.
 
     Parameters
     ----------
@@ -76,7 +77,7 @@ def _gear_flanks(table: GearTable, sense: int) -> FlankModifications:
 
 
 def prescribed_deviations(stage: StageTable, number: int, gear: str, sense: int) -> PrescribedDeviations | None:
-    """The stated deviations of a gear in the face coordinate of its mesh law; None where there are none.
+    """The prescribed deviations of a gear in the face coordinate of its mesh law; None if there are none.
 
     Parameters
     ----------
@@ -119,7 +120,7 @@ def tooth_faults(tables: Iterable[FaultTable], senses: Sequence[int]) -> tuple[F
 
 
 def damage(fault: FaultTable, sense: int) -> ToothFault:
-    """The fault in SI; its end of the face, or its place on it, is that of the mesh law."""
+    """The fault in SI, with its end or position in the face coordinate of the mesh law."""
     found: ToothFault = fault.made()
     turned: dict[str, Any] = {}
     if sense < 0 and hasattr(found, "end"):
@@ -139,7 +140,7 @@ def damaged_teeth(faults: Iterable[Fault], stage: int, gear: str) -> dict[int, t
 
 
 def common_wear(faults: Iterable[Fault], stage: int, gear: str) -> tuple[ToothFault, ...]:
-    """What all teeth of a gear of a stage (1-based) have."""
+    """Faults that all teeth of a gear of a stage (from 1) have."""
     return tuple(fault.damage for fault in faults if (fault.stage, fault.gear, fault.tooth) == (stage, gear, None))
 
 

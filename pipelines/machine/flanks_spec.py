@@ -1,4 +1,4 @@
-"""What is added to the mesh law of a sound, unmodified gear pair."""
+"""Modifications, damage and wear of a gear pair, which change the mesh law of the healthy, unmodified pair."""
 
 from __future__ import annotations
 
@@ -11,8 +11,10 @@ from fem.gears.modifications import PairModifications
 
 @dataclass(frozen=True, kw_only=True)
 class FlanksSpec:
-    """Everything that is added to the law of a sound, unmodified pair, by gear: damage, one entry for each damaged
-    tooth, and faults that all teeth have."""
+    """Changes of a healthy, unmodified gear pair: modifications, and damage and wear of each gear.
+
+    Damage has one entry for each damaged tooth; wear consists of faults that all teeth have.
+    """
 
     pair: GearPair
     modifications: PairModifications
@@ -29,17 +31,17 @@ class FlanksSpec:
 
     @property
     def surfaces(self) -> tuple[tuple[str, float], ...]:
-        """Gear ("pinion" or "wheel") and angle (rad) of the surfaces on which teeth crack, each once."""
+        """Gear ("pinion" or "wheel") and angle (rad) of each different crack surface."""
         teeth = (("pinion", self.pinion_damage), ("wheel", self.wheel_damage))
         found = ((gear, fault.surface_angle) for gear, damaged in teeth for tooth in damaged for fault in tooth)
         return tuple(dict.fromkeys((gear, angle) for gear, angle in found if angle is not None))
 
     @property
     def healthy(self) -> FlanksSpec:
-        """The same without any fault."""
+        """The same pair with its modifications, without faults."""
         return replace(self, pinion_damage=(), wheel_damage=(), pinion_wear=(), wheel_wear=())
 
     @property
     def empty(self) -> bool:
-        """True when nothing is added."""
+        """Whether the pair has neither modifications nor faults."""
         return self.modifications.none and not self.faults

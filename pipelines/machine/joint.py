@@ -1,4 +1,4 @@
-"""The bolted joint of a housing, in SI: where its bolts stand and what they clamp."""
+"""The bolted joint of a housing, in SI: positions of its bolts and the clamped parts."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def bolted_joint(table: CoverJointTable | PlaneJointTable, geometry: Any) -> Bol
 
     Raises
     ------
-    SceneError : bolts that do not fit what they clamp
+    SceneError : bolts that do not fit the clamped parts
     """
     try:
         return _across_plane(table) if isinstance(table, PlaneJointTable) else _of_cover(table, geometry)
@@ -34,7 +34,7 @@ def bolted_joint(table: CoverJointTable | PlaneJointTable, geometry: Any) -> Bol
 
 
 def joint_words(joint: BoltedJoint, material: Material) -> str:
-    """How many bolts of which stiffness hold a casing of a material together, and how far around them."""
+    """Text with number, stiffness and contact diameter of the bolts of a joint."""
     bolt, (along, across) = joint.bolt, joint.stiffness_in(material)
     kind = "tapped" if bolt.tapped else "through"
     return (

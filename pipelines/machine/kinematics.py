@@ -1,4 +1,4 @@
-"""What a diagnosis looks for in the runs of a scene: shafts, gears and rolling bearings in orders."""
+"""Kinematics of a scene for the diagnosis of its runs: shafts, gears and pass orders of rolling bearings."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 
 
 def kinematics_of(layout: Layout, rolling: Sequence[RollingBearing]) -> Kinematics:
-    """The kinematics of a scene, with the names that its runs have; the speed is the highest one of the drive.
+    """The kinematics of a scene, with the names of its runs, at the highest speed of the drive.
 
-    `rolling` are the bearings whose rolling elements are known: the others have no pass orders.
+    `rolling` are the bearings with known rolling elements; other bearings have no pass orders.
     """
     first = layout.shaft_ratios[0]
     return Kinematics(
@@ -37,6 +37,6 @@ def kinematics_of(layout: Layout, rolling: Sequence[RollingBearing]) -> Kinemati
 
 
 def pass_orders(elements: RollingElements) -> dict[str, float]:
-    """BPFO, BPFI, BSF and FTF per turn of the shaft, with the outer ring at rest and without slip."""
+    """BPFO, BPFI, BSF and FTF as orders of the shaft, for a fixed outer race and without slip."""
     per = pass_frequencies(elements)
     return {"BPFO": per.outer, "BPFI": per.inner, "BSF": per.spin, "FTF": per.cage}

@@ -1,4 +1,4 @@
-"""Layout: where the gears and shafts of a scene are, who turns whom, and what the train carries at most, in SI."""
+"""Layout of a scene in SI units: gear pairs, axes and speed ratios of the shafts, and the largest torques."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ from pipelines.scene.tables.gear_details import GearTable
 from pipelines.scene.tables.gears import StageTable
 from pipelines.scene.train import place_shafts, shaft_senses, stage_shafts
 
-USUAL_BORE = 0.5  # of the root circle, where a scene gives no bore
-USUAL_BACKLASH = 80e-6  # m, where a scene says nothing of centre distance, allowances or backlash
-USUAL_LINE_LOAD = 100e3  # N/m, at which curves and contacts are shown where there is no load
+USUAL_BORE = 0.5  # of the root circle, if a scene gives no bore
+USUAL_BACKLASH = 80e-6  # m, if a scene gives no centre distance, allowances or backlash
+USUAL_LINE_LOAD = 100e3  # N/m, for which curves and contacts are shown if there is no load
 
 
 def gear_pair(stage: StageTable, steel: Material, sense: int = 1) -> GearPair:
     """The gear pair of a stage, in SI; `sense` is the lifting sense of its pinion, +1 about +y.
 
-    The face coordinate of a pair points along the rotation of its pinion in lifting, so that ends of the face change
-    places where the sense is -1. A backlash that is given is the whole of it.
+    The face coordinate of a pair is positive along the rotation vector of its pinion in lifting. For sense = -1 it is
+    therefore opposite to y. A given backlash is the total one, including those of centre distance and allowances.
 
     Raises
     ------
-    GeometryError : the gears do not work, with the reason; less backlash than centre distance and allowances leave
+    GeometryError : the gears do not mesh, or the given backlash is less than that of centre distance and allowances
     """
     pinion_hand = stage.pinion_hand
     pair = GearPair(
@@ -52,7 +52,7 @@ def gear_pair(stage: StageTable, steel: Material, sense: int = 1) -> GearPair:
     backlash = stage.si.backlash if stage.backlash_um is not None else None if given else USUAL_BACKLASH
     if backlash is None:
         return pair
-    if not given:  # exactly, without the rounding of the centre distance
+    if not given:  # exact: not changed by rounding of the centre distance
         return replace(pair, centre_distance=None, backlash_allowance=backlash)
     if backlash < pair.backlash - 1e-9:
         raise GeometryError(
@@ -108,7 +108,7 @@ def _gear(stage: StageTable, name: str, hand: str, sense: int) -> Gear:
 
 @dataclass(frozen=True, kw_only=True)
 class StageFacts:
-    """One stage at the highest motor speed and the largest load (SI)."""
+    """Derived quantities of a stage at the highest motor speed and the largest load (SI)."""
 
     ratio: float
     centre_distance: float
@@ -119,17 +119,17 @@ class StageFacts:
     wheel_frequency: float
     pinion_torque: float
     mesh_force: float
-    shown_force: float  # at which curves and contacts are shown: without a load that of USUAL_LINE_LOAD
+    shown_force: float  # for which curves and contacts are shown; without a load that of USUAL_LINE_LOAD
     line_load: float
     backlash: float
 
 
 @dataclass(frozen=True, kw_only=True)
 class Layout:
-    """Where the gears and shafts of a scene are: pairs and flank modifications by stage, the rest by shaft.
+    """Gear pairs and flank modifications of a scene by stage, and its axes, speeds and torques by shaft.
 
-    Axes are (x, z) in m. Shafts are numbered from 0. Ratios of speeds are over that of shaft ``driven``, which the
-    motors turn, at ``turns`` 1/s at most. ``torques`` are those of greatest magnitude from load and outside forces:
+    Axes are (x, z) in m. Shafts are numbered from 0. Speed ratios are relative to the shaft ``driven`` of the motors,
+    whose highest speed is ``turns`` (1/s). ``torques`` are those of greatest magnitude from load and external forces:
     shaft, y (m), and torque (N m, positive if it drives).
     """
 
@@ -137,10 +137,10 @@ class Layout:
     modifications: tuple[PairModifications, ...]
     axes: tuple[tuple[float, float], ...]
     senses: tuple[int, ...]  # lifting rotation about +y or -y; that of the first shaft is +1
-    shaft_ratios: tuple[float, ...]  # speed of each shaft over that of the motors
+    shaft_ratios: tuple[float, ...]  # speed of each shaft divided by that of the motors
     pair_shafts: tuple[tuple[int, int], ...]  # shafts of pinion and wheel, by stage
     cycles_at_start: tuple[float, ...]  # mesh cycle at t = 0, by stage
-    coupling_shafts: tuple[tuple[int, int], ...]  # of the couplings that hold the rotation
+    coupling_shafts: tuple[tuple[int, int], ...]  # of the couplings that transmit rotation
     driven: int
     loaded: int  # the shaft that carries the load
     turns: float
@@ -149,12 +149,12 @@ class Layout:
 
     @property
     def ratio(self) -> float:
-        """Total ratio: turns of the input for one turn of the output."""
+        """Total ratio: speed of the motors divided by that of the loaded shaft."""
         return 1 / self.shaft_ratios[self.loaded]
 
     @cached_property
-    def drawn(self) -> tuple[float, ...]:
-        """Torques (N m) of greatest magnitude that resist the rotation of every shaft; motors share what these draw."""
+    def resisting_torques(self) -> tuple[float, ...]:
+        """Torques (N m) of greatest magnitude that resist the rotation of each shaft; the motors share their power."""
         found = [0.0] * len(self.axes)
         for shaft, _, torque in self.torques:
             found[shaft] -= torque
@@ -167,16 +167,18 @@ class Layout:
 
     @property
     def input_torque(self) -> float:
-        """Torque of all that is drawn on the driven shaft without losses (N m)."""
-        return float(np.dot(self.drawn, self.shaft_ratios))
+        """Torque (N m) of the motors that balances all resisting torques, without losses."""
+        return float(np.dot(self.resisting_torques, self.shaft_ratios))
 
     @cached_property
     def power_flows(self) -> list[float]:
-        """Power over motor speed (N m) that each stage, then each coupling carries without losses; parallel paths share
-        alike, see `mbd.parts.train`."""
+        """Power divided by motor speed (N m) of each stage, then of each coupling, without losses.
+
+        For parallel paths see `mbd.parts.train.power_flow`.
+        """
         flows = [*self.pair_shafts, *self.coupling_shafts]
-        drawn = np.array(self.drawn) * np.array(self.shaft_ratios)
-        return power_flow(flows, [self.driven], drawn)[: len(flows)].tolist()
+        powers = np.array(self.resisting_torques) * np.array(self.shaft_ratios)
+        return power_flow(flows, [self.driven], powers)[: len(flows)].tolist()
 
     @cached_property
     def stages(self) -> tuple[StageFacts, ...]:
@@ -208,7 +210,7 @@ class Layout:
     @property
     def load_torque(self) -> float:
         """Torque (N m) that resists the rotation of the loaded shaft."""
-        return self.drawn[self.loaded]
+        return self.resisting_torques[self.loaded]
 
     @property
     def pinion_senses(self) -> tuple[int, ...]:
@@ -221,7 +223,7 @@ def lay_out(scene: Scene, source: str = "scene") -> Layout:
 
     Raises
     ------
-    SceneError : gears that do not work, a train that does not hang together, all of it listed
+    SceneError : lists all gears that do not mesh, or shafts that are not connected
     """
     steel = scene.gear_material.made(name="gear steel")
     pairs, flanks, problems = [], [], []
@@ -262,7 +264,7 @@ def lay_out(scene: Scene, source: str = "scene") -> Layout:
 
 
 def _torques(scene: Scene, loaded: int) -> Iterator[tuple[int, float, float]]:
-    """Torques of the load and of torques from outside."""
+    """Torques of the load and of external torques: shaft, y (m), torque (N m)."""
     places = load_places(scene.load, scene.shafts[loaded])
     for y in places:
         yield loaded, y, -load_torque(scene.load, loaded) / len(places)

@@ -1,4 +1,4 @@
-"""The load of a scene, in SI: a torque, or what hangs on drums."""
+"""The load of a scene, in SI: a torque, or a container on the ropes of drums."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from pipelines.scene.tables.shafts import ShaftTable
 
 
 def loaded_shaft(scene: Scene) -> int:
-    """Number of the shaft (from 0) that carries the load; left out: the last."""
+    """Number of the shaft (from 0) that carries the load; by default the last."""
     return (scene.load.shaft or len(scene.shafts)) - 1
 
 
 def load_places(table: LoadModel, shaft: ShaftTable) -> tuple[float, ...]:
-    """y (m) where the load acts on its shaft: the drums, or the place of the torque (left out: the +y end)."""
+    """y (m) where the load acts on its shaft: the drums, or the position of a torque, by default the +y end."""
     if isinstance(table, LoadBase):
         return table.si.drum_positions or shaft_ends(shaft)
     return (shaft_ends(shaft)[1] if table.position_mm is None else table.si.position,)
@@ -30,18 +30,18 @@ def load_torque(table: LoadModel, shaft: int) -> float:
 
 
 def weight(table: LoadModel) -> HangingLoad | None:
-    """What hangs on the drums; None where nothing does."""
+    """The suspended load on the ropes of the drums; None for a torque."""
     return table.made() if isinstance(table, LoadBase) else None
 
 
 def hanging_load(table: LoadModel, shaft: int, places: tuple[float, ...]) -> Load | None:
-    """The load on drums at ``places`` (m) of a shaft (number from 0); None where nothing hangs."""
+    """The load on drums at ``places`` (y, m) of a shaft (number from 0); None for a torque."""
     hanging = weight(table)
     return None if hanging is None else hanging.load(f"shaft_{shaft + 1}", places)
 
 
 def torque_load(table: LoadModel, shaft: int, places: tuple[float, ...]) -> tuple[TorqueSource, ...]:
-    """The load that is a torque, if it is; arguments as for `hanging_load`."""
+    """The load that is a torque; empty for a load on drums. Arguments as for `hanging_load`."""
     return (_source(table, shaft, places[0]),) if isinstance(table, TorqueLoad) else ()
 
 

@@ -1,4 +1,4 @@
-"""What the diagnosis looks for: the lines of the suspected gear, in the windows of constant speed."""
+"""Monitored lines of a diagnosis: those of the monitored gear and of known faults, in windows of constant speed."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from pipelines.signals.shaft_lines import ShaftLines
 
 
 def diagnosis_settings(
-    asked: LookedFor,
+    monitored: LookedFor,
     layout: Layout,
     hoist: HangingLoad | None,
     profile: SpeedProfile,
@@ -29,35 +29,35 @@ def diagnosis_settings(
 
     Parameters
     ----------
-    asked : where the diagnosis looks
-    layout, hoist, profile : the train, its rope, and the speed of its motors
-    rolling : bearings whose pass frequencies are named
-    spalls, shafts : faults of bearings and of shafts, whose lines are looked for
+    monitored : signal, gear and windows that are diagnosed
+    layout, hoist, profile : the train, its load on ropes, and the speed of its motors
+    rolling : bearings whose pass frequencies are listed
+    spalls, shafts : faults of bearings and of shafts, whose lines are monitored
     """
-    if not asked.possible:
+    if not monitored.possible:
         return None
-    stage = layout.stages[asked.stage - 1]
-    on_wheel = asked.gear == "wheel"
-    shaft = layout.pair_shafts[asked.stage - 1][on_wheel]
+    stage = layout.stages[monitored.stage - 1]
+    on_wheel = monitored.gear == "wheel"
+    shaft = layout.pair_shafts[monitored.stage - 1][on_wheel]
     ratio = layout.shaft_ratios[layout.loaded]
     modes = {
         name: hoist.rope_frequency_at(sum(window) / 2, profile, ratio)
-        for name, window in asked.windows.items()
-        if hoist is not None and asked.speed_is_known
+        for name, window in monitored.windows.items()
+        if hoist is not None and monitored.speed_is_known
     }
     return DiagnosisSettings(
         revolution_frequency=stage.wheel_frequency if on_wheel else stage.pinion_frequency,
         mesh_frequency=stage.mesh_frequency,
-        windows=asked.windows,
+        windows=monitored.windows,
         rope_mode={name: value for name, value in modes.items() if value is not None},
         bearings=_bearing_frequencies(layout, rolling),
         passes=tuple(dict.fromkeys(_pass_lines(layout, rolling, fault) for fault in spalls)),
         turning=tuple(shaft_lines(layout, fault) for fault in shafts),
-        sensor=asked.sensor or "",
-        axis=asked.axis,
-        band=asked.band,
+        sensor=monitored.sensor or "",
+        axis=monitored.axis,
+        band=monitored.band,
         shaft=f"shaft_{shaft + 1}",
-        speed_is_known=asked.speed_is_known,
+        speed_is_known=monitored.speed_is_known,
     )
 
 

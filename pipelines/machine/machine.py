@@ -1,6 +1,6 @@
-"""The maker of the machine: a scene in SI with its shafts, gears, bearings, meshes, drive, load, losses and casing.
+"""Conversion of a scene into the machine model in SI: shafts, gears, bearings, meshes, drive, load, losses and casing.
 
-Every part is made once. What it refuses is collected, so that all problems of a scene are listed at once.
+Every part is made once. Its errors are collected, so that all problems of a scene are listed at once.
 """
 
 from __future__ import annotations
@@ -41,21 +41,21 @@ REFUSALS = (MachineError, GeometryError, ModelError, HousingError, InputError)
 
 
 def make_plant(scene: Scene, source: str = "scene") -> Plant:
-    """The plant of a scene that fits together, see `pipelines.machine.checks.validity.checked_plant`.
+    """The machine model of a scene, without the further checks of `pipelines.machine.checks.validity.checked_plant`.
 
     Raises
     ------
-    SceneError : all that its parts refuse, at once; `source` names the scene in it
+    SceneError : lists all errors of the parts; `source` is the name of the scene in the message
     """
     problems = Problems(*REFUSALS)
-    plant = in_casing(drivetrain(scene, lay_out(scene, source), problems), scene, problems)
-    if plant is None:
+    machine = in_casing(drivetrain(scene, lay_out(scene, source), problems), scene, problems)
+    if machine is None:
         raise problems.error(source)
-    return plant
+    return machine
 
 
 def make_drivetrain(scene: Scene, source: str = "scene") -> Drivetrain:
-    """Everything but the casing. SceneError as `make_plant`."""
+    """The machine model of a scene without its casing; SceneError as for `make_plant`."""
     problems = Problems(*REFUSALS)
     train = drivetrain(scene, lay_out(scene, source), problems)
     if problems:
@@ -64,12 +64,12 @@ def make_drivetrain(scene: Scene, source: str = "scene") -> Drivetrain:
 
 
 def in_casing(train: Drivetrain, scene: Scene, problems: Problems) -> Plant | None:
-    """The drivetrain in its casing; None with any problems.
+    """The drivetrain in its casing; None if there are problems.
 
     Parameters
     ----------
-    train, scene : the drivetrain, and the scene that it was made of
-    problems : of the drivetrain; take what its mesh laws and its casing refuse
+    train, scene : the drivetrain, and the scene that it was made from
+    problems : problems of the drivetrain; collects errors of its mesh laws and its casing
     """
     made = problems.made("casing.housing", casing, scene, train.layout, train.machine)
     for number, spec in enumerate(train.laws, 1):
@@ -79,7 +79,7 @@ def in_casing(train: Drivetrain, scene: Scene, problems: Problems) -> Plant | No
 
 
 def drivetrain(scene: Scene, layout: Layout, problems: Problems) -> Drivetrain:
-    """Everything but the casing; `problems` take what its parts refuse. With any, it is not complete."""
+    """The machine model without its casing; `problems` collects errors of its parts. With errors it is not complete."""
     faults = tooth_faults(scene.tooth_faults.values(), layout.pinion_senses)
     return Drivetrain(
         title=scene.title,
@@ -114,7 +114,7 @@ def drivetrain(scene: Scene, layout: Layout, problems: Problems) -> Drivetrain:
 
 
 def law_specs(scene: Scene, layout: Layout) -> list[LawSpec]:
-    """The mesh laws that a scene asks for, by stage, before its flanks are modified or damaged."""
+    """The mesh laws of a scene by stage, without modifications and damage of the flanks."""
     return [
         LawSpec(
             pair=replace(pair, backlash_allowance=0.0),
@@ -126,7 +126,7 @@ def law_specs(scene: Scene, layout: Layout) -> list[LawSpec]:
 
 @functools.lru_cache(maxsize=64)
 def _law_refusal(spec: LawSpec) -> str:
-    """Why a law cannot be built, by its settings and path of contact; "" where nothing is known against it."""
+    """The reason why the settings or the path of contact do not allow a mesh law; "" if none is known."""
     try:
         spec.mesh.check(spec.pair)
     except (ModelError, GeometryError) as error:
@@ -135,7 +135,7 @@ def _law_refusal(spec: LawSpec) -> str:
 
 
 def _annulus(name: str, y: float, inner: float, outer: float, width: float, density: float) -> Disk:
-    """A ring of rectangular section as a rigid disk: m, J = m (R^2 + r^2)/2 and m (3 (R^2 + r^2) + b^2)/12."""
+    """A hollow cylinder as a rigid disk: J_p = m (R^2 + r^2)/2 polar, J_d = m (3 (R^2 + r^2) + b^2)/12 diametral."""
     mass = density * math.pi * (outer**2 - inner**2) * width
     square = outer**2 + inner**2
     return Disk(
@@ -191,7 +191,7 @@ def _disks(scene: Scene, layout: Layout, shaft: int) -> list[Disk]:
 
 
 def shaft_specs(scene: Scene, layout: Layout) -> tuple[ShaftSpec, ...]:
-    """All shafts; shaft 1 lifts about +y, those that mesh with it turn the other way."""
+    """All shafts; in lifting, shaft 1 rotates about +y and the shafts that mesh with it about -y."""
     steel = scene.gear_material
     specs = []
     for number, (table, (x, z)) in enumerate(zip(scene.shafts, layout.axes, strict=True)):
@@ -219,14 +219,14 @@ def gear_teeth(
 
     Parameters
     ----------
-    table : of the deviations that are drawn; where they are switched off there are no others either
-    prescribed : deviations that are stated
+    table : of the sampled deviations; if they are disabled, prescribed ones are disabled, too
+    prescribed : prescribed deviations of the gear
     faults : of all stages
     stage, gear : number of the stage, from 1, and "pinion" or "wheel"
     """
     deviations = None
     if table.enabled and table.include:
-        seed = 1000 * table.seed + 2 * (stage - 1) + GEARS.index(gear)  # every gear its own sequence
+        seed = 1000 * table.seed + 2 * (stage - 1) + GEARS.index(gear)  # a separate sequence for each gear
         deviations = table.made(seed=seed)
     own = [fault for fault in faults if fault.stage == stage and fault.gear == gear]
     return GearTeeth(
@@ -238,13 +238,13 @@ def gear_teeth(
 
 
 def gear_meshes(scene: Scene, layout: Layout, faults: Sequence[Fault], problems: Problems) -> tuple[GearMesh, ...]:
-    """All meshes.
+    """All gear meshes.
 
     Parameters
     ----------
-    scene, layout : the scene, and where its shafts are
+    scene, layout : the scene, and its layout
     faults : of the teeth
-    problems : take files of measured flanks that cannot be used
+    problems : collects errors of files of measured flanks
     """
 
     def teeth(stage: StageTable, number: int, gear: str, sense: int) -> GearTeeth:
@@ -271,7 +271,8 @@ def gear_meshes(scene: Scene, layout: Layout, faults: Sequence[Fault], problems:
 
 
 def film_spec(table: FilmModel, pair: GearPair) -> Film | None:
-    """The film between the flanks of a pair: curvature at the pitch point, mean length of the contact lines."""
+    """The oil film between the flanks of a pair, with the relative curvature radius at the pitch point and the mean
+    length of the contact lines."""
     slope = math.tan(pair.working_pressure_angle)
     pinion, wheel = pair.pinion.base_radius * slope, pair.wheel.base_radius * slope
     lead = math.cos(pair.base_helix_angle)
@@ -286,9 +287,9 @@ def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault], problem
 
     Parameters
     ----------
-    scene, layout : the scene, and where its shafts are
+    scene, layout : the scene, and its layout
     faults : of the teeth
-    problems : take what the parts refuse; with any, the parts are not complete
+    problems : collects errors of the parts; with errors, the parts are not complete
     """
     drive, driven = scene.drive, f"shaft_{layout.driven + 1}"
     ends = layout.motors

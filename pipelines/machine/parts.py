@@ -1,6 +1,6 @@
-"""The parts of the machine and of its motion, in SI: what the step `simulate` reads besides laws and casing.
+"""Parts of the machine and recorded channels, in SI: the input of the step `simulate` besides mesh laws and casing.
 
-No scene is known here: a result hangs on the values, not on the code that converts them.
+This module does not import the scene. A stored result thus depends on the values, not on the code that converts them.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from mbd.parts.machine import Train
 
 @dataclass(frozen=True, kw_only=True)
 class GearTeeth:
-    """What is particular about the teeth of a gear; the n-th damaged tooth is variant n of the mesh law.
+    """Deviations and faults of the teeth of a gear; the n-th tooth of `damaged` is variant n of the mesh law.
 
-    `deviations` are sampled with the seed of the gear, `prescribed` ones stated; None: there are none.
-    `clearances` are numbers of teeth with what their faults add on either flank, m (inf: the tooth is missing).
+    `deviations` are sampled with the seed of the gear, `prescribed` ones are given; None if there are none.
+    `clearances` are pairs of tooth number and clearance on both flanks by a fault, m (inf for a missing tooth).
     """
 
     deviations: RandomDeviations | None
@@ -31,7 +31,7 @@ class GearTeeth:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class GearMesh(GearedShafts):
-    """A gear pair in the machine without its laws, with what is particular about its teeth."""
+    """A gear mesh of the machine with deviations and faults of its teeth, without its mesh laws."""
 
     pair: GearPair
     pinion: GearTeeth
@@ -40,20 +40,20 @@ class GearMesh(GearedShafts):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MachineParts(Train):
-    """Everything that the multibody model is made of but the laws of its meshes and its casing."""
+    """The parts of the multibody model, without mesh laws and casing."""
 
     meshes: tuple[GearMesh, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Recorded:
-    """What is recorded beside the machine's own channels: the sensors, and without a casing the journals instead."""
+    """Recorded channels besides those of the machine: sensors on the casing, or journals if there is no casing."""
 
     sensors: tuple[str, ...]
     journals: bool
 
     def channels(self, machine: Train) -> tuple[str, ...]:
-        """All channels of a machine that are recorded."""
+        """Names of all recorded channels of a machine."""
         names = channels.channel_names(machine, self.sensors)
         if self.journals:
             names += tuple(

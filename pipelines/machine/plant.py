@@ -1,6 +1,6 @@
-"""Plant: a scene in SI, made once; every step of the pipeline and everything that tells of results takes its parts.
+"""Machine model of a scene in SI units, the input of all steps and reports.
 
-The scene stays what users wrote, in their units; it is read here, and by the checks, and nowhere behind them.
+The scene keeps the values and units of its file. Only the modules that make or check the machine model read it.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from pipelines.signals.analysis import DiagnosisSettings
 
 @dataclass(frozen=True, kw_only=True)
 class Facts:
-    """Derived quantities of a plant (SI)."""
+    """Derived quantities of a machine (SI)."""
 
     motor_speed: float
     total_ratio: float
@@ -42,9 +42,10 @@ class Facts:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Drivetrain:
-    """Everything but the casing, which may need a file. Tuples `laws` and `flanks` by stage.
+    """The machine model without the casing, which may need a file.
 
-    `title`, `labels` (attributes of every response) and `models` (the model of every effect) are words of the scene.
+    `laws` and `flanks` are ordered by stage. `title`, `labels` (attributes of every response) and `models` (the model
+    of each effect) are taken from the scene.
     """
 
     title: str
@@ -60,7 +61,7 @@ class Drivetrain:
     spalls: tuple[BearingFault, ...]
     shaft_faults: tuple[ShaftFault, ...]
     bearing_points: tuple[tuple[float, float, float], ...]  # of bearing_1, ..., those that the casing carries (m)
-    casing_modes: int  # about as many of the casing add to those of the machine
+    casing_modes: int  # approximate number of casing modes in the system
     recorded: Recorded
     motion: MotionSettings
     looked_for: LookedFor
@@ -78,7 +79,7 @@ class Drivetrain:
 
     @property
     def facts(self) -> Facts:
-        """What follows from it before anything is computed."""
+        """Quantities that follow from the scene without a computation."""
         layout, hoist = self.layout, self.hoist
         drums = layout.motor_speed * layout.shaft_ratios[layout.loaded]
         return Facts(
@@ -93,7 +94,7 @@ class Drivetrain:
 
     @property
     def diagnosis(self) -> DiagnosisSettings | None:
-        """What a diagnosis looks for; None without windows or sensors."""
+        """Settings of a diagnosis; None without windows or sensors."""
         return diagnosis_settings(
             self.looked_for,
             self.layout,
@@ -106,7 +107,7 @@ class Drivetrain:
 
     @property
     def fault_words(self) -> tuple[str, ...]:
-        """All faults, each with its place: "missing-tooth 0 of the stage 1 wheel"."""
+        """Description of each fault with its place, such as "missing-tooth 0 of the stage 1 wheel"."""
         teeth = (f"{fault.name} of the stage {fault.stage} {fault.gear}" for fault in self.faults)
         return (*teeth, *(fault.name for fault in self.spalls), *(fault.name for fault in self.shaft_faults))
 
@@ -117,7 +118,7 @@ class Drivetrain:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Plant(Drivetrain):
-    """The drivetrain in its casing: the model of the casing, and the structure that it reduces, with the sensors."""
+    """The machine model with its casing: the model of the casing, and the structure with sensors that it reduces."""
 
     casing: Casing
     structure: Structure
@@ -129,12 +130,12 @@ class Plant(Drivetrain):
 
 
 def fault_labels(scene: Scene) -> list[dict[str, Any]]:
-    """Every fault of a scene with its kind, place and severity, in the words of the scene."""
+    """Every fault of a scene with its kind, place and severity, by the keys of the scene."""
     return [*(fault.model_dump() for fault in scene.faults), *(fault.label for fault in shaft_faults(scene))]
 
 
 def labels(scene: Scene) -> dict[str, Any]:
-    """What is known of a run without its motion: the attributes that say what was run."""
+    """Attributes of a response that describe the simulated machine."""
     deviations, faults = scene.deviations, fault_labels(scene)
     return {
         "title": scene.title,

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from pipelines.io.errors import InputError
 from pipelines.io.shown import nearest_name, shown
-from pipelines.io.user_files import names_beside, regular_file
+from pipelines.io.user_files import regular_file, sibling_names
 from pipelines.recordings.channels import Contents
 
 SHARE = 0.5  # of the memory that is free, which one file may take
@@ -69,7 +69,7 @@ def format_of(path: Path) -> Format:
         if not regular_file(path).stat().st_size:
             raise InputError(f"{shown(path)}: is empty (0 bytes). Give a recording.")
     except FileNotFoundError:
-        near = nearest_name(path.name, names_beside(path))
+        near = nearest_name(path.name, sibling_names(path))
         hint = f"Did you mean {shown(near)}?" if near else "Check the path."
         raise InputError(f"{shown(path)}: no such file. {hint}") from None
     return found

@@ -206,8 +206,8 @@ def _places(
     ]
     if not found:
         raise InputError(
-            f"{source}: no channel has the units of an acceleration, the file has {contents.names()}. Set sensors and "
-            "units in the machine file."
+            f"{source}: no channel has the unit of an acceleration; the channels are {contents.names()}. Set sensors "
+            "and units in the machine file."
         )
     places: dict[str, dict[str, Channel]] = {}
     for channel in [channel for channel in found if channel.place] or found:

@@ -1,4 +1,4 @@
-"""What a run has cost, and how values of a report are set in tables."""
+"""The cost of a run, and tables of values in a report."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RunCost:
-    """What a run has cost: rows of its steps, what was computed, and versions and keys."""
+    """Cost of a run: rows of its steps, a summary of what was computed, and versions and keys."""
 
     steps: Sequence[Mapping[str, Any]] = ()
     ledger: Mapping[str, Any] = field(default_factory=dict)
@@ -28,7 +28,7 @@ def grid(title: str, rows: Sequence[Mapping[str, Any]]) -> Grid:
 
 
 def turned(table: Grid, named: Sequence[str]) -> Grid:
-    """A table of many columns laid on its side: a row per quantity, a column per row, headed by the columns `named`."""
+    """A transposed table: a row for each quantity, a column for each row, headed by the columns `named`."""
     at = [table.headers.index(name) for name in named]
     quantities = [i for i in range(len(table.headers)) if i not in at]
     headers = [" ".join(f"{name} {row[i]}" if row[i].isdigit() else row[i] for name, i in zip(named, at, strict=True))
@@ -38,7 +38,7 @@ def turned(table: Grid, named: Sequence[str]) -> Grid:
 
 
 def cell(value: Any) -> str:
-    """A value as it is shown: floats with four significant digits, lists joined, nothing for None."""
+    """A value as text: floats with four significant digits, lists joined, "" for None."""
     if value is None:
         return ""
     if isinstance(value, bool):

@@ -23,13 +23,13 @@ def first_screen(
     ranking: Sequence[tuple[str, float, str, str]] = (),
     ranking_note: str = "",
 ) -> list[str]:
-    """The parts of the page: verdict, numbers, figures, ranking; what a run does not have is left out.
+    """The parts of the page: verdict, numbers, figures, ranking; parts that a run does not have are omitted.
 
     Parameters
     ----------
-    sentences, found : the verdict, the answer first; whether a fault is seen, None without a diagnosis
+    sentences, found : the verdict, the answer first; whether damage is found, None without a diagnosis
     figures : names with their values: f_m, f_r, speed
-    average, envelope : the two figures that the verdict rests on
+    average, envelope : the two figures that support the verdict
     ranking : components with their increase in dB, their evidence ("-" where it has no limit), and a remark
     ranking_note : explains the columns of the ranking
     """

@@ -68,7 +68,7 @@ def paragraph(text: str, style: str = "") -> str:
 
 
 def note(text: str) -> str:
-    """What explains a table."""
+    """The explanation of a table."""
     return paragraph(text, "lead")
 
 
@@ -102,6 +102,6 @@ def folded(summary: str, inside: str) -> str:
 
 
 def picture(figure: Figure, caption: str, style: str = "") -> str:
-    """A figure with its caption, which also describes it to those who cannot see it."""
+    """A figure with its caption, which is also its alternative text."""
     mark = f' class="{style}"' if style else ""
     return f"<figure{mark}><div>{svg(figure, caption)}</div><figcaption>{typeset(caption)}</figcaption></figure>"

@@ -1,4 +1,4 @@
-"""report.html: the answer on the first screen, then signals and spectra, then what it rests on, in one file."""
+"""report.html: one file with the answer on the first screen, then signals and spectra, then all inputs and results."""
 
 from __future__ import annotations
 
@@ -87,23 +87,23 @@ def report_body(
     cautions: Sequence[str] = (),
     warnings: Sequence[str] = (),
 ) -> str:
-    """The page but for its cost: the answer on the first screen, then the signals, then everything else, folded.
+    """The page without its cost: the answer on the first screen, then the signals, then all other sections, folded.
 
-    A section that does not apply to the run is not there. Tables are rows of named cells (the keys are the headers);
-    numbers are set to four digits. Pictures and stiffness are elements of the page, see `pipelines.report.pictures`.
+    Sections that do not apply to the run are omitted. Tables are rows of named cells (the keys are the headers);
+    numbers have four digits. Pictures and stiffness are elements of the page, see `pipelines.report.pictures`.
 
     Parameters
     ----------
     title, first : heading, and parts of the first screen
-    cases, damages : verdicts, and what is known to be damaged
-    summary : what was run, by name
-    diagnoses, seeds : comparisons that are shown in full, and those of further deviations, which enter the summary
-    error : uncertainty of the lines of the first diagnosis, or why there are none
+    cases, damages : verdicts, and known damage
+    summary : properties of the run by name
+    diagnoses, seeds : comparisons that are shown in full, and those of further deviations, for the summary
+    error : uncertainty of the lines of the first diagnosis, or the reason why there is none
     gears, rolling, shafts : gears, bearings with their pass frequencies, faults of shafts with their orders
     gear_picture, stiffness, casing_picture, casing_rows : of gears and casing
     runs, windows : responses by name, that of the scene first; the windows of the diagnosis
-    sensor, axis : whose signals are shown
-    settings : what to look at in a run without control
+    sensor, axis : channel that is shown
+    settings : of the diagnosis, for a run without control
     energy, cautions, warnings : energy balance, warnings of the motions and of the scene
     """
     runs, windows = runs or {}, windows or {}
@@ -241,8 +241,8 @@ _STEPS = {
 }
 _COUNTS = {
     "gear_meshes": "finite-element meshes of gears",
-    "factorisations": "matrix factorisations",
-    "gear_factorisations": "matrix factorisations for gears",
+    "factorisations": "matrix factorisations, in total",
+    "gear_factorisations": "matrix factorisations, of these for gears",
     "casing_meshes": "finite-element meshes of the casing",
     "casing_coordinates": "coordinates of the reduced casing",
     "recovery_rows": "displacements recovered at sensors",

@@ -1,4 +1,4 @@
-"""First screen of a run: verdict of its diagnosis, speeds, one average over a turn and one envelope spectrum."""
+"""First screen of the report of a run: verdict, main numbers, a time-synchronous average and an envelope spectrum."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ from pipelines.signals.orders.rotation import Rotation
 if TYPE_CHECKING:
     import xarray
 
-IN_MESH = 1.0  # pitches to either side of the pitch point, about the range in which a tooth is in mesh
+IN_MESH = 1.0  # pitches on either side of the pitch point, approximate range in which a tooth is in mesh
 
 
 def first_screen(
-    plant: Plant,
+    machine: Plant,
     settings: DiagnosisSettings | None,
     diagnoses: Sequence[Diagnosis],
     runs: Sequence[xarray.Dataset],
@@ -43,19 +43,19 @@ def first_screen(
 
     Parameters
     ----------
-    plant : the machine of the run
+    machine : machine model of the run
     settings : windows and monitored lines, None if no diagnosis is possible
-    diagnoses : lines of all cases, the scene's own first; none without a control
+    diagnoses : lines of all cases, that of the scene first; empty without a control
     runs : the response of the scene and that of its control, if there is one
-    failure : why the diagnosis was not possible, "" if it was
-    cases, damages : verdicts, the scene's own first window first, none without a reference; known damage
+    failure : reason why the diagnosis was not possible, "" if it was
+    cases, damages : verdicts, that of the scene in its first window first, empty without a reference; known damage
     """
     verdict = cases[0].verdict if cases else None
     return first_page.first_screen(
-        sentences=sentences(cases, damages) if cases else [_no_verdict(plant, failure)],
+        sentences=sentences(cases, damages) if cases else [_no_verdict(machine, failure)],
         found=any_found(cases, damages) if cases else None,
-        figures=_numbers(plant, settings),
-        average=None if settings is None else _average(plant, settings, runs, verdict),
+        figures=_numbers(machine, settings),
+        average=None if settings is None else _average(machine, settings, runs, verdict),
         envelope=None if settings is None else _envelope(settings, diagnoses[0].band if diagnoses else None, runs),
         ranking=() if verdict is None else [_ranked(finding) for finding in verdict.findings],
         ranking_note="" if verdict is None else _ranking_note(verdict),
@@ -75,64 +75,66 @@ def _ranking_note(verdict: Verdict) -> str:
     return " ".join(texts)
 
 
-def _no_verdict(plant: Plant, failure: str) -> str:
+def _no_verdict(machine: Plant, failure: str) -> str:
     if failure:
         reason = failure
-    elif not plant.fault_words:
-        reason = "the scene has no fault. To simulate one, add faults."
-    elif not plant.looked_for.possible:
+    elif not machine.fault_words:
+        reason = "the scene has no fault. To simulate a fault, add a table [[faults]]."
+    elif not machine.looked_for.possible:
         reason = "the scene has no sensor, or no window of constant speed. Add sensors or diagnosis.windows_s."
     else:
         reason = 'there is no healthy control to compare with. Set control = "without-faults".'
     return f"No verdict: {reason}"
 
 
-def _numbers(plant: Plant, settings: DiagnosisSettings | None) -> list[tuple[str, str]]:
-    asked, layout = plant.looked_for, plant.layout
-    stage = plant.facts.stages[asked.stage - 1]
-    shaft = layout.pair_shafts[asked.stage - 1][asked.gear == "wheel"]
+def _numbers(machine: Plant, settings: DiagnosisSettings | None) -> list[tuple[str, str]]:
+    monitored, layout = machine.looked_for, machine.layout
+    stage = machine.facts.stages[monitored.stage - 1]
+    shaft = layout.pair_shafts[monitored.stage - 1][monitored.gear == "wheel"]
     f_m = stage.mesh_frequency if settings is None else settings.mesh_frequency
-    f_r = stage.wheel_frequency if asked.gear == "wheel" else stage.pinion_frequency
+    f_r = stage.wheel_frequency if monitored.gear == "wheel" else stage.pinion_frequency
     f_r = f_r if settings is None else settings.revolution_frequency
     speed = 60 * f_r * abs(layout.shaft_ratios[layout.driven] / layout.shaft_ratios[shaft])
-    pair = layout.pairs[asked.stage - 1]
-    teeth = pair.wheel.teeth if asked.gear == "wheel" else pair.pinion.teeth
-    measured = settings is not None and not asked.speed_is_known
+    pair = layout.pairs[monitored.stage - 1]
+    teeth = pair.wheel.teeth if monitored.gear == "wheel" else pair.pinion.teeth
+    measured = settings is not None and not monitored.speed_is_known
     found = [
         ("Speed of the motor" + (", measured" if measured else ""), f"{speed:.5g} rpm"),
         ("Mesh frequency f_m", f"{f_m:.5g} Hz"),
         (f"Revolution frequency f_r of shaft {shaft + 1}", f"{f_r:.5g} Hz"),
-        ("Monitored gear", f"stage {asked.stage} {asked.gear}, {teeth} teeth"),
+        ("Monitored gear", f"stage {monitored.stage} {monitored.gear}, {teeth} teeth"),
     ]
-    return found + ([("Channel", _channel(asked))] if asked.sensor else [])
+    return found + ([("Channel in the diagrams", _channel(monitored))] if monitored.sensor else [])
 
 
-def _channel(asked: LookedFor) -> str:
-    return f"{asked.sensor}, {'all axes' if asked.axis == 'resultant' else asked.axis}"
+def _channel(monitored: LookedFor) -> str:
+    return f"{monitored.sensor}, {'all axes' if monitored.axis == 'resultant' else monitored.axis}"
 
 
-def shown_gear(plant: Plant, verdict: Verdict | None, kinematics: Kinematics) -> Gear:
-    """The gear that ranks first if it is damaged, else the one that the scene monitors."""
+def shown_gear(machine: Plant, verdict: Verdict | None, kinematics: Kinematics) -> Gear:
+    """The gear that ranks first if it is found damaged, else the monitored gear of the scene."""
     gears = {gear.name: gear for gear in kinematics.gears}
     if verdict is not None and verdict.damaged:
         ranked = [gears[finding.component] for finding in verdict.findings[:1] if finding.component in gears]
         if ranked:
             return ranked[0]
-    return gears[f"stage {plant.looked_for.stage} {plant.looked_for.gear}"]
+    return gears[f"stage {machine.looked_for.stage} {machine.looked_for.gear}"]
 
 
 def _average(
-    plant: Plant, settings: DiagnosisSettings, runs: Sequence[xarray.Dataset], verdict: Verdict | None
+    machine: Plant, settings: DiagnosisSettings, runs: Sequence[xarray.Dataset], verdict: Verdict | None
 ) -> Average | None:
-    """Average over the teeth of the gear, the marked one in the middle; None if its shaft hardly turns in the first
-    window.
+    """Time-synchronous average over the teeth of a gear with a marked tooth in the middle.
 
-    The marked tooth is that of the verdict if it finds the gear damaged, else the damaged one of the scene.
+    The marked tooth is that of the verdict if it finds the gear damaged, else the damaged one of the scene. The result
+    is None if the shaft makes too few turns in the first window.
     """
-    kinematics = kinematics_of(plant.layout, ())
-    gear = shown_gear(plant, verdict, kinematics)
+    kinematics = kinematics_of(machine.layout, ())
+    gear = shown_gear(machine, verdict, kinematics)
     named = [one.tooth for one in verdict.findings if one.component == gear.name] if verdict is not None else []
-    damaged = [fault.tooth for fault in plant.faults_of(gear.stage) if gear.name == f"stage {gear.stage} {fault.gear}"]
+    damaged = [
+        fault.tooth for fault in machine.faults_of(gear.stage) if gear.name == f"stage {gear.stage} {fault.gear}"
+    ]
     first = named if verdict is not None and verdict.damaged else damaged
     marked = next((tooth for tooth in (*first, *named, *damaged) if tooth is not None), None)
     middle = gear.teeth / 2 if marked is None else float(marked)
@@ -145,12 +147,12 @@ def _average(
     if found[0] is None:
         return None
     place, values, turns = found[0]
-    axis = int(np.ptp(values, axis=1).argmax())  # of several axes that with the largest motion
+    axis = int(np.ptp(values, axis=1).argmax())  # with the largest peak-to-peak value
     other = found[1] if len(found) > 1 else None
     reference = None if other is None else np.interp(place, other[0], other[1][axis], period=gear.teeth)
     across = f"teeth of the {gear.name}"
     caption = (
-        f"Time-synchronous average of the acceleration at {_channel(plant.looked_for)} over {turns} revolutions of "
+        f"Time-synchronous average of the acceleration at {_channel(machine.looked_for)} over {turns} revolutions of "
         f"{gear.shaft.replace('_', ' ')} in the window {window}, without the mesh orders (residual signal)."
     )
     if reference is not None:
@@ -176,14 +178,17 @@ def _average(
 def over_teeth(
     run: xarray.Dataset, settings: DiagnosisSettings, stream: int, window: str, gear: Gear, meshes: Sequence[int]
 ) -> tuple[np.ndarray, np.ndarray, int] | None:
-    """Places (n,) in teeth within half a turn of 0, the residual (axis, n) there and the number of averaged turns.
+    """Residual signal of a gear over its teeth: place (n,), residual (axis, n) and number of averaged turns.
+
+    The place is counted in teeth from -z/2 to z/2. The result is None without an angle of the shaft, or with too few
+    turns.
 
     Parameters
     ----------
-    run, settings, stream : signals, the channel, the number of its noise
-    window : window of the average
-    gear : its `cycle` is the place where the angle of its shaft is zero
-    meshes : teeth of all gears on its shaft
+    run, settings, stream : signals, monitored channel, and number of the noise sequence
+    window : name of the averaged window
+    gear : the gear; its `cycle` is the place at the angle zero of its shaft
+    meshes : numbers of teeth of all gears on its shaft
     """
     if "shaft_angle" not in run:
         return None
@@ -203,8 +208,7 @@ def over_teeth(
 def _envelope(
     settings: DiagnosisSettings, band: tuple[float, float] | None, runs: Sequence[xarray.Dataset]
 ) -> Envelope:
-    """Envelope spectrum of the first window, up to a dozen orders of the shaft; `band` (Hz) of the diagnosis, or
-    None."""
+    """Envelope spectrum of the first window up to ENVELOPE_ORDERS orders of the shaft; `band` (Hz) as for `analyse`."""
     window = next(iter(settings.windows))
     own, *healthy = (
         analyse(run, settings, stream=stream, band=band).envelopes[window]
@@ -220,6 +224,6 @@ def _envelope(
         band=f"band {own.band_low:.4g} to {own.band_high:.4g} Hz",
         caption=(
             f"Envelope spectrum of {settings.sensor} ({settings.axis}) in the window {window}. "
-            f"Marked: harmonics of the shaft frequency f_r = {f_r:.4f} Hz, which a damaged tooth raises."
+            f"Marked: harmonics of the revolution frequency f_r = {f_r:.4f} Hz. A damaged tooth raises them."
         ),
     )

@@ -50,8 +50,8 @@ def svg(figure: Figure, description: str) -> str:
 
 def _named_by(text: str, name: str) -> str:
     """Ids that are referred to begin with a name; the others are left out."""
-    wanted = set(_REFERENCE.findall(text))
-    text = re.sub(r' id="([^"]*)"', lambda m: f' id="{name}-{m[1]}"' if m[1] in wanted else "", text)
+    referenced = set(_REFERENCE.findall(text))
+    text = re.sub(r' id="([^"]*)"', lambda m: f' id="{name}-{m[1]}"' if m[1] in referenced else "", text)
     text = text.replace("xlink:href=", "href=")
     return _REFERENCE.sub(lambda m: m[0].replace(f"#{m[1]}", f"#{name}-{m[1]}"), text)
 

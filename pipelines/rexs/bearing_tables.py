@@ -90,7 +90,7 @@ def _estimated(
         "element_diameter_mm": diameter,
         "pitch_diameter_mm": pitch,
     }
-    value = f"{count} balls of {diameter:.4g} mm on {pitch:g} mm"
+    value = f"{count} balls of {diameter:.4g} mm on a pitch diameter of {pitch:g} mm"
     reason = f"{bearing.label}: from its bore, outside diameter and static rating; no clearance"
     return table, [_assumed(path, value, reason), *_one_way(bearing, path, BOTH)]
 

@@ -45,8 +45,8 @@ def read_document(name: str | Path) -> Document:
     document = document_of_json(content, source) if ending == ".rexsj" else document_of_xml(content, source)
     if document.version not in VERSIONS:
         raise RexsError(
-            f'{source}: is REXS version "{shown(document.version)}"; {VERSIONS[0]} to {VERSIONS[-1]} are read. '
-            "Write the file in one of these."
+            f'{source}: REXS version "{shown(document.version)}" is not supported. Export the file in version '
+            f"{VERSIONS[0]} to {VERSIONS[-1]}."
         )
     return document
 

@@ -58,7 +58,7 @@ def left_out(document: Document) -> Iterator[Note]:
                 )
     counts = Counter(component.kind for component in document.components.values() if component.kind not in _PARTS)
     for kind, count in sorted(counts.items()):
-        yield Note(kind="left out", where=shown(kind), value="", reason=f"{count} of them; not read")
+        yield Note(kind="left out", where=shown(kind), value="", reason=f"not read ({_times(count)})")
     values = Counter(
         (component.kind, key, attribute.text.strip())
         for component in document.components.values()
@@ -67,8 +67,12 @@ def left_out(document: Document) -> Iterator[Note]:
     )
     for (kind, key, text), count in sorted(values.items()):
         yield Note(
-            kind="left out", where=f"{shown(kind)} {key}", value=shown(text, 40), reason=f"{count} of them; not read"
+            kind="left out", where=f"{shown(kind)} {key}", value=shown(text, 40), reason=f"not read ({_times(count)})"
         )
+
+
+def _times(count: int) -> str:
+    return "once" if count == 1 else f"{count} times"
 
 
 def _empty(text: str) -> bool:

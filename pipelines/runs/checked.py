@@ -79,11 +79,11 @@ def check_scene(loaded: LoadedScene) -> Checked:
     )
 
 
-def _lines(plant: Plant, control: str) -> Iterator[str]:
-    facts = plant.facts
-    yield plant.title
+def _lines(machine: Plant, control: str) -> Iterator[str]:
+    facts = machine.facts
+    yield machine.title
     yield f"  motor speed {facts.motor_speed * 30 / math.pi:.4g} rpm, total ratio {facts.total_ratio:.4f}"
-    place = "load" if plant.hoist is None else "drums"
+    place = "load" if machine.hoist is None else "drums"
     yield f"  torque at the input {facts.input_torque:.4g} N m, at the {place} {facts.output_torque:.4g} N m"
     if facts.container_speed is not None:
         yield f"  highest container speed {facts.container_speed:.4g} m/s"
@@ -92,7 +92,7 @@ def _lines(plant: Plant, control: str) -> Iterator[str]:
     yield (
         "  stage  z1/z2     ratio   a mm      eps_alpha eps_beta  f_m Hz    f_r pinion, wheel Hz  F_bt N   F_t/b N/mm"
     )
-    for number, (pair, stage) in enumerate(zip(plant.layout.pairs, facts.stages, strict=True), 1):
+    for number, (pair, stage) in enumerate(zip(machine.layout.pairs, facts.stages, strict=True), 1):
         teeth = f"{pair.pinion.teeth}/{pair.wheel.teeth}"
         yield (
             f"  {number:<6} {teeth:9} {stage.ratio:<7.4f} {stage.centre_distance * 1000:<9.3f} "
@@ -100,51 +100,51 @@ def _lines(plant: Plant, control: str) -> Iterator[str]:
             f"{stage.pinion_frequency:<9.5g} {stage.wheel_frequency:<10.5g} {stage.mesh_force:<8.4g} "
             f"{stage.line_load / 1000:.4g}"
         )
-    for number, point in enumerate(plant.bearing_points, 1):
+    for number, point in enumerate(machine.bearing_points, 1):
         x, y, z = (value * 1000 for value in point)
         yield f"  bearing_{number} at x {x:.2f}, y {y:.2f}, z {z:.2f} mm"
-    chosen = plant.models
+    chosen = machine.models
     models = [f"mesh {'/'.join(dict.fromkeys(chosen['mesh']))}"]
     models += [f"casing {chosen['casing']}", f"shafts {chosen['shaft_model']}", f"load {chosen['load']}"]
     yield f"  models: {', '.join(models)}, integrator {chosen['integrator']}"
-    if plant.structure.joint is not None and plant.structure.material is not None:
+    if machine.structure.joint is not None and machine.structure.material is not None:
         from pipelines.machine.joint import joint_words
 
-        yield f"  joint: {joint_words(plant.structure.joint, plant.structure.material)}"
-    if plant.rolling:
+        yield f"  joint: {joint_words(machine.structure.joint, machine.structure.material)}"
+    if machine.rolling:
         from pipelines.machine.looked_for import pass_rates
 
         yield "  rolling bearing    shaft  elements  BPFO Hz   BPFI Hz   BSF Hz    FTF Hz"
-        for bearing in plant.rolling:
-            rates = "  ".join(f"{value:<8.5g}" for value in pass_rates(plant.layout, bearing).values())
+        for bearing in machine.rolling:
+            rates = "  ".join(f"{value:<8.5g}" for value in pass_rates(machine.layout, bearing).values())
             yield f"  {bearing.name:<18} {bearing.shaft + 1:<6} {bearing.elements.count:<9} {rates}".rstrip()
-    if plant.shaft_faults:
+    if machine.shaft_faults:
         from pipelines.machine.looked_for import shaft_lines
 
-        for fault in plant.shaft_faults:
-            monitored = shaft_lines(plant.layout, fault).wanted()
+        for fault in machine.shaft_faults:
+            monitored = shaft_lines(machine.layout, fault).wanted()
             orders = ", ".join(f"{label} {frequency:.5g} Hz" for label, _, frequency in monitored)
             yield f"  {fault.name}: {orders}"
-    if plant.fault_words:
-        yield f"  faults: {', '.join(plant.fault_words)}"
+    if machine.fault_words:
+        yield f"  faults: {', '.join(machine.fault_words)}"
     yield f"  control: {control}"
 
 
-def _times(plant: Plant) -> Iterator[str]:
+def _times(machine: Plant) -> Iterator[str]:
     """How long a window must be for each shaft, and which are too short."""
     from pipelines.machine.kinematics import kinematics_of
     from pipelines.signals.features.average import FEWEST_TURNS
     from pipelines.signals.orders.kinematics import needed_seconds
     from pipelines.signals.spectrum import FEWEST_REVOLUTIONS
 
-    windows = plant.looked_for.windows
-    kinematics = kinematics_of(plant.layout, plant.rolling)
+    windows = machine.looked_for.windows
+    kinematics = kinematics_of(machine.layout, machine.rolling)
     if not kinematics.frequency or not windows:
         return
     uses = {"averages": FEWEST_TURNS, "lines": FEWEST_REVOLUTIONS}
     needed = {use: needed_seconds(kinematics, turns) for use, turns in uses.items()}
     heads = "  ".join(f"{use} ({turns} turns) s" for use, turns in uses.items())
-    yield "  shortest diagnosis window that each evaluation needs (turns in brackets), and windows that are too short"
+    yield "  shortest diagnosis window for each evaluation (for this number of turns), and windows that are too short"
     yield f"  shaft       {heads}  too short"
     for shaft in kinematics.shafts:
         short = []

@@ -1,13 +1,12 @@
-"""The right to fill a result folder, taken at the start: runs that begin in the same second do not meet at the end.
+"""Claim on a result folder, taken when a run starts, so that two runs never write to the same folder.
 
-A claim is the file ``.unfinished-<name>``. Only one process can make it, and it keeps the file locked as long as it
-lives. The system drops the lock however the process ends, so what a killed run left is told from what a living one
-writes without process numbers, which are used again. What stands on another host is left alone: not every network file
-system passes locks on.
+A claim is the file ``.unfinished-<name>``. Only one process can create it, and it keeps the file locked until it ends.
+The system releases the lock however the process ends. Thus files of a killed run are recognised without process
+numbers, which are reused. Claims of another host are not touched, since some network file systems share no locks.
 
-The files grow in the folder ``.partial-<name>`` and move into place in one step, so a reader meets a whole result or
-none. A folder that exists already (an empty one given by --out, a mounted volume) holds the claim itself and takes the
-files one by one, the response last.
+The files are written in the folder ``.partial-<name>``, which is renamed when the run ends, so a reader sees a complete
+result or none. A folder that already exists (an empty one given by --out, a mounted volume) contains the claim itself.
+The files are then moved one by one, the response last.
 """
 
 from __future__ import annotations
@@ -38,7 +37,7 @@ _PARTIAL = ".partial-"
 
 @dataclass
 class Claim:
-    """A result folder of this process alone. Write into `folder`; `final` is where the files are afterwards."""
+    """A result folder claimed by this process. Files are written to `folder`; `final` is where they are afterwards."""
 
     final: Path
     folder: Path
@@ -48,14 +47,14 @@ class Claim:
 
 @contextlib.contextmanager
 def claimed(name: str, out: str | Path | None = None, root: Path | None = None) -> Iterator[Claim]:
-    """A folder to fill: `out`, or a new one under ``<root>/<name>/`` with the time in its name, root "runs" by default.
+    """Claim a folder: `out`, or a new one in ``<root>/<name>/`` with the time as its name; the default root is "runs".
 
-    It appears only if the block ends without an error, and is whole then.
+    The folder exists only if the block ends without an error, and is then complete.
 
     Raises
     ------
-    InputError : `out` holds something, another run fills it, or nothing can be written there
-    WorkError : the files are written but cannot be moved; names the folder that keeps them
+    InputError : `out` is not empty, another run writes to it, or it cannot be written
+    WorkError : the files cannot be moved; the message names the folder that contains them
     """
     try:
         claim = _claim_given(writable_folder(out)) if out is not None else _claim_new((root or ROOT) / name)
@@ -91,7 +90,7 @@ def _claim_given(final: Path) -> Claim:
     claim = _claim(final, place)
     if claim is not None:
         return claim
-    marker, folder = _beside(place, _MARKER, final), _beside(place, _PARTIAL, final)
+    marker, folder = _path_of(place, _MARKER, final), _path_of(place, _PARTIAL, final)
     if marker.exists():
         raise InputError(
             f"{shown(final)}: another run is writing there. Choose another --out. If no run is active on any "
@@ -107,17 +106,17 @@ def _claim_given(final: Path) -> Claim:
 
 
 def _claim(final: Path, place: Path) -> Claim | None:
-    """The claim of a free name, with marker and files in `place`; None if the name is taken."""
-    marker, folder = _beside(place, _MARKER, final), _beside(place, _PARTIAL, final)
+    """The claim on a free name, with marker and files in `place`; None if the name is taken."""
+    marker, folder = _path_of(place, _MARKER, final), _path_of(place, _PARTIAL, final)
     if _taken(final, place, marker):
         return None
     try:
-        lock = open(marker, "x+b", buffering=0)  # noqa: SIM115 - held until the run ends
+        lock = open(marker, "x+b", buffering=0)  # noqa: SIM115 - open until the run ends
     except FileExistsError:
         return None
     try:
         try:
-            lock_file(lock, wait=True)  # who sweeps may be looking at it, and leaves it alone while it is empty
+            lock_file(lock, wait=True)  # `_sweep` of another run may have locked it; it ignores an empty marker
         except OSError as error:
             _LOG.debug("%s: no locks here (%s), so it is never swept", marker, error)
         lock.write(_host())
@@ -134,14 +133,14 @@ def _claim(final: Path, place: Path) -> Claim | None:
 
 
 def _taken(final: Path, place: Path, marker: Path) -> bool:
-    """True if something stands under that name; where `place` is the folder itself, if it holds more than a marker."""
+    """True if the name exists; if `place` is the result folder, true if it contains more than the marker."""
     if place != final:
         return os.path.lexists(final)
     return any(path != marker for path in final.iterdir())
 
 
 def _publish(claim: Claim) -> None:
-    """Move the files into place; under the next free name if someone else has taken this one meanwhile."""
+    """Move the files to the result folder, or to the next free name if it was created meanwhile."""
     try:
         if claim.folder.parent == claim.final:
             for path in sorted(claim.folder.iterdir(), key=lambda path: path.name == RESPONSE):
@@ -159,7 +158,7 @@ def _publish(claim: Claim) -> None:
 
 
 def _moved(folder: Path, final: Path) -> bool:
-    """Move a folder to a name; False if the name is taken."""
+    """Rename a folder; False if the name is taken."""
     if os.path.lexists(final):
         return False
     try:
@@ -176,26 +175,26 @@ def _names(first: Path) -> Iterator[Path]:
     yield from (first.with_name(f"{first.name}_{number}") for number in count(2))
 
 
-def _beside(place: Path, prefix: str, final: Path) -> Path:
+def _path_of(place: Path, prefix: str, final: Path) -> Path:
     return place / f"{prefix}{os.path.basename(os.path.abspath(final))}"
 
 
 def _sweep(place: Path) -> None:
-    """Remove what killed runs of this host left here."""
+    """Remove the files of killed runs of this host."""
     for marker in place.glob(f"{_MARKER}*"):
         try:
             with open(marker, "r+b", buffering=0) as lock:
                 if lock_file(lock) and lock.read() == _host() and same_file(lock, marker):
                     shutil.rmtree(place / marker.name.replace(_MARKER, _PARTIAL, 1), ignore_errors=True)
                     _drop(marker, lock)
-        except OSError as error:  # of another user, just removed, or on a file system without locks
+        except OSError as error:  # the marker is of another user, or just removed, or there are no locks
             _LOG.debug("%s is left alone: %s", marker, error)
 
 
 def _drop(marker: Path, lock: BinaryIO) -> None:
-    """Remove a marker and let go of it: while it is held, so that no marker made anew is removed, except on Windows."""
+    """Remove a marker, then release its lock; in this order no marker of another process is removed."""
     if os.name == "nt":
-        lock.close()  # an open file cannot be removed there
+        lock.close()  # Windows cannot remove an open file
     with contextlib.suppress(OSError):
         marker.unlink()
     lock.close()

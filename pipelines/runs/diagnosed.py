@@ -1,4 +1,4 @@
-"""The lines of a fault in a finished run with their error bars, looked for anew in its files."""
+"""Diagnosis of a finished run from its files: fault lines with their error bars, and the verdict."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 
 
 def diagnose_folder(folder: Path, settings: Settings = ()) -> Diagnosis:
-    """The run of a result folder against its control; settings as in ``diagnosis.sensor=sensor_5`` look elsewhere.
+    """Compare the fault lines of a run with its control; settings as ``diagnosis.axis=z`` override the scene.
 
     Raises
     ------
-    InputError : the scene names nothing to look at, or no control was run
+    InputError : the scene has no diagnosis, or the run has no control
     """
     from pipelines.machine.machine import make_drivetrain
     from pipelines.scene.file import load_scene
@@ -38,13 +38,13 @@ def diagnose_folder(folder: Path, settings: Settings = ()) -> Diagnosis:
         key = text.partition("=")[0].strip()
         if key.partition(".")[0] != "diagnosis":
             raise InputError(
-                f"{shown(key)}: the motion of a finished run does not change with this key. Set keys of [diagnosis] "
-                "only, or simulate again with gearcase run."
+                f"{shown(key)}: a finished run cannot be changed by this key. Set keys of [diagnosis] only, or "
+                "simulate again with gearcase run."
             )
     loaded = load_scene(folder / run_folder.RESOLVED, settings)
-    train = make_drivetrain(loaded.scene, loaded.source.shown)  # the file of a housing may be gone
-    wanted = train.diagnosis
-    if wanted is None:
+    train = make_drivetrain(loaded.scene, loaded.source.shown)  # needs no housing file, which may have been removed
+    diagnosis = train.diagnosis
+    if diagnosis is None:
         raise InputError(
             f"{folder}: the scene has no diagnosis.windows_s or no sensors, so there is nothing to diagnose. "
             "Set them and repeat gearcase run."
@@ -55,12 +55,12 @@ def diagnose_folder(folder: Path, settings: Settings = ()) -> Diagnosis:
             'Set control = "without-faults" in the scene and repeat gearcase run.'
         )
     with _pair(folder, train.looked_for.noise) as runs:
-        return diagnoses([CaseSpec(settings=wanted, full=True)], runs)[0]
+        return diagnoses([CaseSpec(settings=diagnosis, full=True)], runs)[0]
 
 
 @contextlib.contextmanager
 def _pair(folder: Path, noise: float) -> Iterator[list[xarray.Dataset]]:
-    """The response and the control of a folder, with the stated sensor noise (m/s2)."""
+    """The response and the control of a run, with the stated sensor noise (m/s2)."""
     with contextlib.ExitStack() as opened:
         yield [
             opened.enter_context(run_folder.opened_run(folder / name)).assign_attrs(sensor_noise_m_s2=noise)
@@ -73,7 +73,7 @@ def judge_folder(folder: Path) -> dict[str, Any]:
 
     Parameters
     ----------
-    folder : of the results, that `diagnose_folder` can read
+    folder : of a run that `diagnose_folder` can read
     """
     from pipelines.diagnosis.control_diagnosis import deviation_name
     from pipelines.diagnosis.prediction import FEWEST_FOR_P
@@ -107,29 +107,29 @@ def judge_folder(folder: Path) -> dict[str, Any]:
 
 
 def folder_bars(folder: Path, diagnosis: Diagnosis, settings: Settings, work: Work) -> LineBars | str:
-    """The bars of a diagnosis of a finished run, or why there are none; steps of its casing come from the cache.
+    """Error bars of the diagnosis of a finished run, or why there are none; steps of its casing come from the cache.
 
     Parameters
     ----------
-    folder : of the results
-    diagnosis : by `diagnose_folder` with the same settings
-    settings : those of the diagnosis; what they change of the machine is left aside
-    work : what builds the casing again if it is no longer in the cache
+    folder : of the run
+    diagnosis : result of `diagnose_folder` with the same settings
+    settings : those of the diagnosis; changes of the machine are ignored
+    work : executor that builds the casing again if it is not in the cache
 
     Raises
     ------
-    SceneError, WorkError : the scene cannot be used any more, or a step failed
+    SceneError, WorkError : the scene is not valid any more, or a step failed
     """
     from pipelines.runs.single_results import scene_graph
     from pipelines.scene.file import load_scene
     from pipelines.steps.error_bars import machine_bars
     from pipelines.steps.results import casing_taken
 
-    graph, plant = scene_graph(load_scene(folder / run_folder.RESOLVED))  # the casing is that of the run
-    asked = load_scene(folder / run_folder.RESOLVED, settings).scene.diagnosis
-    plant = replace(plant, looked_for=replace(plant.looked_for, damping_spread=asked.damping_spread))
-    taken = {"laws": plant.law_names, **casing_taken(graph)}
+    graph, machine = scene_graph(load_scene(folder / run_folder.RESOLVED))  # without `settings`: casing of the run
+    changed = load_scene(folder / run_folder.RESOLVED, settings).scene.diagnosis
+    machine = replace(machine, looked_for=replace(machine.looked_for, damping_spread=changed.damping_spread))
+    taken = {"laws": machine.law_names, **casing_taken(graph)}
     step = Step(name="error bars", kind="error-bars", build=machine_bars, takes=taken)
     outcome = work.build(graph, step.inputs)
     with run_folder.opened_run(folder / run_folder.RESPONSE) as run:
-        return machine_bars(plant, run, diagnosis, **step.received(outcome.value))
+        return machine_bars(machine, run, diagnosis, **step.received(outcome.value))

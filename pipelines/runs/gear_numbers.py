@@ -1,7 +1,7 @@
-"""Gear pairs in numbers: curves over the passage of every damaged tooth beside the healthy ones, and their summary.
+"""Curves and summary of gear pairs while each damaged tooth is in mesh, compared with the healthy pair.
 
-Positions count mesh cycles from the instant at which the tooth touches at the pitch point at mid face; pair 0 is that
-of the tooth, pair 1 the next to come.
+Positions are in mesh cycles from the instant at which the tooth touches at the pitch point at mid face. Pair 0 is that
+of the tooth, pair 1 the following one.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from pipelines.engine.run_graph import Work
     from pipelines.scene.file import LoadedScene
 
-PER_CYCLE = 40  # positions
-ERROR_POSITIONS = 256  # over the one mesh cycle whose orders are taken
-EQUAL = 1e-9  # relative: stiffnesses that differ by rounding only
+PER_CYCLE = 40  # positions per mesh cycle
+ERROR_POSITIONS = 256  # in the mesh cycle whose mesh orders are computed
+EQUAL = 1e-9  # relative difference of stiffnesses by rounding
 FORMATS = (".csv", ".nc")
 UNMODIFIED = "healthy, unmodified"
 _CURVES = {
@@ -48,7 +48,7 @@ _BY_PAIR = {
 
 @dataclass(frozen=True, kw_only=True)
 class MeshState:
-    """Force (N) and tilt (rad, in the face coordinate of the law; None: force at mid face) at which a pair is shown."""
+    """Force (N) and tilt (rad, in the face coordinate of the law) of a pair; without tilt the force is at mid face."""
 
     force: float
     tilt: float | None
@@ -64,12 +64,12 @@ class _Case:
 
 
 def machine_states(loaded: LoadedScene, work: Work) -> list[MeshState]:
-    """Forces and tilts of all stages where the loaded machine rests at the start of its motion.
+    """Forces and tilts of all stages in equilibrium at the start of the motion.
 
     Raises
     ------
-    InputError : a mesh that carries nothing there
-    EquilibriumError : the load cannot be carried
+    InputError : a mesh has no load there
+    EquilibriumError : there is no equilibrium at the load
     """
     from mbd.forces.flank import flank_name
     from mbd.system.statics import equilibrium
@@ -90,11 +90,11 @@ def machine_states(loaded: LoadedScene, work: Work) -> list[MeshState]:
 
 
 def gear_curves(pairs: Sequence[PairLaws], states: Sequence[MeshState]) -> xarray.Dataset:
-    """Curves of every pair, healthy and while each of its damaged teeth passes.
+    """Curves of every pair, healthy and while each of its damaged teeth is in mesh.
 
     Parameters
     ----------
-    pairs, states : one of each for every pair at every load
+    pairs, states : the pairs at every load, and the state of each
 
     Returns
     -------
@@ -105,7 +105,7 @@ def gear_curves(pairs: Sequence[PairLaws], states: Sequence[MeshState]) -> xarra
 
     Raises
     ------
-    LawError : a force is not reached
+    LawError : a force cannot be reached
     """
     import xarray
 
@@ -168,9 +168,9 @@ def _cases(found: PairLaws) -> list[_Case]:
 
 
 def _pressures(case: _Case, curve: StiffnessCurve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Numbers (pair,) of the loaded pairs from that of the tooth, their shares and pressures (position, pair).
+    """Numbers (pair,) of the loaded pairs counted from that of the tooth, their shares and pressures (position, pair).
 
-    Contact of a tip edge beyond the active flank has no Hertz pressure: the curvature of the flank ends there.
+    Contact of a tip edge beyond the active flank has no Hertzian pressure: the curvature of the flank ends there.
     """
     pair, law = case.laws.pair, case.laws.law(faulty=case.faulty, modified=case.modified)
     teeth = case.laws.teeth(faulty=case.faulty)
@@ -186,7 +186,7 @@ def _pressures(case: _Case, curve: StiffnessCurve) -> tuple[np.ndarray, np.ndarr
 
 
 def _greatest_pressure(case: _Case, state: MeshState) -> float:
-    """The greatest value (Pa) of the contact pattern of the tooth that passes: `gearcase inspect` shows the same."""
+    """Greatest pressure (Pa) in the contact pattern of the damaged tooth, as `gearcase inspect` shows it."""
     pattern = case.laws.pattern(
         tooth=round(case.passage.cycle),
         faulty=case.faulty,
@@ -198,17 +198,17 @@ def _greatest_pressure(case: _Case, state: MeshState) -> float:
 
 
 def _in_contact(pair: GearPair, position: np.ndarray) -> slice:
-    """The positions of the whole mesh cycles in which one tooth is in mesh."""
+    """Positions of the whole mesh cycles in which one tooth is in mesh."""
     first, last = engagement(pair)
     at = int(np.searchsorted(position, first - 1e-9))
     return slice(at, at + round((last - first) * PER_CYCLE))
 
 
 def _peak_to_peak(case: _Case, state: MeshState, position: np.ndarray, error: np.ndarray) -> float:
-    """Greatest less least transmission error (m) while the tooth is in contact.
+    """Difference (m) of the greatest and the least transmission error while the tooth is in contact.
 
-    The curve has corners where a tooth pair gains or loses contact: of 40 positions a mesh cycle none may be near. So
-    the neighbourhood of either extremum is evaluated twice, each time at a tenth of the distances.
+    The curve has corners where a tooth pair comes into or leaves contact, which may be between the 40 positions of a
+    mesh cycle. So the neighbourhood of both extrema is evaluated twice, each time at a tenth of the distances.
     """
     at = _in_contact(case.laws.pair, position)
     extrema = []
@@ -229,10 +229,10 @@ def _peak_to_peak(case: _Case, state: MeshState, position: np.ndarray, error: np
 
 
 def gear_rows(pairs: Sequence[PairLaws], curves: xarray.Dataset) -> list[dict[str, Any]]:
-    """The summary: one row per case; means over the whole pitches in which the tooth is in mesh.
+    """Summary with one row for each case; means over the whole pitches in which the tooth is in mesh.
 
-    A healthy pair has the same mean over any whole pitches. Least stiffness and `TE p-p` are those of the same stretch,
-    `share` and `pressure` the greatest of the pair of the tooth.
+    The mean of a healthy pair is the same over any whole pitches. Least stiffness and `TE p-p` are those of the same
+    interval, `share` and `pressure` the greatest values of the pair of the tooth.
     """
     by_stage = {pair.stage: pair for pair in pairs}
     rows = []
@@ -242,7 +242,7 @@ def gear_rows(pairs: Sequence[PairLaws], curves: xarray.Dataset) -> list[dict[st
         own = one.sel(pair=0)
         one = one.isel(position=_in_contact(found.pair, one.position.values))
         soft = np.flatnonzero(one.secant.values <= float(one.secant.min()) * (1.0 + EQUAL))
-        softest = min(soft, key=lambda i: abs(float(one.position[i])))  # a healthy pair is as soft in every cycle
+        softest = min(soft, key=lambda i: abs(float(one.position[i])))  # the least stiffness recurs in every cycle
         rows.append(
             {
                 "stage": found.stage,
@@ -264,7 +264,7 @@ def gear_rows(pairs: Sequence[PairLaws], curves: xarray.Dataset) -> list[dict[st
 
 
 def transmission_errors(found: PairLaws, state: MeshState) -> TransmissionErrors:
-    """The transmission error of a pair over one mesh cycle, and while each of its damaged teeth passes."""
+    """The transmission error of a pair over one mesh cycle, and while each of its damaged teeth is in mesh."""
     cycle = np.arange(ERROR_POSITIONS) / ERROR_POSITIONS
     pair, place = found.pair, np.linspace(-PITCHES_SHOWN, PITCHES_SHOWN, POSITIONS)
 
@@ -285,13 +285,13 @@ def transmission_errors(found: PairLaws, state: MeshState) -> TransmissionErrors
 
 
 def relief_amounts(found: PairLaws, state: MeshState) -> tuple[float, float]:
-    """Usual amounts of tip relief (m) at a load, from the teeth without modifications: for the least change, and all.
+    """Usual amounts of tip relief (m) at a load, from teeth without modifications: for minimum variation, and in full.
 
-    The second is the deflection, of a spur pair in single contact, of a helical one in the mean, as the effective tip
-    relief C_eff = F / (b c') and F / (b c_gamma_alpha) of ISO/TS 6336-22, with the computed stiffness. Of a spur pair
-    the first is twice the step between single and double contact: where a long relief takes R / 2 from each of two
-    tooth pairs, the double contact gives way by R / 2 more and the step vanishes. Bodies and shafts, which both
-    contacts share, drop out of it. The first of a helical pair is the second.
+    The second is the deflection, for a spur pair in single contact, for a helical pair in the mean. This is the
+    effective tip relief C_eff = F / (b c') and F / (b c_gamma_alpha) of ISO/TS 6336-22 with the computed stiffness. The
+    first for a spur pair is twice the step R between single and double contact: a long relief that takes R / 2 from
+    each of two tooth pairs increases the deflection in double contact by R / 2, so the step vanishes. The deflection of
+    bodies and shafts is the same in both contacts and cancels. The first for a helical pair equals the second.
     """
     curve = found.stiffness(modified=False, force=state.force)
     deflection = curve.transmission_error  # at mid face, where a misalignment opens no gap
@@ -301,7 +301,7 @@ def relief_amounts(found: PairLaws, state: MeshState) -> tuple[float, float]:
 
 
 def write_curves(curves: xarray.Dataset, path: Path) -> None:
-    """The curves as netCDF, or as CSV with a row per case and position and the units in the header."""
+    """Write curves as netCDF, or as CSV with a row for each case and position and the units in the header."""
     with whole_file(path) as partial:
         if path.suffix.lower() == ".nc":
             partial.write_bytes(curves.to_netcdf(engine="h5netcdf"))
@@ -310,7 +310,7 @@ def write_curves(curves: xarray.Dataset, path: Path) -> None:
 
 
 def _table(curves: xarray.Dataset) -> Any:
-    """A data frame with a row per case and position; columns of pairs are named by their numbers."""
+    """A data frame with a row for each case and position; columns of pairs are named by their numbers."""
     import pandas as pd
 
     count = curves.sizes["position"]

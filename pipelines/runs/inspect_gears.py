@@ -1,4 +1,4 @@
-"""`gearcase inspect`: pictures of a gear pair, of its mesh and of the contact pattern, healthy and with its faults."""
+"""Pictures of `gearcase inspect`: a gear pair, its mesh and its contact pattern, healthy and with its faults."""
 
 from __future__ import annotations
 
@@ -22,34 +22,34 @@ from pipelines.steps.pair_curves import PairLaws
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class InspectedStage:
-    """A stage of a plant with its laws."""
+    """A stage of a machine with its mesh laws, and the pictures of it."""
 
-    plant: Plant
+    machine: Plant
     laws: PairLaws
 
     @property
     def title(self) -> str:
         """Scene, stage and teeth."""
         pair = self.laws.pair
-        return f"{self.plant.title}: stage {self.laws.stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth"
+        return f"{self.machine.title}: stage {self.laws.stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth"
 
     @property
     def placed(self) -> PlacedPair:
-        """The pair at its place, with the fault that is shown."""
-        return placed_pair(self.plant, self.laws.stage)
+        """The pair in its position, with the fault that is shown."""
+        return placed_pair(self.machine, self.laws.stage)
 
     @property
     def fault(self) -> Fault | None:
-        """The one that is shown."""
+        """The fault that is shown; None for a healthy pair."""
         return self.placed.fault
 
     @property
     def marked(self) -> str:
-        """The damaged tooth in words, "" without one."""
+        """The damaged tooth in words; "" for a healthy pair."""
         return self.laws.passages[0].name if self.laws.passages else ""
 
     def mesh_view(self, cycles: np.ndarray) -> MeshView:
-        """The mesh at its load at the cycles (frame,), healthy and with its faults."""
+        """The mesh under load at the positions `cycles` (frame,), in mesh cycles, healthy and with its faults."""
         found, pair = self.laws, self.laws.pair
         states = [mesh_frames("healthy", pair, found.healthy, found.force, cycles, *found.teeth())]
         if found.faults:
@@ -69,7 +69,7 @@ class InspectedStage:
         )
 
     def gears_title(self) -> str:
-        """Title of the overview: scene, position, load and size."""
+        """Title of the overview: scene, position in mesh, load and size."""
         pair, fault = self.laws.pair, self.fault
         cycle = shown_cycle(pair, None if fault is None else (fault.gear, fault.tooth or 0))
         meshes = "" if fault is None else f" (damaged tooth in mesh at {fault.tooth or 0})"
@@ -83,7 +83,7 @@ class InspectedStage:
         return f"{self.title}\nmesh cycle {cycle}{meshes}, load {self.laws.force:.4g} N; {size}{''.join(webs)}"
 
     def write_overview(self, path: Path) -> Path:
-        """The pair, the damaged tooth from near, and the stiffness."""
+        """Write a picture of the pair, the damaged tooth enlarged, and the stiffness."""
         from pipelines.report.figures.callouts import gear_figure
         from pipelines.report.figures.film import save_figure
         from pipelines.report.figures.render import render_gears, render_tooth
@@ -91,24 +91,24 @@ class InspectedStage:
 
         placed = self.placed
         view = stage_view(placed, self.laws.healthy)
-        with ThreadPoolExecutor(2) as pool:  # each picture is drawn by a process of its own
-            drawn = pool.submit(render_gears, view)
-            drawn_near = pool.submit(render_tooth, view) if view.tooth is not None else None
+        with ThreadPoolExecutor(2) as pool:  # each picture is rendered in a separate process
+            pending = pool.submit(render_gears, view)
+            pending_near = pool.submit(render_tooth, view) if view.tooth is not None else None
             curve = stiffness_plots([self.laws])[0]
-            picture, near = drawn.result(), None if drawn_near is None else drawn_near.result()
+            picture, near = pending.result(), None if pending_near is None else pending_near.result()
         names = gear_names(placed)
         save_figure(gear_figure(picture, curve, names, self.gears_title(), near, view.tooth), path, dpi=115)
         return path
 
     def write_pattern(self, path: Path) -> Path:
-        """The contact pattern of the damaged tooth, of both neighbours of a missing one, or of pinion tooth 0."""
+        """Write the contact pattern of the damaged tooth, of both neighbours of a missing one, or of pinion tooth 0."""
         found, pair, fault = self.laws, self.laws.pair, self.fault
         gear, tooth = ("pinion", 0) if fault is None else (fault.gear, fault.tooth or 0)
         patterns = [contact_pattern("healthy", pair, found.healthy, gear, tooth, found.force, found.teeth())]
         damage = self.placed.damage
         shown = f"tooth {tooth} of the {gear}"
         states = [] if fault is None else [(self.marked, tooth)]
-        if fault is not None and fault.kind == "missing-tooth":  # nothing touches it: its neighbours carry its load
+        if fault is not None and fault.kind == "missing-tooth":  # the neighbours carry the load
             shown = f"neighbours of the missing {shown}"
             count = getattr(pair, gear).teeth
             states = [(f"tooth {(tooth - 1) % count}, in mesh before the missing one", tooth - 1),

@@ -1,4 +1,4 @@
-"""`gearcase inspect --stress` and `--mesh`: the stress of loaded teeth as a picture and as a mesh."""
+"""Pictures and mesh files of `gearcase inspect --stress` and `--mesh`: the stress of loaded teeth."""
 
 from __future__ import annotations
 
@@ -25,25 +25,25 @@ _REMEDY = (
 )
 
 
-def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: Work) -> list[Path]:
-    """stress_<n>.png with `--stress` and the mesh file of `--mesh`.
+def stress_files(machine: Plant, graph: Graph, options: argparse.Namespace, work: Work) -> list[Path]:
+    """Write stress_<n>.png with `--stress`, and the mesh file of `--mesh`; the files.
 
-    The mesh holds the damaged state where there is one.
+    The mesh is that with the faults if the stage has any.
 
     Parameters
     ----------
-    plant, graph : the plant of a scene, and its steps
+    machine, graph : the machine of a scene in SI, and its steps
     options : of the command line: stage, position, stress, mesh, out
-    work : builds the steps
+    work : executor of the steps
 
     Raises
     ------
-    InputError : unknown ending of the mesh file
+    InputError : the suffix of the mesh file is not known
     NotRendered : the picture cannot be rendered
 
     Warns
     -----
-    SceneWarning : the stage has a crack, which the finite elements do not have
+    SceneWarning : the stage has a crack, which the finite elements do not contain
     """
     from pipelines.engine.step import Graph
     from pipelines.report.figures.shapes import placed_pair, stage_view
@@ -58,24 +58,24 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
 
     stage = options.stage
     target = None if options.mesh is None else writable_file(options.mesh, "--mesh", FORMATS)
-    pair, model = plant.layout.pairs[stage - 1], stress_model(plant.laws[stage - 1])
-    outcome = work.build(graph, law_names(plant))
-    found = pair_laws(plant, outcome.value)[stage - 1]
+    pair, model = machine.layout.pairs[stage - 1], stress_model(machine.laws[stage - 1])
+    outcome = work.build(graph, law_names(machine))
+    found = pair_laws(machine, outcome.value)[stage - 1]
     index = round((acting(found) if options.position is None else options.position) * model.positions)
-    force = plant.facts.stages[stage - 1].shown_force
+    force = machine.facts.stages[stage - 1].shown_force
     if options.torque is not None:
         force = options.torque / pair.pinion.base_radius
-    added = _stress_steps(plant, stage, index, force)
+    added = _stress_steps(machine, stage, index, force)
     full = Graph([*graph.needed([f"law_{stage}"]), *added])
-    wanted = [one.name for one in added[1:]]
-    outcome = work.build(full, wanted)
-    states = tuple(teeth_in_mesh(pair, outcome.value(name)) for name in wanted)
-    kinds = list(dict.fromkeys(fault.kind for fault in plant.faults_of(stage)))
+    stresses = [one.name for one in added[1:]]
+    outcome = work.build(full, stresses)
+    states = tuple(teeth_in_mesh(pair, outcome.value(name)) for name in stresses)
+    kinds = list(dict.fromkeys(fault.kind for fault in machine.faults_of(stage)))
     crack = _CRACK if "cracked-tooth" in kinds else ""
     if crack:
         warnings.warn(f"stage {stage}: {crack}. {_REMEDY}", SceneWarning, stacklevel=2)
     folder, written = Path(options.out), []
-    placed = placed_pair(plant, stage)
+    placed = placed_pair(machine, stage)
     damaged = stage_view(placed, found.healthy, in_mesh=True)
     healthy = stage_view(placed, found.healthy, in_mesh=True, damaged=False)
     if target is not None:
@@ -86,7 +86,7 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
         return written
     folder.mkdir(parents=True, exist_ok=True)
     view = StressView(
-        title=f"{plant.title}: stage {stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth",
+        title=f"{machine.title}: stage {stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth",
         gears=healthy,
         damaged=None if placed.fault is None else damaged,
         marked=found.passages[0].name if found.passages else "",
@@ -101,24 +101,24 @@ def stress_files(plant: Plant, graph: Graph, options: argparse.Namespace, work: 
 
 
 def stress_model(law: LawSpec) -> Solid:
-    """The model `solid` with the options of a law, or with its defaults where the law has another model."""
+    """The model `solid` with the options of a law, or with its defaults if the law has another model."""
     from fem.contact.models.solid import Solid
 
     mesh = law.mesh
     return Solid(slices=mesh.slices, refinement=mesh.refinement) if isinstance(mesh, Solid) else Solid()
 
 
-def _stress_steps(plant: Plant, stage: int, index: int, force: float) -> list[Step]:
-    """The compliance of a stage, and the stress of its teeth: healthy and, with faults, faulty."""
+def _stress_steps(machine: Plant, stage: int, index: int, force: float) -> list[Step]:
+    """Steps of the compliance of a stage and of the stress of its teeth, healthy and, with faults, faulty."""
     import numpy as np
 
     from pipelines.engine.step import Step
     from pipelines.machine.assembly import mesh_faults
     from pipelines.steps import stress
 
-    modified, model = plant.flanks[stage - 1], stress_model(plant.laws[stage - 1])
+    modified, model = machine.flanks[stage - 1], stress_model(machine.laws[stage - 1])
     worn = replace(modified, pinion_damage=(), wheel_damage=())
-    sound, pair = replace(worn, pinion_wear=(), wheel_wear=()), modified.pair
+    healthy, pair = replace(worn, pinion_wear=(), wheel_wear=()), modified.pair
     found = [
         Step(
             name=f"compliance_{stage}",
@@ -130,9 +130,9 @@ def _stress_steps(plant: Plant, stage: int, index: int, force: float) -> list[St
         )
     ]
     even = np.zeros(pair.pinion.teeth), np.zeros(pair.wheel.teeth)
-    cases = [("sound", sound, even)]
-    if plant.faults_of(stage):
-        cases.append(("faulty", worn, mesh_faults(plant.machine.meshes[stage - 1])))
+    cases = [("healthy", healthy, even)]
+    if machine.faults_of(stage):
+        cases.append(("faulty", worn, mesh_faults(machine.machine.meshes[stage - 1])))
     for name, spec, (pinion, wheel) in cases:
         found.append(
             Step(

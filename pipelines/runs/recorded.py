@@ -1,4 +1,4 @@
-"""The blind verdict on a recorded file, against files of healthy machines."""
+"""Verdict on a recorded file by comparison with recordings of healthy machines."""
 
 from __future__ import annotations
 
@@ -27,25 +27,24 @@ if TYPE_CHECKING:
     from pipelines.signals.orders.kinematics import Kinematics
     from pipelines.signals.orders.rotation import Rotation
 
-_SAME_SPEED = 0.03  # relative difference of the speeds of recordings that are compared without a warning
-_NAMED = 3  # recordings of other speed that a warning names
+_SAME_SPEED = 0.03  # greatest relative difference of the speeds of recordings that are compared without a warning
+_NAMED = 3  # recordings of another speed that a warning names
 Windows = Mapping[str, tuple[float, float]]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Recorded:
-    """A recorded file: its features, its rotation in words, and what is wrong with it."""
+    """A recorded file: its features, its rotation in words, and warnings."""
 
     name: str
     table: FeatureTable
-    frequency: float  # Hz, mean of the first shaft in the first window
     turning: str
     warnings: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class JudgedFile:
-    """A file with its features, and the verdict if healthy files were given."""
+    """A file with its features, and the verdict if healthy recordings were given."""
 
     recorded: Recorded
     kinematics: Kinematics
@@ -53,7 +52,7 @@ class JudgedFile:
 
     @property
     def impacts(self) -> tuple[Impacts, ...]:
-        """What the file shows of its bearings by itself."""
+        """Impacts of rolling bearings that the file shows without comparison."""
         from pipelines.diagnosis.impacts import impacts
 
         return impacts(self.recorded.table)
@@ -70,9 +69,9 @@ def judge_file(
     Parameters
     ----------
     source : file, or folder of a run
-    healthy : the same of healthy machines
+    healthy : files or folders of healthy machines
     machine : its description or scene; that of the run if None
-    window : start and end (s) of what is looked at; those of the scene, else the whole recording, if None
+    window : start and end (s) of the part to evaluate; if None, the windows of the scene, or the whole recording
 
     Raises
     ------
@@ -101,7 +100,7 @@ def judge_file(
 def recorded_parts(
     sources: Sequence[str | Path], machine: str | Path | None, window: tuple[float, float] | None
 ) -> list[Part]:
-    """Recordings with their rotation, for figures; `machine` and `window` are those of `judge_file`, of the last one.
+    """Recordings with their rotation, for figures; `machine` and `window` as in `judge_file`, for the last recording.
 
     Raises
     ------
@@ -120,9 +119,9 @@ def recorded_parts(
 
 
 def other_speeds(own: Recorded, healthy: Mapping[str, Recorded]) -> list[str]:
-    """A warning if healthy recordings (by name) were made at other speeds, on which levels depend."""
-    speeds = {name: 60.0 * one.frequency for name, one in healthy.items()}
-    rpm = 60.0 * own.frequency
+    """A warning if healthy recordings (by name) have other speeds, since levels depend on speed."""
+    speeds = {name: 60.0 * float(one.table.speed[0]) for name, one in healthy.items()}
+    rpm = 60.0 * float(own.table.speed[0])
     other = [f"{name} {speed:.5g} rpm" for name, speed in speeds.items() if abs(speed / rpm - 1.0) > _SAME_SPEED]
     if not other:
         return []
@@ -134,11 +133,11 @@ def other_speeds(own: Recorded, healthy: Mapping[str, Recorded]) -> list[str]:
 
 
 def judge_recordings(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset], kinematics: Kinematics) -> Verdict:
-    """The verdict on a recording in memory, all of which is looked at.
+    """The verdict on a recording in memory, which is evaluated completely.
 
     Raises
     ------
-    InputError : a recording has no rotation or no features, or they cannot be compared
+    InputError : a recording has no rotation or no features, or the recordings cannot be compared
     """
     from pipelines.diagnosis.baseline import BaselineError
     from pipelines.diagnosis.simulated import FeatureSettings, run_features
@@ -163,32 +162,32 @@ def judge_recordings(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset
 
 
 def recording_path(source: str | Path) -> Path:
-    """The file itself, or the response in the folder of a run."""
+    """The path of a recorded file, or of the response in the folder of a run."""
     path = Path(source)
-    scene_or_folder = path.suffix == ".toml" or path.is_dir()  # a scene means its newest run
+    scene_or_folder = path.suffix == ".toml" or path.is_dir()  # the newest run of a scene
     file = not scene_or_folder and (is_regular_file(path) or bool(path.suffix))
     return path if file else run_folder.find_run(source) / run_folder.RESPONSE
 
 
 def machine_of(path: Path, machine: str | Path | None) -> tuple[Machine, Windows | None]:
-    """The machine of a recording, and the windows of its scene, None where it has none.
+    """The machine of a recording, and the windows of its scene; None if it has none.
 
     Raises
     ------
-    InputError : no machine is given, and none stands beside the file
+    InputError : no machine is given, and the folder of the file has no scene of a run
     """
     from pipelines.recordings.machine import read_machine
 
     if not path.exists():
         raise InputError(f"{shown(path)}: there is no such file. Correct the path.")
-    beside = path.parent / run_folder.RESOLVED
-    if machine is None and not is_regular_file(beside):
+    scene = path.parent / run_folder.RESOLVED
+    if machine is None and not is_regular_file(scene):
         raise InputError(
             f"{shown(path)}: the machine is not known. Give --machine FILE: a scene, or a file with numbers of teeth, "
             "speed and sensors."
         )
-    given = beside if machine is None else machine
-    return read_machine(given), (_windows(beside) if is_regular_file(beside) else None)
+    given = scene if machine is None else machine
+    return read_machine(given), (_windows(scene) if is_regular_file(scene) else None)
 
 
 def _windows(scene: Path) -> Windows | None:
@@ -198,17 +197,17 @@ def _windows(scene: Path) -> Windows | None:
 
 
 def read_features(path: Path, machine: Machine, windows: Windows | None) -> Recorded:
-    """The features of a file.
+    """The features of a recorded file.
 
     Parameters
     ----------
     path : of the recording
-    machine : that it was made on
-    windows : that are looked at; the whole recording if None
+    machine : of the recording
+    windows : to evaluate; the whole recording if None
 
     Raises
     ------
-    InputError : the file cannot be read, its rotation not found, or nothing turns often enough
+    InputError : the file cannot be read, its rotation is not found, or there are too few revolutions
     """
     from pipelines.diagnosis.simulated import FeatureSettings, run_features
     from pipelines.recordings.recording import read_recording
@@ -221,7 +220,10 @@ def read_features(path: Path, machine: Machine, windows: Windows | None) -> Reco
         warnings, time = tuple(told(recording.attrs).values()), recording.time.values
         for name, (start, end) in (windows or {}).items():
             if start >= end:
-                raise InputError(f"{shown(path)}: {name} from {start:g} to {end:g} s must end after its start.")
+                raise InputError(
+                    f"{shown(path)}: {name} from {start:g} to {end:g} s must end after its start. Set a "
+                    "later end or an earlier start."
+                )
             if start < time[0] or end > 2 * time[-1] - time[-2]:
                 raise InputError(
                     f"{shown(path)}: {name} from {start:g} to {end:g} s is not within the recording, {time[0]:.6g} to "
@@ -232,14 +234,12 @@ def read_features(path: Path, machine: Machine, windows: Windows | None) -> Reco
             table = run_features(recording, settings, rotation)
         except (FeatureError, RotationError) as error:
             raise InputError(f"{shown(path)}: {error}") from error
-    turning, frequency = _turning(rotation, time, machine.kinematics, windows)
-    return Recorded(name=path.name, table=table, frequency=frequency, turning=turning, warnings=warnings)
+    turning = _turning(rotation, time, machine.kinematics, windows)
+    return Recorded(name=path.name, table=table, turning=turning, warnings=warnings)
 
 
-def _turning(
-    rotation: Rotation, time: np.ndarray, kinematics: Kinematics, windows: Windows | None
-) -> tuple[str, float]:
-    """Speed and mesh frequencies in the first window and where the speed comes from, in words; the speed in Hz."""
+def _turning(rotation: Rotation, time: np.ndarray, kinematics: Kinematics, windows: Windows | None) -> str:
+    """Speed and mesh frequencies in the first window and the source of the speed, in words."""
     import numpy as np
 
     start, end = next(iter((windows or {"": (time[0], time[-1])}).values()))
@@ -253,15 +253,14 @@ def _turning(
     conditional = "".join(
         f" The speed of {shaft} is conditional: {reason}." for shaft, reason in rotation.conditional.items()
     )
-    words = (
+    return (
         f"{kinematics.shafts[0].name} turns {turned:.1f} times in {start:.4g} to {end:.4g} s: {60 * frequency:.5g} "
         f"rpm{known}, f_r {frequency:.5g} Hz{meshes}. Source: {rotation.source}.{conditional}"
     )
-    return words, frequency
 
 
 def file_words(found: JudgedFile) -> str:
-    """Verdict and speed; without healthy files the features."""
+    """Verdict and speed as text; without healthy recordings the features."""
     from pipelines.diagnosis.impacts import impact_words
     from pipelines.diagnosis.words import text
 
@@ -277,7 +276,7 @@ def file_words(found: JudgedFile) -> str:
 
 
 def file_facts(found: JudgedFile) -> dict[str, Any]:
-    """The verdict, None without healthy files, and every feature in the mean over the channels."""
+    """The verdict (None without healthy recordings), and every feature as the mean over the channels."""
     table = found.recorded.table
     features = [
         {"component": component, "feature": feature, "value": float(value)}
@@ -295,14 +294,14 @@ def file_facts(found: JudgedFile) -> dict[str, Any]:
 
 
 def mean_features(table: FeatureTable) -> np.ndarray:
-    """Features (line,) in the geometric mean over the channels."""
+    """Features (line,) as the geometric mean over the channels."""
     import numpy as np
 
     return np.exp(np.mean(np.log(np.maximum(table.value, np.finfo(float).tiny)), axis=0))
 
 
 def features_grid(table: FeatureTable) -> Grid:
-    """A row per component and feature, in the mean over the channels."""
+    """Table with a row for each component and feature, as the mean over the channels."""
     from pipelines.diagnosis.words import NAMES
 
     rows = tuple(

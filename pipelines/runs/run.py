@@ -82,12 +82,12 @@ def run_scene(
         baseline=baseline if with_report else 0,
     )
     graph = Graph([*study.graph, *(result_steps(loaded, study) if with_report else [])])
-    wanted = graph.steps if with_report else study.motions
+    requested = graph.steps if with_report else study.motions
     failure: Exception | None = None
     with claimed(loaded.name, out) as claim, run_folder.logged_to(claim.folder / "log.jsonl"):
         written = _Files(claim.folder, loaded, study)
         try:
-            work.build(graph, wanted, written.add)
+            work.build(graph, requested, written.add)
         except Exception as error:
             if not written.signals:
                 raise
@@ -213,14 +213,14 @@ class _Files:
         self.left_out += found["left_out"]
 
 
-def _facts(name: str, plant: Plant, outcome: Outcome) -> dict[str, Any]:
+def _facts(name: str, machine: Plant, outcome: Outcome) -> dict[str, Any]:
     """Of the steps so far: versions, models and keys, the same for the same result; ledger and cost. `name` of the
     scene."""
     used = {library: version for record in outcome.records for library, version in record.libraries.items()}
     return {
         "scene": name,
         "versions": {"python": platform.python_version(), **library_versions("gearcase", *_WRITERS), **used},
-        "models": plant.models,
+        "models": machine.models,
         "threads per process": 1,
         "keys": {record.name: record.key[:32] for record in outcome.records},
         "ledger": outcome.ledger(),
@@ -237,7 +237,7 @@ def _facts(name: str, plant: Plant, outcome: Outcome) -> dict[str, Any]:
     }
 
 
-def _write_response(path: Path, motion: Trajectory, plant: Plant, facts: Mapping[str, Any]) -> None:
+def _write_response(path: Path, motion: Trajectory, machine: Plant, facts: Mapping[str, Any]) -> None:
     """The labelled signals with the facts of this run as attributes."""
     from pipelines.signals.response_file import write_response
 
@@ -246,4 +246,4 @@ def _write_response(path: Path, motion: Trajectory, plant: Plant, facts: Mapping
         "steps": json.dumps(facts["steps"]),
         "build_ledger": json.dumps(facts["ledger"]),
     }
-    write_response(motion, {**plant.labels, **told}, path)
+    write_response(motion, {**machine.labels, **told}, path)

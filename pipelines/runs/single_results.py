@@ -1,4 +1,4 @@
-"""Parts of a scene built on their own, without a run: gear pairs, the casing, the machine about its rest, signals."""
+"""Results of a scene that need no run: gear pairs, casing, modes of the loaded machine, and signals."""
 
 from __future__ import annotations
 
@@ -31,29 +31,29 @@ if TYPE_CHECKING:
     from pipelines.steps.pair_curves import PairLaws
 
 _MODES_SHOWN = 20
-STATIC_BAND = 1000.0  # Hz, to which a casing without a band of its own is compared and exported
+STATIC_BAND = 1000.0  # Hz, upper limit for comparison and export of a casing model without a band
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Casing:
-    """The casing of a scene: what the machine stands in; of an elastic one its mesh, modes and check-up, too."""
+    """The casing of a scene; an elastic one with its mesh, modes and checks."""
 
     body: ReducedBody  # mass, stiffness, damping, rows of bearings and sensors; SI
     mesh: CasingMesh | None
     modes: CasingModes | None
     natural: NaturalModes | None  # frequencies in Hz, effective masses
     checkup: CheckUp | None
-    limits: FrequencyLimits | None  # of its frequencies at elements of size zero, if it is extrapolated
-    error: ErrorStatement | None  # against the full model, if it was asked for
+    limits: FrequencyLimits | None  # of its frequencies, extrapolated to zero element size; None if not extrapolated
+    error: ErrorStatement | None  # against the full model, on request
     records: tuple[StepRecord, ...]  # seconds and memory of its steps
     band: float  # Hz
     participation: np.ndarray | None = None  # T^T M R (coordinate, 6) about the centre of gravity, of an elastic casing
-    requested_error: float | None = None  # of half of its frequencies, for which the element size was chosen
-    joint: str = ""  # what holds its halves together; the mesh is then the one cut in two
+    requested_error: float | None = None  # in half of its frequencies, from which the element size was chosen
+    joint: str = ""  # joint of its halves in words; the mesh is then divided there
 
     @property
     def frequencies(self) -> np.ndarray:
-        """Natural frequencies (mode,) in the ground, Hz; those of a rigid casing on its mounts."""
+        """Natural frequencies (mode,) on its mounts, Hz; also those of a rigid casing."""
         import numpy as np
         from scipy.linalg import eigh
 
@@ -64,9 +64,9 @@ class Casing:
 
     @property
     def bands(self) -> np.ndarray:
-        """Half widths (mode,) of the uncertainty bands of `frequencies`, Hz; nan where none is known.
+        """Half widths (mode,) of the uncertainty bands of `frequencies`, Hz; NaN if unknown.
 
-        The band of a mode holds its own extrapolated frequency with the band of that.
+        The band of a mode contains its extrapolated frequency with the uncertainty band of that.
         """
         import numpy as np
 
@@ -82,11 +82,11 @@ class Casing:
         return found
 
     def shape(self, mode: int) -> np.ndarray:
-        """Displacement (node, axis) of natural mode 0, 1, ... at the nodes `modes.nodes`, the largest length 1.
+        """Displacement (node, axis) of natural mode 0, 1, ... at the nodes `modes.nodes`, with a greatest length of 1.
 
         Raises
         ------
-        InputError : the casing has no finite elements of its own, or not as many modes
+        InputError : the casing has no finite-element mesh, or there is no such mode
         """
         if self.modes is None or self.natural is None or not len(self.modes.nodes):
             raise InputError('casing: no mode shapes without finite elements. Set casing.model = "craig-bampton".')
@@ -109,7 +109,7 @@ class Casing:
 
 
 def mode_shapes(modes: CasingModes, natural: NaturalModes, numbers: Sequence[int]) -> list[np.ndarray]:
-    """Displacements (node, 3) of natural modes, the largest length 1."""
+    """Displacements (node, 3) of natural modes, scaled to a greatest length of 1."""
     import numpy as np
 
     shapes = []
@@ -120,46 +120,46 @@ def mode_shapes(modes: CasingModes, natural: NaturalModes, numbers: Sequence[int
 
 
 def scene_graph(loaded: LoadedScene) -> tuple[Graph, Plant]:
-    """The steps of a scene without its control, and its plant."""
+    """The steps of a scene without its control, and its machine in SI."""
     study = plan_study(loaded, with_control=False, both_loads=False)
     return study.graph, study.plant
 
 
 def build_pairs(loaded: LoadedScene, work: Work) -> tuple[PairLaws, ...]:
-    """The mesh laws of every gear pair."""
+    """The mesh laws of every gear pair of a scene."""
     from pipelines.steps.pair_curves import law_names, pair_laws
 
-    graph, plant = scene_graph(loaded)
-    outcome = work.build(graph, law_names(plant))
-    return pair_laws(plant, outcome.value)
+    graph, machine = scene_graph(loaded)
+    outcome = work.build(graph, law_names(machine))
+    return pair_laws(machine, outcome.value)
 
 
 def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) -> Casing:
-    """The reduced casing; with `error_check` compared with the full model, which costs about as much as the reduction.
+    """The reduced casing of a scene; `error_check` compares it with the full model, which doubles the computing time.
 
     Raises
     ------
-    InputError : an error check of a casing that has no full model
+    InputError : an error check is requested for a casing that has no full model
     """
     from pipelines.engine.step import Graph
     from pipelines.machine.joint import joint_words
     from pipelines.steps.graph import casing_step
 
-    graph, plant = scene_graph(loaded)
-    structure, limit = plant.structure, plant.casing.limit
+    graph, machine = scene_graph(loaded)
+    structure, limit = machine.structure, machine.casing.limit
     band = STATIC_BAND if limit is None else limit / MODES_OVER_BAND
     elastic = "casing modes" in graph.steps
     meshed = elastic and "casing mesh" in graph.steps
     coarser = graph.steps["casing"].takes.get("coarser", ())
-    wanted = ["casing", *(["casing mesh"] if meshed else []), *(["casing modes"] if elastic else [])]
-    wanted += coarser
+    requested = ["casing", *(["casing mesh"] if meshed else []), *(["casing modes"] if elastic else [])]
+    requested += coarser
     if error_check:
-        check = plant.casing.error_check(structure, band)
+        check = machine.casing.error_check(structure, band)
         if check is None:
-            raise InputError(plant.casing.no_full_model)
+            raise InputError(machine.casing.no_full_model)
         graph = Graph([*graph, casing_step(check)])
-        wanted.append("casing error")
-    outcome = work.build(graph, wanted)
+        requested.append("casing error")
+    outcome = work.build(graph, requested)
     body, modes, checkup, natural, limits = outcome.value("casing"), None, None, None, None
     participation = None
     if elastic:
@@ -196,7 +196,7 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
         checkup=checkup,
         limits=limits,
         error=outcome.value("casing error") if error_check else None,
-        requested_error=getattr(plant.casing, "target_error", 0.0) or None,
+        requested_error=getattr(machine.casing, "target_error", 0.0) or None,
         records=tuple(record for record in outcome.records if "casing" in record.name),
         band=band,
     )
@@ -205,14 +205,14 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
 def build_machine_modes(
     loaded: LoadedScene, work: Work, *, up_to: float = 10e3, cycle: float | None = None, speed: float = 0.0
 ) -> tuple[LinearModes, float]:
-    """Small motion about the loaded machine, and the mesh cycle of stage 1 at which it is taken.
+    """Natural modes of the loaded machine, and the mesh cycle of stage 1 at which they are computed.
 
     Parameters
     ----------
-    loaded, work : the scene, and what builds its steps
-    up_to : Hz, highest frequency
-    cycle : mesh cycle of stage 1, by default that of the start
-    speed : of the motors, rad/s; losses and gyroscopic moments follow it
+    loaded, work : the scene, and the executor of its steps
+    up_to : upper limit of the frequencies, Hz
+    cycle : mesh cycle of stage 1; by default that of the start
+    speed : of the motors, rad/s, for losses and gyroscopic moments
     """
     from mbd.system.linearised import linear_modes
     from mbd.system.system import DEFAULT_BAND
@@ -226,28 +226,28 @@ def build_system(loaded: LoadedScene, work: Work, band: float | None = None, cyc
 
     Parameters
     ----------
-    loaded, work : the scene, and what builds its steps
+    loaded, work : the scene, and the executor of its steps
     band : Hz, see `assemble_system`
-    cycle : mesh cycle of stage 1 to which it is turned, by default that of the start
+    cycle : mesh cycle of stage 1 to which the machine is rotated; by default that of the start
     """
     from mbd.system.linearised import turned
     from pipelines.machine.assembly import assemble_machine, assemble_system
 
-    graph, plant = scene_graph(loaded)
-    outcome = work.build(graph, [*plant.law_names, "casing"])
-    train = assemble_machine(plant.machine, [outcome.value(name) for name in plant.law_names])
+    graph, machine = scene_graph(loaded)
+    outcome = work.build(graph, [*machine.law_names, "casing"])
+    train = assemble_machine(machine.machine, [outcome.value(name) for name in machine.law_names])
     if cycle is not None:
         first = train.meshes[0]
         train = turned(train, (cycle - first.cycle_at_start) / first.cycles_per_radian)
-    return assemble_system(train, outcome.value("casing"), plant.recorded, band)
+    return assemble_system(train, outcome.value("casing"), machine.recorded, band)
 
 
 def build_signals(loaded: LoadedScene, work: Work) -> xarray.Dataset:
-    """The signals of a scene as response.nc would hold them; no file is written."""
+    """The signals of a scene with the contents of response.nc, without writing a file."""
     from pipelines.signals.motion_warnings import log_warnings
     from pipelines.signals.response import make_response
 
-    graph, plant = scene_graph(loaded)
+    graph, machine = scene_graph(loaded)
     motion = work.build(graph, ["simulate"]).value("simulate")
     log_warnings([motion])
-    return make_response(motion, plant.labels)
+    return make_response(motion, machine.labels)

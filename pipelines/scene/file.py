@@ -1,4 +1,4 @@
-"""Read a scene: a commented TOML file, its ``extends``, and ``--set``, validated with every error at once."""
+"""Loading of a scene: a TOML file, the scenes that it extends, and ``--set``; all errors are reported together."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pipelines.io.errors import InputError, Problem, SceneError, SceneWarning
 from pipelines.io.other_files import refuse_other_file
 from pipelines.io.shown import nearest_name, shown
 from pipelines.io.toml_text import TomlError, format_document, read_toml
-from pipelines.io.user_files import checked_path, folder_name, names_beside, read_text
+from pipelines.io.user_files import checked_path, folder_name, read_text, sibling_names
 from pipelines.scene.limits import LONGEST_CHAIN, MOST_BYTES, over_limits
 from pipelines.scene.merge import Merged, Whole, differences, merge, settings_tree, without
 from pipelines.scene.shipped_files import anchored
@@ -24,43 +24,43 @@ if TYPE_CHECKING:
 
     from pipelines.scene.scene import Scene
 
-WITHOUT_FAULTS = "without-faults"  # the control that is the scene itself, healthy
-_OWN_KEYS = ("title", "control", "faults")  # in these, and in faults of shafts, a scene and its control may differ
+WITHOUT_FAULTS = "without-faults"  # control: the scene itself without its faults
+_OWN_KEYS = ("title", "control", "faults")  # a scene and its control may differ in these, and in faults of shafts
 
 Settings = Iterable[str] | Mapping[str, Any]
 
 
 @dataclass(frozen=True)
 class Source:
-    """Where a scene's text is: a file of the user's, or a shipped scene."""
+    """Source of the text of a scene: a file of the user, or a shipped scene."""
 
     name: str  # stem of the file or the shipped name
     text: str
-    folder: Path | None  # relative `extends` are looked up here; None for a shipped scene
-    shown: str  # for messages
+    folder: Path | None  # of relative paths in `extends`; None for a shipped scene
+    shown: str  # name in messages
 
 
 @dataclass(frozen=True)
 class LoadedScene:
-    """A valid scene with what was asked for. `tree` is merged and holds only what was written."""
+    """A valid scene with its source and settings. `tree` is merged from both, without defaults."""
 
-    name: str  # of the folder of its results
+    name: str  # also that of the folder of its results
     source: Source
     settings: Mapping[str, Any]  # as a tree
     tree: Mapping[str, Any]
     scene: Scene
 
     def resolved(self, *, own_control: bool = False) -> str:
-        """TOML text of the whole scene with every default written out; loads to an equal scene.
+        """TOML text of the scene with all defaults, which loads as an equal scene.
 
-        With `own_control` its control is the scene itself without faults: right when the named control differs in
-        nothing else; its settings would be lost otherwise.
+        With `own_control` its control is the scene itself without faults. Use it if the named control differs in
+        nothing else, since its settings are not part of the text.
         """
         values = self.scene.model_dump(mode="json", exclude_none=True)
         return format_document(values | ({"control": WITHOUT_FAULTS} if own_control else {}))
 
     def asked(self) -> str:
-        """TOML text of what was asked: the source (a shipped one by its name), then the settings."""
+        """TOML text that the user gave: the source (a shipped one by its name), then the settings."""
         text = self.source.text if self.source.folder is not None else f'extends = "{self.source.name}"\n'
         if not self.settings:
             return text
@@ -72,7 +72,7 @@ class LoadedScene:
 
 
 def load_scene(source: str | Path, settings: Settings = ()) -> LoadedScene:
-    """Read, extend, set and validate a scene.
+    """Load and validate a scene.
 
     Parameters
     ----------
@@ -81,19 +81,19 @@ def load_scene(source: str | Path, settings: Settings = ()) -> LoadedScene:
 
     Raises
     ------
-    SceneError : with all problems of the file's content and of the settings
-    InputError : the file is missing, not UTF-8, not TOML or of another kind, its ``extends`` go in a circle, or its
-        name is no name for a folder of results
+    SceneError : with all problems of the file and of the settings
+    InputError : the file is missing, not UTF-8, not TOML or of another kind, ``extends`` is circular, or the name of
+        the scene cannot be that of a folder
     """
     return _loaded(find_source(source), *settings_tree(settings))
 
 
 def scene_of_tree(tree: Mapping[str, Any], name: str = "scene") -> LoadedScene:
-    """The scene of tables that are given in Python, as if they stood in a file of that name in the working folder.
+    """The scene of tables that are given in Python; relative paths are those of the working folder.
 
     Raises
     ------
-    SceneError, InputError : as `load_scene`
+    SceneError, InputError : as in `load_scene`
     """
     source = Source(name, format_document(plain(tree)), Path.cwd(), f"scene {shown(name)}")
     return _loaded(source, {}, [])
@@ -108,7 +108,7 @@ def _loaded(source: Source, change: Mapping[str, Any], problems: list[Problem]) 
 
 
 def changed(loaded: LoadedScene, settings: Settings, tables: Mapping[str, Any] | None = None) -> LoadedScene:
-    """The same scene with further settings on top, as paths with values, or `tables` that are merged key by key.
+    """The scene with further settings, as paths with values, or as `tables` that are merged key by key.
 
     Raises
     ------
@@ -127,7 +127,7 @@ def changed(loaded: LoadedScene, settings: Settings, tables: Mapping[str, Any] |
 
 
 def plain(value: Any) -> Any:
-    """A value of Python and NumPy as TOML has it: text keys, lists, numbers."""
+    """A value of Python or NumPy in types of TOML: dicts with text keys, lists, numbers."""
     if isinstance(value, Mapping):
         kind = Whole if isinstance(value, Whole) else dict
         return kind((str(key), plain(item)) for key, item in value.items())
@@ -139,10 +139,10 @@ def plain(value: Any) -> Any:
 
 
 def control_of(loaded: LoadedScene) -> LoadedScene | None:
-    """The healthy control that the scene names, with the same settings, or None if it names none.
+    """The healthy control that the scene names, with the same settings; None if it names none.
 
-    The control ``"without-faults"`` is the scene itself without its faults, those of its shafts included; any other is
-    a scene of its own, which takes over every setting but those of its title, control and faults.
+    The control ``"without-faults"`` is the scene itself without its faults, also those of its shafts. Any other control
+    is a separate scene, to which all settings except those of title, control and faults are applied.
     """
     from pipelines.scene.scene import Scene
     from pipelines.scene.shaft_faults import without_shaft_faults
@@ -168,7 +168,7 @@ def control_of(loaded: LoadedScene) -> LoadedScene | None:
 
 
 def control_differences(loaded: LoadedScene, control: LoadedScene) -> list[str]:
-    """What sets the control apart beyond the faults: one line per value, empty if nothing does."""
+    """Differences between a scene and its control except faults, one line for each value."""
     from pipelines.scene.shaft_faults import without_shaft_faults
 
     sides = [
@@ -181,18 +181,18 @@ def control_differences(loaded: LoadedScene, control: LoadedScene) -> list[str]:
 def validate(
     merged: Merged, model: type[BaseModel], source: str, problems: Iterable[Problem] = ()
 ) -> tuple[Any, dict[str, Any]]:
-    """The model's object and the tree it was made of.
+    """The object of a model, and the tree from which it was made.
 
     Parameters
     ----------
     merged : the tree
-    model : class that it is to fit
+    model : class that validates the tree
     source : of the scene, for messages
     problems : found before
 
     Raises
     ------
-    SceneError : with everything that is wrong
+    SceneError : with all problems
     """
     from pydantic import ValidationError
 
@@ -222,7 +222,7 @@ def validate(
 
 
 def read_tree(source: Source, seen: tuple[str, ...] = ()) -> Merged:
-    """The source with its ``extends`` merged underneath."""
+    """The tree of a source, merged with the scenes that it extends."""
     tree = anchored(parse(source), source.folder)
     refuse_other_file(tree, source.shown)
     base = tree.pop("extends", None)
@@ -240,13 +240,13 @@ def read_tree(source: Source, seen: tuple[str, ...] = ()) -> Merged:
         raise InputError(f"{source.shown}: extends forms a circle ({shown(circle)}). Delete one of these extends.")
     if len(chain) > LONGEST_CHAIN:
         raise InputError(f"{source.shown}: more than {LONGEST_CHAIN} scenes extend one another. Join some of them.")
-    if "faults" in tree:  # the title of the other scene may name its fault
+    if "faults" in tree:  # the title of the extended scene may name its fault
         tree.setdefault("title", f"{source.name}, which extends {below.name}")
     return _shortened(read_tree(below, chain), tree, source.shown)
 
 
 def user_states(source: Source, key: str) -> bool:
-    """Whether a file of the user's, or one that it extends, gives a value to a key such as "casing.band_Hz"."""
+    """True if a file of the user, or one that it extends, sets a key such as "casing.band_Hz"."""
     seen = set()
     while source.folder is not None and identity(source) not in seen:
         seen.add(identity(source))
@@ -263,12 +263,12 @@ def user_states(source: Source, key: str) -> bool:
 
 
 def identity(source: Source) -> str:
-    """What tells two sources apart: the shipped name or the full path."""
+    """Identity of a source: the shipped name, or the full path."""
     return source.name if source.folder is None else str(source.folder / f"{source.name}.toml")
 
 
 def parse(source: Source) -> dict[str, Any]:
-    """The tree of one TOML text, ``extends`` included, within the limits of a scene."""
+    """The tree of one TOML text with its ``extends``, checked against the limits of a scene."""
     try:
         tree = read_toml(source.text)
     except TomlError as error:
@@ -279,7 +279,7 @@ def parse(source: Source) -> dict[str, Any]:
 
 
 def find_source(name: str | Path, folder: Path | None = None) -> Source:
-    """A file if the name ends in ``.toml`` (relative to `folder`), else a shipped scene."""
+    """The source of a name: a file if it ends in ``.toml`` (relative to `folder`), otherwise a shipped scene."""
     text = str(name)
     if not text.endswith(".toml"):
         return _shipped_source(text)
@@ -287,7 +287,7 @@ def find_source(name: str | Path, folder: Path | None = None) -> Source:
     try:
         content = read_text(path, MOST_BYTES)
     except FileNotFoundError:
-        near = nearest_name(path.name, names_beside(path, ".toml"))
+        near = nearest_name(path.name, sibling_names(path, ".toml"))
         hint = (
             f"Did you mean {shown(near)}?"
             if near
@@ -299,7 +299,7 @@ def find_source(name: str | Path, folder: Path | None = None) -> Source:
 
 
 def shipped_names() -> list[str]:
-    """Names of the scenes that come with the package."""
+    """Names of the shipped scenes."""
     folder = resources.files("pipelines.scene") / "shipped"
     return sorted(p.name.removesuffix(".toml") for p in folder.iterdir() if p.name.endswith(".toml"))
 
@@ -321,21 +321,21 @@ _WINDOWS = ("diagnosis", "windows_s")
 
 
 def _shortened(base: Merged, change: Mapping[str, Any], source: str | None) -> Merged:
-    """`base` with `change` on top, without the windows of `base` that end after the ``end_s`` of `change`.
+    """Merge `change` into `base`, without the windows of `base` that end after the ``end_s`` of `change`.
 
-    Windows are inherited: from a scene below by ``extends``, from the file by ``--set simulation.end_s=0.5``. Who
-    shortens the simulation has not asked for them, so that one which ends later is no mistake. A window that is written
-    beside ``end_s`` is one, and is refused as such.
+    Windows are inherited, from an extended scene or from the file with ``--set simulation.end_s=0.5``. If a change
+    shortens the simulation, inherited windows beyond its end are omitted with a warning. A window of the change itself
+    that ends after ``end_s`` is an error.
 
     Parameters
     ----------
-    base : the tree below
-    change : what goes on top
-    source : of the scene, for the warning; None of a control, whose scene has said it
+    base : the tree to change
+    change : the tree that overrides it
+    source : of the scene, for the warning; None for a control, for whose scene the warning was given
 
     Warns
     -----
-    SceneWarning : a window fell away
+    SceneWarning : a window is omitted
     """
     merged = merge(base, change)
     end = _at(change, ("simulation", "end_s"))
@@ -359,7 +359,7 @@ def _shortened(base: Merged, change: Mapping[str, Any], source: str | None) -> M
 
 
 def _at(tree: Any, path: tuple[str, ...]) -> Any:
-    """The value at a path, None where there is none."""
+    """The value at a path; None if there is none."""
     for key in path:
         tree = tree.get(key) if isinstance(tree, Mapping) else None
     return tree
@@ -370,6 +370,6 @@ def _is_number(value: Any) -> bool:
 
 
 def _ends(span: Any) -> float:
-    """End of a window (s); -inf of what is none, which is refused later."""
+    """End of a window (s); -inf if it is not a window, which raises an error later."""
     whole = isinstance(span, list | tuple) and len(span) == 2 and _is_number(span[1])
     return float(span[1]) if whole else float("-inf")

@@ -1,15 +1,15 @@
-"""Phases of the meshes that share a gear: an idler, a gear with several mates, a closed loop.
+"""Phases of meshes that share a gear: an idler, a gear with several mates, a closed loop.
 
-In the sense s about +y in which its shaft turns, the middle of tooth 0 of a gear stands, counted in teeth, at
+With the sense s about +y in which its shaft rotates, the middle of tooth 0 of a gear is, in teeth, at
 
     T_1 = z_1 a_1 / (2 pi) + c - tau_1 / 2,    a_1 = -s_1 D            as the pinion of a stage,
     T_2 = z_2 a_2 / (2 pi) + c + tau_2 / 2,    a_2 = -s_2 (D + pi)     as its wheel,
 
-with the mesh cycle c, the direction D from pinion axis to wheel axis, and the tooth thickness tau = s_w / p_wt on the
-operating pitch circle as a share of the pitch: at c = 0 the leading flank of the pinion's tooth 0 touches the trailing
-flank of the wheel's at the pitch point. A gear has one T, so the cycles of its stages follow from one of them; around a
-closed loop of shared gears they must come out the same, the condition of assembly of planets. A gear that has one mate
-may be mounted at any angle on its shaft: its phase is free.
+where c is the mesh cycle, D the direction from pinion axis to wheel axis, and tau = s_w / p_wt the tooth thickness on
+the operating pitch circle divided by the pitch. At c = 0 the leading flank of tooth 0 of the pinion touches the
+trailing flank of tooth 0 of the wheel at the pitch point. A gear has one T, so the cycle of one of its stages
+determines those of the others. Around a closed loop of shared gears they must agree, which is the condition of assembly
+of planet gears. A gear with only one mate may be mounted at any angle on its shaft: its phase is free.
 
 References
 ----------
@@ -26,19 +26,19 @@ from pipelines.io.errors import Problem
 from pipelines.scene.tables.gears import StageTable
 from pipelines.scene.train import stage_shafts
 
-LOOP = 0.01  # mesh cycles by which a closed loop may miss: directions are given to some digits
-GIVEN = 1e-3  # mesh cycles by which a given phase may miss
-Gear = tuple[int, int, float, float]  # shaft, teeth, place and tip radius
+LOOP = 0.01  # mesh cycles, tolerance of a closed loop, since directions are given with few digits
+GIVEN = 1e-3  # mesh cycles, tolerance of a given phase
+Gear = tuple[int, int, float, float]  # shaft, teeth, position and tip radius
 
 
 def mesh_cycles(
     stages: Sequence[StageTable], pairs: Sequence[GearPair], senses: Sequence[int]
 ) -> tuple[list[float], list[Problem]]:
-    """Mesh cycle of every stage at t = 0, in [0, 1), and what contradicts itself.
+    """Mesh cycle of every stage at t = 0, in [0, 1), and contradictions between given values.
 
     Parameters
     ----------
-    stages, pairs : tables of the stages, and the gears of each
+    stages, pairs : tables of the stages, and the gear pair of each
     senses : of the shafts, +1 or -1 about +y
     """
     offsets = [dict(_teeth(*item, senses)) for item in zip(stages, pairs, stage_shafts(stages), strict=True)]
@@ -48,7 +48,7 @@ def mesh_cycles(
     for first in range(len(stages)):
         if first in done:
             continue
-        found, loops = _together(first, offsets)
+        found, loops = _linked_cycles(first, offsets)
         problems += loops
         given = [number for number in sorted(found) if stages[number].cycle_at_start is not None]
         anchor = given[0] if given else first
@@ -63,7 +63,7 @@ def mesh_cycles(
 def _teeth(
     stage: StageTable, pair: GearPair, shafts: tuple[int, int], senses: Sequence[int]
 ) -> Iterator[tuple[Gear, float]]:
-    """T - c of both gears."""
+    """T - c of both gears of a stage."""
     direction, pitch = stage.si.direction, 2 * math.pi
     thicknesses = (thickness / pair.working_pitch for thickness in pair.working_thicknesses)
     sides = ((pair.pinion, direction, -1), (pair.wheel, direction + math.pi, 1))
@@ -73,8 +73,8 @@ def _teeth(
         yield key, gear.teeth * place / pitch + side * thickness / 2
 
 
-def _together(first: int, offsets: Sequence[dict[Gear, float]]) -> tuple[dict[int, float], list[Problem]]:
-    """Cycles of the stages that hang on the first by shared gears, less its own, and loops that do not fit."""
+def _linked_cycles(first: int, offsets: Sequence[dict[Gear, float]]) -> tuple[dict[int, float], list[Problem]]:
+    """Cycles, relative to that of the first, of the stages linked to it by shared gears; loops that do not agree."""
     found, waiting, problems = {first: 0.0}, [first], []
     while waiting:
         known = waiting.pop(0)
@@ -84,7 +84,7 @@ def _together(first: int, offsets: Sequence[dict[Gear, float]]) -> tuple[dict[in
                 if number not in found:
                     found[number] = cycle
                     waiting.append(number)
-                elif number > known and abs(miss := _apart(cycle, found[number])) > LOOP:
+                elif number > known and abs(miss := _difference(cycle, found[number])) > LOOP:
                     problems.append(
                         Problem(
                             f"stages.{number + 1}",
@@ -101,22 +101,22 @@ def _contradictions(
     stages: Sequence[StageTable], given: Sequence[int], cycles: Sequence[float], anchor: int
 ) -> Iterator[Problem]:
     for number in given:
-        wanted = stages[number].cycle_at_start
-        if wanted is not None and abs(_apart(wanted, cycles[number])) > GIVEN:
+        requested = stages[number].cycle_at_start
+        if requested is not None and abs(_difference(requested, cycles[number])) > GIVEN:
             yield Problem(
                 f"stages.{number + 1}.cycle_at_start",
                 f"must be {cycles[number]:.4f}, because a gear of this stage also meshes in stage {anchor + 1}, whose "
                 "cycle_at_start determines it",
                 "Delete one of the two",
-                f"{wanted:g}",
+                f"{requested:g}",
             )
 
 
-def _apart(one: float, other: float) -> float:
-    """Difference of two cycles to the nearest whole number, in [-0.5, 0.5]."""
+def _difference(one: float, other: float) -> float:
+    """Difference of two cycles from the nearest whole number, in [-0.5, 0.5]."""
     return (one - other) - round(one - other)
 
 
 def _whole(cycle: float) -> float:
-    """The cycle, without the round-off that lies beside a whole number."""
-    return float(round(cycle)) if abs(_apart(cycle, 0.0)) < 1e-12 else cycle
+    """The cycle, rounded if it is a whole number except for round-off."""
+    return float(round(cycle)) if abs(_difference(cycle, 0.0)) < 1e-12 else cycle

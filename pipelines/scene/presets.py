@@ -1,18 +1,17 @@
-"""Presets: what `draft`, `standard` and `reference` set in a scene. Chosen from the table of `gearcase tradeoff`.
+"""Presets `draft`, `standard` and `reference`: settings of a scene for three accuracies, chosen by `gearcase tradeoff`.
 
-A preset sets how finely a scene is computed: mesh models with their refinement and slices, elements of the casing,
-time step. It keeps the physics of the scene: no preset takes a torsion-only shaft or a casing without modes. The band
-of the casing modes is a part of what a scene contains, so that a `casing.band_Hz` in a file of the user overrides the
-preset. A preset reduces only the default of that key and the value of a shipped scene, which its figures were measured
-with. `--set` overrides all of it.
+A preset sets the numerical accuracy of a scene: mesh models with their refinement and slices, elements of the casing,
+and time step. It does not change the physics: no preset selects shafts with torsion only or a casing without modes. The
+band of the casing modes is part of the scene, so `casing.band_Hz` in a file of the user overrides the preset. A preset
+reduces only the default of that key and the value of a shipped scene. `--set` overrides every value of a preset.
 
-What decides, on the shipped rig: `plane` shifts lines of the fault by up to 9 dB, which no refinement cures, so
-all presets take `solid`. The slices of the face add tones at their own passing frequency, n f_m / eps_beta, among the
-modes of the casing: 15 instead of 61 move the RMS of the sensors by 0.6 % (2.8 % at most), 31 by 0.1 % (2.5 %), the
-lines of the fault by 0.12 dB. The flexibility of the bearing seats moves these lines more than the rest of the casing.
-A plain parametric housing takes cubic hexahedra, which follow the stresses at its edges: on the rig `standard` has
-84,000 unknowns and frequencies 0.16 % too high (`python -m benchmarks.casing_limits`). Other housings take cubic
-tetrahedra. Both are extrapolated by quadratic displacements on the same mesh; `draft` is not, where it has hexahedra.
+Reasons, on the shipped rig: `plane` shifts fault lines by up to 9 dB, independently of the refinement, so all presets
+use `solid`. The slices of the face add tones at their passing frequency, n f_m / eps_beta, among the modes of the
+casing. Compared with 61 slices, 15 change the RMS at the sensors by 0.6 % (2.8 % at most) and 31 by 0.1 % (2.5 %), and
+the fault lines by 0.12 dB. These lines depend more on the flexibility of the bearing seats than on the rest of the
+casing. A plain parametric housing gets cubic hexahedra with edge-singularity enrichment: on the rig, `standard` has
+84,000 unknowns and frequencies 0.16 % too high (`python -m benchmarks.casing_limits`). Other housings get cubic
+tetrahedra. Both are extrapolated by quadratic elements on the same mesh, except for hexahedra of `draft`.
 """
 
 from __future__ import annotations
@@ -38,12 +37,12 @@ Settings = dict[str, object]
 
 @dataclass(frozen=True, kw_only=True)
 class Level:
-    """Mesh law of every stage; element sizes and band of the casing relative to size and band of the scene; step.
+    """One preset: mesh law of every stage, mesh and band of the casing, time step.
 
-    There are so many slices along the face, and more where they would be wider than `slice_width`, in mesh cycles.
-    Sizes of elements are relative to those of quadratic tetrahedra that the scene asks for (`COARSER`: where it asks
-    for others). Tetrahedra have an `element_size` and a `bore_size`, cubic ones a `cubic_size`, hexahedra an
-    `extruded_size`.
+    The number of slices along the face is `slices`, or more if they would be wider than `slice_width`, in mesh cycles.
+    Element sizes and band are relative to those of the scene, the sizes to those of quadratic tetrahedra (`COARSER`
+    converts those of other elements). Tetrahedra have an `element_size` and a `bore_size`, cubic ones a `cubic_size`,
+    hexahedra an `extruded_size`.
     """
 
     refinement: float
@@ -51,9 +50,9 @@ class Level:
     slice_width: float
     element_size: float
     bore_size: float
-    cubic_size: float | None  # None: quadratic ones are taken
+    cubic_size: float | None  # None: quadratic tetrahedra
     extruded_size: float
-    extruded_extrapolated: bool  # others always are
+    extruded_extrapolated: bool  # other elements always are
     band: float
     step_us: float
 
@@ -96,14 +95,14 @@ LEVELS = {
         step_us=20.0,
     ),
 }
-COARSER = {"tetrahedron-20": 1.5, "hexahedron-32": 1.27}  # than quadratic tetrahedra, of about as many unknowns
-BETWEEN_BOSSES = 1.05  # distance of two axes, seen along x or z, over the sum of the radii of their bosses
+COARSER = {"tetrahedron-20": 1.5, "hexahedron-32": 1.27}  # size over that of quadratic tetrahedra with as many unknowns
+BETWEEN_BOSSES = 1.05  # distance of two axes, projected on x or z, over the sum of the radii of their bosses
 PRESETS = tuple(LEVELS)
 _BAND = "casing.band_Hz"
 
 
 def preset_settings(scene: Scene, preset: str) -> Settings:
-    """The values a preset sets, by path."""
+    """The values that a preset sets, by path."""
     from pipelines.scene.tables.casing import ElasticBase
 
     level = LEVELS[preset]
@@ -119,25 +118,25 @@ def preset_settings(scene: Scene, preset: str) -> Settings:
 
 
 def most_slices() -> int:
-    """Of every mesh model."""
+    """Greatest number of slices of the mesh models."""
     from fem.contact.models.mesh_model import MeshModel
 
     return int(option_of(MeshModel, "slices").le or 0)
 
 
 def _overlap_ratio(stage: StageTable) -> float:
-    """eps_beta (ISO 21771)."""
+    """Overlap ratio eps_beta (ISO 21771)."""
     return stage.face_width_mm * math.sin(stage.si.helix_angle) / (math.pi * stage.module_mm)
 
 
 def _casing_mesh(scene: Scene, casing: ElasticBase, level: Level) -> Settings:
-    """Hexahedra of a plain parametric housing, unless its scene asks for tetrahedra: then cubic ones."""
+    """Settings of the casing mesh: hexahedra for a plain parametric housing whose scene does not select tetrahedra."""
     from pipelines.scene.tables.housing import HousingBase, MatricesHousingTable, MeshHousingTable
 
     housing, coarser = casing.housing, COARSER.get(casing.element, 1.0)
 
     def sized(factor: float) -> float:
-        """As large as that, relative to quadratic tetrahedra."""
+        """Element size for a factor relative to quadratic tetrahedra."""
         return casing.element_size_mm * (factor / coarser)
 
     if isinstance(housing, MatricesHousingTable):
@@ -147,7 +146,7 @@ def _casing_mesh(scene: Scene, casing: ElasticBase, level: Level) -> Settings:
         or (
             housing.plain
             and "element" not in casing.model_fields_set
-            and _bosses_apart(scene.stages, housing.boss_diameters_mm)
+            and _bosses_separate(scene.stages, housing.boss_diameters_mm)
         )
     )
     if hexahedra:
@@ -158,7 +157,7 @@ def _casing_mesh(scene: Scene, casing: ElasticBase, level: Level) -> Settings:
         }
     if isinstance(housing, MeshHousingTable):
         return {}
-    linear = casing.element == "tetrahedron-4"  # asked for to compare with
+    linear = casing.element == "tetrahedron-4"  # linear elements are chosen only for comparison
     if level.cubic_size is not None and not linear:
         return {
             "casing.element": "tetrahedron-20",
@@ -173,8 +172,8 @@ def _casing_mesh(scene: Scene, casing: ElasticBase, level: Level) -> Settings:
     }
 
 
-def _bosses_apart(stages: Sequence[StageTable], boss_diameters: Sequence[float]) -> bool:
-    """Whether the bosses of each pair lie apart seen along x or z, as hexahedra ask; by the reference circles."""
+def _bosses_separate(stages: Sequence[StageTable], boss_diameters: Sequence[float]) -> bool:
+    """True if the bosses of each pair are separate in the projection on x or z, as hexahedra need."""
     from pipelines.scene.train import stage_shafts
 
     for stage, (pinion, wheel) in zip(stages, stage_shafts(stages), strict=True):
@@ -187,7 +186,7 @@ def _bosses_apart(stages: Sequence[StageTable], boss_diameters: Sequence[float])
 
 
 def preset_on(loaded: LoadedScene, preset: str) -> LoadedScene:
-    """A scene computed as finely as a preset says, where its own settings say nothing.
+    """A scene with the values of a preset, except for those that `--set` or Python settings override.
 
     Raises
     ------
@@ -223,7 +222,7 @@ def load_asked(options: argparse.Namespace) -> LoadedScene:
 
     Raises
     ------
-    SceneError, InputError : as `pipelines.scene.file.load_scene`
+    SceneError, InputError : as in `pipelines.scene.file.load_scene`
     """
     from pipelines.scene.file import load_scene
 

@@ -1,7 +1,7 @@
-"""Say in plain words what a validator found: path, value, limit, remedy, nearest key.
+"""Messages for errors of validation, with path, value, limit, remedy and nearest key.
 
-Works on any pydantic model, so the words follow the model: limits come from its constraints, units from the
-suffix of the key, explanations from its field descriptions.
+This works for any pydantic model: limits come from its constraints, units from the suffixes of keys, explanations from
+the descriptions of fields.
 """
 
 from __future__ import annotations
@@ -24,40 +24,40 @@ UNITS = {  # by the suffix of a key, longer suffixes first
     "m_s2": "m/s2", "N_m": "N m", "g_mm": "g mm", "mPa_s": "mPa s", "mm": "mm", "um": "um", "us": "us", "deg": "deg",
     "mrad": "mrad", "rpm": "rpm", "GPa": "GPa", "kg": "kg", "Hz": "Hz", "m": "m", "s": "s", "N": "N",
 }  # fmt: skip
-_OTHER_UNITS = ("mpa", "ms", "khz", "kn", "nm", "percent")  # which users append to keys
+_OTHER_UNITS = ("mpa", "ms", "khz", "kn", "nm", "percent")  # suffixes that users may append to keys
 
 RENAMED = {"casing.coupling": "attachment", "full_scale": "scale"}  # keys of earlier versions
 _TORQUE = "The load gives the torque of a stage: set it in [load], or use --torque of gearcase gears."
-_ELSEWHERE = {  # what is often written as a key of a table that has none, by table and key
+_ELSEWHERE = {  # keys that are often written in a table that does not have them, by table and key
     ("", "preset"): "Use the option --preset.",
     ("", "extends"): 'Write extends = "..." in the scene file.',
     ("stages", "torque_N_m"): _TORQUE,
     ("stages", "torques_N_m"): _TORQUE,
 }
-_MOST_WORDED = 50  # findings of one validation; a file of another program has thousands
-_MOST_ITEMS = 30  # of one list, when keys are looked for elsewhere
-_ONE_QUANTITY = 0.62  # of the letters of two keys without their units, in common: width and depth share 0.6
+_MOST_WORDED = 50  # errors of one validation with a message; a file of another program has thousands
+_MOST_ITEMS = 30  # items of a list that are searched for keys
+_ONE_QUANTITY = 0.62  # share of common letters, without units, of two keys of one quantity; width and depth have 0.6
 _Paths = Callable[[], list[tuple[str, ...]]]
 
 
 def unit_of(key: str) -> str:
-    """The unit of a key by its suffix, "" without one."""
+    """The unit of a key by its suffix; "" if it has none."""
     return next((unit for suffix, unit in UNITS.items() if key.endswith(f"_{suffix}")), "")
 
 
 def problems_of(error: ValidationError, model: type[BaseModel], tree: Mapping[str, Any]) -> tuple[list[Problem], int]:
-    """The problems of one validation, each in our words, without repeats; and how many more were found than worded."""
+    """The problems of one validation as messages, without repeats, and the number of further errors."""
     out: dict[Problem, None] = {}
     items = [item for item in error.errors(include_url=False) if not _counts_others(item)]
     paths = functools.cache(lambda: _all_paths(_Place(model, tree)))
     for item in items[:_MOST_WORDED]:
         own = getattr(item.get("ctx", {}).get("error"), "problems", None)
         out.update(dict.fromkeys(own or _own_words(item, model, tree, paths)))
-    return _joined(_without_twins(out)), max(0, len(items) - _MOST_WORDED)
+    return _joined(_without_duplicates(out)), max(0, len(items) - _MOST_WORDED)
 
 
-def _without_twins(found: Iterable[Problem]) -> list[Problem]:
-    """The problems without a missing key that is written under a misspelt name, which is a problem already."""
+def _without_duplicates(found: Iterable[Problem]) -> list[Problem]:
+    """The problems except for missing keys that are written under a misspelt name, which is a problem already."""
     out = list(found)
     meant = {
         f"{one.path.rpartition('.')[0]}.{one.remedy.removeprefix('Did you mean ').rstrip('?')}".lstrip(".")
@@ -68,7 +68,7 @@ def _without_twins(found: Iterable[Problem]) -> list[Problem]:
 
 
 def _joined(found: Iterable[Problem]) -> list[Problem]:
-    """The problems, with one for a value that is neither the number nor the list that its key takes."""
+    """The problems, with a single one for a value that is neither the number nor the list that its key accepts."""
     out: list[Problem] = []
     for one in found:
         before = out[-1] if out else None
@@ -77,19 +77,19 @@ def _joined(found: Iterable[Problem]) -> list[Problem]:
             message = before.message.replace("must be a number", "must be a number or a list of numbers", 1)
             out[-1] = Problem(one.path, message, before.remedy, one.shown)
         elif before is not None and same and before.message.startswith("must be ") and one.message == _LIST[0]:
-            continue  # the number is out of its range; that a list is possible does not help
+            continue  # the number is out of range, so the message on lists does not help
         else:
             out.append(one)
     return out
 
 
 def _counts_others(item: Any) -> bool:
-    """A list that is too short only because the validator counts valid items; what is wrong with them is listed."""
+    """True for a list that is too short only because of invalid items, which have separate errors."""
     return item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"]
 
 
 def _own_words(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: _Paths) -> list[Problem]:
-    """A model's own check speaks for itself, one problem per line; all other findings are put into words here."""
+    """Problems of an error: the lines of a check of this program, or the message for an error of the library."""
     if item["type"] != "value_error":
         return [_problem(item, model, tree, paths)]
     where = ".".join(user_path(item["loc"], model, tree))
@@ -98,7 +98,7 @@ def _own_words(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths
 
 @dataclass(frozen=True)
 class _Place:
-    """A place in the tree of a scene: what it may hold, what it holds, and its field in the table around it."""
+    """A place in the tree of a scene: allowed contents, actual contents, and its field in the table around it."""
 
     annotation: Any
     value: Any
@@ -107,12 +107,12 @@ class _Place:
 
     @property
     def is_table(self) -> bool:
-        """Whether a table may be here, rather than a list of tables or a value."""
+        """True if a table may be here, not a list of tables or a value."""
         return bool(tables(self.annotation)) and (self.in_list or not is_list(self.annotation))
 
     @property
     def tables(self) -> list[type[BaseModel]]:
-        """The tables that may be here: those of the model that the value chooses, or all."""
+        """The tables that may be here: those of the model that the value selects, or all."""
         members = [*tables(self.annotation)] if self.is_table else []
         tag = self.value.get("model", self.value.get("kind")) if isinstance(self.value, Mapping) else None
         return [one for one in members if tag in tags(one)] or members
@@ -138,13 +138,13 @@ def _at(path: Iterable[str], model: Any, tree: Any) -> _Place:
 
 
 def user_path(location: Iterable[int | str], model: Any, tree: Any, *, missing: bool = False) -> tuple[str, ...]:
-    """A validator's location as the path a user would write: items count from 1, model tags are left out.
+    """The path of an error as a user writes it: items count from 1, and tags of models are omitted.
 
     Parameters
     ----------
     location : keys and numbers of items, from 0
-    model, tree : what was validated, and against what
-    missing : the last key is not in the tree
+    model, tree : class and tree of the validation
+    missing : True if the last key is not in the tree
     """
     path: tuple[str, ...] = ()
     place, steps = _Place(model, tree), list(location)
@@ -170,7 +170,7 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
     written = None if kind == "missing" else _shown(value)
     if kind == "extra_forbidden":
         return Problem(where, *_unknown_key(path, model, tree, paths), written)
-    if kind == "missing" and isinstance(location[-1], int):  # a list of fixed length that is too short
+    if kind == "missing" and isinstance(location[-1], int):  # a list of fixed length is too short
         return Problem(
             where.rpartition(".")[0],
             "has too few values",
@@ -216,11 +216,11 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
         if message == _LIST[0] and isinstance(value, Mapping):
             remedy = f"Write [[{where}]], in double brackets, before each of its tables."
         elif message == _LIST[0] and path[-1].isdigit():
-            remedy = "Write a list of rows, as in [[first, second], [first, second]]."
-        if message == _TABLE[0] and unit:  # a quantity over time
+            remedy = "Write each row in square brackets, as in [[value, value], [value, value]]."
+        if message == _TABLE[0] and unit:  # the key is a quantity over time
             message, remedy = (
                 f"must be a list of numbers{unit}",
-                "Write [first, second], or { file = ..., column = ... }.",
+                "Write [value, value, ...], or { file = ..., column = ... }.",
             )
         return Problem(where, message, remedy, written)
     if kind in ("too_short", "too_long"):
@@ -239,14 +239,14 @@ _LIMITS = {
     "less_than_equal": ("at most", "le"),
     "multiple_of": ("a multiple of", "multiple_of"),
 }
-_USUAL = {  # by the unit of a key: its other units, factors, and the usual values
+_USUAL = {  # by the unit of a key: other units, factors, and usual values
     "GPa": ((("MPa", 1e-3), ("Pa", 1e-9)), 1.0, 2000.0),
     "kg/m3": ((("g/cm3", 1e3), ("t/mm3", 1e12)), 500.0, 25e3),
 }
 _TABLE = ("must be a table", "Write it as { key = value }, or write its keys below a line with its name in brackets.")
-_LIST = ("must be a list", "Write it as [first, second].")
+_LIST = ("must be a list", "Write its values in square brackets, separated by commas.")
 _KINDS = {
-    "string_type": ("must be text", 'Put it in quotes, as in "rigid".'),
+    "string_type": ("must be text", "Put it in quotes."),
     "bool_type": ("must be true or false", "Write true or false, without quotes."),
     "bool_parsing": ("must be true or false", "Write true or false, without quotes."),
     "dict_type": _TABLE,
@@ -260,7 +260,7 @@ _KINDS = {
 
 
 def other_unit(key: str, value: Any) -> str:
-    """The unit in which an unusual value of a key would be usual, as a remedy, or ""."""
+    """Remedy with the unit in which an unusual value of a key would be usual; "" if there is none."""
     unit = unit_of(key)
     others, low, high = _USUAL.get(unit, ((), 0.0, 0.0))
     for other, factor in others:
@@ -270,9 +270,9 @@ def other_unit(key: str, value: Any) -> str:
 
 
 def _tag_key(context: Mapping[str, Any]) -> str:
-    """The key by which the models of a table are told apart: model, of faults kind."""
+    """The key that selects the model of a table: model, or kind for faults."""
     key = str(context["discriminator"]).strip("'")
-    return key if key.isidentifier() else "model"  # a function chooses the table where the model has a default
+    return key if key.isidentifier() else "model"  # a function selects the table if the model has a default
 
 
 def _unknown_key(
@@ -307,7 +307,7 @@ def _models_with(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[st
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
-    """The known word closest to `word` (case and order of its parts forgiven), or ""; a common unit is no nearness."""
+    """The known word closest to `word`, ignoring case and order of parts; "" if only the unit is similar."""
     names = list(known)
     folded = {name.lower(): name for name in names}
     word = word[:MOST_CHARACTERS]
@@ -326,7 +326,7 @@ def _quantity(key: str) -> str:
 
 
 def _all_paths(place: _Place, path: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
-    """Paths of all keys that a scene of this shape may have, from the top down."""
+    """Paths of all keys that a scene of this structure may have, from the top."""
     out: list[tuple[str, ...]] = []
     for name in place.keys:
         here, below = (*path, name), place.below(name)
@@ -345,7 +345,7 @@ def _example(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, A
 
 
 def _meaning(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, Any]) -> str:
-    """Description of the key at a path behind a colon, or ""."""
+    """Description of the key at a path after a colon; "" if it has none."""
     field = _at(path, model, tree).field
     return f": {field.description.rstrip('.')}" if field is not None and field.description else ""
 

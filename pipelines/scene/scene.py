@@ -1,8 +1,7 @@
-"""Scene: the whole input of a run, as engineers write it (units are key suffixes), validated at the border.
+"""Scene: the input of a run in units of engineers (suffixes of keys), validated when it is read.
 
-Every class is one TOML table; they stand in `pipelines.scene.tables` by subject. Field descriptions are the reference
-for users: docs/scene-keys.md is generated from them. Values are kept as written; `pipelines.machine` converts them to
-SI, once.
+Every class is one TOML table; the tables are in `pipelines.scene.tables` by subject. docs/scene-keys.md is generated
+from the descriptions of the fields. Values are kept as written; `pipelines.machine` converts them to SI once.
 """
 
 from __future__ import annotations
@@ -65,7 +64,7 @@ class Scene(Table):
     faults: Annotated[tuple[AnyFaultTable, ...], Field(max_length=1000, description="damaged teeth and bearings")] = ()
     casing: Annotated[CasingModel, Field(description="model of the casing")]
     sensors: Annotated[tuple[SensorTable, ...], Field(max_length=1000, description="accelerometers on the casing")] = ()
-    drive: Annotated[DriveModel, Field(description="the drive; default model: speed")]
+    drive: Annotated[DriveModel, Field(description="motors, with their speed or torque; default model: speed")]
     load: Annotated[LoadModel, Field(description="what the machine drives")]
     losses: Annotated[LossModel, Field(description="friction")] = table(NoLosses)()
     film: Annotated[FilmModel, Field(description="oil film between the flanks")] = NoFilm()
@@ -73,14 +72,14 @@ class Scene(Table):
     diagnosis: Annotated[DiagnosisTable, Field(description="what is diagnosed in the signals")] = DiagnosisTable()
 
     def models(self) -> dict[str, str | list[str]]:
-        """The model that is chosen for every effect."""
+        """The model that is selected for every effect."""
         chosen = {name: getattr(value, "model", None) for name, value in self}
         found: dict[str, str | list[str]] = {name: model for name, model in chosen.items() if model is not None}
         return {"mesh": [stage.mesh.model for stage in self.stages], **found, "integrator": self.simulation.integrator}
 
     @property
     def housing(self) -> Any:
-        """The table of the housing; None of a casing without one."""
+        """The table of the housing; None for a casing without housing."""
         return getattr(self.casing, "housing", None)
 
     @property

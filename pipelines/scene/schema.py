@@ -1,8 +1,7 @@
 """JSON schema (draft 2020-12) of scene files, made from the tables that validate them.
 
-A file may hold less than a scene: ``extends`` gives the rest. So nothing is required at any depth, not even the model
-that tells tables apart, and an array of tables may be given as a table whose keys are the numbers of the items that
-change.
+A file may hold only a part of a scene; ``extends`` supplies the rest. So no key is required, not even `model`. An array
+of tables may also be a table whose keys are the numbers of the items to change.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ ADDRESS = "https://json-schema.org/draft/2020-12/schema"
 
 
 def scene_schema() -> dict[str, Any]:
-    """The schema as a table."""
+    """The JSON schema as a dict."""
     made = Scene.model_json_schema()
     found: dict[str, Any] = {"$schema": ADDRESS, **_partial(made)}
     found["title"] = "gearcase scene"
@@ -25,7 +24,7 @@ def scene_schema() -> dict[str, Any]:
 
 
 def _partial(node: Any) -> Any:
-    """The schema without required keys, with single items beside arrays of tables."""
+    """The schema without required keys, and with single items as an alternative to arrays of tables."""
     if isinstance(node, list):
         return [_partial(item) for item in node]
     if not isinstance(node, dict):

@@ -1,10 +1,10 @@
-"""Faults of shafts: which values of a scene they are, and a scene without them.
+"""Faults of shafts in a scene, and the scene without them.
 
-Unbalance, a bent shaft and a misaligned coupling are faults: what raises the low orders of a shaft (Randall 2011,
-Vibration-based Condition Monitoring, 2.2.1). Forces on shafts and casing and accelerations of the ground come from
-outside. The ripple of a motor's torque belongs to its design, a healthy motor has it (Jahns & Soong 1996, IEEE Trans.
-Ind. Electron. 43(2), 321-330): an excitation, which the control keeps. A coupling with two stiffness axes and a
-universal joint are designs as well; their fault is that the axes of their shafts lie apart or are tilted.
+Unbalance, a bent shaft and a misaligned coupling are faults, which increase the low orders of a shaft (Randall 2011,
+Vibration-based Condition Monitoring, 2.2.1). Forces on shafts and casing and accelerations of the ground are external.
+The torque ripple of a motor belongs to its design (Jahns & Soong 1996, IEEE Trans. Ind. Electron. 43(2), 321-330): a
+healthy motor has it, so the control does, too. A coupling with two stiffness axes and a universal joint are also
+designs; their fault is an offset or a tilt between the axes of their shafts.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _FAULTY_KEYS = {"disks": ("eccentricity_um", "eccentricity_angle_deg"), "couplin
 
 @dataclass(frozen=True, kw_only=True)
 class ShaftFault:
-    """A fault of a shaft (from 0). `place` in words; `severity` are the keys of the scene with their values."""
+    """A fault of a shaft (from 0): its place in words, and as `severity` keys of the scene with their values."""
 
     kind: str
     shaft: int
@@ -32,17 +32,17 @@ class ShaftFault:
 
     @property
     def name(self) -> str:
-        """In words: "unbalance of shaft 1 at y = 20 mm"."""
+        """The fault in words: "unbalance of shaft 1 at y = 20 mm"."""
         return f"{self.kind.replace('-', ' ')} {self.place}"
 
     @property
     def label(self) -> dict[str, Any]:
-        """What is told of it beside the signals: kind, number of the shaft and severity."""
+        """Label of the fault in data sets and results: kind, number of the shaft and severity."""
         return {"kind": self.kind, "shaft": self.shaft + 1, **dict(self.severity)}
 
 
 def shaft_faults(scene: Scene) -> tuple[ShaftFault, ...]:
-    """All faults of shafts: of the forces, the disks and the couplings of a scene, in this order."""
+    """All faults of shafts, of the forces, disks and couplings of a scene, in this order."""
     return (
         *(_force_fault(table) for table in scene.forces if table.model in _FAULTY_MODELS),
         *(_eccentric(number, table) for number, table in enumerate(scene.disks, 1) if table.eccentricity_um),
@@ -60,7 +60,7 @@ def without_shaft_faults(tree: Mapping[str, Any], scene: Scene) -> dict[str, Any
     Parameters
     ----------
     tree : of a whole scene, or of settings that change single items (tables by number, as in ``forces.2``)
-    scene : to which the numbers of such items belong
+    scene : in which these items have their numbers
     """
     found = dict(tree)
     if "forces" in found:
@@ -83,7 +83,7 @@ def _force_fault(table: DerivedTable) -> ShaftFault:
 
 
 def _eccentric(number: int, table: DiskTable) -> ShaftFault:
-    """An eccentric disk is the unbalance of its mass."""
+    """The unbalance of an eccentric disk."""
     return ShaftFault(
         kind="unbalance",
         shaft=table.shaft - 1,

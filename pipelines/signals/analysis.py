@@ -1,10 +1,11 @@
-"""Analysis of one run: its channel with noise, cut to whole revolutions, as spectrum and envelope spectrum.
+"""Spectrum and envelope spectrum of one run: a channel with noise, cut to whole revolutions.
 
-Bands of the envelope. None of the rules looks at the faulty run.
-- "mesh" (default): f_m/2 to 3 f_m/2, the sidebands that belong to the first mesh order rather than to a neighbour
-  (the widest narrow-band demodulation around f_m; McFadden 1986, J. Vib. Acoust. 108, 165).
-- "resonance": the strip one mesh order wide, above the sidebands of the second mesh order and below 0.4 of the
-  sampling rate, in which the healthy run carries most energy: a casing resonance that impacts would ring.
+The settings select the band of the envelope by one of these rules. None of them uses the faulty run.
+
+- "mesh" (default): f_m/2 to 3 f_m/2. It contains the sidebands that are closer to the first mesh order than to its
+  neighbours (McFadden 1986, J. Vib. Acoust. 108, 165).
+- "resonance": a band as wide as the mesh frequency, above the sidebands of the second mesh order and below 0.4 of the
+  sampling rate. The one with the highest energy in the healthy run is taken, since impacts excite casing resonances.
 - a pair of frequencies in Hz.
 """
 
@@ -32,22 +33,23 @@ from pipelines.signals.spectrum import (
 if TYPE_CHECKING:
     import xarray
 
-SPEED_TOLERANCE = 1e-3  # of f_r, for the mean speed of the faulty shaft over the segment
+SPEED_TOLERANCE = 1e-3  # relative to f_r, for the mean speed of the monitored shaft in the segment
 
 
 class DiagnosisError(ValueError):
-    """Two runs cannot be compared, or a run lacks what the diagnosis needs."""
+    """Two runs cannot be compared, or a run lacks data that the diagnosis needs."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class DiagnosisSettings:
-    """What is looked for, where.
+    """Channel, windows and monitored lines of a diagnosis.
 
-    `windows` name -> (start, end) in s of the record's time; `rope_mode` window name -> Hz (none for a constant
-    torque); `bearings` "bearing_3 BPFO" -> Hz, lines to read besides; `passes` those of spalled bearings and `turning`
-    those of faulty shafts, which are looked for; `axis` "resultant" or an axis of the sensor;
-    `shaft` the shaft of the suspected gear, whose speed is checked if given; without `speed_is_known` the frequencies
-    are a guess, see `pipelines.signals.measured_speed`.
+    `windows` maps names to (start, end) in s of the record's time, `rope_mode` names of windows to Hz (empty for a
+    constant torque). The monitored lines are harmonics of `revolution_frequency` in the envelope, sidebands of the
+    `mesh_harmonics`, `passes` of spalled bearings and `turning` lines of faulty shafts. `bearings` maps names such as
+    "bearing_3 BPFO" to Hz: lines that are listed for reference. `axis` is "resultant" or an axis of the sensor.
+    `shaft` carries the monitored gear; its speed is checked if it is given. If not `speed_is_known`, the frequencies
+    are estimates, see `pipelines.signals.measured_speed`.
     """
 
     revolution_frequency: float
@@ -84,18 +86,18 @@ class DiagnosisSettings:
 
     @property
     def highest_line(self) -> float:
-        """Frequency (Hz) of the highest sideband that is looked for."""
+        """Frequency (Hz) of the highest monitored sideband."""
         return max(self.mesh_harmonics) * self.mesh_frequency + self.sideband_orders * self.revolution_frequency
 
     @property
     def highest_order(self) -> float:
-        """Periods of it in a turn of the shaft with f_r."""
+        """Order of the highest monitored sideband: periods per revolution of the shaft with f_r."""
         return self.highest_line / self.revolution_frequency
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Analysis:
-    """One run by window: where it was cut, its spectrum and its envelope spectrum in the band (Hz)."""
+    """Segments, spectra and envelope spectra of one run by window; `band` (Hz) is that of the envelope."""
 
     band: tuple[float, float]
     segments: Mapping[str, Segment]
@@ -110,15 +112,15 @@ def analyse(
 
     Parameters
     ----------
-    run : its signals
+    run : signals of the run
     settings : channel, windows and lines of the diagnosis
-    stream : number of the noise, 0 for the healthy run, 1 for the faulty one
-    band : Hz, of the envelope; by the rule of the settings, applied to this run, if None
+    stream : number of the noise sequence, 0 for the healthy run, 1 for the faulty one
+    band : Hz, of the envelope; if None, by the rule of the settings applied to this run
 
     Raises
     ------
-    DiagnosisError : sensor or axis missing, uneven sampling, or the shaft does not turn at f_r
-    SpectrumError : a window holds no whole revolution
+    DiagnosisError : sensor or axis missing, samples not equidistant, or the shaft does not turn at f_r
+    SpectrumError : a window contains no whole revolution
     """
     rate, begin = sampling(run)
     signal = noisy_signal(run, settings, stream)
@@ -135,7 +137,7 @@ def analyse(
 
 
 def envelope_band(settings: DiagnosisSettings, healthy: Sequence[Spectrum], rate: float) -> tuple[float, float]:
-    """Band of the envelope in Hz from the rule named in the settings; see the head of this file."""
+    """Band of the envelope in Hz by the rule of the settings, see the docstring of this module."""
     if not isinstance(settings.band, str):
         return settings.band
     mesh = settings.mesh_frequency
@@ -157,7 +159,7 @@ def envelope_band(settings: DiagnosisSettings, healthy: Sequence[Spectrum], rate
 
 
 def channel_names(run: xarray.Dataset) -> list[str]:
-    """What can be looked at: the sensors, and the bearings' journals where there is no casing."""
+    """Names of the channels of a run: its sensors, and without a casing the journals of its bearings."""
     sensors = [str(v) for v in run.sensor.values] if "acceleration" in run else []
     return sensors + ([str(v) for v in run.bearing.values] if "journal_acceleration" in run else [])
 
@@ -180,39 +182,46 @@ def channel(run: xarray.Dataset, name: str) -> xarray.DataArray:
 
 
 def noise_of(run: xarray.Dataset) -> float:
-    """Stated sensor noise of a run, m/s2 rms."""
+    """Sensor noise that a run states, m/s2 rms."""
     return float(run.attrs.get("sensor_noise_m_s2", 0.0))
 
 
 def noisy_signal(run: xarray.Dataset, settings: DiagnosisSettings, stream: int) -> np.ndarray:
-    """The channel's signals (time, axes) with the stated noise; seed, load, stream, sensor and axis fix it."""
+    """Signals (time, axis) of the monitored channel with the stated noise, see `noisy_channel`."""
     axes = [str(axis) for axis in run.axis.values]
     if settings.axis != "resultant" and settings.axis not in axes:
         raise DiagnosisError(f"axis {settings.axis!r}: give 'resultant' or one of {', '.join(axes)}")
     return noisy_channel(run, settings.sensor, axes if settings.axis == "resultant" else [settings.axis], stream)
 
 
-def noisy_channel(run: xarray.Dataset, sensor: str, wanted: Sequence[str], stream: int) -> np.ndarray:
-    """Signals (time, axes) at a sensor or journal, with the stated noise.
+def noisy_channel(run: xarray.Dataset, sensor: str, axes: Sequence[str], stream: int) -> np.ndarray:
+    """Signals (time, axis) at a sensor or journal, with the stated noise.
+
+    The seed of the noise follows from the seed of the deviations, the load, the stream, the sensor and the axis.
 
     Parameters
     ----------
-    run : its signals
-    sensor : or bearing, whose journal is meant
-    wanted : axes
-    stream : number of the noise; it, the seed, the load, the sensor and the axis fix it
+    run : signals of the run
+    sensor : name of a sensor, or of a bearing for its journal
+    axes : names of axes
+    stream : number of the noise sequence
     """
     signal = channel(run, sensor)
-    axes = [str(axis) for axis in run.axis.values]
+    known = [str(axis) for axis in run.axis.values]
     # names, not indices, enter the seed: the noise must not depend on which other sensors were recorded
     words = (str(run.attrs.get("seed", "none")), str(run.attrs.get("load", "")), sensor)
     fixed = [stream, *(zlib.crc32(word.encode()) for word in words)]
-    columns = [with_noise(signal.sel(axis=axis).values, noise_of(run), [*fixed, axes.index(axis)]) for axis in wanted]
+    columns = [with_noise(signal.sel(axis=axis).values, noise_of(run), [*fixed, known.index(axis)]) for axis in axes]
     return np.stack(columns, axis=1)
 
 
 def sampling(run: xarray.Dataset) -> tuple[float, float]:
-    """Rate (Hz) and time of the first sample (s) of a uniformly sampled run."""
+    """Sampling rate (Hz) and time of the first sample (s) of a run.
+
+    Raises
+    ------
+    DiagnosisError : the samples are not equidistant, or fewer than two
+    """
     time = np.asarray(run.time.values, dtype=float)
     steps = np.diff(time)
     if time.size < 2 or np.ptp(steps) > 1e-6 * steps.mean():

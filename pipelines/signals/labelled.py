@@ -1,4 +1,4 @@
-"""Signals: the channels of a motion under the names and dimensions that users see, and how each one is stored."""
+"""Signals of a motion: its channels under the names and dimensions of a response, with their stored types."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mbd.parts import channels
 from pipelines.signals.motion_warnings import ATTRIBUTE, motion_warnings
 
 AXES = list(channels.DIRECTIONS)
-_NAMED = {  # what a motion names itself, by dimension
+_NAMED = {  # attribute of a motion that holds the names along a dimension
     "motor": "motors",
     "source": "sources",
     "shaft": "shafts",
@@ -28,7 +28,7 @@ ROUNDING = "float32, rounded by at most 2^-24 (6e-8) of each value; the motion i
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Signal:
-    """One variable of a response: `rows` are numbers of channels, in the shape of `dims` (time comes before them)."""
+    """One variable of a response; `rows` are its channel numbers in the shape of `dims`, which follow time."""
 
     name: str
     dims: tuple[str, ...]
@@ -38,22 +38,22 @@ class Signal:
 
     @property
     def dtype(self) -> np.dtype:
-        """How it is stored."""
+        """Data type in the file."""
         return stored_type(self.units)
 
     @property
     def attributes(self) -> dict[str, str]:
-        """Units, words, and the rounding where there is one."""
+        """Units, description, and the rounding if it is stored as float32."""
         rounding = {"storage": ROUNDING} if self.units in ROUNDED else {}
         return {"units": self.units, "long_name": self.text, **rounding}
 
 
 def stored_type(units: str) -> np.dtype:
-    """How a signal is stored: accelerations, forces and torques as float32, all else as float64.
+    """Data type in the file: float32 for accelerations, forces and torques, float64 for all other signals.
 
-    A float32 is rounded by at most 2^-24 (6e-8) of its own value. So the error is less than 1e-7 of the signal's rms,
-    and up to peaks of 160 m/s2 a thousand times smaller than a sensor noise of 0.01 m/s2. Angles, speeds and positions
-    are differenced and differentiated: there a small vibration rides on a large value.
+    A float32 is rounded by at most 2^-24 (6e-8) of its value. For accelerations up to 160 m/s2 that is a thousandth of
+    a sensor noise of 0.01 m/s2. Angles, speeds and positions need float64, since users subtract and differentiate them:
+    they are large values with a small vibration.
     """
     return np.dtype("<f4" if units in ROUNDED else "<f8")
 
@@ -76,7 +76,7 @@ def signals(motion: Trajectory) -> Iterator[Signal]:
 
 
 def _things(kind: channels.ChannelKind, motion: Trajectory) -> tuple[str, ...]:
-    """What a kind of channel is recorded of."""
+    """Names of the parts (shafts, bearings, sensors ...) of which a kind of channel is recorded."""
     if (dimension := kind.dims[0]) in _NAMED:
         found: tuple[str, ...] = getattr(motion, _NAMED[dimension])
         return found
@@ -85,13 +85,13 @@ def _things(kind: channels.ChannelKind, motion: Trajectory) -> tuple[str, ...]:
 
 
 def read(motion: Trajectory, signal: Signal, time: int | slice, place: tuple[int | slice, ...] = ()) -> np.ndarray:
-    """A part of a signal (time, ...) as it is stored; only its channels and instants are read.
+    """A part of a signal (time, ...) in its stored type; other channels and samples are not read.
 
     Parameters
     ----------
     motion, signal : the motion, and one of its signals
-    time : instants, from 0
-    place : number or slice along each dimension of the signal but time; the last ones may be left out
+    time : numbers of samples, from 0
+    place : number or slice along each dimension of the signal after time; the last ones may be omitted
     """
     rows = signal.rows[place]
     values = np.asarray(motion.values[np.ravel(rows), time]).T.astype(signal.dtype)
@@ -99,7 +99,7 @@ def read(motion: Trajectory, signal: Signal, time: int | slice, place: tuple[int
 
 
 def coordinates(motion: Trajectory) -> dict[str, list]:
-    """The names along all dimensions but time."""
+    """The names along each dimension except time."""
     named: dict[str, Any] = {}
     for kind in channels.channel_kinds():
         if kind.dims:
@@ -111,7 +111,7 @@ def coordinates(motion: Trajectory) -> dict[str, list]:
 
 
 def facts(motion: Trajectory) -> dict[str, Any]:
-    """What the motion says of itself, as attributes."""
+    """Attributes of a response: integrator, time step and its error, counters, energy balance and warnings."""
     balance = {
         part: dict(zip(motion.energy_entries, map(float, row), strict=True))
         for part, row in zip(motion.energy_parts, motion.energies, strict=True)

@@ -1,7 +1,7 @@
-"""Levels of a run: acceleration and velocity at every sensor, and how often and how long the flanks were apart.
+"""Levels of a run: acceleration and velocity at every sensor, and the loss of contact of the flanks.
 
-Velocity is the root mean square of the band 10 to 1000 Hz, the broad-band measure of ISO 20816-1 for housings; the
-acceleration is integrated in the frequency domain over a stretch without the run-up.
+Velocity is the root mean square in the band 10 to 1000 Hz, the broad-band measure of ISO 20816-1 for housings. The
+acceleration of a window without run-up is integrated in the frequency domain.
 
 References
 ----------
@@ -22,13 +22,13 @@ if TYPE_CHECKING:
     import xarray
 
 BAND = (10.0, 1000.0)  # Hz
-OPEN = ":microseconds_open"  # counter behind the name of a mesh
+OPEN = ":microseconds_open"  # follows the name of a mesh in the name of a counter
 
 
 def band_velocity(acceleration: np.ndarray, rate: float) -> np.ndarray:
     """Root mean square (...,) of the velocity in BAND, m/s, from accelerations (time, ...) in m/s2 at a rate in Hz.
 
-    A Hann window keeps what lies outside the band out of it; its loss of power (3/8) is given back.
+    A Hann window limits leakage into the band; the result is corrected for its mean square, 3/8.
     """
     count = len(acceleration)
     shape = (count,) + (1,) * (acceleration.ndim - 1)
@@ -41,8 +41,10 @@ def band_velocity(acceleration: np.ndarray, rate: float) -> np.ndarray:
 
 
 def level_grid(run: xarray.Dataset, windows: Mapping[str, tuple[float, float]]) -> Grid | None:
-    """A row per sensor and window: largest axis and resultant; without windows the second half of the run. None without
-    sensors."""
+    """Table of the levels of each sensor and window: largest axis and resultant; None without sensors.
+
+    Without windows the second half of the run is evaluated.
+    """
     if "acceleration" not in run:
         return None
     time = run.time.values
@@ -78,7 +80,7 @@ def level_grid(run: xarray.Dataset, windows: Mapping[str, tuple[float, float]]) 
 
 
 def contact_sentence(run: xarray.Dataset) -> str:
-    """How often the drive flanks let go, and for which share of the time they were open; "" where they never did."""
+    """Sentence on how often the drive flanks lost contact, and for which share of the time; "" if they never did."""
     counters = json.loads(run.attrs.get("counters", "{}"))
     length = float(run.time[-1] - run.time[0]) or 1.0
     found = []

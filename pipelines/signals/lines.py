@@ -1,4 +1,4 @@
-"""LineTable: the envelope table, one row per line of a case and window, faulty beside its healthy control."""
+"""Table of lines: one row for each line of a case and window, with the levels of the faulty run and of its control."""
 
 from __future__ import annotations
 
@@ -13,24 +13,27 @@ import numpy as np
 
 from fem.storage.records import Record, array, names
 
-IN_ENVELOPE = ("envelope", "bearing", "pass")  # kinds of lines of the envelope; the others are of the spectrum
+IN_ENVELOPE = ("envelope", "bearing", "pass")  # kinds of lines of the envelope; all others are of the spectrum
 LOADS = {
     "rope": "rope load",
     "static-torque": "constant torque",
     "torque": "torque on the shaft",
-}  # words for load_case
-RESOLUTION = 1e-9  # m/s2; levels are taken of at least this, so that a line of an error-free run keeps a finite level
+}  # by load_case, as shown
+RESOLUTION = 1e-9  # m/s2; smaller amplitudes are replaced by it, so that a line of an error-free run has a finite level
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LineTable(Record):
-    """Columns along the lines. Levels: 20 log10 of amplitude ratios. Flags are 0 or 1.
+    """Columns along the lines. Levels are 20 log10 of amplitude ratios, flags are 0 or 1.
 
-    `kind` is "envelope" (order k f_r in the envelope), "sideband" (n f_m + k f_r in the spectrum) or "mesh"
-    (n f_m itself) or "bearing" (a pass frequency of a rolling bearing in the envelope, read at the nearest bin); these
-    two are for reference and not counted as evidence. "pass" is a line of a spalled bearing in the envelope (order: of
-    its harmonic), read at the largest bin that slip may move it to. "shaft" is an order of a faulty shaft in the
-    spectrum, read at the largest of the three bins about it.
+    `kind` is one of
+
+    - "envelope": k f_r in the envelope
+    - "sideband": n f_m + k f_r in the spectrum
+    - "mesh": n f_m in the spectrum, for reference, no evidence
+    - "bearing": a pass frequency of a bearing in the envelope, at the nearest bin, for reference, no evidence
+    - "pass": a line of a spalled bearing in the envelope (order: its harmonic), the largest bin in the range of slip
+    - "shaft": an order of a faulty shaft in the spectrum, the largest of the three bins around it
     """
 
     load_case: tuple[str, ...] = names("line")  # "rope" | "static-torque"
@@ -50,7 +53,7 @@ class LineTable(Record):
     healthy_over_floor: np.ndarray = array("line", units="dB")
     detected: np.ndarray = array("line", units="1", dtype=int)
     rope_mode: np.ndarray = array("line", units="Hz")  # 0: no rope
-    near_rope: np.ndarray = array("line", units="1", dtype=int)  # the rope mode lies within the width of this line
+    near_rope: np.ndarray = array("line", units="1", dtype=int)  # the rope mode is within the width of this line
 
     def __len__(self) -> int:
         return len(self.label)
@@ -65,7 +68,7 @@ class LineTable(Record):
         return self.of("envelope", "sideband")
 
     def of(self, *kinds: str) -> Self:
-        """The rows of some kinds."""
+        """The rows of the given kinds."""
         return self.at([i for i, kind in enumerate(self.kind) if kind in kinds])
 
     def at(self, keep: Sequence[int]) -> Self:
@@ -77,11 +80,11 @@ class LineTable(Record):
         return type(self)(**columns)
 
     def units(self) -> dict[str, str]:
-        """Unit of every column, "" for words."""
+        """Unit of every column, "" for text."""
         return {field.name: field.metadata.get("units", "") for field in dataclasses.fields(self)}
 
     def to_dicts(self) -> list[dict[str, Any]]:
-        """One dict per row with plain Python values, as JSON takes them."""
+        """One dict per row with plain Python values, for JSON."""
         columns = {
             field.name: value if isinstance(value := getattr(self, field.name), tuple) else value.tolist()
             for field in dataclasses.fields(self)
@@ -109,5 +112,5 @@ def joined(tables: Iterable[LineTable]) -> LineTable:
 
 
 def level(amplitude: np.ndarray, reference: np.ndarray) -> np.ndarray:
-    """20 log10(amplitude / reference) in dB, both taken of at least `RESOLUTION`."""
+    """20 log10(amplitude / reference) in dB; amplitudes below `RESOLUTION` are replaced by it."""
     return 20 * np.log10(np.maximum(amplitude, RESOLUTION) / np.maximum(reference, RESOLUTION))

@@ -1,9 +1,9 @@
-"""Lines at the speed that shafts had: where torques drive a machine its speed is known once it has run.
+"""Monitored lines at the measured speed of the shafts, for machines that are driven by torques.
 
-The lines are looked for at the mean speed of the suspected gear's shaft over all windows of both runs, from the
-recorded angle. A line of the order n, n periods per turn, stays on its bin as long as the angle stays within a quarter
-of its period of an even rotation, pi/(2 n); the highest order that is looked for gives the limit. It bounds both a
-drift within a window and a difference between the windows or runs, whatever their sense.
+The speed of such a machine is known only after its run. The lines are placed at the mean speed of the shaft of the
+monitored gear over all windows of both runs, from the recorded angle. A line of order n stays on its bin if the angle
+deviates from uniform rotation by at most a quarter of the period of the line, pi/(2 n). The highest monitored order
+gives the limit. It bounds both a drift within a window and a difference between windows or runs.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from pipelines.signals.analysis import DiagnosisError, DiagnosisSettings
 if TYPE_CHECKING:
     import xarray
 
-QUARTER_PERIOD = math.pi / 2  # rad of the highest line
+QUARTER_PERIOD = math.pi / 2  # rad, phase of the highest line
 
 
 class _Turned(NamedTuple):
-    """The shaft in a window of a run: time (s) and angle (rad) in its sense of rotation, mean speed (rad/s)."""
+    """Rotation of a shaft in a window: time (s), angle (rad) in its sense of rotation, mean speed (rad/s)."""
 
     window: str
     time: np.ndarray
@@ -33,11 +33,12 @@ class _Turned(NamedTuple):
 
 
 def at_measured_speed(settings: DiagnosisSettings, runs: Sequence[xarray.Dataset]) -> DiagnosisSettings:
-    """The settings with all lines that follow the shafts moved to the mean speed in the windows of the runs.
+    """The settings with the frequencies of all lines of shafts scaled to the mean speed in the windows of the runs.
 
     Raises
     ------
-    DiagnosisError : no angle of the shaft is recorded, it stands, or it turns too unevenly for the highest line
+    DiagnosisError : the angle of the shaft is not recorded, the shaft does not turn, or its speed varies too much for
+        the highest line
     """
     pieces = list(_pieces(settings, runs))
     speed = float(np.mean([piece.speed for piece in pieces]))
@@ -47,12 +48,12 @@ def at_measured_speed(settings: DiagnosisSettings, runs: Sequence[xarray.Dataset
         )
     limit = QUARTER_PERIOD / settings.highest_order
     for piece in pieces:
-        apart = piece.angle - speed * piece.time
-        off = float(np.ptp(apart)) / 2
-        if off > limit:
+        deviation = piece.angle - speed * piece.time
+        most = float(np.ptp(deviation)) / 2
+        if most > limit:
             raise DiagnosisError(
                 f"window {piece.window!r}: {settings.shaft} turns at {piece.speed / (2 * math.pi):.5g} Hz in the mean "
-                f"and its angle deviates by up to {off:.3g} rad from an even rotation at {speed / (2 * math.pi):.5g} "
+                f"and its angle deviates by up to {most:.3g} rad from an even rotation at {speed / (2 * math.pi):.5g} "
                 "Hz, the mean of all windows and both runs. The highest line, of the order "
                 f"{settings.highest_order:.4g}, allows {limit:.3g} rad. "
                 "Choose a later or shorter window, in which the speed has settled."

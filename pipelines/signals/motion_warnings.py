@@ -1,4 +1,4 @@
-"""What a motion says about itself: sentences on its time step, its repeatability and its energy balance."""
+"""Warnings of a motion: its time step, its repeatability and its energy balance."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ ATTRIBUTE = "warnings"  # of a response
 
 
 def motion_warnings(trajectory: Trajectory) -> dict[str, str]:
-    """One sentence by kind, see KINDS; empty for a sound run."""
+    """Warnings by kind, see KINDS; empty for a run without any."""
     found = {}
     if trajectory.step_error > LARGEST_STEP_ERROR:
         found["step"] = _step_sentence(trajectory)
@@ -50,13 +50,13 @@ def _step_sentence(trajectory: Trajectory) -> str:
 
 
 def needed_step_us(error: float, step: float, rate: float) -> str:
-    """The longest step (us) with which the error keeps the limit, a whole part of the output interval as text.
+    """The longest step (us), as text, that keeps the error within its limit and divides the output interval.
 
-    It is rounded up, so that it does not go into the interval once more.
+    It is rounded up: rounded down, one step more would be needed for the interval.
 
     Parameters
     ----------
-    error : of the accelerations with `step`, share of their rms
+    error : of the accelerations with `step`, relative to their rms
     step : s
     rate : output samples per second, Hz
     """
@@ -69,18 +69,18 @@ def needed_step_us(error: float, step: float, rate: float) -> str:
 
 
 def log_warnings(motions: Iterable[Trajectory], kinds: Container[str] = KINDS) -> None:
-    """Say once what the motions of a command say about themselves, built now or taken from the cache."""
+    """Log the warnings of the motions of a command, each kind once, for computed and for cached motions."""
     for text in gathered(map(motion_warnings, motions), kinds):
         _LOG.warning("%s", text)
 
 
 def told(attributes: Mapping[str, Any]) -> dict[str, str]:
-    """The warnings that the attributes of a response hold."""
+    """The warnings in the attributes of a response."""
     return json.loads(attributes.get(ATTRIBUTE, "{}"))
 
 
 def gathered(warnings: Iterable[Mapping[str, str]], kinds: Container[str] = KINDS) -> tuple[str, ...]:
-    """The warnings of several motions: each kind once, with how many have it."""
+    """The warnings of several motions: each kind once, with the number of motions that have it."""
     every = list(warnings)
     counts = Counter(kind for one in every for kind in one if kind in kinds)
     first = {kind: next(one[kind] for one in every if kind in one) for kind in counts}

@@ -1,8 +1,9 @@
 """Lines of a spalled rolling bearing: harmonics of its pass frequency in the envelope, with sidebands.
 
-Every passage of a spall rings the machine. A spall of the outer ring stays in the load zone; one of the inner ring
-turns through it with the shaft, one of an element with the cage, and their lines have sidebands at that rate (Randall &
-Antoni 2011, Mech. Syst. Signal Process. 25, 485-520). A spall of an element meets both races in a turn: 2 BSF.
+Each passage of a spall excites the machine by an impact. A spall of the outer ring stays in the load zone. A spall of
+the inner ring passes through it once per turn of the shaft, one of a rolling element once per turn of the cage; their
+lines have sidebands at this distance (Randall & Antoni 2011, Mech. Syst. Signal Process. 25, 485-520). A spall of an
+element meets both races once per turn of the element: 2 BSF.
 """
 
 from __future__ import annotations
@@ -22,10 +23,11 @@ SIDEBANDS = 2  # to each side
 
 @dataclass(frozen=True, kw_only=True)
 class PassLines:
-    """What is looked for of one spall.
+    """Monitored lines of one spall.
 
-    `label` "bearing_3 BPFO"; `fault` in words; `frequency` of its passages (Hz); `spacing` (Hz) of its sidebands and
-    `spacing_label`, 0 and "" without; `spread` by slip of the cage, as a share of the frequency.
+    `label` is a name such as "bearing_3 BPFO", `fault` describes the spall, and `frequency` (Hz) is that of its
+    passages. The sidebands have the distance `spacing` (Hz), named `spacing_label`; 0 and "" without sidebands.
+    `spread` is the relative change of the frequency by slip of the cage.
     """
 
     label: str
@@ -49,13 +51,13 @@ class PassLines:
         return found
 
     def own(self, lines: LineTable) -> LineTable:
-        """Its rows among the lines of a case and window."""
+        """The rows of this spall among the lines of a case and window."""
         names = {name for name, _, _ in self.wanted()}
         return lines.at([i for i, label in enumerate(lines.label) if lines.kind[i] == "pass" and label in names])
 
 
 def peaks(spectrum: Spectrum, frequencies: Sequence[float], reach: Sequence[float]) -> np.ndarray:
-    """Largest amplitude (line,) within ``reach`` (Hz) of each frequency (Hz), that of the nearest bin at least."""
+    """Largest amplitude (line,) within ``reach`` (Hz) of each frequency (Hz), including the nearest bin."""
     found = []
     for frequency, width in zip(frequencies, reach, strict=True):
         low, high = (frequency - width) / spectrum.resolution, (frequency + width) / spectrum.resolution

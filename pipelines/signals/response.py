@@ -1,7 +1,7 @@
-"""Response: the signals of a motion as a labelled dataset, as response.nc holds them and `run` returns them.
+"""Response of a run: the signals of a motion as a labelled dataset, as in response.nc.
 
-The dataset is a view: a signal is read from the motion, and rounded as response.nc stores it, when it is looked at. So
-what is found in the motion is found in the file, to the last digit.
+The dataset is a view of the motion. A signal is read, and rounded as in response.nc, when it is used. Results from the
+motion and from the file are therefore equal to the last digit.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def make_response(motion: Trajectory, labels: Mapping[str, Any]) -> xarray.Datas
 
 
 class _View(BackendArray):
-    """A signal as an array (time, ...) that is read when it is looked at."""
+    """A signal as an array (time, ...) that is read when it is used."""
 
     def __init__(self, motion: Trajectory, signal: Signal) -> None:
         self._motion, self._signal = motion, signal

@@ -1,11 +1,10 @@
-"""response.nc: the signals of a motion, written and read block by block, so that no run is too long for memory.
+"""response.nc: the signals of a motion, written and read block by block to limit memory.
 
-The last 48 bytes are a checksum of all bytes before them, because HDF5 does not check all of them itself. Readers of
-netCDF ignore what follows the end of the HDF5 data, and a program that changes the file removes the checksum.
+The last 48 bytes are a checksum of all bytes before them, since HDF5 does not check all of them. Readers of netCDF
+ignore bytes after the end of the HDF5 data. A program that changes the file removes the checksum.
 
-The signals have the lossless filters shuffle and deflate, which every netCDF-4 reader knows. They are packed here and
-not by the HDF5 library, because the strategy "run lengths" of deflate leaves such signals as small as its full search
-does in half the time.
+The signals have the lossless filters shuffle and deflate, which every netCDF-4 reader supports. They are compressed
+here and not by the HDF5 library, since the strategy "run lengths" of deflate takes half the time for the same size.
 """
 
 from __future__ import annotations
@@ -30,14 +29,14 @@ from pipelines.signals.labelled import coordinates, facts, read, signals
 if TYPE_CHECKING:
     import xarray
 
-BLOCK = 8192  # samples written at once, and of one signal packed together
+BLOCK = 8192  # samples that are written at once, and samples of a signal in one chunk
 _FILTERS: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 _MARK = b"gearcase sha256:"  # before the checksum
 _CHECKSUM_BYTES = len(_MARK) + hashlib.sha256().digest_size
 
 
 def write_response(motion: Trajectory, labels: Mapping[str, Any], path: Path | str) -> None:
-    """Write what `pipelines.signals.response.make_response` gives as a netCDF-4 file.
+    """Write a response of `pipelines.signals.response.make_response` as a netCDF-4 file.
 
     Raises
     ------
@@ -47,7 +46,7 @@ def write_response(motion: Trajectory, labels: Mapping[str, Any], path: Path | s
     import h5py
 
     block = min(BLOCK, len(motion.time))
-    wanted = list(signals(motion))
+    everything = list(signals(motion))
     with careful_file(path) as disk:
         with h5netcdf.File(disk, "w") as file:
             file.attrs.update({**labels, **facts(motion)})
@@ -58,14 +57,14 @@ def write_response(motion: Trajectory, labels: Mapping[str, Any], path: Path | s
             for name, values in named.items():
                 stored, kind = (h5py.string_dtype(), object) if isinstance(values[0], str) else (np.dtype("<i8"), int)
                 file.create_variable(name, (name,), stored)[...] = np.array(values, dtype=kind)
-            for signal in wanted:
+            for signal in everything:
                 dims, chunks = ("time", *signal.dims), (block, *(1 for _ in signal.dims))
                 made = file.create_variable(signal.name, dims, signal.dtype, chunks=chunks, **_FILTERS)
                 made.attrs.update(signal.attributes)
         with h5py.File(disk, "r+") as file:
-            chunked = {signal.name: file[signal.name].id for signal in wanted}
+            chunked = {signal.name: file[signal.name].id for signal in everything}
             for first in range(0, len(motion.time), block):
-                for signal in wanted:
+                for signal in everything:
                     samples = read(motion, signal, slice(first, first + block))
                     whole = np.zeros((block, *signal.rows.shape), signal.dtype)
                     whole[: len(samples)] = samples
@@ -80,7 +79,7 @@ def write_response(motion: Trajectory, labels: Mapping[str, Any], path: Path | s
 def open_response(path: Path) -> xarray.Dataset:
     """The signals in response.nc or a file of its form, each read when it is used; close it, or use it in `with`.
 
-    The checksum is verified. All of a file without one is read, so that damage is found here and not later.
+    The checksum is verified. A file without a checksum is read completely, which detects damage at once.
 
     Raises
     ------
@@ -109,14 +108,14 @@ def open_response(path: Path) -> xarray.Dataset:
 
 
 def has_checksum(path: Path) -> bool:
-    """Whether a file ends with a checksum of ours."""
+    """Whether a file ends with a checksum of `write_response`."""
     with path.open("rb") as file:
         file.seek(max(0, path.stat().st_size - _CHECKSUM_BYTES))
         return file.read(len(_MARK)) == _MARK
 
 
 def _digest(file: BinaryIO | CarefulFile, size: int) -> bytes:
-    """SHA-256 of the first `size` bytes of a file; the file is left behind them."""
+    """SHA-256 of the first `size` bytes of a file; the file position is then after them."""
     file.seek(0)
     total = hashlib.sha256()
     for first in range(0, size, 1 << 20):

@@ -1,8 +1,8 @@
 """Lines of a fault of a shaft: the orders 1 and 2 of its rotation in the spectrum.
 
-Unbalance and a bent shaft turn with the shaft, 1x; what a misaligned coupling bends changes sign twice a turn, 2x
-(Randall 2011, Vibration-based Condition Monitoring, 2.2.1). Faults of one shaft share its lines: which of them it is,
-lines alone do not tell.
+The forces of unbalance and of a bent shaft turn with the shaft, 1x. Bending by a misaligned coupling changes sign twice
+per turn, 2x (Randall 2011, Vibration-based Condition Monitoring, 2.2.1). These lines do not distinguish between faults
+of the same shaft.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pipelines.signals.spectrum import LINE_HALF_WIDTH
 
 ORDERS = (1, 2)
-FEWEST_TURNS = LINE_HALF_WIDTH + 1  # in a window: what stands still fills the bins below
+FEWEST_TURNS = LINE_HALF_WIDTH + 1  # in a window; the lower bins contain the static part of the signal
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,5 +28,5 @@ class ShaftLines:
 
 
 def readable(frequency: float, resolution: float, top: float) -> bool:
-    """Whether a line (Hz) can be told in a spectrum of a resolution (Hz) up to `top` (Hz)."""
+    """Whether a line (Hz) is resolved in a spectrum with the distance `resolution` of bins (Hz), up to `top` (Hz)."""
     return FEWEST_TURNS * resolution <= frequency < top - resolution

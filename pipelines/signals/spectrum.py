@@ -1,10 +1,10 @@
 """Amplitude and envelope spectra over whole revolutions, line amplitudes and the local floor.
 
-A segment of n revolutions of the faulty shaft puts every line k f_r on the bin k n: nothing leaks, whatever the window.
-Amplitudes are one-sided peak amplitudes, A = 2 |sum w x exp(-i 2 pi f t)| / sum w: a tone A cos(2 pi f t) on a bin
-reads A with every window. The Hann window is the default: it costs one bin on each side of a line, which whole
-revolutions have to spare, and keeps what does not repeat with the shaft (the rope mode, decaying resonances) from
-filling the gaps between the orders, where the floor is read.
+In a segment of n revolutions of the monitored shaft, the line k f_r is on the bin k n and does not leak, with any
+window. Amplitudes are one-sided peak amplitudes, A = 2 |sum w x exp(-i 2 pi f t)| / sum w: for a tone A cos(2 pi f t)
+on a bin the result is A with any window. The Hann window is the default. It widens a line by one bin on each side,
+which does not reach the neighbouring orders. It reduces the leakage of components that do not repeat with the shaft
+(rope mode, decaying resonances) into the bins between the orders, where the floor is measured.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ SAMPLE_TOLERANCE = 1e-3  # samples; a segment this close to a whole number of sa
 
 
 class SpectrumError(ValueError):
-    """The window, the band or the wanted frequencies do not fit the signal."""
+    """The window, the band or the requested frequencies do not fit the signal."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Segment:
-    """A whole number of revolutions at the end of a window, where the transients of the ramp before it have died most.
+    """A whole number of revolutions at the end of a window, where transients of a preceding ramp have decayed most.
 
-    `start` (s) from the first sample of the record, `samples` after resampling, `rate` (Hz) after resampling:
-    equal to the recorded rate unless `resampled`.
+    `start` (s) is counted from the first sample of the record. `samples` and `rate` (Hz) are those after resampling;
+    the rate is the recorded one unless `resampled`.
     """
 
     start: float
@@ -46,18 +46,18 @@ class Segment:
 
     @property
     def duration(self) -> float:
-        """Length in s, a whole number of revolutions."""
+        """Duration in s of the whole revolutions."""
         return self.samples / self.rate
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Spectrum(Record):
-    """One-sided peak amplitudes on equidistant lines from 0 Hz."""
+    """One-sided peak amplitudes at equidistant frequencies from 0 Hz."""
 
     plotted = ("frequency", "amplitude")
     kind: str = text()  # "spectrum" | "envelope"
     window: str = text()
-    revolutions: int = integer()  # revolutions of the faulty shaft in the segment: bins per order
+    revolutions: int = integer()  # revolutions of the monitored shaft in the segment: bins per order
     frequency: np.ndarray = array("bin", units="Hz")
     amplitude: np.ndarray = array("bin", units="m s-2")
     band_low: float = scalar(units="Hz")
@@ -73,7 +73,7 @@ class Spectrum(Record):
 
         Raises
         ------
-        SpectrumError : a frequency lies more than 2 % of a bin beside every bin, or beyond the last one
+        SpectrumError : a frequency deviates from the nearest bin by more than 2 % of a bin, or is beyond the last one
         """
         position = np.asarray(frequencies, dtype=float) / self.resolution
         index = np.rint(position).astype(int)
@@ -88,10 +88,13 @@ class Spectrum(Record):
         return self.amplitude[index]
 
     def floors(self, frequencies: Sequence[float] | np.ndarray) -> np.ndarray:
-        """Local floor at lines on bins: the median amplitude of the bins between the orders, one order to each side.
+        """Local floor at lines: the median amplitude of the bins between the orders, within one order of the line.
 
-        Bins within `LINE_HALF_WIDTH` of a multiple of the revolution frequency (0 Hz included) are left out. Needs
-        at least six revolutions in the segment.
+        Bins within `LINE_HALF_WIDTH` of a multiple of the revolution frequency (0 Hz included) are omitted.
+
+        Raises
+        ------
+        SpectrumError : the segment has fewer than FEWEST_REVOLUTIONS revolutions
         """
         bins_per_order = self.revolutions
         if bins_per_order < FEWEST_REVOLUTIONS:
@@ -113,10 +116,10 @@ class Spectrum(Record):
 def whole_revolutions(times: tuple[float, float], rate: float, revolution_frequency: float) -> Segment:
     """The longest stretch of whole revolutions in a window whose length is a whole number of samples.
 
-    Of the revolution counts between the largest that fits and half of it, the largest one whose duration is a whole
-    number of samples (within `SAMPLE_TOLERANCE`) is taken; if there is none, the largest that fits, resampled to the
-    nearest whole number of samples. At 10 kHz, 900 rpm and 20/55 teeth a window of 2 s holds ten wheel revolutions
-    (18333.33 samples) and is cut to nine: 1.65 s, 16,500 samples.
+    The number of revolutions is reduced, to half of those in the window at most, until the duration is a whole number
+    of samples (within `SAMPLE_TOLERANCE`). If no number is suitable, all revolutions in the window are resampled to the
+    nearest whole number of samples. Example: at 10 kHz, 900 rpm and 20/55 teeth a window of 2 s contains ten
+    revolutions of the wheel (18333.33 samples) and is cut to nine (1.65 s, 16,500 samples).
 
     Parameters
     ----------
@@ -142,7 +145,7 @@ def whole_revolutions(times: tuple[float, float], rate: float, revolution_freque
             first = round(end * rate) - samples
             return Segment(start=first / rate, revolutions=count, samples=samples, rate=rate, resampled=False)
     duration = largest / revolution_frequency
-    margin = min(end - start - duration, HALF_WIDTH / rate)  # interpolation looks beyond the last sample
+    margin = min(end - start - duration, HALF_WIDTH / rate)  # interpolation needs samples beyond the last one
     samples = round(duration * rate)
     return Segment(
         start=end - margin - duration,
@@ -154,7 +157,7 @@ def whole_revolutions(times: tuple[float, float], rate: float, revolution_freque
 
 
 def cut(signal: np.ndarray, rate: float, segment: Segment) -> np.ndarray:
-    """The samples of a segment along the first axis, resampled by band-limited interpolation where the segment says so.
+    """The samples of a segment along the first axis, resampled by band-limited interpolation if it is `resampled`.
 
     Raises
     ------
@@ -179,7 +182,7 @@ def cut(signal: np.ndarray, rate: float, segment: Segment) -> np.ndarray:
 
 
 def amplitude_spectrum(signal: np.ndarray, segment: Segment, window: str = "hann") -> Spectrum:
-    """Spectrum of a cut segment; of several axes the root sum square, which no sensor orientation changes.
+    """Spectrum of a cut segment; of several axes the root sum square, independent of the orientation of the sensor.
 
     Parameters
     ----------
@@ -191,11 +194,11 @@ def amplitude_spectrum(signal: np.ndarray, segment: Segment, window: str = "hann
 
 
 def envelope(signal: np.ndarray, segment: Segment, band: tuple[float, float]) -> np.ndarray:
-    """Length of the analytic signal of the band-passed segment (samples,), m/s2.
+    """Envelope (samples,) of the band-passed segment: magnitude of its analytic signal, m/s2.
 
-    The band-pass keeps the FFT lines inside the band; the analytic signal keeps the positive frequencies, doubled.
-    Of several axes the length of the complex vector, sqrt(sum |a_axis|^2): independent of the sensor's orientation,
-    and equal to the amplitude where all axes share one modulation.
+    The band-pass keeps the FFT lines inside the band; the analytic signal keeps the positive frequencies, doubled. For
+    several axes the envelope is the magnitude of the complex vector, sqrt(sum |a_axis|^2). It does not depend on the
+    sensor's orientation, and is the amplitude if all axes have the same modulation.
 
     References
     ----------
@@ -219,18 +222,18 @@ def envelope(signal: np.ndarray, segment: Segment, band: tuple[float, float]) ->
 def envelope_spectrum(
     signal: np.ndarray, segment: Segment, band: tuple[float, float], window: str = "hann"
 ) -> Spectrum:
-    """Amplitude spectrum of the envelope less its mean; a modulation A (1 + m cos(2 pi f t)) reads A m at f.
+    """Amplitude spectrum of the envelope less its mean; the envelope A (1 + m cos(2 pi f t)) has the line A m at f.
 
     Parameters
     ----------
     signal : float (segment.samples,) or (segment.samples, axes), m/s2
-    segment : how the signal was cut
+    segment : segment that the signal was cut to
     band : of the envelope, Hz
     window : one of WINDOWS
 
     Raises
     ------
-    SpectrumError : the band lies outside 0 to half the rate, a length other than the segment's, an unknown window
+    SpectrumError : a band outside 0 to half the rate, a length other than the segment's, or an unknown window
     """
     length = envelope(signal, segment, band)
     amplitude = amplitudes((length - length.mean())[:, None], window)[:, 0]
@@ -238,7 +241,7 @@ def envelope_spectrum(
 
 
 def with_noise(signal: np.ndarray, rms: float, seed: Sequence[int]) -> np.ndarray:
-    """The signal plus white Gaussian sensor noise of the stated rms (m/s2), drawn from the stated seed."""
+    """The signal plus white Gaussian sensor noise of the given rms (m/s2) and seed."""
     if rms < 0:
         raise SpectrumError(f"sensor noise {rms:g} m/s2: must be 0 or positive")
     signal = np.asarray(signal, dtype=float)
@@ -254,12 +257,12 @@ def _columns(signal: np.ndarray, segment: Segment) -> np.ndarray:
 
 
 def amplitudes(signal: np.ndarray, window: str) -> np.ndarray:
-    """One-sided peak amplitudes (bins, axes) of (samples, axes), whatever the unit."""
+    """One-sided peak amplitudes (bins, axes) of a signal (samples, axes), in its unit."""
     return np.abs(complex_amplitudes(signal, window))
 
 
 def complex_amplitudes(signal: np.ndarray, window: str) -> np.ndarray:
-    """Those of `amplitudes` with their phases: a tone Re(A exp(2 pi i f t)) on a bin reads A."""
+    """The `amplitudes` with their phases: a tone Re(A exp(2 pi i f t)) on a bin has the amplitude A."""
     samples = signal.shape[0]
     weight = _weights(samples, window)
     amplitude = 2 * np.fft.rfft(signal * weight[:, None], axis=0) / weight.sum()
@@ -270,8 +273,10 @@ def complex_amplitudes(signal: np.ndarray, window: str) -> np.ndarray:
 
 
 def bin_kernel(samples: int, bins: Sequence[int], window: str) -> np.ndarray:
-    """Matrix (samples, bin) with which signal @ matrix are the `complex_amplitudes` at a few bins, neither first nor
-    last of all."""
+    """Matrix (samples, bin): signal @ matrix are the `complex_amplitudes` at the given bins.
+
+    The first and the last bin of the spectrum are not allowed, as they are not doubled.
+    """
     weight = _weights(samples, window)
     phase = -2j * np.pi / samples * (np.outer(np.arange(samples), bins) % samples)
     kernel: np.ndarray = (2.0 / weight.sum()) * weight[:, None] * np.exp(phase)

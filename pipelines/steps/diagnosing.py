@@ -1,4 +1,4 @@
-"""Step `diagnose`: all cases of a study against their controls, as files and as words."""
+"""Step `diagnose`: comparison of all cases of a study with their controls, as files and as text."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class CaseSpec:
-    """One comparison: what is looked for."""
+    """One comparison, with the settings of its diagnosis."""
 
     settings: DiagnosisSettings
-    full: bool  # its lines are shown in full; else it enters summaries
+    full: bool  # tables of its lines are printed; otherwise it is only in summaries
 
 
 @dataclass(frozen=True, kw_only=True)
 class DiagnosingSpec:
-    """All comparisons, and the labels of the motions that are taken: faulty, healthy, faulty, ..."""
+    """All comparisons, and the labels of the motions in the order faulty, healthy, faulty, ..."""
 
     cases: tuple[CaseSpec, ...]
     labels: tuple[Mapping[str, Any], ...]
 
 
 def build(spec: DiagnosingSpec, *, motions: Sequence[Trajectory]) -> dict[str, Any]:
-    """diagnosis.nc, .csv, .json, .md as bytes under "files", the tables of lines as text under "words".
+    """The files diagnosis.nc, .csv, .json and .md as bytes under "files", the tables of lines as text under "words".
 
-    A window in which no diagnosis is possible must not cost the signals: its reason is returned under "failure".
+    If no diagnosis is possible, the reason is returned under "failure", so that the run keeps its signals.
     """
     from pipelines.diagnosis.export import save_diagnoses
     from pipelines.diagnosis.line_words import markdown
@@ -55,7 +55,7 @@ def build(spec: DiagnosingSpec, *, motions: Sequence[Trajectory]) -> dict[str, A
 
 
 def diagnoses(cases: Sequence[CaseSpec], responses: Sequence[xarray.Dataset]) -> list[Diagnosis]:
-    """One diagnosis per case; of a case that only enters summaries the lines alone, its spectra would fill memory."""
+    """One diagnosis for each case, without spectra if the case is only in summaries, to save memory."""
     from pipelines.diagnosis.control_diagnosis import diagnose
 
     out = []
@@ -67,7 +67,7 @@ def diagnoses(cases: Sequence[CaseSpec], responses: Sequence[xarray.Dataset]) ->
 
 
 def words(full: list[Diagnosis]) -> str:
-    """The tables of lines of the cases shown in full."""
+    """The tables of lines of the diagnoses."""
     from pipelines.diagnosis.line_words import criterion, lines_grid
 
     parts = [criterion(full[0].settings)]

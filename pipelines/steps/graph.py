@@ -1,11 +1,11 @@
-"""The steps of a plant: which part of it each one reads, and what it takes.
+"""Steps of a machine, with the part of the machine that each one reads and its inputs.
 
-    unmodified_law_i, crack surface -> law_i   one per gear pair; equal pairs share one; law_i alone where flanks are
-                                            neither modified nor damaged (a missing tooth is no damage here)
-    casing mesh -> casing modes -> casing   as the model of the casing plans them, see `fem.casing.models.stage`
-    simulate                                a missing tooth, deviations, drive and load enter here
+    unmodified_law_i, crack surface -> law_i   one for each gear pair, shared by equal pairs; only law_i if the flanks
+                                            are neither modified nor damaged (a missing tooth is not damage here)
+    casing mesh -> casing modes -> casing   as planned by the model of the casing, see `fem.casing.models.stage`
+    simulate                                with missing teeth, deviations, drive and load
 
-Plants that are run together (`pipelines.steps.study`) share the steps that do not differ.
+Machines that are simulated together (`pipelines.steps.study`) share equal steps.
 """
 
 from __future__ import annotations
@@ -20,55 +20,55 @@ from pipelines.machine.flanks_spec import FlanksSpec
 from pipelines.machine.plant import Plant
 from pipelines.steps import casing
 
-# s to compile what a step runs, by the beginning of its name: any motion, one of coupled slices, a law, casing modes
+# s to compile code by prefix of its name: of any motion, of one with coupled slices, of a law, of casing modes
 _MOTION_CODE = {"mbd.integrators.": 8.0, "fem.contact.evaluation.": 4.0}
 _COUPLED_CODE = {"fem.contact.evaluation.solver.": 8.0}
 _SOLID_CODE = {"fem.elements.nested_condensation.": 3.0}
 _NUMERIC = ("numpy", "scipy", "numba")
 
 
-def plant_steps(plant: Plant) -> list[Step]:
-    """The steps of one plant, in order."""
+def plant_steps(machine: Plant) -> list[Step]:
+    """The steps of a machine in order."""
     from pipelines.steps import motion
 
-    casing_steps = [casing_step(stage) for stage in plant.casing.stages(plant.structure)]
-    coupled = "solid" in plant.models["mesh"]  # its slices press on each other
+    casing_steps = [casing_step(stage) for stage in machine.casing.stages(machine.structure)]
+    coupled = "solid" in machine.models["mesh"]  # the model couples the slices
     return [
-        *_law_steps(plant),
+        *_law_steps(machine),
         *casing_steps,
         Step(
             name="simulate",
             kind="simulate",
             build=motion.build,
-            spec=motion.MotionSpec(machine=plant.machine, recorded=plant.recorded, motion=plant.motion),
-            takes={"body": casing_steps[-1].name, "laws": plant.law_names},
-            modules=("mbd.output.simulate", METHODS[plant.motion.integrator][0]),
+            spec=motion.MotionSpec(machine=machine.machine, recorded=machine.recorded, motion=machine.motion),
+            takes={"body": casing_steps[-1].name, "laws": machine.law_names},
+            modules=("mbd.output.simulate", METHODS[machine.motion.integrator][0]),
             libraries=_NUMERIC,
-            seconds=_motion_seconds(plant),
+            seconds=_motion_seconds(machine),
             streams=True,
-            ahead=motion.compiled_ahead,
-            ahead_takes=plant.law_names,
+            prepare=motion.precompile,
+            prepare_takes=machine.law_names,
             compiles=_MOTION_CODE | (_COUPLED_CODE if coupled else {}),
         ),
     ]
 
 
-def _motion_seconds(plant: Plant) -> float:
-    """Time steps by the slices of all stages, and no less than makes a long motion a process of its own."""
-    blocks = sum(math.ceil(spec.mesh.slices / 16) for spec in plant.laws)
-    return max(plant.motion.steps * (7e-6 + 20e-6 * blocks), 1.5 * plant.motion.end)
+def _motion_seconds(machine: Plant) -> float:
+    """Expected time by time steps and slices of all stages; large enough to run long motions in a child process."""
+    blocks = sum(math.ceil(spec.mesh.slices / 16) for spec in machine.laws)
+    return max(machine.motion.steps * (7e-6 + 20e-6 * blocks), 1.5 * machine.motion.end)
 
 
-def _law_steps(plant: Plant) -> list[Step]:
+def _law_steps(machine: Plant) -> list[Step]:
     from pipelines.steps import laws
 
     steps = []
-    names = zip(plant.law_names, plant.sound_law_names, strict=True)
-    parts = zip(names, plant.laws, plant.flanks, plant.models["mesh"], strict=True)
-    for (name, sound), spec, added, model in parts:
+    names = zip(machine.law_names, machine.sound_law_names, strict=True)
+    parts = zip(names, machine.laws, machine.flanks, machine.models["mesh"], strict=True)
+    for (name, unmodified), spec, added, model in parts:
         steps.append(
             Step(
-                name=sound,
+                name=unmodified,
                 kind="law",
                 build=laws.build,
                 spec=spec,
@@ -86,7 +86,7 @@ def _law_steps(plant: Plant) -> list[Step]:
                     kind="flanks",
                     build=laws.build_modified,
                     spec=added,
-                    takes={"sound": sound, "surfaces": tuple(step.name for step in surfaces)},
+                    takes={"unmodified": unmodified, "surfaces": tuple(step.name for step in surfaces)},
                     libraries=("numpy", "scipy"),
                 )
             )
@@ -94,7 +94,7 @@ def _law_steps(plant: Plant) -> list[Step]:
 
 
 def _surface_steps(law: str, spec: LawSpec, added: FlanksSpec) -> list[Step]:
-    """The surfaces on which teeth of a pair crack in space, if its model knows them."""
+    """Steps of the crack surfaces of the teeth of a pair, if its model computes them."""
     from fem.contact.wheels.crack_surface import crack_surface
 
     specs = {place: spec.mesh.crack_surface(spec.pair, *place) for place in added.surfaces}
@@ -113,7 +113,7 @@ def _surface_steps(law: str, spec: LawSpec, added: FlanksSpec) -> list[Step]:
 
 
 def casing_step(planned: PlannedStage) -> Step:
-    """A stage of a casing as a step."""
+    """The step of a stage of a casing."""
     stage = planned.stage
     return Step(
         name=planned.name,

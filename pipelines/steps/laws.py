@@ -25,13 +25,13 @@ def build(spec: LawSpec) -> tuple[MeshLaw, MeshLaw]:
 
 
 def build_modified(
-    spec: FlanksSpec, *, sound: tuple[MeshLaw, MeshLaw], surfaces: Sequence[CrackSurface] = ()
+    spec: FlanksSpec, *, unmodified: tuple[MeshLaw, MeshLaw], surfaces: Sequence[CrackSurface] = ()
 ) -> tuple[MeshLaw, MeshLaw]:
     """The laws of drive and coast flank; `surfaces` are those of the spec, or none."""
     known: dict[str, dict[float, CrackSurface]] = {"pinion": {}, "wheel": {}}
     for (gear, angle), surface in zip(spec.surfaces if surfaces else (), surfaces, strict=True):
         known[gear][angle] = surface
-    drive, coast = (_flank(spec, law, known) for law in sound)
+    drive, coast = (_flank(spec, law, known) for law in unmodified)
     return drive, coast
 
 

@@ -1,4 +1,4 @@
-"""Step `simulate`: machine in its casing, from equilibrium through the speed profile."""
+"""Step `simulate`: motion of the machine in its casing, which starts in equilibrium and follows the speed profile."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _SAMPLES_AHEAD = 10
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MotionSpec:
-    """The parts of the machine without laws and casing, what is recorded, and how the motion is computed."""
+    """The machine without mesh laws and casing, the recorded channels, and the settings of the motion."""
 
     machine: MachineParts
     recorded: Recorded
@@ -34,14 +34,14 @@ class MotionSpec:
 def build(
     spec: MotionSpec, *, body: ReducedBody, laws: Sequence[tuple[MeshLaw, MeshLaw]], folder: Path | None = None
 ) -> Trajectory:
-    """The trajectory of the wanted channels, with energy balance and counters.
+    """The trajectory of the recorded channels, with energy balance and counters.
 
     Parameters
     ----------
-    spec : the machine, its motion and what is recorded
+    spec : the machine, its motion and the recorded channels
     body : the reduced casing
     laws : of drive and coast flank of every mesh
-    folder : for a file that keeps the values, or None: they stay in memory
+    folder : for a file of the values; None keeps them in memory
 
     Raises
     ------
@@ -49,7 +49,7 @@ def build(
     """
     from mbd.integrators.methods import compile_loop
 
-    compile_loop(spec.motion.integrator)  # while `compiled_ahead` may still compile what the assembly needs
+    compile_loop(spec.motion.integrator)  # in parallel with `precompile`, which compiles code for the assembly
     system = assembled(spec, body, laws)
     trajectory = moved(system, spec.motion, folder / "values.npy" if folder else None)
     load = system.machine.load
@@ -61,11 +61,11 @@ def build(
     return trajectory
 
 
-def compiled_ahead(spec: MotionSpec, *laws: tuple[MeshLaw, MeshLaw]) -> None:
-    """Move the machine a few steps without its casing: what moves it is compiled then, or read from disk.
+def precompile(spec: MotionSpec, *laws: tuple[MeshLaw, MeshLaw]) -> None:
+    """Compile the code of a motion, or read it from disk, by simulating a few steps without casing.
 
-    The evaluation of the laws comes first: it takes the longest to compile. A process that begins with the motion
-    meanwhile compiles the time loop.
+    The evaluation of the laws is first, because it takes the longest to compile. If the motion starts in another
+    process meanwhile, that process compiles the time loop.
     """
     from fem.casing.models.no_casing import NoCasing
     from fem.contact.evaluation.evaluator import LawEvaluator
@@ -81,7 +81,7 @@ def compiled_ahead(spec: MotionSpec, *laws: tuple[MeshLaw, MeshLaw]) -> None:
 
 
 def assembled(spec: MotionSpec, body: ReducedBody, laws: Sequence[tuple[MeshLaw, MeshLaw]]) -> System:
-    """The machine in its casing, see `build`."""
+    """The system of the machine in its casing; arguments as in `build`."""
     from pipelines.machine.assembly import assemble_machine, assemble_system
 
     return assemble_system(assemble_machine(spec.machine, laws), body, spec.recorded, spec.motion.band)

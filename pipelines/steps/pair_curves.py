@@ -1,4 +1,4 @@
-"""Mesh stiffness of the gear pairs of a scene at their loads, healthy and with their faults."""
+"""Mesh stiffness of the gear pairs of a scene at their loads, healthy and with faults."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from fem.contact.law import MeshLaw
     from pipelines.machine.plant import Plant
 
-PITCHES_SHOWN = 3.0  # to each side of a damaged tooth
-POSITIONS = 241  # over these pitches
+PITCHES_SHOWN = 3.0  # on each side of a damaged tooth
+POSITIONS = 241  # in this range
 _COLUMNS = {
     "secant": ("N/m", "force over the approach since first touch"),
     "tangent": ("N/m", "slope of the force over the approach"),
@@ -36,7 +36,7 @@ _COLUMNS = {
 
 @dataclass(frozen=True, kw_only=True)
 class Passage:
-    """A damaged tooth on its way through the mesh; it touches at the pitch point at mid face at the mesh cycle."""
+    """A damaged tooth in mesh; at the mesh cycle `cycle` it touches at the pitch point at mid face."""
 
     name: str  # "missing tooth 3 of the wheel"
     cycle: float
@@ -44,52 +44,52 @@ class Passage:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PairState:
-    """A gear pair with its load and its faults; deviations are left out."""
+    """A gear pair with its load and its faults, without deviations."""
 
     stage: int  # from 1
     pair: GearPair
-    flanks: FlanksSpec  # what is added to the law of the sound pair where no tooth is damaged
+    flanks: FlanksSpec  # added to the law of the pair without modifications; without damage of teeth
     sense: int  # +1 where the face coordinate of the laws runs along the global y, else -1
-    force: float  # N, on the line of action, at the load of the scene
+    force: float  # N, along the line of action, at the load of the scene
     pinion_faults: np.ndarray  # (tooth,) m or (tooth, 6), see `fem.contact.teeth`
     wheel_faults: np.ndarray
     faults: str  # "missing tooth", "" for a healthy pair
-    passages: tuple[Passage, ...]  # of all damaged teeth, the one that pictures show first
+    passages: tuple[Passage, ...]  # of all damaged teeth, first the one that pictures show
 
     @property
     def cycle(self) -> float:
-        """Mesh cycle at which the first damaged tooth meshes, 0 without one."""
+        """Mesh cycle at which the first damaged tooth is in mesh; 0 for a healthy pair."""
         return self.passages[0].cycle if self.passages else 0.0
 
-    def with_laws(self, laws: Laws, sound: Laws) -> PairLaws:
-        """The same with its mesh laws; `sound` are those of the pair without modifications and faults."""
-        healthy, _ = build_modified(self.flanks, sound=sound)
+    def with_laws(self, laws: Laws, unmodified_laws: Laws) -> PairLaws:
+        """The pair with its mesh laws; `unmodified_laws` are those without modifications and faults."""
+        healthy, _ = build_modified(self.flanks, unmodified=unmodified_laws)
         involute = PairModifications(misalignment=self.flanks.modifications.misalignment)
-        unmodified, _ = build_modified(replace(self.flanks, modifications=involute), sound=sound)
+        unmodified, _ = build_modified(replace(self.flanks, modifications=involute), unmodified=unmodified_laws)
         return PairLaws(**vars(self), drive=laws[0], coast=laws[1], healthy=healthy, unmodified=unmodified)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PairLaws(PairState):
-    """The mesh laws of a gear pair with its load and its faults; deviations are left out."""
+    """The mesh laws of a gear pair with its load and its faults, without deviations."""
 
     drive: MeshLaw
     coast: MeshLaw
-    healthy: MeshLaw  # drive flank without any fault
-    unmodified: MeshLaw  # the same on involute flanks; a misalignment stays
+    healthy: MeshLaw  # drive flank without faults
+    unmodified: MeshLaw  # drive flank without faults and modifications, but with misalignment
 
     @property
     def modified(self) -> bool:
-        """Whether the flanks depart from the involute."""
+        """True if the flanks are modified."""
         given = self.flanks.modifications
         return given != PairModifications(misalignment=given.misalignment)
 
     def law(self, *, faulty: bool = False, modified: bool = True) -> MeshLaw:
-        """Of the drive flank in one state, see `stiffness`."""
+        """Law of the drive flank in one state, see `stiffness`."""
         return self.drive if faulty else self.healthy if modified else self.unmodified
 
     def teeth(self, *, faulty: bool = False) -> tuple[np.ndarray, np.ndarray]:
-        """Terms of the teeth of pinion and wheel, see `fem.contact.teeth`; zero without the faults."""
+        """Terms of the teeth of pinion and wheel, see `fem.contact.teeth`; zero without faults."""
         if faulty:
             return self.pinion_faults, self.wheel_faults
         return np.zeros(self.pair.pinion.teeth), np.zeros(self.pair.wheel.teeth)
@@ -103,14 +103,14 @@ class PairLaws(PairState):
         force: float | None = None,
         tilt: float | None = 0.0,
     ) -> StiffnessCurve:
-        """The curves of the drive flank in one state.
+        """The stiffness curves of the drive flank in one state.
 
         Parameters
         ----------
-        cycle : float (n,), mesh cycles; 200 of one mesh cycle by default
+        cycle : float (n,), mesh cycles; by default 200 positions in one mesh cycle
         faulty : with the faults
-        modified : with the modifications of the flanks; without them there are no faults either
-        force : N, on the line of action; that of the scene by default
+        modified : with the modifications of the flanks; False also excludes the faults
+        force : along the line of action, N; by default that of the scene
         tilt : of the gears in the plane of action along the face coordinate of the law, rad; None: force at mid face
         """
         from fem.contact.evaluation.curves import stiffness_curve
@@ -125,12 +125,12 @@ class PairLaws(PairState):
         )
 
     def curve(self, cycle: np.ndarray | None = None, *, force: float | None = None) -> xarray.Dataset:
-        """Stiffness over the mesh cycle k(c), healthy and, where the scene has faults, faulty.
+        """Stiffness over the mesh cycle k(c), healthy and, if the scene has faults, faulty.
 
         Parameters
         ----------
-        cycle : float (n,), mesh cycles; three to each side of the first damaged tooth by default, one without faults
-        force : N, on the line of action; that of the scene by default
+        cycle : float (n,), mesh cycles; by default three on each side of the first damaged tooth, or one without faults
+        force : along the line of action, N; by default that of the scene
 
         Returns
         -------
@@ -161,17 +161,17 @@ class PairLaws(PairState):
         force: float | None = None,
         tilt: float | None = 0.0,
     ) -> xarray.DataArray:
-        """The contact pattern: greatest Hertz pressure on the unrolled flank of a tooth over its whole engagement.
+        """The contact pattern: greatest Hertzian pressure on the flank of a tooth over its whole engagement.
 
         Parameters
         ----------
         gear, tooth : "pinion" or "wheel", and the number of the tooth
-        faulty, modified, force, tilt : as `stiffness`
+        faulty, modified, force, tilt : as in `stiffness`
 
         Returns
         -------
-        pressure (diameter, face) in Pa, nan where nothing touches; `diameter` (m) on the gear from the foot of the
-        flank to its tip, `face` (m) from mid face along the face coordinate of the law
+        pressure (diameter, face) in Pa, NaN without contact; `diameter` (m) on the gear from the root of the flank to
+        its tip, `face` (m) from mid face along the face coordinate of the law
         """
         import xarray
 
@@ -201,7 +201,7 @@ class PairLaws(PairState):
         return f"stage {self.stage}, {teeth}, model {self.drive.model}, {self.force:.5g} N"
 
     def _repr_html_(self) -> str:
-        """The curves in numbers and their secant stiffness as a plot, for a notebook."""
+        """Table of the curves and plot of the secant stiffness, for a notebook."""
         from fem.storage import shown_html
 
         found = self.curve()
@@ -211,13 +211,13 @@ class PairLaws(PairState):
             for name, (units, _) in _COLUMNS.items()
             for state, values in zip(states, found[name].values, strict=True)
         ]
-        drawn = dict(zip(states, found.secant.values, strict=True))
+        secant = dict(zip(states, found.secant.values, strict=True))
         page = shown_html.table(self._words(), ("curve", "state", "unit", "least", "mean", "greatest"), rows)
-        return page + shown_html.curves("mesh cycle", found.cycle.values, "secant stiffness, N/m", drawn)
+        return page + shown_html.curves("mesh cycle", found.cycle.values, "secant stiffness, N/m", secant)
 
 
 def acting(found: PairLaws) -> float:
-    """Mesh cycle at which the faults move the gears most, 0 without faults."""
+    """Mesh cycle at which the faults change the transmission error most; 0 without faults."""
     if not found.faults:
         return 0.0
     error = found.curve().transmission_error
@@ -225,23 +225,23 @@ def acting(found: PairLaws) -> float:
     return float(error.cycle.values[int(moved.argmax())])
 
 
-def law_names(plant: Plant) -> tuple[str, ...]:
-    """Names of the steps that `pair_laws` takes."""
-    return tuple(dict.fromkeys([*plant.law_names, *plant.sound_law_names]))
+def law_names(machine: Plant) -> tuple[str, ...]:
+    """Names of the steps whose results `pair_laws` needs."""
+    return tuple(dict.fromkeys([*machine.law_names, *machine.sound_law_names]))
 
 
-def pair_states(plant: Plant) -> tuple[PairState, ...]:
-    """The pairs of a plant by stage."""
+def pair_states(machine: Plant) -> tuple[PairState, ...]:
+    """The pairs of a machine by stage, without mesh laws."""
     found = []
-    for number, (mesh, facts) in enumerate(zip(plant.machine.meshes, plant.facts.stages, strict=True), 1):
-        faults = plant.faults_of(number)
+    for number, (mesh, facts) in enumerate(zip(machine.machine.meshes, machine.facts.stages, strict=True), 1):
+        faults = machine.faults_of(number)
         pinion, wheel = mesh_faults(mesh)
         found.append(
             PairState(
                 stage=number,
                 pair=mesh.pair,
-                flanks=plant.flanks[number - 1].healthy,
-                sense=plant.layout.pinion_senses[number - 1],
+                flanks=machine.flanks[number - 1].healthy,
+                sense=machine.layout.pinion_senses[number - 1],
                 force=facts.shown_force,
                 pinion_faults=pinion,
                 wheel_faults=wheel,
@@ -252,14 +252,14 @@ def pair_states(plant: Plant) -> tuple[PairState, ...]:
     return tuple(found)
 
 
-def pair_laws(plant: Plant, law: Callable[[str], Laws]) -> tuple[PairLaws, ...]:
-    """The pairs of a plant by stage; `law` gives the laws of drive and coast flank by the names of `law_names`."""
-    names = zip(pair_states(plant), plant.law_names, plant.sound_law_names, strict=True)
-    return tuple(state.with_laws(law(name), law(sound)) for state, name, sound in names)
+def pair_laws(machine: Plant, law: Callable[[str], Laws]) -> tuple[PairLaws, ...]:
+    """The pairs of a machine by stage; `law` returns the laws of both flanks for each of the `law_names`."""
+    names = zip(pair_states(machine), machine.law_names, machine.sound_law_names, strict=True)
+    return tuple(state.with_laws(law(name), law(unmodified)) for state, name, unmodified in names)
 
 
 def passages(faults: tuple[Fault, ...], stage: int) -> tuple[Passage, ...]:
-    """One for every damaged tooth of a stage (from 1), all its faults named; all teeth of a gear count as tooth 0."""
+    """Passages of the damaged teeth of a stage (from 1) with all their faults; tooth 0 stands for all teeth."""
     first = first_tooth_fault(faults, stage)
     ordered = sorted(faults, key=lambda fault: fault != first)
     teeth: dict[tuple[str, int | None], list[str]] = {}
@@ -275,8 +275,8 @@ def passages(faults: tuple[Fault, ...], stage: int) -> tuple[Passage, ...]:
 
 
 def engagement(pair: GearPair) -> tuple[float, float]:
-    """First and last mesh cycle of the whole pitches in which a tooth pair is in mesh, from its contact at the pitch
-    point at mid face."""
+    """First and last mesh cycle of the whole pitches in which a tooth pair is in mesh, relative to its contact at the
+    pitch point at mid face."""
     middle, half = (pair.xi_start + pair.xi_end) / 2, math.ceil(pair.total_contact_ratio) / 2
     return middle - half, middle + half
 

@@ -1,7 +1,7 @@
-"""Steps `gear picture`, `stiffness curves` and `casing picture`: the figures of a report that show the machine.
+"""Steps `gear picture`, `stiffness curves` and `casing picture`: figures of the machine in a report.
 
-They need no motion, so they are drawn while the casing is computed. Each reads only what it shows: another load draws
-the curves again, at its force, and neither picture; another sensor noise draws nothing again.
+They do not depend on the motion, so they are rendered while the casing is computed. Each step reads only what it shows:
+if the load changes, the curves are computed again at its force, but no picture is rendered.
 """
 
 from __future__ import annotations
@@ -28,17 +28,17 @@ if TYPE_CHECKING:
 GEARS, CURVES, CASING = "gear picture", "stiffness curves", "casing picture"
 
 
-def picture_steps(plant: Plant, names: Iterable[str]) -> list[Step]:
-    """The steps of a plant whose other steps have these names."""
-    stage = plant.looked_for.stage
-    placed = placed_pair(plant, stage)
+def picture_steps(machine: Plant, names: Iterable[str]) -> list[Step]:
+    """The picture steps of a machine; `names` are those of its other steps."""
+    stage = machine.looked_for.stage
+    placed = placed_pair(machine, stage)
     steps = [
         Step(
             name=GEARS,
             kind="gear-picture",
             build=build_gears,
             spec=placed,
-            takes={"laws": plant.sound_law_names[stage - 1]} if needs_law(placed.damage) else {},
+            takes={"laws": machine.sound_law_names[stage - 1]} if needs_law(placed.damage) else {},
             libraries=("numpy", "pyvista"),
             seconds=2.0,
         ),
@@ -46,8 +46,8 @@ def picture_steps(plant: Plant, names: Iterable[str]) -> list[Step]:
             name=CURVES,
             kind="stiffness-curves",
             build=build_curves,
-            spec=CurvesSpec(pairs=pair_states(plant), first=stage, names=gear_names(placed)),
-            takes={"picture": GEARS, "laws": plant.law_names, "sound": plant.sound_law_names},
+            spec=CurvesSpec(pairs=pair_states(machine), first=stage, names=gear_names(placed)),
+            takes={"picture": GEARS, "laws": machine.law_names, "unmodified": machine.sound_law_names},
             libraries=("numpy", "matplotlib"),
         ),
     ]
@@ -57,7 +57,7 @@ def picture_steps(plant: Plant, names: Iterable[str]) -> list[Step]:
                 name=CASING,
                 kind="casing-picture",
                 build=build_casing,
-                spec=CasingPictureSpec(sensors=plant.sensors),
+                spec=CasingPictureSpec(sensors=machine.sensors),
                 takes={"mesh": "casing mesh"},
                 libraries=("numpy", "matplotlib", "pyvista"),
                 seconds=2.0,
@@ -67,7 +67,7 @@ def picture_steps(plant: Plant, names: Iterable[str]) -> list[Step]:
 
 
 def build_gears(placed: PlacedPair, *, laws: Laws | None = None) -> Picture | Unkept:
-    """The rendered pair with its first damaged tooth, or why it is left out; its sound `laws` if `needs_law`."""
+    """The rendered pair with its first damaged tooth, or why there is none; `laws` without faults if `needs_law`."""
     from pipelines.report.figures.render import render_gears
     from pipelines.report.figures.shapes import stage_view
 
@@ -79,7 +79,7 @@ def build_gears(placed: PlacedPair, *, laws: Laws | None = None) -> Picture | Un
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CurvesSpec:
-    """The pairs by stage, the stage (from 1) that is shown first, and words for the places of its picture."""
+    """The pairs by stage, the stage (from 1) that is shown first, and labels for its picture."""
 
     pairs: tuple[PairState, ...]
     first: int
@@ -87,18 +87,18 @@ class CurvesSpec:
 
 
 def build_curves(
-    spec: CurvesSpec, *, picture: Picture | LeftOut, laws: Sequence[Laws], sound: Sequence[Laws]
+    spec: CurvesSpec, *, picture: Picture | LeftOut, laws: Sequence[Laws], unmodified: Sequence[Laws]
 ) -> dict[str, Any] | Unkept:
     """Elements of the page: "gears", the picture and its curve or why there is none; "stiffness", the other curves.
 
     Parameters
     ----------
     spec, picture : the pairs, and the rendered gears
-    laws, sound : of each pair, with its flanks and faults, and without
+    laws, unmodified : laws of each pair with modifications and faults, and without
     """
     from pipelines.report import pictures
 
-    states = zip(spec.pairs, laws, sound, strict=True)
+    states = zip(spec.pairs, laws, unmodified, strict=True)
     curves = stiffness_plots([state.with_laws(own, healthy) for state, own, healthy in states])
     first = curves.pop(spec.first - 1)
     if isinstance(picture, LeftOut):
@@ -109,13 +109,13 @@ def build_curves(
 
 @dataclass(frozen=True, kw_only=True)
 class CasingPictureSpec:
-    """The sensors that the picture names."""
+    """The sensors that are labelled in the picture."""
 
     sensors: tuple[Sensor, ...]
 
 
 def build_casing(spec: CasingPictureSpec, *, mesh: CasingMesh) -> str | Unkept:
-    """The casing with its key points as an element of the page, or why it is left out."""
+    """The picture of the casing with its key points as an element of the page, or why there is none."""
     from pipelines.report import pictures
 
     try:
@@ -125,7 +125,7 @@ def build_casing(spec: CasingPictureSpec, *, mesh: CasingMesh) -> str | Unkept:
 
 
 def stiffness_plots(pairs: Sequence[PairLaws]) -> list[StiffnessPlot]:
-    """Secant stiffness of every stage at its load, without deviations; with faults around the passage of the first."""
+    """Secant stiffness of every stage at its load, without deviations; with faults around the first damaged tooth."""
     from pipelines.report.figures.plots import StiffnessPlot
 
     plots = []
@@ -144,14 +144,14 @@ def stiffness_plots(pairs: Sequence[PairLaws]) -> list[StiffnessPlot]:
 
 
 def gear_names(placed: PlacedPair) -> dict[str, str]:
-    """Words for the places of the picture of a pair."""
+    """Labels for the picture of a pair."""
     pair, fault = placed.pair, placed.fault
     names = {"pinion": f"pinion, {pair.pinion.teeth} teeth", "wheel": f"wheel, {pair.wheel.teeth} teeth"}
     return names | ({"marked": fault.name.replace("-", " ")} if fault else {})
 
 
 def rendered_casing(mesh: CasingMesh, sensors: Sequence[Sensor]) -> Picture:
-    """The meshed casing with ground, bearing and sensor points."""
+    """Picture of the casing mesh with ground, bearing and sensor points."""
     from fem.casing.reduced.attachment import nearest_surface_point
     from pipelines.report.figures.render import render_casing
     from pipelines.report.figures.shapes import casing_view

@@ -1,4 +1,4 @@
-"""Step `report`: the page of a run but for its cost, made of what the other steps returned."""
+"""Step `report`: the page of a run without its computing cost, made from the results of other steps."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class ReportSpec:
-    """The plant with what the report says about the run."""
+    """The machine, the diagnoses, and the runs and warnings of the report."""
 
     plant: Plant
     diagnosing: DiagnosingSpec | None
-    responses: tuple[str, ...]  # names of the runs shown, the scene's own first
+    responses: tuple[str, ...]  # names of the runs in the report, first that of the scene
     warnings: tuple[str, ...]
 
 
@@ -53,60 +53,60 @@ def build(
     modes: CasingSummary | None = None,
     diagnosis: Mapping[str, Any] | None = None,
     verdict: Mapping[str, Any] | None = None,
-    bars: LineBars | str = "",
+    error_bars: LineBars | str = "",
 ) -> dict[str, Any] | Unkept:
-    """The body of the page as text, and the reasons of pictures that were left out; kept if there are none.
+    """The body of the page, and the reasons for missing pictures; it is stored only if no picture is missing.
 
     Parameters
     ----------
-    spec : the plant
-    motions : of all cases, as in `DiagnosingSpec`; of the scene alone without a diagnosis
+    spec : the machine, the diagnoses, and the runs and warnings of the report
+    motions : of all cases, as in `DiagnosingSpec`; only that of the scene without a diagnosis
     curves, casing : elements of the page, see `pipelines.steps.pictures`
-    body, modes : the reduced casing, and what is said of its modes
-    diagnosis, verdict, bars : results of the steps of these names
+    body, modes : the reduced casing, and the summary of its modes
+    diagnosis, verdict, error_bars : results of the steps `diagnose`, `verdict` and `error bars`
     """
     from pipelines.report.figures.views import LeftOut
     from pipelines.report.report import report_body
     from pipelines.report.run_screen import first_screen
     from pipelines.signals.response import make_response
 
-    plant = spec.plant
-    labelled = spec.diagnosing.labels if spec.diagnosing else (plant.labels,)
+    machine = spec.plant
+    labelled = spec.diagnosing.labels if spec.diagnosing else (machine.labels,)
     responses = list(map(make_response, motions, labelled))
     failure = diagnosis["failure"] if diagnosis else ""
     possible = spec.diagnosing is not None and not failure
     found = diagnoses(spec.diagnosing.cases, responses) if spec.diagnosing and possible else []
     shown = [case.full for case in spec.diagnosing.cases] if spec.diagnosing and possible else []
-    asked = plant.looked_for
-    settings, failure = _settings(plant, found, responses[0], failure)
+    monitored = machine.looked_for
+    settings, failure = _settings(machine, found, responses[0], failure)
     runs = dict(zip(spec.responses, responses, strict=False))
-    cases, damages = verdict["cases"] if verdict else (), known_damages(plant)
+    cases, damages = verdict["cases"] if verdict else (), known_damages(machine)
     failure = failure or (verdict["failure"] if verdict else "")
     with _collector_paused():
         page = report_body(
-            plant.title,
-            first=first_screen(plant, settings, found, list(runs.values()), failure, cases, damages),
+            machine.title,
+            first=first_screen(machine, settings, found, list(runs.values()), failure, cases, damages),
             cases=cases,
             damages=damages,
-            summary=_summary(plant),
+            summary=_summary(machine),
             diagnoses=[d for d, full in zip(found, shown, strict=True) if full],
             seeds=[d for d, full in zip(found, shown, strict=True) if not full],
-            error=bars if found else "",
-            gears=gear_rows(plant),
-            rolling=rolling_rows(plant),
-            shafts=shaft_rows(plant),
+            error=error_bars if found else "",
+            gears=gear_rows(machine),
+            rolling=rolling_rows(machine),
+            shafts=shaft_rows(machine),
             gear_picture=curves["gears"],
             stiffness=curves["stiffness"],
             casing_picture=casing,
             casing_rows=_casing_rows(body, modes),
             runs=runs,
-            windows=dict(asked.windows),
-            sensor=asked.sensor or "",
-            axis=asked.axis,
+            windows=dict(monitored.windows),
+            sensor=monitored.sensor or "",
+            axis=monitored.axis,
             settings=settings,
             energy=energy_rows(responses[0]),
             cautions=gathered(told(response.attrs) for response in responses),
-            warnings=(*spec.warnings, *misread_sensors(body, {one.name: one.position for one in plant.sensors})),
+            warnings=(*spec.warnings, *misread_sensors(body, {one.name: one.position for one in machine.sensors})),
         )
     left_out = [p.reason for p in (curves["gears"], casing) if isinstance(p, LeftOut)]
     made = {"body": page, "left_out": left_out}
@@ -115,7 +115,7 @@ def build(
 
 @contextlib.contextmanager
 def _collector_paused() -> Iterator[None]:
-    """No search for unreachable objects, which takes a fifth of the time: figures are many objects in cycles."""
+    """Suspend garbage collection, which takes a fifth of the time: figures consist of many objects in cycles."""
     enabled = gc.isenabled()
     gc.disable()
     try:
@@ -126,15 +126,15 @@ def _collector_paused() -> Iterator[None]:
 
 
 def _settings(
-    plant: Plant, found: Sequence[Diagnosis], run: xarray.Dataset, failure: str
+    machine: Plant, found: Sequence[Diagnosis], run: xarray.Dataset, failure: str
 ) -> tuple[DiagnosisSettings | None, str]:
-    """Windows and lines at the speed of the run, and why there are none."""
+    """Windows and lines at the speed of the run, or None and the reason."""
     from pipelines.signals.analysis import DiagnosisError
     from pipelines.signals.measured_speed import at_measured_speed
 
     if found:
         return found[0].settings, failure
-    settings = None if failure else plant.diagnosis
+    settings = None if failure else machine.diagnosis
     if settings is None or settings.speed_is_known:
         return settings, failure
     try:
@@ -143,20 +143,20 @@ def _settings(
         return None, str(error)
 
 
-def _summary(plant: Plant) -> dict[str, Any]:
-    facts, models, labels = plant.facts, plant.models, plant.labels
-    hoist = {} if plant.hoist is None else _hoist_summary(plant.hoist, facts.rope_frequency)
+def _summary(machine: Plant) -> dict[str, Any]:
+    facts, models, labels = machine.facts, machine.models, machine.labels
+    hoist = {} if machine.hoist is None else _hoist_summary(machine.hoist, facts.rope_frequency)
     return {
         "motor speed": f"{facts.motor_speed * 30 / np.pi:.4g} rpm",
         "total ratio": facts.total_ratio,
         "torque at the input": f"{facts.input_torque:.4g} N m",
-        f"torque at the {'load' if plant.hoist is None else 'drums'}": f"{facts.output_torque:.4g} N m",
+        f"torque at the {'load' if machine.hoist is None else 'drums'}": f"{facts.output_torque:.4g} N m",
         "model of the mesh stiffness, by stage": ", ".join(models["mesh"]),
         "model of the casing": models["casing"],
         "model of the shafts": models["shaft_model"],
         "model of the load": models["load"],
         **hoist,
-        "faults": ", ".join(plant.fault_words) or "none",
+        "faults": ", ".join(machine.fault_words) or "none",
         "deviations": "none"
         if labels["seed"] == "none"
         else f"ISO 1328-1 flank tolerance class {labels['iso_grade']}, random seed {labels['seed']}",
@@ -171,10 +171,10 @@ def _hoist_summary(hoist: HangingLoad, rope_frequency: float | None) -> dict[str
     }
 
 
-def gear_rows(plant: Plant) -> list[dict[str, Any]]:
-    """The gear table, two rows per stage."""
+def gear_rows(machine: Plant) -> list[dict[str, Any]]:
+    """Rows of the gear table, two for each stage."""
     rows = []
-    for number, (pair, stage) in enumerate(zip(plant.layout.pairs, plant.facts.stages, strict=True), 1):
+    for number, (pair, stage) in enumerate(zip(machine.layout.pairs, machine.facts.stages, strict=True), 1):
         for name, gear in (("pinion", pair.pinion), ("wheel", pair.wheel)):
             rows.append(
                 {
@@ -201,29 +201,29 @@ def gear_rows(plant: Plant) -> list[dict[str, Any]]:
     return rows
 
 
-def rolling_rows(plant: Plant) -> list[dict[str, Any]]:
-    """The rolling bearings with their pass frequencies and faults."""
+def rolling_rows(machine: Plant) -> list[dict[str, Any]]:
+    """Rows of the rolling bearings with their pass frequencies and faults."""
     rows = []
-    for bearing in plant.rolling:
+    for bearing in machine.rolling:
         row: dict[str, Any] = {"bearing": bearing.name, "shaft": bearing.shaft + 1, "elements": bearing.elements.count}
-        row |= {f"{name} Hz": value for name, value in pass_rates(plant.layout, bearing).items()}
-        row["spalls"] = ", ".join(f.spall.place for f in plant.spalls if f.bearing == bearing.name) or "none"
+        row |= {f"{name} Hz": value for name, value in pass_rates(machine.layout, bearing).items()}
+        row["spalls"] = ", ".join(f.spall.place for f in machine.spalls if f.bearing == bearing.name) or "none"
         rows.append(row)
     return rows
 
 
-def shaft_rows(plant: Plant) -> list[dict[str, Any]]:
-    """The faults of shafts with their orders."""
+def shaft_rows(machine: Plant) -> list[dict[str, Any]]:
+    """Rows of the faults of shafts with their orders."""
     rows = []
-    for fault in plant.shaft_faults:
-        lines = shaft_lines(plant.layout, fault).wanted()
+    for fault in machine.shaft_faults:
+        lines = shaft_lines(machine.layout, fault).wanted()
         rows.append({"fault": fault.name, "shaft": fault.shaft + 1} | {f"{k}x Hz": f for _, k, f in lines})
     return rows
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CasingSummary:
-    """What the page says of the modes of a casing."""
+    """Summary of the modes of a casing for the page."""
 
     unknowns: int
     solver: str
@@ -231,11 +231,11 @@ class CasingSummary:
 
 
 def casing_summary(result: tuple[Any, ...]) -> CasingSummary:
-    """Of the step `casing modes` without its fields, which would fill memory while pictures are drawn.
+    """Summary of the result of the step `casing modes`, without its large fields.
 
     Parameters
     ----------
-    result : `CasingModes` and `CheckUp`, and the quadratic modes where the frequencies are extrapolated
+    result : `CasingModes` and `CheckUp`, and the quadratic modes if the frequencies are extrapolated
     """
     modes, checkup, *_ = result
     return CasingSummary(unknowns=modes.unknowns, solver=modes.solver, checkup=checkup)
@@ -266,6 +266,6 @@ def _casing_rows(body: ReducedBody, modes: CasingSummary | None) -> list[dict[st
 
 
 def energy_rows(run: xarray.Dataset) -> list[dict[str, Any]]:
-    """The energy balance of a run, J, one row per part."""
+    """Rows of the energy balance of a run, J, one for each part."""
     balance: dict[str, dict[str, float]] = json.loads(run.attrs.get("energy_balance_J", "{}"))
     return [{"part": part, **{f"{name} J": value for name, value in row.items()}} for part, row in balance.items()]

@@ -35,16 +35,16 @@ def verdict_steps(study: Study) -> list[Step]:
     from pipelines.diagnosis.simulated import FeatureSettings
     from pipelines.machine.kinematics import kinematics_of
 
-    plant, exact = study.plant, not study.baseline
+    machine, exact = study.plant, not study.baseline
     cases = study.cases if exact else study.cases[:1]
     healthy = [(one.plant, one.motion) for one in study.baseline]
     if exact:  # a scene without faults is its own control
         pairs = [(one.control, one.healthy) for one in cases if one.healthy != one.faulty]
         healthy = [(control, motion) for control, motion in pairs if control is not None and motion is not None]
-    if not healthy or not plant.looked_for.possible:
+    if not healthy or not machine.looked_for.possible:
         return []
-    kinematics = kinematics_of(plant.layout, plant.rolling)
-    settings = FeatureSettings(kinematics=kinematics, windows=plant.looked_for.windows)
+    kinematics = kinematics_of(machine.layout, machine.rolling)
+    settings = FeatureSettings(kinematics=kinematics, windows=machine.looked_for.windows)
     made = {
         motion: Step(
             name=f"features {motion}",
@@ -57,12 +57,12 @@ def verdict_steps(study: Study) -> list[Step]:
         )
         for one, motion, samples in [
             *((case.plant, case.faulty, 1) for case in cases),
-            *((plant, motion, FEWEST_FOR_P if exact else 1) for plant, motion in healthy),
+            *((machine, motion, FEWEST_FOR_P if exact else 1) for machine, motion in healthy),
         ]
     }
     spec = verdict.VerdictSpec(
         kinematics=kinematics,
-        damages=verdict.known_damages(plant),
+        damages=verdict.known_damages(machine),
         cases=tuple((str(case.plant.labels["load"]), deviation_name(case.plant.labels)) for case in cases),
         exact=exact,
     )
@@ -106,7 +106,7 @@ def bars_step(study: Study) -> Step:
         spec=bars.BarsSpec(plant=case.plant, control=case.control),
         takes={"motion": case.faulty, "control": case.healthy, "laws": laws, **casing_taken(study.graph)},
         libraries=_NUMERIC,
-        seconds=2.5,  # short: it is built beside the motions of the other cases, not after them
+        seconds=2.5,  # short, so that it is built in parallel with the motions of other cases
     )
 
 
@@ -120,23 +120,23 @@ def _report_step(loaded: LoadedScene, study: Study, known: dict[str, Step]) -> S
     from pipelines.machine.checks.design_warnings import design_warnings
     from pipelines.scene.file import control_differences
 
-    plant, compared = study.plant, known.get(DIAGNOSIS)
-    kinds = [*(fault.kind for fault in plant.faults), *("bearing-spall" for _ in plant.spalls)]
-    kinds += [*(fault.kind for fault in plant.shaft_faults), "healthy"]
+    machine, compared = study.plant, known.get(DIAGNOSIS)
+    kinds = [*(fault.kind for fault in machine.faults), *("bearing-spall" for _ in machine.spalls)]
+    kinds += [*(fault.kind for fault in machine.shaft_faults), "healthy"]
     unlike = [] if study.control is None else control_differences(loaded, study.control)
     optional = {
-        "casing": CASING, "modes": "casing modes", "diagnosis": DIAGNOSIS, "verdict": VERDICT, "bars": BARS,
+        "casing": CASING, "modes": "casing modes", "diagnosis": DIAGNOSIS, "verdict": VERDICT, "error_bars": BARS,
     }  # fmt: skip
     return Step(
         name=REPORT,
         kind="report",
         build=reporting.build,
         spec=reporting.ReportSpec(
-            plant=plant,
+            plant=machine,
             diagnosing=compared.spec if compared else None,
             responses=(kinds[0].replace("-", " "), "healthy") if compared else (kinds[0].replace("-", " "),),
             warnings=(
-                *design_warnings(loaded.scene, plant),
+                *design_warnings(loaded.scene, machine),
                 *(f"the control differs in more than the fault: {line}" for line in unlike),
             ),
         ),

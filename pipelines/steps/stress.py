@@ -1,7 +1,7 @@
-"""Steps `compliance` and `stress`: the contact of a pair in space, and the stress of its teeth at one position.
+"""Steps `compliance` and `stress`: 3-D contact of a pair, and the stress of its teeth at one position.
 
-Both use the model `solid`, whatever model the law of the stage has. Missing teeth, modifications, wear and chips enter
-the contact; a crack does not, because the finite elements are those of sound teeth.
+Both use the model `solid`, whatever the model of the mesh law. Missing teeth, modifications, wear and chips change the
+contact. A crack does not, because the finite elements are those of undamaged teeth.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from pipelines.machine.flanks_spec import FlanksSpec
 
 @dataclass(frozen=True, kw_only=True)
 class ComplianceSpec:
-    """A gear pair without its play, and the model."""
+    """A gear pair without backlash, and the model."""
 
     pair: GearPair
     model: Solid
@@ -32,7 +32,7 @@ class ComplianceSpec:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StressSpec:
-    """One state of the teeth: index / model.positions, force (N), terms of the teeth (tooth,) or (tooth, 6)."""
+    """A position, index / model.positions, with force (N) and terms of the teeth (tooth,) or (tooth, 6)."""
 
     flanks: FlanksSpec  # pair and modifications
     model: Solid
@@ -43,12 +43,12 @@ class StressSpec:
 
 
 def build_compliance(spec: ComplianceSpec) -> ContactCompliance:
-    """The compliances between all contact places."""
+    """The compliances between all possible contact points."""
     return spec.model.compliance(spec.pair)
 
 
 def build(spec: StressSpec, *, record: ContactCompliance, laws: tuple[MeshLaw, MeshLaw]) -> LoadedTeeth:
-    """Contact at the force, then displacement and stress of the teeth of all pairs near the mesh.
+    """Contact at the force, then displacement and stress of the teeth of all pairs in mesh or near it.
 
     Raises
     ------
@@ -83,7 +83,7 @@ def build(spec: StressSpec, *, record: ContactCompliance, laws: tuple[MeshLaw, M
 def _gaps(
     spec: FlanksSpec, law: MeshLaw, record: ContactCompliance, xi: np.ndarray, terms: tuple[np.ndarray, np.ndarray]
 ) -> np.ndarray:
-    """What modifications and teeth add to the gaps (pair, slice), m."""
+    """Gaps (pair, slice) by modifications and terms of the teeth, m."""
     y = record.hand * record.face
     grid = law.position_start + law.position_step * np.arange(law.compliance.size)
     shape = profile_gap(spec.pair, spec.modifications, law_points(law, spec.pair))

@@ -1,7 +1,7 @@
-"""A study: a faulty scene against its control, by load and by deviations, as one graph of steps.
+"""A study: a scene with faults and its control, for all loads and seeds of the deviations, as one graph of steps.
 
-The scene and its control are always run. With the rope, the equivalent constant torque can be run beside it; further
-seeds of the deviations and error-free gears tell what belongs to the fault and what to one sample of deviations.
+The scene and its control are always simulated. With a rope, the equivalent constant torque can also be simulated.
+Further seeds and error-free gears show which results depend on the sample of the deviations.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from pipelines.scene.tables.gears import DeviationTable
 from pipelines.scene.tables.motion import LoadModel, StaticTorqueTable
 from pipelines.steps.graph import plant_steps
 
-HEALTHY = "healthy "  # before the names of a control's own steps
+HEALTHY = "healthy "  # prefix of the steps that only a control has
 
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """One comparison: `label` "" for the scene itself; both plants, and names of the steps that hold their motions."""
+    """One comparison: label ("" for the scene itself), both machines, and names of the steps of their motions."""
 
     label: str
     plant: Plant
@@ -39,7 +39,7 @@ class Case:
 
 @dataclass(frozen=True, kw_only=True)
 class Healthy:
-    """A healthy machine with deviations of its own, and the name of the step that holds its motion."""
+    """A healthy machine with other deviations, and the name of the step of its motion."""
 
     plant: Plant
     motion: str
@@ -47,7 +47,7 @@ class Healthy:
 
 @dataclass(frozen=True, kw_only=True)
 class Study:
-    """All steps, and the cases they serve; the first case is the scene itself. `baseline` are further healthy ones."""
+    """All steps and the cases, first that of the scene itself; `baseline` are further healthy machines."""
 
     graph: Graph
     cases: tuple[Case, ...]
@@ -56,12 +56,12 @@ class Study:
 
     @property
     def plant(self) -> Plant:
-        """That of the scene itself."""
+        """The machine of the scene in SI."""
         return self.cases[0].plant
 
     @property
     def machines(self) -> dict[str, Plant]:
-        """The machine of every motion by the name of its step, the scene's own first, then that of its control."""
+        """The machine of every motion by the name of its step, first that of the scene, then that of its control."""
         found = {}
         for case in self.cases:
             found[case.faulty] = case.plant
@@ -71,7 +71,7 @@ class Study:
 
     @property
     def motions(self) -> tuple[str, ...]:
-        """Names of all steps that hold motions."""
+        """Names of the steps of all motions."""
         return tuple(self.machines)
 
 
@@ -83,30 +83,32 @@ def plan_study(
     Parameters
     ----------
     loaded : the scene
-    with_control : run the control that the scene names
-    both_loads : with a rope and a control, run the equivalent constant torque as well
-    seeds : number of seeds of the deviations 1, 2, ... to compare, and error-free gears; 0 for the scene's own only
-    baseline : number of healthy machines with other deviations, that a diagnosis compares with
+    with_control : simulate the control that the scene names
+    both_loads : with a rope and a control, also simulate the equivalent constant torque
+    seeds : number of seeds 1, 2, ... of the deviations, to which error-free gears are added; 0: only that of the scene
+    baseline : number of healthy machines with other deviations, for comparison in a diagnosis
 
     Raises
     ------
-    SceneError, InputError : a scene or its control cannot be run, or its signals find no room
+    SceneError, InputError : a scene or its control cannot be simulated, or there is no memory for its signals
     """
     control = control_of(loaded) if with_control else None
     source = loaded.source.shown
     steps: list[Step] = []
     cases: list[Case] = []
     for label, scene in _variants(loaded.scene, both_loads and control is not None, seeds if control else 0):
-        plant = checked_plant(scene, source)
-        faulty = list(add_steps(steps, plant_steps(plant), label).values())[-1]
+        machine = checked_plant(scene, source)
+        faulty = list(add_steps(steps, plant_steps(machine), label).values())[-1]
         healthy = healthy_plant = None
         if control is not None:
             healthy_plant = checked_plant(_like(control.scene, scene, scene.deviations), control.source.shown)
             healthy = list(add_steps(steps, plant_steps(healthy_plant), f"{label}{HEALTHY}").values())[-1]
-        cases.append(Case(label=label.strip(), plant=plant, control=healthy_plant, faulty=faulty, healthy=healthy))
+        cases.append(Case(label=label.strip(), plant=machine, control=healthy_plant, faulty=faulty, healthy=healthy))
     others = [
-        Healthy(plant=plant, motion=list(add_steps(steps, plant_steps(plant), f"healthy seed {seed} ").values())[-1])
-        for seed, plant in _baseline(loaded, control, baseline)
+        Healthy(
+            plant=machine, motion=list(add_steps(steps, plant_steps(machine), f"healthy seed {seed} ").values())[-1]
+        )
+        for seed, machine in _baseline(loaded, control, baseline)
     ]
     study = Study(graph=Graph(steps), cases=tuple(cases), control=control, baseline=tuple(others))
     check_room(tuple(study.machines.values()), source)
@@ -114,7 +116,7 @@ def plan_study(
 
 
 def _baseline(loaded: LoadedScene, control: LoadedScene | None, count: int) -> Iterator[tuple[int, Plant]]:
-    """Healthy machines with the seeds 1, 2, ... of their deviations, the scene's own left out."""
+    """Healthy machines with the seeds 1, 2, ... of their deviations, without that of the scene."""
     if not count:
         return
     source = control or loaded
@@ -160,14 +162,14 @@ def _as_torque(rope: LoadModel) -> LoadModel:
 
 
 def _like(control: Scene, scene: Scene, deviations: DeviationTable) -> Scene:
-    """The control with the load of a variant and with deviations."""
+    """The control with the load of a variant, and with deviations."""
     if scene.load.model == "static-torque" and _on_rope(control.load):
         control = control.model_copy(update={"load": _as_torque(control.load)})
     return control.model_copy(update={"deviations": deviations})
 
 
 def add_steps(steps: list[Step], new: list[Step], prefix: str) -> dict[str, str]:
-    """Append the steps that are not there yet, renamed; the name under which each of `new` now stands."""
+    """Append the steps that are not in the list yet, with a prefix; the new name of each of `new`."""
     known = {_identity(step): step.name for step in steps}
     renamed: dict[str, str] = {}
     for step in new:

@@ -53,14 +53,14 @@ def build(spec: VerdictSpec, *, own: Sequence[dict[str, Any]], healthy: Sequence
     return {"cases": tuple(cases), "words": text(cases, spec.damages), "failure": ""}
 
 
-def known_damages(plant: Drivetrain) -> tuple[Damage, ...]:
+def known_damages(machine: Drivetrain) -> tuple[Damage, ...]:
     """What the scene damages: component, tooth (None where it has none) and words."""
     from pipelines.diagnosis.cases import Damage
 
-    teeth = [(f"stage {fault.stage} {fault.gear}", fault.tooth) for fault in plant.faults]
-    spalls = [(f"{fault.bearing} {STRIKES[fault.spall.on]}", None) for fault in plant.spalls]
-    shafts = [(f"shaft_{fault.shaft + 1}", None) for fault in plant.shaft_faults]
+    teeth = [(f"stage {fault.stage} {fault.gear}", fault.tooth) for fault in machine.faults]
+    spalls = [(f"{fault.bearing} {STRIKES[fault.spall.on]}", None) for fault in machine.spalls]
+    shafts = [(f"shaft_{fault.shaft + 1}", None) for fault in machine.shaft_faults]
     return tuple(
         Damage(component=component, tooth=tooth, words=words.replace("-tooth", " tooth"))
-        for (component, tooth), words in zip([*teeth, *spalls, *shafts], plant.fault_words, strict=True)
+        for (component, tooth), words in zip([*teeth, *spalls, *shafts], machine.fault_words, strict=True)
     )

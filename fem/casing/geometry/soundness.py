@@ -41,8 +41,8 @@ def _box_problems(housing: Dimensions) -> Iterator[str]:
     limit = min(housing.length, housing.width, housing.height) / 2
     if housing.wall_thickness >= limit:
         yield (
-            f"wall thickness {_mm(housing.wall_thickness)} fills the box (limit {_mm(limit)}, half of its smallest "
-            "side). Reduce wall_thickness_mm"
+            f"wall thickness {_mm(housing.wall_thickness)} fills the housing (limit {_mm(limit)}, half of its "
+            "smallest side). Reduce wall_thickness_mm"
         )
         return
     for what, used, room in (

@@ -110,7 +110,7 @@ class ElasticCasing(HousingCasing):
             *([] if sized else [first]),
             *coarser,
             *sized,
-            PlannedStage(name=MODES, stage=modes, takes={"mesh": MESH}, seconds=14.0 if quadratic else 10.0),
+            PlannedStage(name=MODES, stage=modes, takes={"mesh": MESH}, seconds=18.0 if quadratic else 13.0),
             *lower,
             self.recovered(structure, names or tuple(stage.name for stage in lower)),
         )

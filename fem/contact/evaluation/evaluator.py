@@ -177,8 +177,8 @@ class LawEvaluator:
         worst = int(np.argmax(np.abs(rest)))
         raise LawError(
             f"mesh law {self.law.model!r}: F = {force:.6g} N is not reached at cycle {c[worst]:.6g} (off by "
-            f"{rest[worst]:.3g} N at delta {delta[worst]:.4g} m): the tip-edge gaps of the law end before. Reduce the "
-            "force"
+            f"{rest[worst]:.3g} N at delta {delta[worst]:.4g} m): the deflection is beyond the tip-edge gaps that the "
+            "law contains. Reduce the force"
         )
 
     def teeth(self, pinion: Teeth, wheel: Teeth) -> tuple[np.ndarray, np.ndarray]:

@@ -81,7 +81,7 @@ from fem.contact.evaluation.line_contact import (
 from fem.contact.evaluation.newton_system import bodies_in_series, newton_step
 from fem.contact.part_contact import part_of, spared, spared_work, spared_work_slope, touch
 from fem.contact.slice_means import FINER
-from fem.numerics.compiled import FLOAT, MATRIX, SPREAD, SUMS, VECTOR, apart, stored, views
+from fem.numerics.compiled import FLOAT, MATRIX, SPREAD, SUMS, VECTOR, by_address, stored, views
 from fem.numerics.inner import INLINE, inner
 
 STEPS = 14
@@ -92,7 +92,7 @@ EXACT_CLOSE = 1e-11  # step of the displacements, relative to the largest, at wh
 ANSWER = types.UniTuple(FLOAT, 7)  # F, M, U, dF/d delta, dF/d psi, dM/d psi, dU/dc'
 
 
-@apart(ANSWER, VECTOR, FLOAT, FLOAT, FLOAT, MATRIX, MATRIX, MATRIX)
+@by_address(ANSWER, VECTOR, FLOAT, FLOAT, FLOAT, MATRIX, MATRIX, MATRIX)
 @stored(__file__, entry=False)
 def respond(packed, cycle, delta, psi, pinion, wheel, loads):
     """F (N), M (N m), U (J), dF/d delta (N/m), dF/d psi = dM/d delta (N), dM/d psi (N m) and dU/dc (J) at one state.
@@ -110,7 +110,7 @@ def respond(packed, cycle, delta, psi, pinion, wheel, loads):
     return answer if found <= 2 else respond_with_modes(packed, cycle, delta, psi, pinion, wheel, loads)
 
 
-@apart(ANSWER, VECTOR, FLOAT, FLOAT, FLOAT, MATRIX, MATRIX, MATRIX)
+@by_address(ANSWER, VECTOR, FLOAT, FLOAT, FLOAT, MATRIX, MATRIX, MATRIX)
 @stored(__file__, entry=False)
 def respond_with_modes(packed, cycle, delta, psi, pinion, wheel, loads):
     """`respond` with three rows of pairs and the modes of damaged teeth.
@@ -127,7 +127,7 @@ def respond_with_modes(packed, cycle, delta, psi, pinion, wheel, loads):
     return answer if found <= 3 else respond_exactly(packed, cycle, delta, psi, pinion, wheel, loads)
 
 
-@apart(ANSWER, VECTOR, FLOAT, FLOAT, FLOAT, MATRIX, MATRIX, MATRIX)
+@by_address(ANSWER, VECTOR, FLOAT, FLOAT, FLOAT, MATRIX, MATRIX, MATRIX)
 @stored(__file__, entry=False)
 def respond_exactly(packed, cycle, delta, psi, pinion, wheel, loads):
     """`respond` for any number of pairs in a slice, by an iteration that always ends.

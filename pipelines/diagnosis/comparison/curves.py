@@ -1,7 +1,7 @@
-"""Curves of one channel of several recordings over axes that are the same for all of them.
+"""Order spectra, envelope spectra and averages of one channel of several recordings, on common axes.
 
-Every recording is read at the same number of places per turn of the first shaft, so that it holds the same orders,
-and its spectra are averaged over blocks of the same number of turns, so that they have the same resolution.
+All recordings are resampled to the same number of places per turn of the first shaft, which gives the same orders.
+Their spectra are averaged over blocks of the same number of turns, which gives the same resolution.
 
 References
 ----------
@@ -23,17 +23,17 @@ from pipelines.signals.features.band import banded
 from pipelines.signals.features.recorded import FeatureError, envelope_band
 from pipelines.signals.orders.revolutions import HIGHEST, revolutions
 
-MOST_TURNS = 64  # in a block: more lines than can be seen
+MOST_TURNS = 64  # in a block; a finer resolution would not be visible in a figure
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Curves:
-    """Curves of `channel` in the first window of every recording, a row each.
+    """Curves of `channel` in the first window of each recording.
 
-    `spectrum` (recording, order) are one-sided peak amplitudes in m/s2 over `orders` of the first shaft, `envelope`
-    (recording, order) those of the squared envelope over its mean, in the range of orders `band`; `average`
-    (recording, place) in m/s2 is over a turn of `shaft` with its mean removed, `turned` of each has been turned to lie
-    over the first, as the place where its turns begin is not known.
+    `spectrum` (recording, order) has one-sided peak amplitudes in m/s2 over `orders` of the first shaft. `envelope`
+    (recording, order) has those of the squared envelope divided by its mean, for the range of orders `band`. `average`
+    (recording, place) in m/s2 is the time-synchronous average over a turn of `shaft`, without its mean. `turned` marks
+    averages whose angle zero is not known; they are shifted to the best agreement with the first one.
     """
 
     channel: Channel
@@ -58,7 +58,7 @@ def curves(parts: Sequence[Part], channel: Channel, shaft: str) -> Curves:
 
     Raises
     ------
-    FeatureError : the first shaft does not turn once in a window, or the rate holds no envelope
+    FeatureError : the first shaft makes no complete turn in a window, or the sampling rate is too low for an envelope
     """
     highest = min(HIGHEST * part.rate / part.windows[0].frequency for part in parts)
     guard = max(_guard(part) for part in parts)
@@ -102,13 +102,13 @@ def _guard(part: Part) -> float:
 
 
 def _turns(part: Part, row: int, ratio: float, places: int) -> np.ndarray:
-    """Values (turn, place) of a channel over the whole turns of a shaft in the first window."""
+    """Values (turn, place) of a channel over the complete turns of a shaft in the first window."""
     span = (part.windows[0].start, part.windows[0].end)
     return revolutions(part.acceleration[row], part.time, part.rotation, ratio, places, [span])
 
 
 def _spectra(turns: np.ndarray, block: int, share: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
-    """Amplitudes (order,) of a signal (turn, place), and those of its squared envelope over the mean of that."""
+    """Amplitudes (order,) of a signal (turn, place), and those of its squared envelope divided by its mean."""
     envelope = np.abs(banded(turns.ravel(), share, 1.0)[0]) ** 2
     return _amplitudes(turns.ravel(), block * turns.shape[1]), _amplitudes(
         envelope / envelope.mean(), block * turns.shape[1]
@@ -116,7 +116,7 @@ def _spectra(turns: np.ndarray, block: int, share: tuple[float, float]) -> tuple
 
 
 def _amplitudes(values: np.ndarray, size: int) -> np.ndarray:
-    """One-sided peak amplitudes with a Hann window, mean power of blocks that overlap by half."""
+    """One-sided peak amplitudes by Welch's method: mean power of Hann-windowed blocks that overlap by half."""
     from scipy.signal import welch
 
     return np.sqrt(2.0 * welch(values, nperseg=size, window="hann", scaling="spectrum")[1])
@@ -129,6 +129,6 @@ def _average(turns: np.ndarray) -> np.ndarray:
 
 
 def _over(first: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """The other average, turned to where it is most like the first one."""
+    """The other average, shifted to the maximum of its cross-correlation with the first one."""
     likeness = np.fft.irfft(np.fft.rfft(first) * np.conj(np.fft.rfft(other)), len(first))
     return np.roll(other, int(np.argmax(likeness)))

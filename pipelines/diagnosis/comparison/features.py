@@ -1,6 +1,6 @@
-"""The features of several recordings side by side, and their differences in dB over the first one.
+"""Features of several recordings, and their differences from those of the first one in dB.
 
-Levels are 20 log10 of the features in the mean over the channels that all recordings have, as a verdict takes them.
+Levels are 20 log10 of the features, averaged over the common channels of all recordings.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipelines.diagnosis.comparison.part import Part
-from pipelines.diagnosis.verdict import least_levels
+from pipelines.diagnosis.verdict import counted
 from pipelines.signals.features.recorded import feature_table
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
@@ -21,7 +21,7 @@ Line = tuple[str, str]  # component and feature
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Features:
-    """`level` (recording, line), dB re 1 in the unit of the feature; NaN where a recording does not have a line."""
+    """Features of recordings; `level` (recording, line) in dB re 1 unit of the feature, NaN if a line is missing."""
 
     tables: tuple[FeatureTable, ...]
     lines: tuple[Line, ...]
@@ -36,11 +36,11 @@ class Features:
     def difference(self) -> np.ndarray:
         """Levels (recording, line) over those of the first recording, dB.
 
-        Weak orders of a shaft are raised to the least level that counts in a verdict: below is noise.
+        Weak orders of a shaft have little weight, as in a verdict.
         """
         rms = self.level[0, self.lines.index((WHOLE, "rms"))]
-        counted = np.maximum(self.level, least_levels([feature for _, feature in self.lines], rms))
-        return counted - counted[0]
+        level = counted(self.level, [feature for _, feature in self.lines], rms)
+        return level - level[0]
 
     @property
     def rms(self) -> np.ndarray:
@@ -53,7 +53,7 @@ def features_of(parts: Sequence[Part]) -> Features:
 
     Raises
     ------
-    FeatureError : nothing turns often enough, see `pipelines.signals.features.recorded`
+    FeatureError : all shafts make too few turns, see `pipelines.signals.features.recorded`
     """
     tables = tuple(feature_table(part.dataset(), part.kinematics, part.rotation, part.spans) for part in parts)
     lines = tuple(dict.fromkeys(line for table in tables for line in table.lines))
@@ -66,7 +66,7 @@ def features_of(parts: Sequence[Part]) -> Features:
 
 
 def most_different_shaft(found: Features, kinematics: Kinematics, among: Sequence[str]) -> str:
-    """The shaft of which the features, with those of what sits on it, differ most in the mean."""
+    """The shaft whose features, with those of its gears and bearings, have the largest mean difference."""
     size = np.abs(found.difference[1:])
 
     def mean(name: str) -> float:

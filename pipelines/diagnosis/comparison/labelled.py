@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 def labelled_comparison(recordings: Mapping[str, xarray.Dataset], kinematics: Kinematics) -> xarray.Dataset:
     """Features of recordings of one machine.
 
-    `value` (recording, component, feature) in the unit of the feature, `difference` over the first recording in dB,
-    `speed` (recording,) of the first shaft in rad/s; NaN where there is none.
+    The variables are `value` (recording, component, feature) in the unit of the feature, `difference` from the first
+    recording in dB, and `speed` (recording,) of the first shaft in rad/s. Missing values are NaN.
 
     Raises
     ------
-    InputError : fewer than two recordings, one that has no features, or no channel in common
+    InputError : fewer than two recordings, one without features, or no common channel
     """
     import xarray
 

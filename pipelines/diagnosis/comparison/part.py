@@ -1,4 +1,4 @@
-"""A part of a recording that is compared, and several of them brought to the same channels and the same rate."""
+"""Recordings prepared for a comparison: their windows, and their common channels and sampling rate."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from pipelines.signals.orders.rotation_of import rotation_of
 if TYPE_CHECKING:
     import xarray
 
-SAME_RATE = 1e-6  # relative: clocks of recorders differ by more, and nothing here notices
+SAME_RATE = 1e-6  # relative difference of equal sampling rates; it covers rounding only, clocks differ by more
 
 Channel = tuple[str, str]  # sensor and axis
 
@@ -40,10 +40,10 @@ class Window:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Part:
-    """A recording of which the windows are looked at.
+    """A recording whose windows are compared.
 
-    `acceleration` (channel, time) in m/s2 of `channels` at even `time` (s), `recorded_rate` the rate of the file (Hz);
-    `warnings` are the sentences that came with it.
+    `acceleration` (channel, time) in m/s2 holds `channels` at equidistant `time` (s). `recorded_rate` is the sampling
+    rate of the file (Hz), `warnings` are the warnings that it contains.
     """
 
     name: str
@@ -67,7 +67,7 @@ class Part:
         return {window.name: (window.start, window.end) for window in self.windows}
 
     def dataset(self) -> xarray.Dataset:
-        """The recording in the form in which its features are taken; NaN where a sensor does not have an axis."""
+        """The recording as (sensor, axis, time), from which features are computed; NaN for an axis without signal."""
         import xarray
 
         sensors, axes = (list(dict.fromkeys(names)) for names in zip(*self.channels, strict=True))
@@ -93,11 +93,11 @@ def part_of(
     name : as results show it
     recording : simulated or measured
     kinematics : of its machine
-    windows : name -> start and end (s) of what is looked at; the whole recording if None
+    windows : name -> start and end (s) of each compared window; the whole recording if None
 
     Raises
     ------
-    FeatureError : no accelerations, no channel with a signal, or a window that lies beside the recording
+    FeatureError : no accelerations, no channel with a signal, or a window outside the recording
     RotationError : see `pipelines.signals.orders.rotation_of`
     """
     if "acceleration" not in recording and "journal_acceleration" not in recording:
@@ -120,7 +120,7 @@ def part_of(
 
 
 def _window(name: str, span: tuple[float, float], time: np.ndarray, rotation: Rotation) -> Window:
-    """What lies of a window in the recording, with the turns and the mean speed there."""
+    """The part of a window that is within the recording, with its turns and mean rotation frequency."""
     first, last = np.searchsorted(time, span[0]), np.searchsorted(time, span[1], side="right") - 1
     if not last > first:
         raise FeatureError(
@@ -133,23 +133,23 @@ def _window(name: str, span: tuple[float, float], time: np.ndarray, rotation: Ro
 
 
 def chosen_channel(part: Part, sensor: str | None, axis: str | None) -> Channel:
-    """The channel with the highest rms of those of a sensor and an axis, each of any if it is None.
+    """The channel with the highest rms among those of a sensor and an axis; None allows every sensor or axis.
 
     Raises
     ------
-    InputError : there is none
+    InputError : no such channel
     """
     levels = dict(zip(part.channels, part.acceleration.std(axis=-1), strict=True))
     fitting = [one for one in part.channels if sensor in (None, one[0]) and axis in (None, one[1])]
     if not fitting:
         there = ", ".join(" ".join(map(shown, channel)) for channel in part.channels)
-        asked = " ".join(shown(one) for one in (sensor, axis) if one is not None)
-        raise InputError(f"{asked}: not a channel of all recordings. Set --sensor and --axis to one of {there}.")
+        requested = " ".join(shown(one) for one in (sensor, axis) if one is not None)
+        raise InputError(f"{requested}: not a channel of all recordings. Set --sensor and --axis to one of {there}.")
     return max(fitting, key=lambda channel: float(levels[channel]))
 
 
 def brought_together(parts: Sequence[Part]) -> tuple[Part, ...]:
-    """The parts with the channels that all have, at the lowest of their rates.
+    """The parts with the channels that all of them have, resampled to the lowest of their rates.
 
     Raises
     ------
@@ -171,7 +171,7 @@ def _with_channels(part: Part, channels: Sequence[Channel]) -> Part:
 
 
 def _at_rate(part: Part, rate: float) -> Part:
-    """The part at a lower rate: what lies above 0.55 of it is filtered out, what lies below 0.45 is kept."""
+    """The part resampled to `rate` (Hz) if that is lower; frequencies below 0.45 of it pass, above 0.55 they do not."""
     if part.rate <= rate * (1.0 + SAME_RATE):
         return part
     count = int((part.time[-1] - part.time[0]) * rate * (1.0 + SAME_RATE)) + 1

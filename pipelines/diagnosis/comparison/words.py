@@ -1,4 +1,4 @@
-"""A comparison in words: the recordings with their speeds, the table of features, and what could not be compared."""
+"""A comparison as text: tables of the recordings and of their features, and remarks on omitted data."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from pipelines.diagnosis.words import NAMES
 from pipelines.io.grid import Grid
 from pipelines.signals.orders.revolutions import HIGHEST
 
-LETTERS = "ABCDEFGHIJ"  # names of the recordings in tables and figures, so many are compared
+LETTERS = "ABCDEFGHIJ"  # names of the recordings in tables and figures; no more recordings are compared
 IN_SIGNAL_UNITS = ("rms", "order_1", "order_2", "tsa_rms", "difference_rms")  # the others are ratios
 UNITS = "m/s2"
 
 
 def recordings_grid(parts: Sequence[Part]) -> Grid:
-    """Every window of every recording with its speed; `parts` as they were recorded."""
+    """Table of all windows of the recordings with their speeds; `parts` before resampling."""
     rows = []
     for letter, part in zip(LETTERS, parts, strict=False):
         for window in part.windows:
@@ -43,7 +43,7 @@ def recordings_grid(parts: Sequence[Part]) -> Grid:
 
 
 def features_grid(found: Features) -> Grid:
-    """A row per component and feature: values, and differences over the first recording in dB."""
+    """Table with one row for each component and feature: values, and differences from the first recording in dB."""
     letters = LETTERS[: len(found.tables)]
     rows = tuple(
         (
@@ -63,7 +63,7 @@ def features_grid(found: Features) -> Grid:
 
 
 def features_csv(found: Features) -> str:
-    """The table of features as a CSV text with all digits; empty where a recording does not have a line."""
+    """The table of features as CSV text with nine digits; missing values are empty."""
     letters = LETTERS[: len(found.tables)]
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -80,9 +80,9 @@ def unit_of(feature: str) -> str:
 
 
 def remarks(recorded: Sequence[Part], parts: Sequence[Part], found: Features) -> list[str]:
-    """What was done to make the recordings comparable, and what could not be compared.
+    """Remarks: warnings, changes that made the recordings comparable, and omitted components.
 
-    `recorded` are the parts as they were, `parts` those with the same channels and rate.
+    `recorded` are the original parts, `parts` those with common channels and sampling rate.
     """
     named = list(zip(LETTERS, recorded, strict=False))
     lines = [f"Warning: {letter} {warning}" for letter, part in named for warning in part.warnings]
@@ -110,7 +110,7 @@ def remarks(recorded: Sequence[Part], parts: Sequence[Part], found: Features) ->
 
 
 def _train(part: Part) -> tuple[object, ...]:
-    """Shafts and teeth, which determine the orders."""
+    """Shafts and numbers of teeth, which determine the orders."""
     gears = tuple((gear.name, gear.shaft, gear.teeth) for gear in part.kinematics.gears)
     return (tuple((shaft.name, round(shaft.ratio, 9)) for shaft in part.kinematics.shafts), gears)
 

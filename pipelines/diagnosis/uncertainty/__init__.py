@@ -1,1 +1,1 @@
-"""Error bars of spectrum lines: what the casing's mesh, and inputs that are not known well, leave open of a level."""
+"""Error bars of spectrum lines: numerical uncertainty by casing mesh and time step, and effect of uncertain damping."""

@@ -15,7 +15,10 @@ LOW, HIGH = 5.0, 95.0  # per cent of the samples
 
 @dataclass(frozen=True, kw_only=True)
 class Band:
-    """From `low` to `high`, 5 to 95 % of the samples, dB over the level of the run; `source` causes `share` of it."""
+    """Range of 5 to 95 % of the samples, `low` to `high` in dB relative to the level of the run.
+
+    `source` is its largest contribution, `share` the part of the variance that it causes.
+    """
 
     low: float
     high: float
@@ -24,7 +27,7 @@ class Band:
 
     @property
     def width(self) -> float:
-        """Of the band, dB."""
+        """Width of the band, dB."""
         return self.high - self.low
 
     def __str__(self) -> str:
@@ -34,10 +37,10 @@ class Band:
 
 @dataclass(frozen=True, kw_only=True)
 class LineBar:
-    """A line with its bands; `numerical` is None where the error of the casing's mesh is not known."""
+    """A line with its uncertainty bands; `numerical` is None if the error of the casing mesh is not known."""
 
     window: str
-    kind: str  # that of `pipelines.signals.lines`
+    kind: str  # of `pipelines.signals.lines`
     label: str
     frequency: float  # Hz
     level: float  # m/s2
@@ -48,7 +51,7 @@ class LineBar:
 
 @dataclass(frozen=True, kw_only=True)
 class LineBars:
-    """Error bars of all lines clearly over their floor; `notes` state what they contain and what they leave out."""
+    """Error bars of all lines clearly over their floor; `notes` state which errors they contain and which they omit."""
 
     bars: tuple[LineBar, ...]
     notes: tuple[str, ...]
@@ -57,11 +60,11 @@ class LineBars:
         return f"<LineBars: {len(self.bars)} lines in {len({bar.window for bar in self.bars})} windows>"
 
     def of(self, window: str) -> tuple[LineBar, ...]:
-        """Those of a window."""
+        """Error bars of a window."""
         return tuple(bar for bar in self.bars if bar.window == window)
 
     def _repr_html_(self) -> str:
-        """The lines with their bands, and what the bands contain, for a notebook."""
+        """Table of the lines with their bands, and the notes, for a notebook."""
         head = ("window", "line", "Hz", "m/s²", "numerical uncertainty, dB", "uncertain damping, dB")
         rows = (
             (
@@ -77,17 +80,17 @@ class LineBars:
         return shown_html.table("Error bars, 5 to 95 %, relative to the level of the run", head, rows) + notes
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain values, as JSON takes them; levels in m/s2, bands in dB over the level."""
+        """Plain values for JSON; levels in m/s2, bands in dB relative to the level."""
         return dataclasses.asdict(self)
 
 
 def band(changes: np.ndarray, alone: dict[str, float]) -> Band:
-    """The band of drawn changes.
+    """The band of sampled changes of a level.
 
     Parameters
     ----------
-    changes : (draw,) dB
-    alone : change in dB by a standard deviation of every source on its own
+    changes : (sample,) dB
+    alone : change in dB by one standard deviation of each single source
     """
     low, high = np.percentile(changes, (LOW, HIGH))
     total = sum(change**2 for change in alone.values())

@@ -1,9 +1,10 @@
-"""Levels of spectrum and envelope lines of a finished run on other casings, in dB over those of the run.
+"""Levels of spectrum and envelope lines of a finished run on sampled casings, in dB relative to those of the run.
 
-A line of the spectrum changes with the complex amplitude at its frequency. A line k f_r of the envelope is made by
-pairs of lines in its band that are k f_r apart: all orders of f_r are changed, and the envelope is taken anew. Pairs
-beside the orders stay as they are. Measured on the rig, changes of 0.6 dB rms by six drawn casings that were simulated:
-lines of the spectrum are off by 0.003 dB rms, those of the envelope by 0.085 dB, and by 0.080 dB with all bins changed.
+A line of the spectrum changes with the complex amplitude at its frequency. A line k f_r of the envelope comes from
+pairs of spectrum lines in the envelope band whose distance is k f_r. All orders of f_r in the band are therefore
+changed, and the envelope is computed again; bins between the orders are kept. Compared with simulations of the rig on
+six sampled casings, whose levels change by 0.6 dB rms, lines of the spectrum have an error of 0.003 dB rms and those of
+the envelope one of 0.085 dB.
 """
 
 from __future__ import annotations
@@ -22,10 +23,10 @@ from pipelines.signals.spectrum import Segment, bin_kernel, complex_amplitudes
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CutRun:
-    """What a window of a run holds, cut to whole revolutions.
+    """Signals of a window of a run, cut to whole revolutions.
 
-    `signal` (sample, axis) m/s2 at the sensor without noise, `forces` (sample, force) N of the bearings, along the rows
-    of the path.
+    `signal` (time, axis) in m/s2 is the acceleration at the sensor without noise. `forces` (time, force) in N are those
+    of the bearings, in the order of the rows of the path.
     """
 
     segment: Segment
@@ -34,28 +35,30 @@ class CutRun:
     forces: np.ndarray
 
     def number(self, frequency: float) -> int:
-        """Of the bin nearest to a frequency (Hz)."""
+        """Number of the bin nearest to a frequency (Hz)."""
         return round(frequency * self.segment.duration)
 
 
 def spectrum_changes(
-    run: CutRun, path: CasingPath, frequencies: Sequence[float], draws: CasingDraws
+    run: CutRun, path: CasingPath, frequencies: Sequence[float], casings: CasingDraws
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Changes in dB (draw, line), and how far the path itself misses the recorded line (line,), dB.
+    """Changes of spectrum lines (sample, line), dB, and the error of the path on the nominal casing (line,), dB.
+
+    The error is the level that the bearing forces cause at the sensor, relative to the recorded level.
 
     Parameters
     ----------
-    run, path : the run, and how its forces get to the sensor
+    run, path : the run, and the transfer path from its bearings to the sensor
     frequencies : (line,) Hz
-    draws : other casings
+    casings : sampled casings
     """
     bins = [run.number(frequency) for frequency in frequencies]
     recorded = complex_amplitudes(run.signal, run.window)[bins]
     forces = complex_amplitudes(run.forces, run.window)[bins]
-    levels, missed = np.zeros((len(draws), len(bins))), np.zeros(len(bins))
+    levels, missed = np.zeros((len(casings), len(bins))), np.zeros(len(bins))
     for line, number in enumerate(bins):
         place = number / run.segment.duration
-        predicted, other = path.accelerations(place, forces[line], draws)
+        predicted, other = path.accelerations(place, forces[line], casings)
         size = np.linalg.norm(recorded[line])
         levels[:, line] = _decibel(np.linalg.norm(recorded[line] + other - predicted, axis=1), size)
         missed[line] = _decibel(np.linalg.norm(predicted), size)
@@ -64,14 +67,14 @@ def spectrum_changes(
 
 def envelope_changes(
     run: CutRun, path: CasingPath, orders: Sequence[int], revolution_frequency: float, band: tuple[float, float],
-    draws: CasingDraws,
+    casings: CasingDraws,
 ) -> np.ndarray:  # fmt: skip
-    """Changes in dB (draw, line) of lines of the envelope.
+    """Changes of envelope lines (sample, line), dB.
 
     Parameters
     ----------
-    run, path, draws : as `spectrum_changes`
-    orders : (line,) of f_r
+    run, path, casings : as for `spectrum_changes`
+    orders : (line,) multiples k of f_r
     revolution_frequency : f_r, Hz
     band : of the envelope, Hz
     """
@@ -81,22 +84,22 @@ def envelope_changes(
     lines = np.fft.rfft(run.signal, axis=0) * inside[:, None]
     forces = complex_amplitudes(run.forces, run.window)
     carried = np.flatnonzero(inside & (np.arange(len(inside)) % run.number(revolution_frequency) == 0))
-    changed = np.empty((len(draws), len(carried), run.signal.shape[1]), dtype=complex)
+    changed = np.empty((len(casings), len(carried), run.signal.shape[1]), dtype=complex)
     for i, number in enumerate(carried):
-        predicted, other = path.accelerations(number / duration, forces[number], draws)
+        predicted, other = path.accelerations(number / duration, forces[number], casings)
         changed[:, i] = other - predicted
     kernel = bin_kernel(count, [run.number(k * revolution_frequency) for k in orders], run.window)
     recorded = _envelope_lines(lines, kernel)
-    levels = np.empty((len(draws), len(orders)))
-    for draw in range(len(draws)):
+    levels = np.empty((len(casings), len(orders)))
+    for sample in range(len(casings)):
         moved = lines.copy()
-        moved[carried] += 0.5 * count * changed[draw]
-        levels[draw] = _decibel(_envelope_lines(moved, kernel), recorded)
+        moved[carried] += 0.5 * count * changed[sample]
+        levels[sample] = _decibel(_envelope_lines(moved, kernel), recorded)
     return levels
 
 
 def _envelope_lines(lines: np.ndarray, kernel: np.ndarray) -> np.ndarray:
-    """Amplitudes of the envelope of a signal with these positive-frequency `lines` (bin, axis), see `bin_kernel`."""
+    """Amplitudes of envelope lines of the signal with the positive-frequency `lines` (bin, axis); see `bin_kernel`."""
     analytic = np.zeros((lines.shape[1], len(kernel)), dtype=complex)
     analytic[:, : len(lines)] = 2.0 * lines.T
     analytic = fft.ifft(analytic, axis=1, overwrite_x=True)

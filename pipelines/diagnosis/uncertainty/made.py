@@ -1,4 +1,4 @@
-"""Error bars of the lines of a run, made from its signals, its casing and its machine; nothing is simulated."""
+"""Error bars of the lines of a run, computed from its signals, casing and machine without a further simulation."""
 
 from __future__ import annotations
 
@@ -34,30 +34,30 @@ from pipelines.signals.spectrum import cut
 if TYPE_CHECKING:
     import xarray
 
-DRAWS, SEED = 200, 1
+SAMPLES, SEED = 200, 1
 SEATS, SHAPES, STEP = "modes above and seats", "shapes of casing modes", "time step"
 DAMPING = "damping of the casing"
-MISSED = 1.0  # dB: where the forces of the bearings give another line than the recorded one, other forces act
+MISSED = 1.0  # dB: a larger difference from the recorded line means that forces other than the bearings' excite it
 
 
 class BarsError(ValueError):
-    """No bars can be made; says why."""
+    """Error bars cannot be computed; the message states the reason."""
 
 
 def line_bars(run: xarray.Dataset, diagnosis: Diagnosis, system: System, uncertain: Uncertain) -> LineBars:
-    """Bars of all lines of a diagnosis that are over their floor by the limit of its settings.
+    """Error bars of all lines of a diagnosis that exceed their floor by the limit of its settings.
 
     Parameters
     ----------
     run : signals of the diagnosed run
     diagnosis : its lines
     system : the machine in the casing of the run
-    uncertain : what is not known well
+    uncertain : errors of the natural frequencies of the casing, and spread of its damping
 
     Raises
     ------
-    BarsError : the casing does not move, or no bearing stands on it
-    MachineError, EquilibriumError : the machine has no loaded rest about which it could be linearised
+    BarsError : the casing does not move, or carries no bearing
+    MachineError, EquilibriumError : the machine has no loaded equilibrium about which it could be linearised
     """
     body = system.layout.casing
     if not len(body.coordinate_names):
@@ -68,11 +68,11 @@ def line_bars(run: xarray.Dataset, diagnosis: Diagnosis, system: System, uncerta
         lines = lines.at(np.flatnonzero(lines.over_floor >= diagnosis.settings.floor_limit).tolist())
         if len(lines):
             found += _window_bars(_Window(run, diagnosis, window, system, form), lines, uncertain, missed)
-    return LineBars(bars=tuple(found), notes=notes(found, missed, uncertain.remedy, uncertain.damping_spread))
+    return LineBars(bars=tuple(found), notes=notes(missed, uncertain.remedy, uncertain.damping_spread))
 
 
 class _Window:
-    """A window of the run with the path from its bearings to its sensor."""
+    """A window of the run with the transfer path from the bearings to the sensor."""
 
     def __init__(self, run: xarray.Dataset, diagnosis: Diagnosis, name: str, system: System, form: ModalForm) -> None:
         settings, segment = diagnosis.settings, diagnosis.segments[name]
@@ -102,13 +102,13 @@ class _Window:
             forced=np.array([body.row(place) for place in places]),
         )
 
-    def changes(self, lines: LineTable, draws: CasingDraws) -> tuple[np.ndarray, np.ndarray]:
-        """Changes in dB (draw, line), and by how much the forces of the bearings miss the lines of the spectrum."""
-        levels, missed = np.zeros((len(draws), len(lines))), np.zeros(len(lines))
+    def changes(self, lines: LineTable, casings: CasingDraws) -> tuple[np.ndarray, np.ndarray]:
+        """Changes of lines (sample, line), dB, and the error of the path (line,), dB; 0 for lines of the envelope."""
+        levels, missed = np.zeros((len(casings), len(lines))), np.zeros(len(lines))
         enveloped = np.array([kind == "envelope" for kind in lines.kind])
         if (~enveloped).any():
             levels[:, ~enveloped], missed[~enveloped] = spectrum_changes(
-                self.cut, self.path, lines.frequency[~enveloped].tolist(), draws
+                self.cut, self.path, lines.frequency[~enveloped].tolist(), casings
             )
         if enveloped.any():
             levels[:, enveloped] = envelope_changes(
@@ -117,22 +117,22 @@ class _Window:
                 lines.order[enveloped].tolist(),
                 self.settings.revolution_frequency,
                 self.band,
-                draws,
+                casings,
             )
         return levels, missed
 
 
 def _window_bars(window: _Window, lines: LineTable, uncertain: Uncertain, missed: list[str]) -> list[LineBar]:
     form, near, errors = window.form, window.path.near, uncertain.errors
-    parts = [undrawn(form, near), drawn_damping(form, near, uncertain.damping_spread, DRAWS, SEED)]
+    parts = [undrawn(form, near), drawn_damping(form, near, uncertain.damping_spread, SAMPLES, SEED)]
     if errors is not None:
-        parts += [drawn_frequencies(form, near, errors, DRAWS, SEED), single_errors(form, near, errors)]
+        parts += [drawn_frequencies(form, near, errors, SAMPLES, SEED), single_errors(form, near, errors)]
     levels, off = window.changes(lines, joined(parts))
-    inputs, rest = levels[1 : 1 + DRAWS], levels[1 + DRAWS :]
+    inputs, rest = levels[1 : 1 + SAMPLES], levels[1 + SAMPLES :]
     missed += [f"{window.name} {lines.label[i]}" for i in np.flatnonzero(abs(off) > MISSED)]
     numerical: list[Band | None] = [None] * len(lines)
     if errors is not None:
-        numerical = list(_numerical(window, rest[:DRAWS], rest[DRAWS:]))
+        numerical = list(_numerical(window, rest[:SAMPLES], rest[SAMPLES:]))
     return [
         LineBar(
             window=window.name,
@@ -148,17 +148,18 @@ def _window_bars(window: _Window, lines: LineTable, uncertain: Uncertain, missed
     ]
 
 
-def _numerical(window: _Window, drawn: np.ndarray, single: np.ndarray) -> Sequence[Band]:
-    """Bands of the errors of the casing's modes and of the time step, which is the same share of every line.
+def _numerical(window: _Window, sampled: np.ndarray, single: np.ndarray) -> Sequence[Band]:
+    """Numerical uncertainty of each line, from the errors of the casing modes and of the time step.
 
-    What no error does alone comes of modes that turn into one another.
+    The error of the time step has the same relative size for every line. The part of the variance that no single error
+    causes is attributed to mode mixing.
     """
     step = 20.0 / np.log(10.0) * window.step_error
-    drawn = drawn + step * np.random.default_rng(SEED).standard_normal(drawn.shape)
+    sampled = sampled + step * np.random.default_rng(SEED).standard_normal(sampled.shape)
     names = [f"casing mode at {frequency:.0f} Hz" for frequency in window.form.frequencies[: window.path.near]]
     alone = abs(single[1:] - single[0])
     found = []
-    for line, changes in enumerate(drawn.T):
+    for line, changes in enumerate(sampled.T):
         sources = dict(zip((*names, SEATS), alone[:, line].tolist(), strict=True)) | {STEP: step}
         shapes = float(np.var(changes)) - sum(change**2 for change in sources.values())
         found.append(band(changes, sources | {SHAPES: math.sqrt(max(shapes, 0.0))}))

@@ -1,10 +1,8 @@
-"""What error bars hold and what they do not, in sentences."""
+"""Notes on error bars: which errors they contain and which they omit."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-
-from pipelines.diagnosis.uncertainty.line_bars import LineBar
 
 LEFT_OUT = (
     "Not in the error bars: the error of the mesh law, which gearcase converge --over gear-mesh and --over slices "
@@ -13,15 +11,14 @@ LEFT_OUT = (
 )
 
 
-def notes(bars: Sequence[LineBar], missed: Sequence[str], remedy: str, damping_spread: float) -> tuple[str, ...]:
-    """The sentences.
+def notes(missed: Sequence[str], remedy: str, damping_spread: float) -> tuple[str, ...]:
+    """Sentences on the errors that the error bars contain and omit.
 
     Parameters
     ----------
-    bars : of all windows
-    missed : names of lines that the forces of the bearings do not explain
-    remedy : what to set where the error of the casing's mesh is not known, "" where it is
-    damping_spread : of the damping ratios
+    missed : names of lines that forces other than those of the bearings excite, too
+    remedy : setting that makes the error of the casing mesh known, "" if it is known
+    damping_spread : relative spread of the damping ratios, 5 to 95 %
     """
     found = []
     if remedy:
@@ -36,8 +33,8 @@ def notes(bars: Sequence[LineBar], missed: Sequence[str], remedy: str, damping_s
         )
     found.append(
         "Uncertain damping: 5 to 95 % of 200 samples. Each sample multiplies all damping ratios of the casing by one "
-        f"factor, in 90 % of them between {1 / (1 + damping_spread):.2g} and {1 + damping_spread:.2g}. This range is "
-        "an assumption; diagnosis.damping_spread sets it."
+        f"factor, in 90 % of the samples between {1 / (1 + damping_spread):.2g} and {1 + damping_spread:.2g}. This "
+        "range is an assumption; diagnosis.damping_spread sets it."
     )
     found.append(LEFT_OUT)
     if missed:

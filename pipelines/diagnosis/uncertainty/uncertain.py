@@ -1,4 +1,4 @@
-"""What is not known well of a plant's casing, and what to set where the error of its mesh is unknown."""
+"""Uncertain properties of a casing: errors of its natural frequencies by the mesh, and its damping."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from fem.casing.uncertainty.frequency_errors import FrequencyErrors, frequency_e
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Uncertain:
-    """The errors of the frequencies of a casing (None: not known) and the spread of its damping.
+    """Errors of the natural frequencies of a casing (None if not known) and spread of its damping.
 
-    `damping_spread`: its ratios are off by a factor of up to 1 + spread, 5 to 95 %; `remedy` is said where the errors
-    are not known.
+    In 90 % of the samples the damping ratios are multiplied by a factor between 1/(1 + `damping_spread`) and
+    1 + `damping_spread`. `remedy` is the setting that makes the errors of the frequencies known, "" if they are known.
     """
 
     errors: FrequencyErrors | None
@@ -27,13 +27,13 @@ class Uncertain:
 def uncertain(
     casing: Casing, modes: CasingModes | None, coarser: Sequence[LowestModes], damping_spread: float
 ) -> Uncertain:
-    """What is not known well.
+    """The uncertain properties of a casing.
 
     Parameters
     ----------
     casing : model of the casing
-    modes, coarser : of an extrapolated casing, on its own mesh and on the coarser ones
-    damping_spread : of the damping ratios
+    modes, coarser : modes of an extrapolated casing on its mesh, and on the coarser ones; None and empty for others
+    damping_spread : relative spread of the damping ratios, 5 to 95 %
     """
     if modes is not None and coarser:
         first = RIGID_MOTIONS if modes.ground == "springs" else 0

@@ -1,4 +1,4 @@
-"""Error bars in words: a table for each window, and the sentences on what they hold."""
+"""Error bars as text: a table for each window, and notes on the errors that they contain."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pipelines.io.grid import Grid
 
 
 def bars_grid(bars: Sequence[LineBar], window: str) -> Grid:
-    """The bars of the lines of a window; where no numerical error is known there is no column for it."""
+    """Table of the error bars of a window; without the columns of the numerical uncertainty where it is not known."""
     numerical = any(bar.numerical is not None for bar in bars)
     known = ("numerical uncertainty dB", "its main source") if numerical else ()
     headers = ("line", "frequency Hz", "level m/s²", *known, "uncertain damping dB")
@@ -23,7 +23,7 @@ def bars_grid(bars: Sequence[LineBar], window: str) -> Grid:
         )
         for bar in bars
     )
-    title = f"Error bars in the window {window}: 5 to 95 % of the samples, dB over the level of the faulty run"
+    title = f"Error bars in the window {window}: 5 to 95 % of the samples, in dB relative to the faulty run"
     return Grid(
         title=title,
         headers=headers,
@@ -33,7 +33,7 @@ def bars_grid(bars: Sequence[LineBar], window: str) -> Grid:
 
 
 def bars_words(found: LineBars | str) -> str:
-    """Tables and sentences for the terminal, or why there are none."""
+    """Tables and notes for the terminal, or the reason why there are no error bars."""
     if isinstance(found, str):
         return found + "\n"
     windows = dict.fromkeys(bar.window for bar in found.bars)

@@ -1,4 +1,4 @@
-"""What the finite elements of a casing would refuse: element sizes, and seats that are not where the bearings are."""
+"""Checks of a casing of finite elements without meshing it: element sizes, and positions of the bearing seats."""
 
 from __future__ import annotations
 
@@ -22,26 +22,26 @@ from pipelines.machine.layout import Layout
 from pipelines.machine.plant import Plant
 from pipelines.scene.scene import Scene
 
-MOST_ELEMENTS = 1_500_000  # quadratic tetrahedra, 2 million nodes: about 60 GB to factorise
+MOST_ELEMENTS = 1_500_000  # quadratic tetrahedra, 2 million nodes: their factorisation needs about 60 GB
 MOST_NODES = 2_000_000
 OR_BAND = ", or a lower casing.band_Hz if elements_per_wavelength is set"
-LARGEST_LOOK = 10e6  # bytes of a housing file that is looked into without being asked for its mesh
+LARGEST_LOOK = 10e6  # bytes; larger housing files are not read for these checks
 
 
-def bad_casing(scene: Scene, plant: Plant) -> Iterator[Problem]:
-    """Everything that the casing's mesh would refuse and can be known without it."""
-    made, table = plant.structure.housing, scene.casing
+def bad_casing(scene: Scene, machine: Plant) -> Iterator[Problem]:
+    """All problems of a casing that can be found without its mesh."""
+    made, table = machine.structure.housing, scene.casing
     if isinstance(made, ImportedHousing):
-        cheap = list(_misplaced_seats(scene, made))
-        yield from cheap or _seats_in_file(scene, plant.layout, made)
-    if not isinstance(made, Housing) or not isinstance(plant.casing, HousingCasing):
+        misplaced = list(_misplaced_seats(scene, made))
+        yield from misplaced or _seats_in_file(scene, machine.layout, made)
+    if not isinstance(made, Housing) or not isinstance(machine.casing, HousingCasing):
         return
-    yield from _off_middle(scene, plant.layout, {bore.name: made.bore_centre(bore) for bore in made.bores}, "boss")
-    if not plant.casing.needs_mesh(plant.structure):
+    yield from _off_middle(scene, machine.layout, {bore.name: made.bore_centre(bore) for bore in made.bores}, "boss")
+    if not machine.casing.needs_mesh(machine.structure):
         return
     from fem.casing.mesh.mesher import check_element_size
 
-    sizes = plant.casing.sizes(plant.structure)
+    sizes = machine.casing.sizes(machine.structure)
     try:
         check_element_size(made, sizes.element)
     except MeshError as error:
@@ -60,8 +60,8 @@ def bad_casing(scene: Scene, plant: Plant) -> Iterator[Problem]:
         )
 
 
-def _no_hexahedra(made: Housing, sizes: Sizes, element: str, asked: float) -> Iterator[Problem]:
-    """Why a housing cannot be meshed with hexahedra."""
+def _no_hexahedra(made: Housing, sizes: Sizes, element: str, size: float) -> Iterator[Problem]:
+    """Reasons why a housing cannot be meshed with hexahedra."""
     from fem.casing.mesh.section import shaft_places
 
     count = _nodes(made, sizes.element)
@@ -71,7 +71,7 @@ def _no_hexahedra(made: Housing, sizes: Sizes, element: str, asked: float) -> It
             f"hexahedra of {1000 * sizes.element:.3g} mm give {count / 1e6:.1f} million nodes or more, more than "
             f"{MOST_NODES / 1e6:.1f} million",
             f"Set {1000 * sizes.element * (count / MOST_NODES) ** (1 / 2):.2g} or more{OR_BAND}",
-            f"{asked:g}",
+            f"{size:g}",
         )
         return
     try:
@@ -91,22 +91,25 @@ def _walls(made: Housing) -> list[tuple[float, float]]:
 
 
 def _elements(made: Housing, size: float) -> float:
-    """About how many tetrahedra of an edge length (m) fill the walls of a housing."""
+    """Approximate number of tetrahedra of an edge length (m) in the walls of a housing."""
     return sum(area * thickness for area, thickness in _walls(made)) / (size**3 / (6 * math.sqrt(2)))
 
 
 def _nodes(made: Housing, size: float) -> float:
-    """Nodes of hexahedra of an edge length (m) in the walls of a housing, one or more through each, without bosses."""
+    """Number of nodes of hexahedra of an edge length (m) in the walls of a housing, without bosses.
+
+    There are one or more elements through the thickness.
+    """
     return sum(4 * area / size**2 * (2 * math.ceil(thickness / size) + 1) for area, thickness in _walls(made))
 
 
 def _off_middle(scene: Scene, layout: Layout, points: dict[str, np.ndarray], what: str) -> Iterator[Problem]:
-    """Bearings that are not in the middle of their seat, where the casing takes their load."""
+    """Bearings that are not in the middle of their seat, where their load acts on the casing."""
     carried = [found for found in bearing_names(scene.shafts) if not found[0].startswith("ground")]
-    for (name, shaft, place), wanted in zip(carried, bearing_points(scene.shafts, layout), strict=True):
+    for (name, shaft, place), target in zip(carried, bearing_points(scene.shafts, layout), strict=True):
         if name not in points:
             continue
-        middle, y = 1000 * float(points[name][1]), 1000 * wanted[1]
+        middle, y = 1000 * float(points[name][1]), 1000 * target[1]
         if abs(middle - y) > 1000 * BEARING_PLACE_TOLERANCE:
             yield Problem(
                 f"shafts.{shaft + 1}.bearing_positions_mm",
@@ -117,7 +120,7 @@ def _off_middle(scene: Scene, layout: Layout, points: dict[str, np.ndarray], wha
 
 
 def _misplaced_seats(scene: Scene, made: ImportedHousing) -> Iterator[Problem]:
-    """Seats whose axis is not that of their shaft, by the scene alone; directions without a length."""
+    """Seats whose axis, as given in the scene, is not that of their shaft, and direction vectors of length 0."""
     paths = {seat.name: f"casing.housing.bearings.{number}" for number, seat in enumerate(scene.housing.bearings, 1)}
     shafts = {name: shaft + 1 for name, shaft, _ in bearing_names(scene.shafts)}
     for seat in made.seats:
@@ -135,14 +138,14 @@ def _misplaced_seats(scene: Scene, made: ImportedHousing) -> Iterator[Problem]:
                 f"{list(seat.locator.axis)}",
             )
             continue
-        wanted = np.array(seat.shaft_point)
-        place = through + axis * (wanted[1] - through[1]) / axis[1]
-        off = float(np.hypot(*(place - wanted)[[0, 2]]))
+        target = np.array(seat.shaft_point)
+        place = through + axis * (target[1] - through[1]) / axis[1]
+        off = float(np.hypot(*(place - target)[[0, 2]]))
         if off > OFF_AXIS:
             yield Problem(
                 f"{path}.through_mm",
                 f"the axis of the seat of {seat.name} is {1000 * off:.4g} mm away from that of shaft "
-                f"{shafts[seat.name]} at x {1000 * wanted[0]:.6g}, z {1000 * wanted[2]:.6g} mm (limit "
+                f"{shafts[seat.name]} at x {1000 * target[0]:.6g}, z {1000 * target[2]:.6g} mm (limit "
                 f"{1000 * OFF_AXIS:g} mm)",
                 "Correct it, casing.housing.origin_mm, or the place of the shaft (centre_distance_mm, direction_deg)",
                 str([round(1000 * value, 6) for value in seat.locator.through]),
@@ -155,12 +158,12 @@ def _misplaced_seats(scene: Scene, made: ImportedHousing) -> Iterator[Problem]:
 
 
 def _group_of_step(made: ImportedHousing, path: str, locator: Locator, instead: str, of: str = "") -> Iterator[Problem]:
-    """A group as the place in a file without groups.
+    """Problem of a place that is given by a group, in a file without groups.
 
     Parameters
     ----------
-    made, path, locator : the housing, a place in it, and the path of that in the scene
-    instead : keys by which the place can be found
+    made, path, locator : the housing, path of the place in the scene, and the place
+    instead : keys that locate the place without a group
     of : what is located, for the message
     """
     if isinstance(locator, ByGroup) and made.is_step:
@@ -182,7 +185,7 @@ def _seats_in_file(scene: Scene, layout: Layout, made: ImportedHousing) -> Itera
 
 @functools.lru_cache(maxsize=8)
 def _looked_up(made: ImportedHousing, element: str) -> dict[str, np.ndarray | MeshError] | MeshError:
-    """Bearing points by name with what is wrong with them; empty where the file cannot be looked into quickly."""
+    """Problems of bearing points by name; empty if the file cannot be read quickly."""
     if made.file.stat().st_size > LARGEST_LOOK:
         return {}
     try:

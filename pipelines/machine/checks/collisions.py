@@ -1,6 +1,6 @@
-"""Collisions: what of the gearbox would run into something else or is far outside, found before anything is computed.
+"""Collisions of gears, shafts, bearing bosses and walls, and sensors far outside the housing.
 
-Everything is a cylinder along y or a flat wall: tip circles against neighbouring shafts, gears, bosses and walls,
+All parts are cylinders along y or flat walls. Tip circles are checked against other shafts, gears, bosses and walls,
 shafts against walls.
 """
 
@@ -20,7 +20,7 @@ from pipelines.machine.plant import Drivetrain
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.housing import HousingBase
 
-FARTHEST_SENSOR = 50.0  # mm: a sensor farther from the housing is a mistake in the scene
+FARTHEST_SENSOR = 50.0  # mm; a sensor farther from the housing is an error of the scene
 _WAYS_OUT = {  # what makes room at a wall
     "left end wall": "Reduce casing.housing.left_end_mm",
     "right end wall": "Raise casing.housing.length_mm",
@@ -44,11 +44,11 @@ class Cylinder:
     inner: float = 0.0
 
     def overlaps(self, other: Cylinder) -> bool:
-        """Whether both occupy some of the same y."""
+        """Whether the ranges of y of both overlap."""
         return self.start < other.end and other.start < self.end
 
     def encloses(self, other: Cylinder, distance: float) -> bool:
-        """Whether another one, its axis at a distance, runs inside the hollow of this one."""
+        """Whether another cylinder, whose axis has a distance (m), is inside the bore of this one."""
         return distance + other.radius < self.inner
 
 
@@ -113,7 +113,7 @@ def _clashes(first: list[Cylinder], second: list[Cylinder], layout: Layout) -> I
 
 
 def _mates(bodies: list[Cylinder], layout: Layout) -> Iterator[Problem]:
-    """Gears that overlap in y and do not mesh, on other shafts or on the same one; a gear may be in several stages."""
+    """Pairs of gears that overlap in y and do not mesh, on two shafts or on one; a gear may be in several stages."""
     meshing = {frozenset((_body(one), _body(two))) for one, two in zip(bodies[::2], bodies[1::2], strict=True)}
     for i, one in enumerate(bodies):
         for two in bodies[i + 1 :]:
@@ -129,14 +129,14 @@ def _mates(bodies: list[Cylinder], layout: Layout) -> Iterator[Problem]:
 
 
 def _body(gear: Cylinder) -> tuple[int, float, float, float]:
-    """What makes a gear the same one in two stages: shaft, tip circle and place."""
+    """Shaft, tip circle and place, by which a gear in two stages is recognised."""
     return gear.shaft, round(gear.radius, 9), round(gear.start, 9), round(gear.end, 9)
 
 
 def _wall_clashes(scene: Scene, train: Drivetrain, housing: Dimensions) -> Iterator[Problem]:
     (left, front, floor), (right, back, cover) = (corner.tolist() for corner in housing.cavity)
     if left >= right or front >= back or floor >= cover:
-        return  # the walls fill the box, which the housing itself refuses
+        return  # the walls fill the box, which the checks of the housing report
     for body in gears(scene, train.layout):
         x, z = train.layout.axes[body.shaft]
         rooms = {
@@ -167,7 +167,7 @@ def _wall_clashes(scene: Scene, train: Drivetrain, housing: Dimensions) -> Itera
 
 
 def find_collisions(scene: Scene, train: Drivetrain) -> list[Problem]:
-    """Everything that touches what it must not touch."""
+    """All collisions, and sensors far outside the housing."""
     layout, bodies = train.layout, gears(scene, train.layout)
     problems = [*_mates(bodies, layout), *_clashes(bodies, shafts(scene), layout)]
     if isinstance(scene.housing, HousingBase):

@@ -1,8 +1,8 @@
-"""What a run costs before it is run: time steps, samples, seconds, memory and disk; and what is too much.
+"""Estimated cost of a run: time steps, samples, seconds, memory and disk space; and their upper limits.
 
-The seconds follow from the loop benchmark (docs/benchmarks.md): for a time step 4 us, 0.06 us per mode, and 4 us per
-sixteen slices of every stage, on one core of the machine it was measured on; twice as much where that is busy. Casings
-of finite elements add about as many modes as the shipped rig's.
+The time per step follows from the benchmark of the time loop (docs/benchmarks.md): 4 us, 0.06 us per mode, and 4 us per
+sixteen slices of every stage, on one core of the computer of the benchmark. On a busy computer it is twice as long.
+Casings of finite elements are assumed to have about as many modes as that of the shipped rig.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ from pipelines.machine.plant import Drivetrain
 MOST_STEPS = 1e9  # of one simulation: half a day
 MOST_VALUES = 1e9  # samples times channels of one simulation: 8 GB
 _STEP_SECONDS, _MODE_SECONDS, _SLICES_SECONDS = 4e-6, 0.06e-6, 4e-6
-_WRITTEN = 2  # responses in a result folder: the scene's own and that of its control
-_PACKED = 0.5  # size of a response file against the motion that the cache holds
-_HELD = 5e8  # bytes of signals that may be held in memory where the cache has no room for them
-_MEMORY = 5e8  # bytes: program, libraries and one block; signals go to a file, so a long run takes no more
+_WRITTEN = 2  # responses in a result folder: that of the scene and that of its control
+_PACKED = 0.5  # size of a response file relative to the motion in the cache
+_HELD = 5e8  # bytes of signals that are kept in memory if the cache has not enough space
+_MEMORY = 5e8  # bytes of program, libraries and one block; signals are written to a file and need no memory
 
 
 @dataclass(frozen=True, kw_only=True)
 class Cost:
-    """One simulation of a scene; bytes of its signals, seconds on one core."""
+    """Cost of one simulation of a scene; seconds are those on one core."""
 
     samples: float
     steps: float
@@ -38,12 +38,12 @@ class Cost:
 
     @property
     def bytes(self) -> float:
-        """Of all channels in double precision."""
+        """Size of all channels in double precision."""
         return 8.0 * self.samples * self.channels
 
 
 def cost(train: Drivetrain) -> Cost:
-    """What one simulation takes."""
+    """Estimated cost of one simulation."""
     motion = train.motion
     samples = motion.end * motion.output_rate
     steps = samples * max(1.0, math.ceil(1 / motion.output_rate / max(motion.step or math.inf, 1e-18) - 1e-9))
@@ -53,7 +53,7 @@ def cost(train: Drivetrain) -> Cost:
 
 
 def too_long(train: Drivetrain) -> Iterator[Problem]:
-    """More time steps or signals than one simulation may have."""
+    """Problems of a simulation with too many time steps or signals."""
     one, motion = cost(train), train.motion
     if one.steps > MOST_STEPS:
         yield Problem(
@@ -74,18 +74,18 @@ def too_long(train: Drivetrain) -> Iterator[Problem]:
 
 
 def check_room(trains: Sequence[Drivetrain], source: str) -> None:
-    """Compare the signals of a study with the room in the cache and the result folder.
+    """Compare the size of the signals of a study with the free disk space of the cache and the result folder.
 
-    A cache without room is a warning of the run as long as memory can hold the signals instead.
+    If the cache has not enough space but the memory has, the run only gives a warning.
 
     Parameters
     ----------
-    trains : of every simulation, the two that are written first
-    source : the scene, for the message
+    trains : of all simulations, first the two that are written to the result folder
+    source : name of the scene, for the message
 
     Raises
     ------
-    SceneError : they do not fit
+    SceneError : there is not enough space
     """
     motions, packed, problems = *_bytes(trains), []
     for folder, needed, held in ((cache_root(), motions, _HELD), (Path("runs"), packed, 0.0)):
@@ -104,7 +104,7 @@ def check_room(trains: Sequence[Drivetrain], source: str) -> None:
 
 
 def estimate(trains: Sequence[Drivetrain]) -> str:
-    """The cost of a study in words; `trains` as `check_room`."""
+    """The cost of a study as text; `trains` as for `check_room`."""
     costs = [cost(train) for train in trains]
     signals = " or ".join(str(count) for count in dict.fromkeys(one.channels for one in costs))
     return (
@@ -116,7 +116,7 @@ def estimate(trains: Sequence[Drivetrain]) -> str:
 
 
 def _bytes(trains: Sequence[Drivetrain]) -> tuple[float, float]:
-    """Of all signals in the cache, and of those in the result folder."""
+    """Bytes of all signals in the cache, and of those in the result folder."""
     sizes = [cost(train).bytes for train in trains]
     return sum(sizes), _PACKED * sum(sizes[:_WRITTEN])
 
@@ -126,7 +126,7 @@ def _simulations(count: int) -> str:
 
 
 def words(size: float) -> str:
-    """A number of bytes for people."""
+    """A number of bytes as text with a suitable unit."""
     for unit in ("B", "kB", "MB", "GB"):
         if size < 1000:
             return f"{size:.3g} {unit}"
@@ -135,7 +135,7 @@ def words(size: float) -> str:
 
 
 def _modes(train: Drivetrain) -> float:
-    """About how many modes of the machine are kept."""
+    """Approximate number of retained modes of the machine."""
     found = float(train.casing_modes)
     for shaft in train.machine.shafts:
         bearings = sum(bearing.shaft == shaft.name for bearing in train.machine.bearings)
@@ -145,6 +145,6 @@ def _modes(train: Drivetrain) -> float:
 
 
 def _existing(folder: Path) -> Path:
-    """The folder, or the nearest of its parents that is there."""
+    """The folder, or the nearest of its parents that exists."""
     folder = folder.absolute()
     return next((place for place in (folder, *folder.parents) if place.is_dir()), Path())

@@ -21,19 +21,19 @@ from pipelines.scene.tables.motion import LoadBase
 HARMONICS = 5  # of the fastest mesh that a good record holds
 
 
-def design_warnings(scene: Scene, plant: Drivetrain) -> tuple[str, ...]:
+def design_warnings(scene: Scene, machine: Drivetrain) -> tuple[str, ...]:
     """All warnings, in the order of the scene's tables."""
-    layout = plant.layout
+    layout = machine.layout
     return (
         *_materials(scene),
         *_mounts(scene),
         *_gears(scene, layout),
-        *flank_warnings(scene, plant),
+        *flank_warnings(scene, machine),
         *strength_warnings(scene, layout),
         *_fits(scene, layout),
         *_drive(scene, layout),
         *_record(scene, layout),
-        *_diagnosis(scene, plant),
+        *_diagnosis(scene, machine),
     )
 
 
@@ -127,10 +127,10 @@ def _fits(scene: Scene, layout: Layout) -> Iterator[str]:
 def _drive(scene: Scene, layout: Layout) -> Iterator[str]:
     """Motors of a torque that the largest load overcomes at their greatest."""
     motors = motor_torques(scene.drive, layout.driven, layout.motors)
-    given, drawn = sum(abs(motor.largest) for motor in motors), layout.input_torque
-    if motors and given < drawn:
+    given, needed = sum(abs(motor.largest) for motor in motors), layout.input_torque
+    if motors and given < needed:
         yield (
-            f"drive: the motors give at most {given:.4g} N m, and the load takes {drawn:.4g} N m at their shaft. "
+            f"drive: the motors give at most {given:.4g} N m, and the load takes {needed:.4g} N m at their shaft. "
             "Unless "
             "it falls with the speed, it drives the machine backwards. Reduce the load, or set a stronger motor"
         )
@@ -144,7 +144,7 @@ def _record(scene: Scene, layout: Layout) -> Iterator[str]:
                 f"harmonics of the mesh frequency of stage {number}, {facts.mesh_frequency:.1f} Hz. Raise it to "
                 f"{4 * HARMONICS * facts.mesh_frequency:.0f}"
             )
-    if not any(layout.drawn):
+    if not any(layout.resisting_torques):
         key, remedy = (
             ("load.container_kg = 0", "Increase load.container_kg")
             if isinstance(scene.load, LoadBase)
@@ -153,7 +153,7 @@ def _record(scene: Scene, layout: Layout) -> Iterator[str]:
         yield f"{key}: without load the teeth lose contact and rattle in their backlash. {remedy}"
 
 
-def _diagnosis(scene: Scene, plant: Drivetrain) -> Iterator[str]:
+def _diagnosis(scene: Scene, machine: Drivetrain) -> Iterator[str]:
     looked_at, on_teeth = (scene.diagnosis.stage, scene.diagnosis.gear), scene.tooth_faults.values()
     if on_teeth and scene.diagnosis.windows_s and looked_at not in {(f.stage, f.gear) for f in on_teeth}:
         yield (
@@ -163,7 +163,7 @@ def _diagnosis(scene: Scene, plant: Drivetrain) -> Iterator[str]:
         )
     faulty = bool(scene.faults or shaft_faults(scene))
     if faulty and scene.control is None:
-        for problem in bad_windows(scene, plant):
+        for problem in bad_windows(scene, machine):
             yield f"{problem}"
     if faulty and not (scene.control and scene.diagnosis.windows_s):
         lacking, remedy = (

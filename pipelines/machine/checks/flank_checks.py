@@ -22,7 +22,7 @@ TYPICAL_STIFFNESS = 18e9  # N/m2: c_gamma of steel pairs, for orders of magnitud
 
 
 def bad_flanks(scene: Scene, train: Drivetrain) -> Iterator[Problem]:
-    """Faults that do not fit on their teeth, deviations that no gear has or that are outside ISO 1328-1."""
+    """Faults that do not fit on their teeth, and deviations that are not possible or are outside ISO 1328-1."""
     pairs = train.layout.pairs
     for number, fault in zip(scene.tooth_faults, train.faults, strict=True):
         try:
@@ -54,7 +54,7 @@ def bad_flanks(scene: Scene, train: Drivetrain) -> Iterator[Problem]:
 
 
 def _prescribed_warnings(scene: Scene, layout: Layout) -> Iterator[str]:
-    """Stated deviations that are switched off, and run-out that would not pass any class."""
+    """Warnings of prescribed deviations that are disabled, and of run-out beyond the coarsest tolerance class."""
     for number, (stage, pair) in enumerate(zip(scene.stages, layout.pairs, strict=True), 1):
         for name in GEARS:
             table, place = getattr(stage, name).deviations, f"stages.{number}.{name}.deviations"
@@ -80,7 +80,7 @@ def _prescribed_warnings(scene: Scene, layout: Layout) -> Iterator[str]:
 
 
 def flank_warnings(scene: Scene, train: Drivetrain) -> Iterator[str]:
-    """What a gear designer would question, and what hides a fault."""
+    """Warnings of unusual gear design, and of settings that hide a fault."""
     layout = train.layout
     yield from _prescribed_warnings(scene, layout)
     for number, (spec, pair, modification) in enumerate(
@@ -120,18 +120,18 @@ def flank_warnings(scene: Scene, train: Drivetrain) -> Iterator[str]:
         yield from _hidden(scene, layout, number, fault)
 
 
-def _finer(stage: int, slices: int, wanted: float, key: str) -> str:
-    """What to do about a fault that is small against the slices, of which a mesh has so many at most."""
+def _finer(stage: int, slices: int, needed: float, key: str) -> str:
+    """Remedy for a fault that is small compared with the slices of a mesh."""
     if slices >= (most := most_slices()):
         return f"Raise {key}, or reduce face_width_mm"
-    limit = f"{most}, the most that a mesh has" if wanted > most else f"{math.ceil(wanted - 1e-9)}"
+    limit = f"{most}, the most that a mesh has" if needed > most else f"{math.ceil(needed - 1e-9)}"
     return f"Raise stages.{stage}.mesh.slices to {limit}"
 
 
 def _hidden(scene: Scene, layout: Layout, number: int, fault: Fault) -> Iterator[str]:
-    """Compares the change that a fault makes in the transmission error with the single pitch tolerance.
+    """Warning of a fault whose change of the transmission error is small compared with the single pitch tolerance.
 
-    Of faults whose change depends on more than their size nothing is estimated.
+    The change is estimated only for faults for which it follows from their size.
     """
     if not scene.deviations.enabled:
         return

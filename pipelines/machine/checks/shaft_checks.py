@@ -1,6 +1,6 @@
-"""Shafts: what is outside the ends of one, one of too many elements, and one that nothing holds.
+"""Checks of shafts: parts beyond their ends, too many elements, and shafts that are not supported.
 
-A shaft that nothing holds is found by the motions of rigid shafts between their bearings, meshes and motors.
+Unsupported shafts are found by the rigid-body motions of the shafts on their bearings, meshes and motors.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from pipelines.scene.tables.motion import LoadBase
 
 _AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
 _WORDS = {"uy": "move along its axis", "ry": "rotate", "rx": "tilt", "rz": "tilt"}
-_ARM = 0.1  # m: by which rotations are counted beside displacements
-_TAKES_PART = 0.25  # share of a direction of a shaft in free motions from which it is named
-_FREE = 1e-9  # singular value over the largest, below which nothing holds a motion
+_ARM = 0.1  # m, lever arm that makes rotations comparable with displacements
+_TAKES_PART = 0.25  # share of a direction of a shaft in free motions from which it is reported
+_FREE = 1e-9  # singular value relative to the largest, below which a motion is free
 
 
 def off_shaft(scene: Scene, layout: Layout) -> Iterator[Problem]:
-    """What is placed outside the ends of its shaft."""
+    """Parts that are beyond the ends of their shaft."""
     placed = [(f"probes.{n}.position_mm", p.shaft - 1, p.position_mm) for n, p in enumerate(scene.probes, 1)]
     placed += [(f"disks.{n}.position_mm", d.shaft - 1, d.position_mm) for n, d in enumerate(scene.disks, 1)]
     for number, (stage, pair) in enumerate(zip(scene.stages, layout.pair_shafts, strict=True), 1):
@@ -53,7 +53,7 @@ def off_shaft(scene: Scene, layout: Layout) -> Iterator[Problem]:
 
 
 def long_shafts(machine: MachineParts) -> Iterator[Problem]:
-    """Shafts of too many elements."""
+    """Shafts with too many elements."""
     for number, spec in enumerate(machine.shafts, 1):
         on = [mesh.y for mesh in machine.meshes if spec.name in (mesh.driving, mesh.driven)]
         on += [bearing.y for bearing in machine.bearings if bearing.shaft == spec.name]
@@ -63,10 +63,10 @@ def long_shafts(machine: MachineParts) -> Iterator[Problem]:
             yield Problem(f"shafts.{number}", str(error))
 
 
-def unheld(plant: Plant) -> Iterator[Problem]:
-    """The shafts that take part in motions that nothing holds, each with the direction in which it moves most."""
-    rows = np.array(list(_springs(plant)))
-    scaled = rows * np.tile([1.0, 1.0, 1.0, 1 / _ARM, 1 / _ARM, 1 / _ARM], len(plant.machine.shafts))
+def unheld(machine: Plant) -> Iterator[Problem]:
+    """The shafts that take part in free motions, each with the direction in which it moves most."""
+    rows = np.array(list(_springs(machine)))
+    scaled = rows * np.tile([1.0, 1.0, 1.0, 1 / _ARM, 1 / _ARM, 1 / _ARM], len(machine.machine.shafts))
     scaled /= np.linalg.norm(scaled, axis=1)[:, None]
     _, sizes, motions = np.linalg.svd(scaled)
     held = int((sizes > _FREE * sizes[0]).sum())
@@ -84,10 +84,10 @@ def unheld(plant: Plant) -> Iterator[Problem]:
         )
 
 
-def _springs(plant: Plant) -> Iterator[np.ndarray]:
-    """Rows (6 shafts) of everything that has stiffness, on the displacements and rotations of rigid shafts at y = 0."""
-    layout, machine = plant.layout, plant.machine
-    numbers = {shaft.name: number for number, shaft in enumerate(machine.shafts)}
+def _springs(machine: Plant) -> Iterator[np.ndarray]:
+    """Rows (6 shafts) of all springs, for the displacements and rotations of rigid shafts at y = 0."""
+    layout, parts = machine.layout, machine.machine
+    numbers = {shaft.name: number for number, shaft in enumerate(parts.shafts)}
 
     def row(shaft: int, y: float, coefficients: np.ndarray) -> np.ndarray:
         found = np.zeros(6 * len(numbers))
@@ -95,17 +95,17 @@ def _springs(plant: Plant) -> Iterator[np.ndarray]:
         found[6 * shaft : 6 * shaft + 6] = coefficients + [0.0, 0.0, 0.0, y * z, 0.0, -y * x]
         return found
 
-    for bearing in machine.bearings:
+    for bearing in parts.bearings:
         for axis, stiffness in zip(BEARING_AXES, bearing.stiffness, strict=True):
             if stiffness > 0.0:
                 yield row(numbers[bearing.shaft], bearing.y, np.eye(6)[_AXES.index(axis)])
     yield row(layout.driven, 0.0, np.eye(6)[4])
-    for coupling in machine.shaft_couplings:
+    for coupling in parts.shaft_couplings:
         one, other = (numbers[shaft] for shaft in coupling.shafts)
         for direction, strength in zip(np.eye(6), coupling.stiffness, strict=True):
             if strength:
                 yield row(one, coupling.y[0], direction) - row(other, coupling.y[1], direction)
-    for mesh, law, (driving, driven) in zip(machine.meshes, plant.laws, layout.pair_shafts, strict=True):
+    for mesh, law, (driving, driven) in zip(parts.meshes, machine.laws, layout.pair_shafts, strict=True):
         line = layout.axes[driven][0] - layout.axes[driving][0], layout.axes[driven][1] - layout.axes[driving][1]
         radii = mesh.pair.pinion.base_radius, mesh.pair.wheel.base_radius
         lead = mesh.pair.pinion.hand_sign * math.tan(mesh.pair.base_helix_angle)

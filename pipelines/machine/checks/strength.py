@@ -1,4 +1,4 @@
-"""What teeth, gear bodies and shafts bear: pressure of the flanks, give of the teeth, bursting, torsion of the shafts.
+"""Strength of teeth, gear bodies and shafts: flank pressure, tooth deflection, bursting, torsion.
 
 Pressure of the flanks at the pitch point, without load factors:
 
@@ -28,8 +28,8 @@ from pipelines.scene.scene import Scene
 from pipelines.scene.tables.motion import SpeedDrive
 
 ENDURANCE = 1650e6  # Pa: sigma_H lim of the best case-carburized gear steel
-STATIC_STRENGTH = 1.6 * ENDURANCE  # Pa: the same with Z_NT of a load that comes a few times only
-LARGEST_GIVE = 0.25  # modules: teeth that give way by more are no longer a small change of shape
+STATIC_STRENGTH = 1.6 * ENDURANCE  # Pa: the same with Z_NT of a load that occurs only a few times
+LARGEST_GIVE = 0.25  # modules, limit of small deflections of the teeth
 TORSION_ENDURANCE = 330e6  # Pa: torsion fatigue strength of 42CrMo4
 YIELD_STRENGTH = 1050e6  # Pa: 30CrNiMo8 in tension
 TORSION_STRENGTH = YIELD_STRENGTH / math.sqrt(3)  # Pa: its yield in shear
@@ -38,7 +38,7 @@ RIM_SPEED = math.sqrt(8 * YIELD_STRENGTH / ((3 + STEEL.poisson_ratio) * STEEL.de
 
 @dataclass(frozen=True, kw_only=True)
 class Torsion:
-    """The most stressed section of a shaft under the largest load; numbers from 1, SI."""
+    """Torsion of the most stressed section of a shaft under the largest load; numbers from 1, SI."""
 
     shaft: int
     section: int
@@ -67,7 +67,7 @@ def contact_pressure(pair: GearPair, pinion_torque: float) -> float:
 
 
 def torques_along(scene: Scene, layout: Layout) -> list[list[tuple[float, float]]]:
-    """By shaft: places y (m) and the torques (N m, driving positive) that enter there, without losses."""
+    """By shaft: positions y (m) and the torques (N m, driving positive) that act there, without losses."""
     entering: list[list[tuple[float, float]]] = [[] for _ in scene.shafts]
     places = [(stage.si.position, stage.si.position) for stage in scene.stages]
     places += [coupling.si.positions for coupling in scene.couplings if coupling.turns_both]
@@ -82,7 +82,7 @@ def torques_along(scene: Scene, layout: Layout) -> list[list[tuple[float, float]
 
 
 def torsions(scene: Scene, layout: Layout) -> list[Torsion]:
-    """The most stressed section of every shaft that carries torque."""
+    """The most stressed section of every shaft with torque."""
     found = []
     for number, (shaft, entering) in enumerate(zip(scene.shafts, torques_along(scene, layout), strict=True), 1):
         places, torques = np.array(sorted(entering)).reshape(-1, 2).T
@@ -103,7 +103,7 @@ def torsions(scene: Scene, layout: Layout) -> list[Torsion]:
 
 
 def overloaded(scene: Scene, layout: Layout) -> Iterator[Problem]:
-    """Teeth and shafts that no steel could make strong enough for the largest load."""
+    """Teeth and shafts for which no steel is strong enough at the largest load."""
     for number, (pair, facts) in enumerate(zip(layout.pairs, layout.stages, strict=True), 1):
         yield from _overloaded_teeth(number, pair, facts)
     for worst in torsions(scene, layout):
@@ -145,10 +145,10 @@ def _overloaded_teeth(number: int, pair: GearPair, facts: StageFacts) -> Iterato
 
 
 def bursting(scene: Scene, layout: Layout) -> Iterator[Problem]:
-    """The first stage with a gear whose tips run faster than a solid disc of the strongest steel bears.
+    """The first stage with a gear whose tip speed would burst a solid disc of the strongest steel.
 
-    The largest stress of a solid disc that turns with the rim speed v is (3 + nu)/8 rho v^2, tangential and at its
-    centre; a bore doubles it, which is left out here (Timoshenko & Goodier, Theory of Elasticity, section 32).
+    The largest stress of a solid disc with the rim speed v is the tangential stress (3 + nu)/8 rho v^2 at its centre
+    (Timoshenko & Goodier, Theory of Elasticity, section 32). A bore doubles it, which is neglected here.
     """
     for number, (pair, shafts) in enumerate(zip(layout.pairs, layout.pair_shafts, strict=True), 1):
         for name, gear, shaft in zip(("pinion", "wheel"), (pair.pinion, pair.wheel), shafts, strict=True):
@@ -167,7 +167,7 @@ def bursting(scene: Scene, layout: Layout) -> Iterator[Problem]:
 
 
 def strength_warnings(scene: Scene, layout: Layout) -> Iterator[str]:
-    """Loads that steel bears, but not for long."""
+    """Warnings of loads above the fatigue strength of steel."""
     for number, (pair, fact) in enumerate(zip(layout.pairs, layout.stages, strict=True), 1):
         pressure = contact_pressure(pair, fact.pinion_torque)
         if pressure > ENDURANCE:
@@ -187,5 +187,5 @@ def strength_warnings(scene: Scene, layout: Layout) -> Iterator[str]:
 
 
 def _enough(worst: Torsion, allowed: float) -> float:
-    """Diameter (mm) at which the stress is the allowed one, the ratio of bore to diameter kept."""
+    """Diameter (mm) with the allowed stress, for the same ratio of bore to diameter."""
     return 1000 * worst.diameter * math.ceil(100 * (worst.stress / allowed) ** (1 / 3)) / 100

@@ -1,4 +1,4 @@
-"""A scene that can be run: everything that can be known before computing, asked in one place by every command."""
+"""Validity of a scene: all checks that need no computation, in one place for every command."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from pipelines.scene.scene import Scene
 
 
 def checked_plant(scene: Scene, source: str) -> Plant:
-    """The plant of a scene after every check that needs no computation.
+    """The machine model of a scene that passes all checks that need no computation.
 
     Raises
     ------
-    SceneError : everything that does not fit, at once
+    SceneError : lists all problems of the scene
     """
     made = Problems(*REFUSALS)
     train = drivetrain(scene, lay_out(scene, source), made)
@@ -34,20 +34,20 @@ def checked_plant(scene: Scene, source: str) -> Plant:
         *too_long(train),
         *places,
     ]
-    plant = in_casing(train, scene, made)
-    if plant is None:
-        # what is off its shaft is listed by its key already
+    machine = in_casing(train, scene, made)
+    if machine is None:
+        # parts beyond the end of their shaft are already listed by their keys
         more = [one for one in dict.fromkeys(made) if not (places and one.path == "shafts")]
         raise SceneError(source, [*problems, *more])
     if not places:
-        problems += long_shafts(plant.machine)
-    problems += unheld(plant)
+        problems += long_shafts(machine.machine)
+    problems += unheld(machine)
     if scene.housing is not None:
         from pipelines.machine.checks.casing_checks import bad_casing
 
-        problems += bad_casing(scene, plant)
+        problems += bad_casing(scene, machine)
     if scene.control is not None:  # without a control there is no diagnosis
-        problems += bad_windows(scene, plant)
+        problems += bad_windows(scene, machine)
     if problems:
         raise SceneError(source, problems)
-    return plant
+    return machine

@@ -1,4 +1,4 @@
-"""Windows in which no diagnosis is possible, known from the scene alone."""
+"""Checks of the windows of a diagnosis that need no computation."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from pipelines.signals.analysis import SPEED_TOLERANCE, DiagnosisError, Diagnosi
 from pipelines.signals.spectrum import FEWEST_REVOLUTIONS, SpectrumError, whole_revolutions
 
 
-def bad_windows(scene: Scene, plant: Drivetrain) -> Iterator[Problem]:
-    """Why the diagnosis that a scene asks for could not be made; nothing where it asks for none."""
+def bad_windows(scene: Scene, machine: Drivetrain) -> Iterator[Problem]:
+    """Reasons why the diagnosis of a scene is not possible; empty without windows."""
     if not scene.diagnosis.windows_s or not scene.sensors:
         return
-    layout, known = plant.layout, isinstance(scene.drive, SpeedDrive)
+    layout, known = machine.layout, isinstance(scene.drive, SpeedDrive)
     if layout.turns == 0.0 and not known:
         yield Problem(
             "diagnosis.windows_s",
@@ -34,7 +34,7 @@ def bad_windows(scene: Scene, plant: Drivetrain) -> Iterator[Problem]:
             "drive.speeds_rpm", "all speeds are 0, so that there is nothing to diagnose", "Set a speed above 0"
         )
         return
-    rate, drive, settings = scene.simulation.output_rate_Hz, plant.machine.profile, plant.diagnosis
+    rate, drive, settings = scene.simulation.output_rate_Hz, machine.machine.profile, machine.diagnosis
     if settings is None:
         return
     profile = SpeedProfile(times=drive.times, speeds=drive.speeds / RPM, smooth=drive.smooth)
@@ -111,7 +111,7 @@ def _gear(scene: Scene) -> str:
 
 
 def _steady(scene: Scene, profile: SpeedProfile) -> str:
-    """The stretches of the drive at its highest speed."""
+    """Text of the intervals of time in which the drive has its highest speed."""
     ends = [*profile.times.tolist(), max(scene.simulation.end_s, float(profile.times[-1]))]
     speeds = [*profile.speeds.tolist(), float(profile.speeds[-1])]
     found = [

@@ -134,11 +134,11 @@ def casing_figure(picture: Picture, title: str = "Casing and key points") -> Fig
     return figure
 
 
-def spread(wanted: Sequence[float], distance: float) -> list[float]:
+def spread(places: Sequence[float], distance: float) -> list[float]:
     """Ascending positions nearest to the given ones, at a distance of at least `distance` (least squares, pooled
     blocks)."""
     blocks: list[tuple[float, int]] = []  # mean of (position - i distance) and size, ascending means
-    for i, place in enumerate(wanted):
+    for i, place in enumerate(places):
         blocks.append((place - i * distance, 1))
         while len(blocks) > 1 and blocks[-2][0] >= blocks[-1][0]:
             (mean_a, size_a), (mean_b, size_b) = blocks[-2:]

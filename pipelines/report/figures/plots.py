@@ -212,9 +212,9 @@ def dress(axes: Axes, title: str, x: str, y: str) -> None:
     figure = axes.get_figure()
     if figure is not None and figure.get_layout_engine() is None:  # fixed places: else matplotlib measures all numbers
         below = axes.transAxes + ScaledTranslation(0.0, -LABEL_BELOW, figure.dpi_scale_trans)
-        beside = axes.transAxes + ScaledTranslation(-LABEL_LEFT, 0.0, figure.dpi_scale_trans)
+        left = axes.transAxes + ScaledTranslation(-LABEL_LEFT, 0.0, figure.dpi_scale_trans)
         axes.xaxis.set_label_coords(0.5, 0.0, below)
-        axes.yaxis.set_label_coords(0.0, 0.5, beside)
+        axes.yaxis.set_label_coords(0.0, 0.5, left)
     axes.grid(visible=True, color=GRID, lw=0.6)
     axes.set_axisbelow(True)
     for side in ("top", "right"):

@@ -85,18 +85,18 @@ class PlacedPair:
     damage: tuple[ToothFault, ...]
 
 
-def placed_pair(plant: Plant, stage: int) -> PlacedPair:
+def placed_pair(machine: Plant, stage: int) -> PlacedPair:
     """Pair of a stage (from 1) of a machine."""
-    pinion, wheel = plant.layout.pair_shafts[stage - 1]
-    sense = plant.layout.pinion_senses[stage - 1]
-    axes = plant.layout.axes
-    fault = shown_fault(plant.faults, stage)
+    pinion, wheel = machine.layout.pair_shafts[stage - 1]
+    sense = machine.layout.pinion_senses[stage - 1]
+    axes = machine.layout.axes
+    fault = shown_fault(machine.faults, stage)
     return PlacedPair(
-        pair=plant.layout.pairs[stage - 1],
-        frame=scene_frame(axes[pinion], axes[wheel], plant.machine.meshes[stage - 1].y, sense),
+        pair=machine.layout.pairs[stage - 1],
+        frame=scene_frame(axes[pinion], axes[wheel], machine.machine.meshes[stage - 1].y, sense),
         sense=sense,
         fault=fault,
-        damage=() if fault is None else tooth_damage(plant.faults, fault),
+        damage=() if fault is None else tooth_damage(machine.faults, fault),
     )
 
 

@@ -31,7 +31,7 @@ from pipelines.signals.spectrum import Spectrum
 
 ROPE = "#7a5195"
 NUMERICAL, INPUTS = "#111111", "#e08e0b"
-BESIDE = 0.006  # of the width of an axes, from the numerical error bar to that of the inputs
+OFFSET = 0.006  # of the width of an axes, from the numerical error bar to that of the inputs
 DECADES = 5.0  # range of a spectrum below its top
 
 
@@ -112,7 +112,7 @@ def _draw_bars(axes: Axes, bars: Sequence[LineBar]) -> None:
     """Draw the error bars of the visible lines: numerical ones at the line, those of the inputs to the right of it."""
     low, high = axes.get_xlim()
     inside = [bar for bar in bars if low <= bar.frequency <= high]
-    for name, colour, shift in (("numerical", NUMERICAL, 0.0), ("inputs", INPUTS, BESIDE * (high - low))):
+    for name, colour, shift in (("numerical", NUMERICAL, 0.0), ("inputs", INPUTS, OFFSET * (high - low))):
         shown = [bar for bar in inside if getattr(bar, name) is not None]
         if shown:
             level = np.array([bar.level for bar in shown])

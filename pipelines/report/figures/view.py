@@ -110,15 +110,15 @@ def draw_tooth(plotter: Any, arrays: dict[str, np.ndarray], opacity: float) -> l
         return [*found, *_draw_edges(plotter, tooth, GONE, 1.0)]
     torn = arrays["marked_broken"]
     whole = opacity * (0.35 if "sheet_0" in arrays and "near" in arrays else 1.0)
-    sound = surface(points, quads[~torn])
+    intact = surface(points, quads[~torn])
     worn, ends = arrays["marked_depth"], quads[:, 0] == quads[:, 1]
     if worn.any():
-        sound = surface(points, quads[~torn & ~ends], {"depth": worn})
+        intact = surface(points, quads[~torn & ~ends], {"depth": worn})
         found = [plotter.add_mesh(surface(points, quads[ends]), color=DAMAGED, opacity=whole),
-                 plotter.add_mesh(sound, scalars="depth", cmap=WEAR_COLOURS, clim=(0.0, float(worn.max())),
+                 plotter.add_mesh(intact, scalars="depth", cmap=WEAR_COLOURS, clim=(0.0, float(worn.max())),
                                   show_scalar_bar=False, opacity=whole, ambient=0.45)]  # fmt: skip
     else:
-        found = [plotter.add_mesh(sound, color=DAMAGED, opacity=whole, ambient=0.2)]
+        found = [plotter.add_mesh(intact, color=DAMAGED, opacity=whole, ambient=0.2)]
     found += _draw_edges(plotter, surface(points, quads), GONE, 2.0)
     if torn.any():
         found.append(plotter.add_mesh(surface(points, quads[torn]), color=GONE, opacity=max(opacity, 0.8), ambient=0.3))

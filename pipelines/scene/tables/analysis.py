@@ -1,4 +1,4 @@
-"""What is looked for in the signals, and its table."""
+"""Settings of the diagnosis, and their table in a scene."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from pipelines.scene.tables.derived import DerivedTable, table
 
 @dataclass(frozen=True, kw_only=True)
 class LookedFor:
-    """Signal, gear and windows that are diagnosed.
+    """Signal, gear and windows of the diagnosis.
 
-    `possible` is False without windows or sensors; `speed_is_known` where motors prescribe it.
+    `possible` is False without windows or sensors; `speed_is_known` is True if motors prescribe the speed.
     """
 
     sensor: str | None = option(None, text="name of the sensor whose signal is diagnosed; without it: the first sensor")
@@ -26,7 +26,7 @@ class LookedFor:
     )
     stage: int = option(1, ge=1, text="number of the stage whose mesh frequency carries the sidebands")
     gear: Literal["pinion", "wheel"] = option(
-        "wheel", text="gear whose shaft frequency is the spacing of the sidebands"
+        "wheel", text="gear whose revolution frequency is the spacing of the sidebands"
     )
     windows: Mapping[str, tuple[float, float]]
     band: Literal["mesh", "resonance"] | tuple[float, float] = option(

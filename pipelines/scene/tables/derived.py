@@ -163,7 +163,7 @@ def _strict(annotation: Any, one: Option) -> Any:
         return Samples
     if isinstance(annotation, type) and dataclasses.is_dataclass(annotation):
         return table(annotation)
-    if typing.get_origin(annotation) is Annotated:  # a number with limits of its own
+    if typing.get_origin(annotation) is Annotated:  # a number with separate limits
         return _strict(annotation.__origin__, *annotation.__metadata__)
     inner: tuple[Any, ...] = tuple(part if part is ... else _strict(part, one) for part in typing.get_args(annotation))
     origin = typing.get_origin(annotation)

@@ -1,7 +1,7 @@
-"""Tables of forces from outside besides drive and load, each with what it is for the multibody model.
+"""Tables of external forces other than drive and load, with their conversion to the multibody model.
 
-Those of `mbd.excitations.registry` have derived tables. Any other kind is a table here, in `ForceModel`, and its class
-in `mbd.forces`; nothing else knows the kinds.
+The tables of `mbd.excitations.registry` are derived from its classes. Any other kind has a table here, in `ForceModel`,
+and a class in `mbd.forces`; no other file depends on the kinds.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from pipelines.scene.tables.torques import TorqueCurve
 
 
 class PlacedTable(Table):
-    """Where a force acts on a shaft: it must be said."""
+    """Position of a force on a shaft; it has no default."""
 
     shaft: Annotated[Whole, Field(ge=1, description="number of the shaft")]
     position_mm: Annotated[Number, Field(description="y of the place where it acts")]
 
     @property
     def positions(self) -> dict[str, float]:
-        """Places (mm) on the shaft by key."""
+        """Positions (mm) on the shaft by key."""
         return {"position_mm": self.position_mm}
 
     def place(self, number: int) -> dict[str, Any]:
@@ -48,7 +48,7 @@ class ExcitationBase(DerivedTable):
 
     @model_validator(mode="after")
     def _fits(self) -> Self:
-        """What the excitation refuses is a problem of the table; values over time are checked on their own."""
+        """Raise an error of the excitation as a problem of the table; values over time are checked separately."""
         if not self.series and not any(isinstance(value, DerivedTable) for _, value in self):
             self.spec(1)
         return self
@@ -71,7 +71,7 @@ class BentShaftBase(ShaftExcitationBase):
 
     @property
     def positions(self) -> dict[str, float]:
-        """Places (mm) on the shaft by key."""
+        """Positions (mm) on the shaft by key."""
         return super().positions | {f"straight_at_mm.{n}": y for n, y in enumerate(self.straight_at_mm, 1)}
 
 

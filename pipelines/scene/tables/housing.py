@@ -241,7 +241,7 @@ class MatricesHousingTable(Table):
     ] = None
     units: Annotated[
         Literal["kg-m-s", "t-mm-s", "kg-mm-ms", "kg-mm-s", "lbf-in-s"],
-        Field(description="units of the file: mass (lbf: force), length, time"),
+        Field(description="units of mass, length and time of the file; lbf-in-s: units of force, length and time"),
     ]
     origin_mm: Annotated[Vector, Field(description="x, y, z of the origin of the file in the scene")] = (0.0, 0.0, 0.0)
     bearings: Annotated[tuple[NodeSeatTable, ...], Field(min_length=1, description="bearing seats")]

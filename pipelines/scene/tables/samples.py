@@ -1,4 +1,4 @@
-"""Values over time or speed: written in the scene, or a column of a file, which is read and checked line by line."""
+"""Samples over time or speed, given in the scene or as a column of a file, which is checked line by line."""
 
 from __future__ import annotations
 
@@ -45,12 +45,12 @@ Samples = Annotated[
 
 
 def check_pairs(table: Table, places: str, values: str) -> None:
-    """Raise ValueError unless two keys of a table hold pairs, as far as the scene alone tells; places must rise."""
+    """Raise ValueError unless two keys of a table have equal numbers of values in the scene; places must increase."""
     first, second = getattr(table, places), getattr(table, values)
     if isinstance(first, ColumnTable) or isinstance(second, ColumnTable):
         return
     if len(first) != len(second):
-        raise ValueError(f"{places} has {len(first)} values, {values} has {len(second)}. Set as many of both")
+        raise ValueError(f"{places} has {len(first)} values, {values} has {len(second)}. Set equal numbers of both")
     unit = places.rpartition("_")[2]
     for before, after in zip(first, first[1:], strict=False):
         if after <= before:
@@ -65,12 +65,12 @@ def pairs(table: Table, places: str, values: str, path: str) -> tuple[np.ndarray
     Parameters
     ----------
     table : of the scene
-    places, values : its keys, e.g. "times_s" and "speeds_rpm"; places rise
+    places, values : its keys, e.g. "times_s" and "speeds_rpm"; places increase
     path : of the table in the scene, for messages
 
     Raises
     ------
-    SceneError : no such file or column, a cell that is no number, places that do not rise, different lengths
+    SceneError : no such file or column, a cell that is not a number, places that do not increase, different lengths
     """
     found, lines = [], []
     for key in (places, values):
@@ -80,7 +80,7 @@ def pairs(table: Table, places: str, values: str, path: str) -> tuple[np.ndarray
     first, second = found
     if len(first) != len(second):
         raise refused(
-            f"{path}.{values}", f"has {len(second)} values for {len(first)} of {places}", "Set as many of both"
+            f"{path}.{values}", f"has {len(second)} values for {len(first)} of {places}", "Set equal numbers of both"
         )
     wrong = np.flatnonzero(np.diff(first) <= 0)
     if len(wrong):
@@ -94,16 +94,16 @@ def pairs(table: Table, places: str, values: str, path: str) -> tuple[np.ndarray
 
 
 def samples(given: tuple[float, ...] | ColumnTable, path: str) -> tuple[np.ndarray, int | None]:
-    """The values (n,), and the line of the file that holds the first; None if they are in the scene.
+    """The values (n,), and the line of the file that holds the first one; None if they are in the scene.
 
     Parameters
     ----------
-    given : values or the name of a column
+    given : values, or a column of a file
     path : of the key in the scene, for messages
 
     Raises
     ------
-    SceneError : no such file or column, a cell that is no number
+    SceneError : no such file or column, or a cell that is not a number
     """
     if not isinstance(given, ColumnTable):
         return np.array(given, dtype=float), None
@@ -115,7 +115,7 @@ def samples(given: tuple[float, ...] | ColumnTable, path: str) -> tuple[np.ndarr
 
 
 def _found(name: str) -> Path:
-    """The file of that name, or the one that is shipped with a scene."""
+    """The file of a name, or the file of this name that is shipped with a scene."""
     shipped = Path(str(resources.files("pipelines.scene"))) / "shipped" / name
     beside = Path(name)
     return shipped if shipped.suffix == ".csv" and not beside.exists() and shipped.is_file() else beside
@@ -163,7 +163,7 @@ def _dataset(file: Path, name: str, path: str) -> np.ndarray:
             values = np.asarray(found[()], dtype=float).ravel()
     except SceneError:
         raise
-    except Exception as error:  # the library raises errors of every kind
+    except Exception as error:  # the library raises errors of many types
         raise refused(f"{path}.file", f"cannot be read as HDF5 ({error})", "Set a CSV or HDF5 file") from error
     bad = np.flatnonzero(~np.isfinite(values))
     if len(bad):
@@ -178,11 +178,11 @@ def _at(line: int | None, number: int) -> str:
 
 
 def refused(path: str, message: str, remedy: str, value: str | None = None) -> SceneError:
-    """What to raise for a key of the scene.
+    """Error for a key of the scene.
 
     Parameters
     ----------
-    path, value : of the key in the scene, and what it is set to
+    path, value : of the key in the scene, and its value
     message, remedy : what is wrong, and how to correct it
     """
     return SceneError("scene", [Problem(path, message, remedy, None if value is None else f'"{value}"')])
@@ -190,17 +190,17 @@ def refused(path: str, message: str, remedy: str, value: str | None = None) -> S
 
 @contextlib.contextmanager
 def reading(file: Path, name: str, path: str, most_bytes: int) -> Iterator[None]:
-    """While a file is read.
+    """Turn errors while a file is read into a SceneError.
 
     Parameters
     ----------
-    file, name : where it is, and its name in the scene
+    file, name : its path, and its name in the scene
     path : of the table in the scene, for messages
-    most_bytes : its greatest size
+    most_bytes : upper bound of its size
 
     Raises
     ------
-    SceneError : no such file, no regular one, too large a one, or it cannot be read
+    SceneError : the file does not exist, is not a regular file, is too large, or cannot be read
     """
     try:
         regular_file(file, most_bytes)

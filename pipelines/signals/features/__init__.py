@@ -1,1 +1,1 @@
-"""Features of vibration signals: of the time alone, of the angle of a shaft, of the envelope; each with its source."""
+"""Features of vibration signals: statistics over time, synchronous averages and envelopes over the shaft angle."""

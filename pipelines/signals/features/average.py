@@ -1,7 +1,7 @@
 """Time-synchronous average of a signal over the turns of a shaft, and its residual without regular orders.
 
-The average keeps what repeats with the shaft; the rest is divided by the root of the number of turns. A turn has
-whole orders, so that every order of the average is one line of its Fourier transform without leakage.
+The average retains the components that repeat with the shaft. Uncorrelated components are divided by the square root of
+the number of turns. Each integer order is one line of the Fourier transform of the average, without leakage.
 
 References
 ----------
@@ -24,9 +24,9 @@ Meshes = Mapping[int, int]  # number of the pair -> teeth of its gear on the sha
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Average:
-    """Average of `turns` turns: `values` (channel, place) over one turn; `orders` below half of the sampling rate.
+    """Average of `turns` turns: `values` (channel, place) over one turn.
 
-    `meshes` are the gears on the shaft.
+    `orders` is the number of orders below half of the sampling rate; `meshes` are the gears on the shaft.
     """
 
     values: np.ndarray
@@ -83,7 +83,7 @@ def average(turns: np.ndarray, orders: int, meshes: Meshes) -> Average:
     Parameters
     ----------
     turns : from `pipelines.signals.orders.revolutions.revolutions`
-    orders : of the shaft, below half of the sampling rate
-    meshes : teeth of the gears on the shaft
+    orders : number of orders below half of the sampling rate
+    meshes : numbers of teeth of the gears on the shaft
     """
     return Average(values=turns.mean(axis=1), turns=turns.shape[1], orders=orders, meshes=meshes)

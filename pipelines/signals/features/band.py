@@ -1,7 +1,7 @@
-"""A band of a signal as it is, and with its spectrum whitened.
+"""Band-pass filter of a signal, with and without whitening of its spectrum.
 
-Impacts have wide spectra. Resonances, and lines that deviations and other components cause, hide them: whitening gives
-every part of the band the same power, so that impacts stand out where the rest is low.
+Impacts have wide spectra, but resonances and lines by deviations and other components mask them. Whitening gives every
+part of the band the same power. Impacts are then visible by the parts of the band where other components are weak.
 
 References
 ----------
@@ -14,19 +14,20 @@ from __future__ import annotations
 import numpy as np
 from scipy import fft
 
-_LEAST = 1e-20  # of the mean power: a part of the band without power stays without
+_LEAST = 1e-20  # of the total power; parts of the band with less are not amplified
 
 
 def banded(signal: np.ndarray, share: tuple[float, float], width: float) -> tuple[np.ndarray, np.ndarray]:
-    """Complex signals (..., time) of a band: as it is, and each line divided by the rms amplitude of those around it.
+    """Analytic signals (..., time) of a band, not whitened and whitened.
 
-    The real part is the filtered signal, the absolute value its envelope.
+    The real part is the filtered signal, the absolute value its envelope. For whitening, each line of the spectrum is
+    divided by the rms amplitude of the lines around it.
 
     Parameters
     ----------
-    signal : (..., time), at even steps of any kind
-    share : ends of the band as shares of the sampling rate, up to 0.5
-    width : the same, of the range of lines around one
+    signal : (..., time), equidistant
+    share : ends of the band, relative to the sampling rate, up to 0.5
+    width : width of the range of lines for the rms amplitude, relative to the sampling rate
     """
     size = signal.shape[-1]
     first, last = (int(np.ceil(end * size)) for end in share)

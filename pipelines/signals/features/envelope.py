@@ -14,7 +14,7 @@ ENVELOPE_HARMONICS = 5
 
 
 def envelope_orders(envelope: np.ndarray) -> np.ndarray:
-    """Level (channel,) of the orders 1 to 5 in the squared envelope averaged over the turns, over its mean.
+    """Root sum square (channel,) of the orders 1 to 5 of the averaged squared envelope, divided by its mean.
 
     Parameters
     ----------
@@ -40,13 +40,13 @@ def tooth_energies(envelope: np.ndarray, teeth: int) -> np.ndarray:
 
 
 def tooth_contrast(energies: np.ndarray) -> np.ndarray:
-    """Root of the greatest over the median energy (channel,) of the teeth: one tooth that stands out.
+    """Square root of the largest energy of a tooth (channel,), divided by the median of all teeth.
 
-    A healthy gear with pitch deviations differs little from tooth to tooth; a local fault concentrates the energy.
+    The teeth of a healthy gear with pitch deviations differ little; a local fault concentrates the energy at one tooth.
     """
     return np.sqrt(energies.max(axis=-1) / np.median(energies, axis=-1))
 
 
 def marked_tooth(energies: np.ndarray) -> int:
-    """The tooth that stands out in the geometric mean over the channels."""
+    """The tooth with the highest energy in the geometric mean over the channels."""
     return int(np.argmax(np.mean(np.log(energies / energies.mean(axis=-1, keepdims=True)), axis=0)))

@@ -1,9 +1,9 @@
-"""Features of rolling bearings: how far the pass orders stand out of the spectrum of the squared envelope.
+"""Features of rolling bearings: levels of the pass orders over the floor of the squared envelope spectrum.
 
-Damage causes impacts at its pass order, so that the spectrum has a line there and at the multiples. Slip shifts all of
-them by the same share. The level of a pass order is therefore that of the best comb of lines at 1, 2 and 3 times one
-order within SLIP of it; single lines of another cause do not fit a comb. Multiples of the speeds of shafts belong to
-gears, unbalance and misalignment, and are left out.
+Damage causes impacts, thus lines at its pass order and multiples of it. Slip shifts all of them by the same relative
+amount. The level of a pass order is therefore that of the best comb of lines at 1, 2 and 3 times an order within SLIP
+of it. Single lines of another cause do not fit a comb. Multiples of shaft speeds are omitted, since gears, unbalance
+and misalignment cause them.
 
 References
 ----------
@@ -18,13 +18,13 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d
 
 PASS_HARMONICS = 3
-FEWEST_HARMONICS = 2  # that lie within the spectrum and on no multiple of a shaft
+FEWEST_HARMONICS = 2  # within the spectrum and not at a multiple of a shaft speed
 SLIP = 0.02  # of a pass order, to either side
-SCATTER = 0.001  # of a line, to either side: slip that is not constant
-LEAD = 20.0  # dB over the second strongest that the strongest line counts at most: a single one makes no comb
-FLOOR = 0.1  # of a pass order, to either side: where the floor is read
-FEWEST_LINES = 8  # of the spectrum, in the floor, or from one multiple of a shaft to the next
-_LOBE = 2.0  # lines to either side that a Hann window spreads an order over
+SCATTER = 0.001  # of a line, to either side, for slip that is not constant
+LEAD = 20.0  # dB, upper limit of the strongest line over the second strongest, since a single line is no comb
+FLOOR = 0.1  # of a pass order, to either side: range of the floor
+FEWEST_LINES = 8  # of the spectrum in the floor, or between multiples of a shaft speed
+_LOBE = 2.0  # half width in lines of an order with a Hann window
 
 
 def pass_levels(
@@ -32,8 +32,8 @@ def pass_levels(
 ) -> dict[str, np.ndarray]:
     """Level (channel,) of each pass order: lines of its best comb over their floors, geometric mean over harmonics.
 
-    The floor is the median of the spectrum around a harmonic. Orders too low for the number of turns, or beyond the
-    spectrum, are left out.
+    The floor is the median of the spectrum around a harmonic. Orders that are too low for the number of turns, or
+    beyond the spectrum, are omitted.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def pass_levels(
 
 
 def _level(lines: np.ndarray, free: np.ndarray, centre: float) -> np.ndarray | None:
-    """Level (channel,) of the best comb near a line; None if too few harmonics have room in the spectrum."""
+    """Level (channel,) of the best comb near the line `centre`; None if too few harmonics are within the spectrum."""
     combs = np.arange((1.0 - SLIP) * centre, (1.0 + SLIP) * centre, 0.5 / PASS_HARMONICS)
     decibels, used = np.zeros((PASS_HARMONICS, len(lines), len(combs))), np.zeros(len(combs), dtype=int)
     for harmonic in range(1, PASS_HARMONICS + 1):

@@ -1,13 +1,12 @@
-"""The features of a recording: every window cut into turns of every shaft, and what each component shows in them.
+"""Features of a recording: each window is cut into turns of each shaft, from which the features of components follow.
 
-Every window is looked at alone, so that lifting and lowering are not averaged into one; a value of the table is the
-mean over the windows.
+Each window is evaluated separately, so that lifting and lowering are not averaged. The values of the table are means
+over the windows.
 
-Envelopes are of the whole range above a guard, half of the lowest mesh frequency: below it the few strong orders of the
-shafts beat and pass for impulses. Narrow bands within it, chosen for the greatest kurtosis of their envelope (Antoni
-2007, Mech. Syst. Signal Process. 21(1), 108-124), were tried: they raise the features of a damaged gear more, but
-change from one healthy machine to the next. A missing tooth stood 15 standard deviations above healthy test benches in
-the best of 24 bands and 56 in the whole range, on the hoist 34 and 55 (the regular orders still in all of them).
+Envelopes are taken of the whole range above half of the lowest mesh frequency. Below, the beat of a few strong shaft
+orders would look like impulses. A narrow band with the largest kurtosis of its envelope (Antoni 2007, Mech. Syst.
+Signal Process. 21(1), 108-124) increases the features of a damaged gear more, but differs between healthy machines: a
+missing tooth is 15 standard deviations above healthy test benches in the best of 24 bands, and 56 in the whole range.
 """
 
 from __future__ import annotations
@@ -37,19 +36,19 @@ Lines = dict[tuple[str, str], np.ndarray]  # (component, feature) -> (channel,)
 
 OF_SIGNAL = ("rms", "crest_factor", "kurtosis")
 OF_SHAFT = {"order_1": 1, "order_2": 2}
-OF_PLAIN_SHAFT = ("tsa_rms", "tsa_kurtosis", "envelope_orders")  # no gear on it is known
+OF_PLAIN_SHAFT = ("tsa_rms", "tsa_kurtosis", "envelope_orders")  # of a shaft without known gears
 PASSING = "pass_order"
 OF_GEAR = ("difference_rms", "fm4", "envelope_orders", "whitened_kurtosis")  # of its shaft
 CONTRASTS = ("tooth_contrast", "whitened_contrast", "average_contrast")
 OF_WHITENED = ("whitened_kurtosis", *CONTRASTS[1:])
 OF_STAGE = ("fm0", "sideband_ratio")  # of its mesh
-QUARTER = 0.25  # turn, of uncertainty over all turns: averages over turns need less
-WHITE = 0.25  # of the lowest mesh order of a shaft: the width over which the spectrum is whitened
-GUARD_ORDER = 10.0  # of the fastest shaft: the guard where no tooth counts are known
+QUARTER = 0.25  # turns, largest uncertainty of the angle over the window for averages over turns
+WHITE = 0.25  # of the lowest mesh order of a shaft: width of whitening
+GUARD_ORDER = 10.0  # of the fastest shaft: lower end of the envelope band if no numbers of teeth are known
 
 
 class FeatureError(ValueError):
-    """A recording has no features: nothing turns often enough, or nothing was recorded."""
+    """A recording has no features: all shafts make too few turns, or no channel contains a signal."""
 
 
 def feature_table(
@@ -63,19 +62,20 @@ def feature_table(
     Parameters
     ----------
     recording : `acceleration` (time, sensor, axis), m/s2
-    kinematics : what the machine has
-    rotation : angle of its first shaft, over the same samples
+    kinematics : of the machine
+    rotation : angle of its first shaft at the same samples
     windows : name -> start and end (s); the whole recording if None
 
     Raises
     ------
-    FeatureError : no shaft turns FEWEST_TURNS times in a window, or no channel holds a signal
+    FeatureError : no shaft makes FEWEST_TURNS turns in a window, or no channel contains a signal
     """
     time = np.asarray(recording.time.values, dtype=float)
     sensors, axes, signal = recorded_channels(recording)
     given = dict(windows) if windows else {"the whole recording": (float(time[0]), float(time[-1]))}
     per_window: list[Lines] = []
     bands: dict[str, tuple[float, float]] = {}
+    speeds: list[float] = []
     teeth: dict[str, int] = {}
     for name, window in given.items():
         if window[0] >= window[1]:
@@ -99,7 +99,8 @@ def feature_table(
                 f"{name}: no shaft of known speed makes {FEWEST_TURNS} revolutions between {window[0]:g} and "
                 f"{min(window[1], float(time[-1])):g} s.{reasons} Set a longer window{remedy}."
             )
-        bands[name] = envelope_band(kinematics, time, turning[0][1].frequency / turning[0][0].ratio)
+        speeds.append(turning[0][1].frequency / turning[0][0].ratio)
+        bands[name] = envelope_band(kinematics, time, speeds[-1])
         whole = statistics(signal[:, inside])
         found: Lines = {(WHOLE, feature): whole[feature] for feature in OF_SIGNAL}
         for shaft, cut in turning:
@@ -122,16 +123,17 @@ def feature_table(
         window=tuple(bands),
         band_low=np.array([low for low, _ in bands.values()]),
         band_high=np.array([high for _, high in bands.values()]),
+        speed=np.array(speeds),
         left_out=_left_out(kinematics, rotation, time, {component for component, _ in values}, given),
     )
 
 
 def recorded_channels(recording: xarray.Dataset) -> tuple[tuple[str, ...], tuple[str, ...], np.ndarray]:
-    """Sensor and axis of every channel that was recorded, and their signals (channel, time) less their means.
+    """Sensor and axis of every channel with a signal, and the signals (channel, time) less their means.
 
     Raises
     ------
-    FeatureError : no channel holds a signal
+    FeatureError : no channel contains a signal
     """
     name = "acceleration" if "acceleration" in recording else "journal_acceleration"
     if name not in recording:
@@ -148,17 +150,17 @@ def recorded_channels(recording: xarray.Dataset) -> tuple[tuple[str, ...], tuple
 
 
 def envelope_band(kinematics: Kinematics, time: np.ndarray, frequency: float) -> tuple[float, float]:
-    """The range of the envelopes (Hz): above half of the lowest mesh frequency, and all that the rate holds.
+    """Band of the envelopes (Hz): from half of the lowest mesh frequency to HIGHEST of the sampling rate.
 
     Parameters
     ----------
     kinematics : of the machine
     time : of the recording, s
-    frequency : Hz, of the first shaft
+    frequency : of the first shaft, Hz
 
     Raises
     ------
-    FeatureError : nothing is left between the two
+    FeatureError : the band is empty
     """
     meshes = kinematics.mesh_orders().values()
     guard = 0.5 * min(meshes) if meshes else GUARD_ORDER * max(shaft.ratio for shaft in kinematics.shafts)
@@ -175,7 +177,7 @@ def envelope_band(kinematics: Kinematics, time: np.ndarray, frequency: float) ->
 def _shaft_lines(
     cut: Turns, band: tuple[float, float], shaft: Shaft, kinematics: Kinematics, error: float
 ) -> tuple[Lines, dict[str, int]]:
-    """Features of a shaft and what sits on it, and the marked tooth of its gears; `error` of the speed, relative."""
+    """Features of a shaft, its gears and bearings, and the marked tooth of each gear; `error` is that of the speed."""
     gears = kinematics.gears_on(shaft.name)
     averaged = average(cut.values, cut.orders, {gear.stage: gear.teeth for gear in gears})
     found = synchronous(averaged)
@@ -207,15 +209,16 @@ def _shaft_lines(
 
 
 def _numbered(passing: int, backwards: bool, gear: Gear) -> int:
-    """Number of the tooth that rings from the angle 2 pi passing / teeth on, or backwards up to there.
+    """Number of the tooth whose impact is in the interval `passing` of the shaft angle.
 
-    A knock rings on in the sense of rotation: backwards it fills the place below that of its tooth.
+    The vibration after an impact decays in the sense of rotation. If the shaft runs backwards, it is in the interval
+    below that of the tooth.
     """
     return (passing + backwards + round(gear.cycle)) % gear.teeth
 
 
 def _mean(windows: list[Lines]) -> Lines:
-    """Mean over the windows that have a line; lines with orders beyond the sampling rate are left out."""
+    """Mean of each line over the windows that have it; lines with orders beyond the spectrum are omitted."""
     named = dict.fromkeys(name for lines in windows for name in lines)
     means = {name: np.mean([lines[name] for lines in windows if name in lines], axis=0) for name in named}
     return {name: value for name, value in means.items() if np.isfinite(value).all()}
@@ -228,7 +231,7 @@ def _left_out(
     there: set[str],
     windows: Mapping[str, tuple[float, float]],
 ) -> tuple[str, ...]:
-    """What turns too seldom in every window, and the window that it would take; shafts whose speed is conditional."""
+    """Shafts without features and the reason: too few turns, with the window needed, or a conditional speed."""
     start, end = max(windows.values(), key=lambda window: window[1] - window[0])
     first, last = np.searchsorted(time, start), min(int(np.searchsorted(time, end)), len(time) - 1)
     turns = abs(float(rotation.angle[last] - rotation.angle[first])) / (2.0 * math.pi)

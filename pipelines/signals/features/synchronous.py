@@ -53,7 +53,7 @@ def synchronous(average: Average) -> dict[str, np.ndarray]:
             for suffix, side in SIDES:
                 found[f"stage_{stage}_mesh_{number}{suffix}"] = average.amplitude(number * teeth + side)
         sides = range(1, RATIO_SIDEBANDS + 1)
-        beside = [average.amplitude(teeth + sign * side) for side in sides for sign in (-1, 1) if teeth > side]
+        sidebands = [average.amplitude(teeth + sign * side) for side in sides for sign in (-1, 1) if teeth > side]
         found[f"stage_{stage}_fm0"] = found["tsa_peak_to_peak"] / np.nansum(meshing, axis=0)
-        found[f"stage_{stage}_sideband_ratio"] = np.nansum(beside, axis=0) / meshing[0]
+        found[f"stage_{stage}_sideband_ratio"] = np.nansum(sidebands, axis=0) / meshing[0]
     return found

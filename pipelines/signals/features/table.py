@@ -1,4 +1,4 @@
-"""The features of a recording: one table over channel (sensor, axis), component of the machine and feature."""
+"""Table of the features of a recording by channel (sensor, axis), component of the machine and feature."""
 
 from __future__ import annotations
 
@@ -18,11 +18,12 @@ WHOLE = "whole machine"  # features of the signal over time, which belong to no 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FeatureTable(Record):
-    """Values, in the unit of the signal or without one, of a recording.
+    """Features of a recording; `value` is in the unit of the signal or dimensionless.
 
-    A line is a feature of a component. `gear` and `tooth` name the tooth of each gear that stands out most, which means
-    something only if the gear is damaged; `window`, `band_low` and `band_high` are the bands of the envelopes;
-    `left_out` are the shafts that do not turn often enough, or whose speed is conditional, with the reason.
+    A line is a feature of a component. `tooth` is the tooth of each `gear` with the highest envelope energy, which is
+    significant only if the gear is damaged. `band_low` and `band_high` are the ends of the envelope band by `window`,
+    `speed` is the mean speed of the first shaft. `left_out` are shafts with too few turns or of conditional speed, with
+    the reason.
     """
 
     sensor: tuple[str, ...] = names("channel")
@@ -35,6 +36,7 @@ class FeatureTable(Record):
     window: tuple[str, ...] = names("window")
     band_low: np.ndarray = array("window", units="Hz")
     band_high: np.ndarray = array("window", units="Hz")
+    speed: np.ndarray = array("window", units="Hz")
     left_out: tuple[str, ...] = names("left_out")
 
     @property
@@ -44,7 +46,7 @@ class FeatureTable(Record):
 
     @property
     def levels(self) -> np.ndarray:
-        """The levels in the mean over the channels (line,), dB."""
+        """The levels averaged over the channels (line,), dB."""
         return np.mean(self.channel_levels, axis=0)
 
     @property
@@ -53,11 +55,11 @@ class FeatureTable(Record):
         return tuple(zip(self.component, self.feature, strict=True))
 
     def tooth_of(self, gear: str) -> int | None:
-        """The tooth of a gear that stands out most; None if its place is not known."""
+        """The tooth of a gear with the highest envelope energy; None if its position is not known."""
         return int(self.tooth[self.gear.index(gear)]) if gear in self.gear else None
 
     def labelled(self) -> xarray.DataArray:
-        """The values over sensor, axis, component and feature; NaN where there is none."""
+        """The values as an array over sensor, axis, component and feature; missing values are NaN."""
         values: dict[tuple[str, ...], float] = {
             (sensor, axis, *line): self.value[i, j]
             for i, (sensor, axis) in enumerate(zip(self.sensor, self.axis, strict=True))
@@ -67,7 +69,7 @@ class FeatureTable(Record):
 
 
 def with_common_components(tables: Sequence[FeatureTable]) -> list[FeatureTable]:
-    """The tables with the components that all have; the others are named among those left out."""
+    """The tables with the components that all of them have; the others are added to `left_out`."""
     common = set.intersection(*(set(table.component) for table in tables))
     found = []
     for table in tables:
@@ -87,7 +89,7 @@ def with_common_components(tables: Sequence[FeatureTable]) -> list[FeatureTable]
 
 
 def labelled_array(values: Mapping[tuple[str, ...], float], dims: Sequence[str]) -> xarray.DataArray:
-    """An array with named axes from values by place; NaN where there is none, labels in the order of the values."""
+    """An array with named axes from values by their labels, in the order of the values; missing values are NaN."""
     import xarray
 
     known = [list(dict.fromkeys(labels)) for labels in zip(*values, strict=True)]

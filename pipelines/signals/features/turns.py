@@ -10,15 +10,15 @@ import numpy as np
 from pipelines.signals.orders.revolutions import HIGHEST, revolutions
 from pipelines.signals.orders.rotation import Rotation
 
-COLUMNS = 1.25  # per recorded sample: fewer would make the filter affect orders below HIGHEST of the rate
+COLUMNS = 1.25  # places per recorded sample; with fewer, the filter affects orders below HIGHEST of the rate
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Turns:
-    """Turns of a shaft: `values` (channel, turn, place); `frequency` (Hz) of the shaft; `orders` below HIGHEST of the
-    rate.
+    """Turns of a shaft: `values` (channel, turn, place) and its rotation `frequency` (Hz).
 
-    Places are at increasing angles also if the shaft runs `backwards`.
+    `orders` is the number of orders below HIGHEST of the sampling rate. The angle increases with the place, also if the
+    shaft runs `backwards`.
     """
 
     values: np.ndarray
@@ -34,8 +34,8 @@ class Turns:
     def order(self, number: int) -> np.ndarray:
         """Peak amplitude (channel,) of an order of the shaft.
 
-        The turns are averaged under a Hann window, which suppresses strong orders of other shafts: the plain average
-        keeps 1/turns of them.
+        The turns are averaged with a Hann window, which suppresses strong orders of other shafts. A plain average would
+        retain 1/turns of them.
         """
         weights = np.hanning(self.count + 2)[1:-1]
         averaged = np.einsum("ctp,t->cp", self.values, weights / weights.sum())
@@ -53,7 +53,7 @@ def cut_turns(
 
     Parameters
     ----------
-    signal, time : (channel, time), at even times (time,) in s
+    signal, time : (channel, time), at equidistant times (time,) in s
     rotation : of the recording
     ratio : turns of the shaft per turn of the first one
     window : start and end, s

@@ -1,1 +1,1 @@
-"""Run-ups: spectra over speed and order, cuts along an order, natural frequencies over speed beside them."""
+"""Orders: rotation angle of a recording, spectra over speed and order, and natural frequencies over speed."""

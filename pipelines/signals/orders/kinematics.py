@@ -1,6 +1,6 @@
-"""What turns how often in a machine: its shafts, the gears on them and its rolling bearings, as a diagnosis needs them.
+"""Kinematics of a machine for a diagnosis: speed ratios of its shafts, their gears, pass orders of rolling bearings.
 
-An order is a number of cycles per turn of a shaft, so that nothing here hangs on the speed.
+Orders are cycles per revolution of a shaft and do not depend on the speed.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, kw_only=True)
 class Shaft:
-    """`ratio`: its turns per turn of the first shaft, positive."""
+    """A shaft; `ratio` is its speed divided by that of the first shaft, positive."""
 
     name: str
     ratio: float
@@ -19,10 +19,10 @@ class Shaft:
 
 @dataclass(frozen=True, kw_only=True)
 class Gear:
-    """A gear of a pair; pairs are numbered from 1 in `stage`.
+    """A gear of the pair with number `stage`, from 1.
 
-    `cycle` is the mesh cycle of the pair where the angle of the shaft is zero, 0 if nobody knows: then the teeth are
-    counted from the one that is in mesh there.
+    `cycle` is the mesh cycle of the pair where the angle of the shaft is zero. If it is not known it is set to 0; the
+    teeth are then numbered from the one that is in mesh at that angle.
     """
 
     name: str
@@ -42,7 +42,7 @@ class Bearing:
 
     @property
     def strikes(self) -> dict[str, float]:
-        """Orders at which damage knocks, by component: that of a rolling element meets both rings, twice per turn."""
+        """Orders of the impacts by damage of each component. Damage of a rolling element meets both rings: 2 BSF."""
         twice = {"BSF": ("2 BSF", 2.0)}
         named = ((twice.get(label, (label, 1.0)), order) for label, order in self.orders.items())
         return {f"{self.name} {label}": times * order for (label, times), order in named}
@@ -50,9 +50,10 @@ class Bearing:
 
 @dataclass(frozen=True, kw_only=True)
 class Kinematics:
-    """The machine; `frequency` (Hz) is the nominal speed of the first shaft, None if nobody knows it.
+    """Shafts, gears and bearings of a machine.
 
-    Where tooth counts are not known there are no gears, and shafts alone are looked at.
+    `frequency` (Hz) is the nominal speed of the first shaft, None if it is not known. If the numbers of teeth are not
+    known there are no gears, and only shafts and bearings are diagnosed.
     """
 
     shafts: tuple[Shaft, ...]
@@ -61,7 +62,7 @@ class Kinematics:
     frequency: float | None = None
 
     def shaft(self, name: str) -> Shaft:
-        """The shaft of a name; KeyError if there is none."""
+        """The shaft with this name; KeyError if there is none."""
         return {shaft.name: shaft for shaft in self.shafts}[name]
 
     def gears_on(self, shaft: str) -> tuple[Gear, ...]:
@@ -69,20 +70,20 @@ class Kinematics:
         return tuple(gear for gear in self.gears if gear.shaft == shaft)
 
     def shaft_of(self, component: str) -> str:
-        """The shaft that a gear or a strike of a bearing sits on; a shaft itself."""
+        """Name of the shaft that carries a gear or a bearing of `strikes`; for a shaft its own name."""
         places = {gear.name: gear.shaft for gear in self.gears}
         places |= {strike: bearing.shaft for bearing in self.bearings for strike in bearing.strikes}
         return places.get(component, component)
 
     def mesh_orders(self) -> dict[int, float]:
-        """Tooth meshing of every pair, in orders of the first shaft, by the number of the pair."""
+        """Mesh order of every pair, relative to the first shaft, by the number of the pair."""
         return {gear.stage: gear.teeth * self.shaft(gear.shaft).ratio for gear in self.gears}
 
 
 def needed_seconds(kinematics: Kinematics, turns: int) -> dict[str, float]:
-    """Length (s) of a window that holds so many whole turns, wherever the mark of the shaft is, by shaft.
+    """Length (s) by shaft of a window that contains so many complete turns at the nominal speed.
 
-    It is that of one turn more, at the nominal speed.
+    It is one turn longer, since turns are counted from a mark on the shaft and the window may begin at any angle.
 
     Raises
     ------

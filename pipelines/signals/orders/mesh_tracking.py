@@ -1,16 +1,19 @@
-"""The angle of a machine from its vibration alone: the phase of its mesh lines over time.
+"""The angle of a machine from its vibration alone, by the phase of its mesh orders.
 
-A line of the order o turns by o times the angle of the first shaft. With an angle that is nearly right the line is
-brought to rest, x(t) exp(-i o angle(t)), and averaged under Hann windows of TURNS turns of the slower shaft of the
-pair: the sidebands of that shaft fall on zeros of the window. What is left of the phase, divided by o, is the error of
-the angle. Lines are weighted by the steadiness of their phase, the channels of a line by its largest principal
-component; the mended angle brings the lines to rest anew. The rough angle to begin with is that of
-`pipelines.signals.orders.speed_search`. The line that is steadiest there may be another one than was searched, so the
-angle is right up to a factor; `pipelines.signals.orders.speed_evidence` finds it, and which shafts confirm it.
+The phase of a line of order o is o times the angle of the first shaft. The method iterates:
 
-Limits. A line that sweeps through more than the width of a window's line, 1/L, in its length L is lost: the speed may
-change by 1/(o L^2) Hz per second at most, o being the lowest mesh order. What modulates the phase of all lines alike,
-slower than 1/L, is taken for a change of speed, as it must be.
+1. `pipelines.signals.orders.speed_search` gives a first estimate of the angle.
+2. Each mesh order is demodulated with the estimate, x(t) exp(-i o angle(t)), and averaged under Hann windows of TURNS
+   turns of the slower shaft of the pair. The sidebands of that shaft fall on zeros of these windows.
+3. The remaining phase, divided by o, is the error of the angle. Lines are weighted by the steadiness of their phase,
+   the channels of a line by its largest principal component. The corrected angle is the next estimate.
+
+The steadiest line may be another one than the assumed mesh order, which makes the angle wrong by a factor.
+`pipelines.signals.orders.speed_evidence` finds this factor, and the shafts that confirm it.
+
+Limits: within a window of length L a line must move by less than the width 1/L of its main lobe. The speed may thus
+change by at most 1/(o L^2) Hz per second, where o is the lowest mesh order. A modulation of the phase of all lines that
+is slower than 1/L cannot be distinguished from a change of speed.
 
 References
 ----------
@@ -34,22 +37,22 @@ from pipelines.signals.orders.speed_evidence import HARMONICS, OrderLevels, best
 from pipelines.signals.orders.speed_search import RANGE, speed_path
 
 TURNS = 2  # of the slower shaft in a window of the phase
-SIDEBANDS = 2  # of each shaft on either side that the rough search looks at
-CHANNELS = 6  # of the steadiest mesh lines
-WIDER = 0.35  # about the nominal speed: a better speed beyond RANGE is seen
-MARGIN = (
-    0.7  # of the score: right teeth gave a second best of up to 0.57, a wrong speed of a confirmed shaft 0.75 or more
-)
-SWING = 3e-4  # rad, of a geared shaft within a tooth mesh, which no window resolves
-ROUNDS = 4  # of bringing to rest and mending
+SIDEBANDS = 2  # of each shaft on either side, in the first search
+CHANNELS = 6  # used at most, those with the steadiest mesh orders
+WIDER = 0.35  # relative search range of the final speed; wider than RANGE to notice a better speed beyond it
+MARGIN = 0.7  # of the best score; the second best has up to 0.57 for correct teeth, 0.75 or more for a wrong speed
+SWING = 3e-4  # rad, oscillation of a geared shaft within a mesh cycle, which no window resolves
+ROUNDS = 4  # iterations
 FEWEST_WINDOWS = 6
-STEADY = 0.6  # rad; the second difference of a phase must scatter less, a phase at random scatters by 1.8
-LARGEST = 2.5  # rad; of a second difference: one near pi may hide a turn of the phase that is lost
-NEIGHBOURS = 4.0 / 3.0  # power of the slow part of the noise: windows that overlap by half correlate by 1/6
+STEADY = 0.6  # rad, largest rms of the second difference of a steady phase; for a random phase it is 1.8
+LARGEST = 2.5  # rad, largest second difference; near pi, the phase may have slipped by a whole turn
+NEIGHBOURS = (
+    4.0 / 3.0
+)  # noise power at low frequencies, relative: windows that overlap by half have a correlation of 1/6
 
 
 class _Line(NamedTuple):
-    """A mesh line at rest: order, phasor (window,), scatter and largest second difference of its phase, rad."""
+    """A demodulated mesh order: order, phasor (window,), rms and maximum of the second difference of its phase, rad."""
 
     order: float
     phasor: np.ndarray
@@ -58,18 +61,18 @@ class _Line(NamedTuple):
 
 
 def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) -> Rotation:
-    """The rotation from the signals alone.
+    """The rotation from the vibration alone.
 
     Parameters
     ----------
     signals : float (time,) of every channel, all finite
-    rate : Hz
-    kinematics : with gears and a nominal speed, known within RANGE
+    rate : sampling rate, Hz
+    kinematics : with gears and a nominal speed that is known within RANGE
 
     Raises
     ------
-    RotationError : the machine's teeth or speed are not known, the recording is too short, no mesh line is clear or
-        the speed changes too fast
+    RotationError : numbers of teeth or nominal speed are not known, the recording is too short, no mesh order has a
+        steady phase, or the speed changes too fast
     """
     if not kinematics.gears or kinematics.frequency is None:
         missing = "its nominal speed" if kinematics.gears else "the teeth of its gears"
@@ -121,7 +124,7 @@ def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) ->
 
 
 def _check_length(duration: float, seconds: float, stage: int) -> None:
-    """Refuse a recording with fewer than FEWEST_WINDOWS windows of the phase."""
+    """Raise RotationError for a recording with fewer than FEWEST_WINDOWS windows of the phase."""
     if duration < (FEWEST_WINDOWS + 1) * seconds / 2:
         raise RotationError(
             f"the recording lasts {duration:.3g} s; the phase of the mesh of stage {stage} needs "
@@ -137,7 +140,7 @@ def _tracked(
     unsteady: str,
     most: int = HARMONICS,
 ) -> tuple[np.ndarray, float, int]:
-    """The angle by so many of the steadiest lines at most, the uncertainty of its climb, and the number of lines."""
+    """Angle from at most `most` of the steadiest lines, uncertainty of its total increase, and number of lines used."""
     error, used = np.inf, 0
     for _ in range(ROUNDS):
         lines = sorted(
@@ -146,17 +149,17 @@ def _tracked(
         steady = [line for line in lines if line.scatter < STEADY and line.largest < LARGEST][:most]
         if not steady:
             raise RotationError(unsteady)
-        angle, error = _mend(steady, angle, size)
+        angle, error = _corrected(steady, angle, size)
         used = len(steady)
     return angle, error, used
 
 
 def _at_best_speed(signals: Sequence[np.ndarray], angle: np.ndarray, rate: float, kinematics: Kinematics) -> np.ndarray:
-    """The angle by the factor that all lines of the train support.
+    """The angle, corrected by the factor that fits the lines of all gears best.
 
     Raises
     ------
-    RotationError : the factor is at the edge of the search, or another one fits nearly as well
+    RotationError : the corrected speed is outside RANGE, or another one fits nearly as well
     """
     nominal = kinematics.frequency or 0.0
     speed = float(angle[-1] - angle[0]) / (2.0 * np.pi) * rate / (len(angle) - 1)
@@ -179,9 +182,11 @@ def _at_best_speed(signals: Sequence[np.ndarray], angle: np.ndarray, rate: float
 
 
 def _search_orders(kinematics: Kinematics, rate: float) -> dict[float, float]:
-    """Weights by order: the meshes of all pairs with the sidebands of their shafts, below half the rate.
+    """Weights of the first search by order: mesh orders of all pairs with sidebands of their shafts, below half the
+    sampling rate.
 
-    A sideband counts half as much as the line next to it, so that a group without sidebands is not found beside itself.
+    A sideband has half the weight of its inner neighbour. With equal weights, a mesh order without sidebands would
+    give the same score if it were taken for a sideband.
     """
     found: dict[float, float] = {}
     top = HIGHEST * rate / ((kinematics.frequency or 0.0) * (1.0 + RANGE))
@@ -196,7 +201,7 @@ def _search_orders(kinematics: Kinematics, rate: float) -> dict[float, float]:
 
 
 def _clearest(signals: Sequence[np.ndarray], angle: np.ndarray, orders: np.ndarray, size: int) -> Sequence[np.ndarray]:
-    """The channels whose steadiest mesh line is steadier than those of others."""
+    """The CHANNELS channels whose steadiest mesh order has the steadiest phase."""
     if len(signals) <= CHANNELS:
         return signals
     scatter = [min(_at_rest([signal], angle, order, size).scatter for order in orders) for signal in signals]
@@ -204,7 +209,7 @@ def _clearest(signals: Sequence[np.ndarray], angle: np.ndarray, orders: np.ndarr
 
 
 def _at_rest(signals: Sequence[np.ndarray], angle: np.ndarray, order: float, size: int) -> _Line:
-    """A line brought to rest, of all channels together."""
+    """A mesh order, demodulated with the angle, from all channels together."""
     window = np.hanning(size + 1)[:-1]
     carrier = np.exp(-1j * order * angle)
     view = np.lib.stride_tricks.sliding_window_view
@@ -215,11 +220,11 @@ def _at_rest(signals: Sequence[np.ndarray], angle: np.ndarray, order: float, siz
     return _Line(order, phasor, float(np.sqrt(np.mean(second**2))), float(np.abs(second).max()))
 
 
-def _mend(lines: list[_Line], angle: np.ndarray, size: int) -> tuple[np.ndarray, float]:
-    """The mended angle (time,) and the standard uncertainty of its climb from end to end, rad.
+def _corrected(lines: list[_Line], angle: np.ndarray, size: int) -> tuple[np.ndarray, float]:
+    """The corrected angle (time,) and the standard uncertainty of its total increase, rad.
 
-    The latter is the larger one of two: what the scatter of the phase about its smooth curve lets expect, and how far
-    the lines disagree.
+    The uncertainty is the larger of two estimates: from the scatter of the phase about its smooth curve, and from the
+    differences between the lines.
     """
     from scipy.interpolate import CubicSpline
 
@@ -245,6 +250,6 @@ def _mend(lines: list[_Line], angle: np.ndarray, size: int) -> tuple[np.ndarray,
 
 
 def _residual(line: _Line, off: np.ndarray) -> np.ndarray:
-    """What is left of a line's phase beside `off`, in rad of the first shaft, without its mean."""
+    """Phase of a line after the correction `off`, in rad of the first shaft, without its mean."""
     phasor = line.phasor * np.exp(-1j * line.order * off)
     return np.angle(phasor * np.conj(phasor.sum())) / line.order

@@ -1,8 +1,8 @@
 """Spectra of a run whose speed changes: over the orders of a shaft, or over frequency, window by window.
 
-Orders count cycles per revolution of a shaft. The signal is read at even steps of the shaft's angle, band-limited
-(`fem.numerics.interpolation`), so that a line that follows the shaft stays sharp whatever the speed does; windows of
-whole revolutions overlap by half. The angle is that of the shaft itself, recorded with the response.
+An order is the number of cycles per revolution of a shaft. The signal is resampled to equidistant angles of the shaft
+by band-limited interpolation (`fem.numerics.interpolation`). A line that follows the shaft then remains sharp when the
+speed changes. Windows of whole revolutions overlap by half. The angle of the shaft is recorded with the response.
 
 References
 ----------
@@ -20,11 +20,11 @@ from fem.numerics.interpolation import interpolated
 from fem.storage.records import Record, array, scalar, text
 from pipelines.signals.orders.revolutions import HIGHEST, moving_stretches
 
-STEPS = 1.25  # per recorded sample: the filter of the interpolation begins above HIGHEST
+STEPS = 1.25  # per recorded sample, so that the filter of the interpolation begins above HIGHEST
 
 
 class OrderError(ValueError):
-    """A run has no orders to show: the shaft stands, or the windows do not fit."""
+    """A run has no order spectra: the shaft does not turn, or the run is shorter than a window."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -60,19 +60,19 @@ class Waterfall(Record):
 def order_waterfall(
     signal: np.ndarray, time: np.ndarray, angle: np.ndarray, *, shaft: str, revolutions: int = 16
 ) -> Waterfall:
-    """Spectra over the orders of a shaft, from the longest stretch in which it turns.
+    """Spectra over the orders of a shaft, for the longest part of the run in which it turns.
 
-    The highest order is HIGHEST of the samples that half of all revolutions have at least.
+    The highest order is HIGHEST of the median number of samples per revolution.
 
     Parameters
     ----------
-    signal, time, angle : (n,) signal, time (s, even) and angle of the shaft (rad)
-    shaft : its name
-    revolutions : of a window; the resolution is its inverse
+    signal, time, angle : (n,) signal, equidistant time (s) and angle of the shaft (rad)
+    shaft : name of the shaft
+    revolutions : number of revolutions in a window; the resolution is its inverse
 
     Raises
     ------
-    OrderError : fewer revolutions in the run than in a window
+    OrderError : the shaft does not turn, or makes fewer revolutions than a window
     """
     moving = max(moving_stretches(angle), key=lambda stretch: stretch.stop - stretch.start, default=slice(0))
     turned = np.abs(angle[moving] - angle[moving.start or 0]) / (2 * np.pi)
@@ -109,13 +109,13 @@ def order_waterfall(
 def frequency_waterfall(
     signal: np.ndarray, time: np.ndarray, angle: np.ndarray, *, shaft: str, seconds: float = 0.2
 ) -> Waterfall:
-    """Spectra over frequency, as natural frequencies are seen: they stay where they are while orders climb.
+    """Spectra over frequency, in which natural frequencies stay constant while orders change with the speed.
 
     Parameters
     ----------
-    signal, time, angle : (n,) signal, time (s, even) and angle of the shaft (rad)
-    shaft : its name
-    seconds : of a window; windows overlap by half
+    signal, time, angle : (n,) signal, equidistant time (s) and angle of the shaft (rad)
+    shaft : name of the shaft
+    seconds : length of a window; windows overlap by half
 
     Raises
     ------
@@ -139,6 +139,6 @@ def frequency_waterfall(
 
 
 def _amplitudes(values: np.ndarray) -> np.ndarray:
-    """One-sided peak amplitudes with a Hann window: a tone on a line reads its amplitude."""
+    """One-sided peak amplitudes with a Hann window; exact for a tone on a line."""
     weights = np.hanning(len(values) + 1)[:-1]
     return 2.0 * np.abs(np.fft.rfft((values - values.mean()) * weights)) / weights.sum()

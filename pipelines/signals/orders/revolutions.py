@@ -1,9 +1,9 @@
-"""A recording cut into whole revolutions of a shaft: values over turn and place in the turn.
+"""A recording resampled over whole revolutions of a shaft: values by turn and place in the turn.
 
-The signal is read at even steps of the shaft's angle, band-limited (`fem.numerics.interpolation`): the error is below
-1e-5 of the signal up to 0.45 of the sampling rate. Where the steps are wider than the samples, what lies above 0.55 of
-the steps per turn, in orders of the shaft, is filtered out first and cannot fold back; the filter takes the speed as
-even over its 96 steps.
+The signal is resampled to equidistant angles of the shaft by band-limited interpolation (`fem.numerics.interpolation`).
+The error is below 1e-5 of the signal up to 0.45 of the sampling rate. If the angle steps are wider than the samples,
+orders above 0.55 of the steps per turn are filtered out to prevent aliasing. The filter assumes a constant speed over
+its 96 steps.
 
 References
 ----------
@@ -21,9 +21,9 @@ import numpy as np
 from fem.numerics.interpolation import HALF_WIDTH, interpolated
 from pipelines.signals.orders.rotation import Rotation
 
-HIGHEST = 0.45  # of the sampling rate: what is looked at; filters of recorders roll off above
-LEAST_SPEED = 0.05  # of the highest: a shaft that is slower stands or reverses
-_TURN_TOLERANCE = 1e-9  # turns, rounding of the ends of a window
+HIGHEST = 0.45  # of the sampling rate, highest frequency in use; filters of recorders attenuate above
+LEAST_SPEED = 0.05  # of the highest speed; a slower shaft is considered at rest or reversing
+_TURN_TOLERANCE = 1e-9  # turns, for rounding at the ends of a window
 
 
 def revolutions(
@@ -34,21 +34,21 @@ def revolutions(
     per_turn: int,
     windows: Sequence[tuple[float, float]] | None = None,
 ) -> np.ndarray:
-    """Signals over whole turns of a shaft (..., turn, angle), float, from every stretch of the windows that moves.
+    """Signals (..., turn, angle) over whole turns of a shaft, from all parts of the windows in which it turns.
 
-    A turn begins where the shaft's angle, `ratio` times that of the rotation, is a multiple of 2 pi; column j is at
-    2 pi j / per_turn beyond it, whatever the sense of rotation. Stretches are in order of time, the turns of one in
-    order of the angle, so that laid end to end they are the signal over the angle; there may be none. A turn is left
-    out where it crosses the end of a window, or lies closer to an end of the recording than the interpolation reaches:
-    HALF_WIDTH samples, or steps where these are wider.
+    A turn begins where the angle of the shaft, `ratio` times that of the rotation, is a multiple of 2 pi. Column j is
+    at the angle 2 pi j / per_turn after it, for both senses of rotation. The parts are in the order of time, the turns
+    of one part in the order of the angle. There may be no turn. A turn is omitted if it crosses the end of a window. It
+    is also omitted if it is closer to an end of the recording than the interpolation needs: HALF_WIDTH samples, or
+    angle steps if these are wider.
 
     Parameters
     ----------
     values : float (..., time)
-    time : float (time,), s, even
+    time : float (time,), s, equidistant
     rotation : of the recording
     ratio : turns of the shaft per turn of the first one
-    per_turn : columns
+    per_turn : number of columns
     windows : start and end in s, the whole recording if None
 
     Raises
@@ -77,7 +77,7 @@ def revolutions(
 
 
 def moving_stretches(angle: np.ndarray) -> list[slice]:
-    """Stretches of two samples or more in which a shaft turns in one sense, at LEAST_SPEED of its highest speed."""
+    """Parts of two samples or more in which a shaft turns in one sense, at LEAST_SPEED of its highest speed or more."""
     if len(angle) < 2:
         return []
     speed = np.gradient(angle)
@@ -89,7 +89,7 @@ def moving_stretches(angle: np.ndarray) -> list[slice]:
 
 
 def _positions(angle: np.ndarray, stretch: slice, per_turn: int) -> tuple[np.ndarray, np.ndarray]:
-    """Where the columns of whole turns lie (turn, angle), in samples, and the cut-off there."""
+    """Positions of the columns of whole turns (turn, angle) in samples, and the cut-off of the filter there."""
     from scipy.interpolate import CubicSpline
 
     sense = 1.0 if angle[stretch.stop - 1] > angle[stretch.start] else -1.0

@@ -1,4 +1,4 @@
-"""The rotation of a machine in a recording: the angle of its first shaft, and how well it is known."""
+"""The rotation of a machine in a recording: the angle of its first shaft, with its source and uncertainty."""
 
 from __future__ import annotations
 
@@ -11,19 +11,21 @@ from pipelines.io.errors import InputError
 
 
 class RotationError(InputError):
-    """The angle cannot be had from a recording."""
+    """The angle of rotation cannot be determined from a recording."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Rotation:
-    """`angle` (time,) of the first shaft in rad, one value per sample of the recording.
+    """`angle` (time,) of the first shaft in rad, one value for each sample of the recording.
 
-    A recorded angle falls where the machine runs backwards; one from pulses or from the signal alone never falls, as
-    neither knows the sense. `source` says in words where it comes from; `error` is the standard uncertainty of the
-    mean speed, as a share of it; `absolute` is True where angle 0 is a mark on the shaft, so that the place of a tooth
-    means something. With one pulse per turn the mark is that of the shaft with the tachometer, `mark`: other shafts
-    pass theirs at angles nobody knows. Where `mark` is empty all shafts have theirs at 0. `conditional` are the shafts
-    whose speed is only as right as the tooth numbers, or not well enough known, each with the reason.
+    A recorded angle decreases where the machine runs backwards. An angle from pulses or from the vibration never
+    decreases, since the sense of rotation is not known. `source` describes its origin; `error` is the standard
+    uncertainty of the mean speed, relative.
+
+    `absolute` is True if angle 0 is a mark on a shaft, so that positions of teeth are known. With one tachometer pulse
+    per turn the mark is on the shaft named `mark`, and positions on other shafts are not known. If `mark` is empty, all
+    shafts have a mark at angle 0. `conditional` maps shafts to the reason why their speed is uncertain: it depends on
+    the tooth numbers, or is not known well enough.
     """
 
     angle: np.ndarray
@@ -34,10 +36,10 @@ class Rotation:
     conditional: Mapping[str, str] = field(default_factory=dict)
 
     def places_teeth(self, shaft: str) -> bool:
-        """Whether the place of a tooth on a shaft means something."""
+        """Whether the positions of teeth on a shaft are known."""
         return self.absolute and self.mark in ("", shaft)
 
     @property
     def turns(self) -> float:
-        """How far the first shaft is in the end from where it began, in turns."""
+        """Turns of the first shaft from the first to the last sample."""
         return float(self.angle[-1] - self.angle[0]) / (2.0 * np.pi)

@@ -1,4 +1,4 @@
-"""The rotation of a machine from the best source that a recording has."""
+"""The rotation of a machine from the most accurate source in a recording."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ def rotation_of(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
 
     Parameters
     ----------
-    recording : `acceleration` (time, sensor, axis), coordinate `time` in s at even steps; `shaft_angle` (time, shaft)
-        in rad or `tachometer` (time), if there are any, the latter with the attributes `pulses_per_turn`, `shaft` and,
-        where it is known, `level` of a pulse; or `known_speed` (time) in Hz with `shaft` and relative `uncertainty`
+    recording : `acceleration` (time, sensor, axis) with the equidistant coordinate `time` in s. Optional:
+        `shaft_angle` (time, shaft) in rad; `tachometer` (time) with the attributes `pulses_per_turn`, `shaft` and, if
+        known, `level` of a pulse; `known_speed` (time) in Hz with the attributes `shaft` and relative `uncertainty`
     kinematics : of the machine
 
     Raises
     ------
-    RotationError : no shaft of the machine is recorded, it stands, its tachometer gives no angle, or, without either,
-        the vibration does not tell (see `pipelines.signals.orders.mesh_tracking.track`)
+    RotationError : the recorded angle is of no shaft of the machine or does not change, the tachometer or the speed is
+        not valid, or no angle follows from the vibration (see `pipelines.signals.orders.mesh_tracking.track`)
     """
     if "shaft_angle" in recording:
         return _recorded(recording, kinematics)
@@ -74,11 +74,13 @@ def _from_pulses(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
     time = np.asarray(recording.time, dtype=float)
     pulses = find_pulses(np.asarray(tachometer, dtype=float), time, tachometer.attrs.get("level"))
     turning = angle_from_pulses(pulses, per_turn, time)
-    mended = [f"{number} {kind}" for number, kind in ((pulses.missing, "missing"), (pulses.double, "double")) if number]
+    corrected = [
+        f"{number} {kind}" for number, kind in ((pulses.missing, "missing"), (pulses.double, "double")) if number
+    ]
     words = f"tachometer on {shown(name)}, {per_turn:g} pulse{'' if per_turn == 1.0 else 's'} per turn"
     return Rotation(
         angle=turning.angle / ratio,
-        source=words + (f"; {' and '.join(mended)} pulses corrected" if mended else ""),
+        source=words + (f"; {' and '.join(corrected)} pulses corrected" if corrected else ""),
         error=turning.error / float(turning.angle[-1] - turning.angle[0]),
         absolute=per_turn == 1.0,
         mark=name,
@@ -104,7 +106,7 @@ def _from_speed(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
 
 
 def _ratio(kinematics: Kinematics, name: str, what: str) -> float:
-    """Turns of the shaft that carries a source of the speed per turn of the first one."""
+    """Speed ratio, relative to the first shaft, of the shaft `name` at which `what` is measured."""
     known = {shaft.name: shaft.ratio for shaft in kinematics.shafts}
     if name not in known:
         raise RotationError(

@@ -1,8 +1,8 @@
-"""A smooth curve through even, noisy values, and the standard uncertainty of how far it climbs.
+"""A smooth curve through equidistant, noisy values, and the standard uncertainty of its total increase.
 
-The curve x minimises sum (y - x)^2 + strength * sum (third difference of x)^2: a parabola where the strength is
-large. It is the mean of a random walk of the curvature that is seen in white noise; the strength is the one under which
-the values are likeliest. Between the values the curve goes on by the same rule, beyond them as a parabola.
+The curve x minimises sum (y - x)^2 + strength * sum (third difference of x)^2. For a large strength it is a parabola.
+It is the posterior mean if the curvature is a random walk and the noise is white. The strength is the one of maximum
+likelihood. Before the first and after the last value the curve is a parabola.
 
 References
 ----------
@@ -20,7 +20,7 @@ STRENGTHS = np.logspace(-2, 14, 65)
 
 
 class Smooth(NamedTuple):
-    """`values` (n,) of the curve; `noise`: standard deviation of a value about it; `climb`: of last less first."""
+    """`values` (n,) of the curve; standard deviations `noise` of a given value and `climb` of the total increase."""
 
     values: np.ndarray
     noise: float
@@ -28,12 +28,12 @@ class Smooth(NamedTuple):
 
 
 def smooth(values: np.ndarray, before: int, after: int) -> Smooth:
-    """The curve at the values and at so many even places before and after them.
+    """The curve at the values, and continued before and after them.
 
     Parameters
     ----------
     values : float (n,), at least four
-    before, after : places
+    before, after : numbers of additional points
     """
     from scipy.linalg import solveh_banded
 
@@ -41,7 +41,7 @@ def smooth(values: np.ndarray, before: int, after: int) -> Smooth:
     seen = np.zeros(n)
     seen[before : before + len(values)] = 1.0
     given = np.zeros(n)
-    parabola = np.polynomial.Polynomial.fit(np.arange(len(values)), values, 2)  # taken off: the rest is small
+    parabola = np.polynomial.Polynomial.fit(np.arange(len(values)), values, 2)  # subtracted to reduce rounding errors
     trend = parabola(np.arange(n) - before)
     given[before : before + len(values)] = values - trend[before : before + len(values)]
     bending = _third_differences(n)

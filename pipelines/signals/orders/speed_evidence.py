@@ -1,17 +1,20 @@
-"""Which speed the lines of a vibration support, and which shafts show separate lines at that speed.
+"""Best speed by all lines of a vibration, and the shafts whose sidebands confirm it.
 
-The angle of a machine follows from a single line of its train up to a factor: the line may be a mesh order, or a
-sideband that was taken for one. Over this angle all lines of the train are sharp, so that every factor can be tried
-on one spectrum. The score of a speed is a sum over stages and shafts: the mean level of the mesh orders of a stage, and
-that of the sidebands of a shaft, each in standard deviations over its median for all speeds of the search. Scores at
-wrong speeds are due to lines of other stages and to rational multiples such as 4/3.
+The angle that follows from a single line may be wrong by a factor, since the line may be a mesh order or a sideband. In
+an order spectrum over this angle all lines are sharp, so that every factor can be tried on the same spectrum. The score
+of a speed is a sum over stages and shafts: the mean level of the mesh orders of a stage, and that of the sidebands of a
+shaft. Each is in standard deviations over its median for all speeds of the search. Lines of other stages and rational
+multiples such as 4/3 cause scores at wrong speeds.
 
-Mesh orders alone cannot show wrong tooth numbers: f_m1 / f_m2 = z_2 / z_3 does not depend on z_1. So a shaft is
-confirmed only if its spacing is measured. The lines that other shafts can explain are left out, and the spacing of the
-sidebands is changed within SPACINGS: at the spacing by the tooth numbers the mean level must stand out, and clearly
-more than at the spacings of gears with one tooth more or less. This must hold without the sidebands at multiples of 2,
-3 and 5 of the shaft's order, which are lines, too, where the true speed is a rational multiple. Midway between the
-sidebands, where there are lines if the true speed is half of it, the level must be clearly lower.
+Mesh orders alone do not reveal wrong tooth numbers: f_m1 / f_m2 = z_2 / z_3 does not depend on z_1. A shaft is
+therefore confirmed only by the spacing of its sidebands. Lines of other shafts are omitted, and the spacing is varied
+within SPACINGS. Three conditions must hold:
+
+- At the spacing by the tooth numbers the mean level is significant, and clearly higher than at the spacings of gears
+  with one tooth more or less.
+- It remains significant without the sidebands at multiples of 2, 3 and 5 of the order of the shaft. If the true speed
+  is a rational multiple, only these are lines.
+- Midway between the sidebands, where lines are if the true speed is half of it, the level is clearly lower.
 
 References
 ----------
@@ -30,20 +33,20 @@ from pipelines.signals.orders.kinematics import Kinematics, Shaft
 
 HARMONICS = 5  # of a mesh
 SIDEBANDS = 20  # on either side, at most up to half of the teeth
-FEW = 3  # the nearest sidebands are also looked at alone: often they are the only ones
+FEW = 3  # nearest sidebands, which are also evaluated separately, since often there are no others
 CONFIRMED = 6.0  # standard deviations, of the sidebands at the spacing of a shaft
 REMAINING = 3.0  # the same without those at multiples of a factor
 CLEARLY = 2.0  # times the level at the spacings of gears with one tooth more or less
-FACTORS = (2, 3, 5)  # at half the speed every second multiple of a shaft's order is a line: without these none is
-SPACINGS = 0.3  # about the spacing by the tooth numbers, as a share of it
-_SEGMENT, _SEGMENTS = 1 << 17, 8  # samples of a spectrum, and how many at most are averaged
-_PADDED = 2  # lines per line of the spectrum
+FACTORS = (2, 3, 5)  # at half the true speed, for example, only every second multiple of the order is a line
+SPACINGS = 0.3  # search range about the spacing by the tooth numbers, relative
+_SEGMENT, _SEGMENTS = 1 << 17, 8  # samples of a spectrum, and largest number of averaged spectra
+_PADDED = 2  # zero padding: lines per independent line of the spectrum
 _LOBE = 2  # lines from the middle of a main lobe to its end (Hann)
-_RESOLVED = 10  # lines between the sidebands of a shaft whose lines are left out
+_RESOLVED = 10  # lines between the sidebands of a shaft whose lines are omitted
 
 
 class OrderLevels:
-    """Mean level of the channels over orders, dB over the floor around each line, `per_order` lines in an order."""
+    """Order spectrum in dB over the floor around each line, averaged over channels; `per_order` lines per order."""
 
     def __init__(self, signals: Sequence[np.ndarray], angle: np.ndarray) -> None:
         turns = (angle[-1] - angle[0]) / (2.0 * np.pi)
@@ -60,10 +63,10 @@ class OrderLevels:
             level = 10.0 * np.log10(power + np.finfo(float).tiny)
             levels.append(np.maximum(level - _floor(level, 2.0 * self.per_order), 0.0))
         self.values = np.mean(levels, axis=0)
-        self.used = np.ones(len(self.values))  # 0 where a line is left out
+        self.used = np.ones(len(self.values))  # 0 for omitted lines
 
     def mean(self, orders: Iterator[np.ndarray]) -> np.ndarray:
-        """Mean over lines of the level at orders (speed,), of those within the spectrum; 0 where there are none."""
+        """Mean level (speed,) over lines; each item of `orders` (speed,) is a line. 0 without lines in the spectrum."""
         total, number = np.zeros(1), np.zeros(1)
         for order in orders:
             line = np.rint(order * self.per_order).astype(int)
@@ -74,7 +77,7 @@ class OrderLevels:
         return total / np.maximum(number, 1.0)
 
     def leave_out(self, orders: Iterator[float]) -> None:
-        """Leave out the main lobes of lines."""
+        """Omit the main lobes of lines from the following means."""
         reach = _LOBE * _PADDED - 1
         for order in orders:
             line = round(order * self.per_order)
@@ -82,20 +85,20 @@ class OrderLevels:
 
 
 def _floor(level: np.ndarray, width: float) -> np.ndarray:
-    """The median of blocks of so many lines, joined by straight lines."""
+    """Floor of a spectrum: medians of blocks of `width` lines, interpolated linearly."""
     ends = np.linspace(0, len(level), max(2, round(len(level) / max(width, 32.0))) + 1).astype(int)
     medians = [np.median(level[first:last]) for first, last in zip(ends[:-1], ends[1:], strict=True)]
     return np.interp(np.arange(len(level)), 0.5 * (ends[:-1] + ends[1:]), medians)
 
 
 def best_speed(levels: OrderLevels, kinematics: Kinematics, lowest: float, highest: float) -> tuple[float, float]:
-    """The factor on the speed of the angle with the highest score, and the next best score as a share of it.
+    """The factor of the speed with the highest score, and the second best score relative to it.
 
     Parameters
     ----------
-    levels : over any angle that is proportional to that of the machine
+    levels : over an angle that is proportional to that of the machine
     kinematics : with gears
-    lowest, highest : factors that are tried
+    lowest, highest : range of the factor
     """
     meshes = kinematics.mesh_orders()
     fastest = max(meshes.values())
@@ -116,7 +119,7 @@ def best_speed(levels: OrderLevels, kinematics: Kinematics, lowest: float, highe
 
 
 def unconfirmed(levels: OrderLevels, kinematics: Kinematics) -> dict[str, str]:
-    """The shafts that do not show their spacing, each with the reason.
+    """The shafts whose sideband spacing is not confirmed, each with the reason.
 
     Parameters
     ----------
@@ -129,7 +132,7 @@ def unconfirmed(levels: OrderLevels, kinematics: Kinematics) -> dict[str, str]:
 
 
 def _unconfirmed(levels: OrderLevels, kinematics: Kinematics, name: str) -> str:
-    """Why the spacing of a shaft is not confirmed; empty if it is."""
+    """The reason why the spacing of a shaft is not confirmed; empty if it is."""
     levels.used[:] = 1.0
     levels.leave_out(
         harmonic * mesh for mesh in kinematics.mesh_orders().values() for harmonic in range(1, HARMONICS + 1)
@@ -143,7 +146,7 @@ def _unconfirmed(levels: OrderLevels, kinematics: Kinematics, name: str) -> str:
 
 
 def _unlike(levels: OrderLevels, kinematics: Kinematics, shaft: Shaft, reach: int) -> str:
-    """Why so many sidebands on either side do not have the spacing of a shaft; empty if they have."""
+    """The reason why `reach` sidebands on either side do not confirm the spacing of a shaft; empty if they do."""
     resolution = 0.5 / (levels.per_order * shaft.ratio * reach)
     spacings = np.arange(-SPACINGS, SPACINGS, resolution)
     neighbours = [g.teeth / (g.teeth + more) - 1.0 for g in kinematics.gears_on(shaft.name) for more in (-1, 1)]
@@ -169,7 +172,7 @@ def _unlike(levels: OrderLevels, kinematics: Kinematics, shaft: Shaft, reach: in
 
 
 def _sidebands(kinematics: Kinematics, shaft: Shaft, reach: int = SIDEBANDS) -> Iterator[tuple[int, int]]:
-    """Mesh orders of a shaft, in orders of this shaft, and distances of their sidebands."""
+    """Mesh orders of a shaft, in its orders, each with the distance of one of their sidebands."""
     for gear in kinematics.gears_on(shaft.name):
         for harmonic in range(1, HARMONICS + 1):
             for number in range(1, min(reach, gear.teeth // 2) + 1):
@@ -178,6 +181,6 @@ def _sidebands(kinematics: Kinematics, shaft: Shaft, reach: int = SIDEBANDS) -> 
 
 
 def _deviations(level: np.ndarray, among: slice = slice(None)) -> np.ndarray:
-    """Levels as robust standard deviations over the median of some of them."""
+    """Deviations of levels from the median, in robust standard deviations; both are those of the levels `among`."""
     middle = np.median(level[among])
     return (level - middle) / (1.4826 * np.median(np.abs(level[among] - middle)) + np.finfo(float).tiny)

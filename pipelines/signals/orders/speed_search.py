@@ -1,9 +1,9 @@
-"""The speed of a machine in a recording, roughly: where all lines of its gears together stand highest over the floor.
+"""First estimate of the speed in a recording, by the levels of all mesh orders and sidebands together.
 
-Every window of the recording has its spectra, in dB over their local median; the weighted sum over channels and over
-the mesh orders with their sidebands is a score of every speed near the nominal one. The path through all windows with
-the highest sum of scores, among those that change slowly enough, is found by dynamic programming. Sidebands are taken
-on both sides alike, so that the middle of a group wins, not its strongest line.
+Each window of the recording has a spectrum in dB over its local median, averaged over the channels. The score of a
+speed near the nominal one is the weighted sum over the mesh orders and their sidebands. Dynamic programming finds the
+sequence of speeds with the highest sum of scores, among those that change slowly enough. The weights of sidebands are
+symmetric, so that the centre of a group of lines has the highest score, not its strongest line.
 
 References
 ----------
@@ -17,8 +17,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-RANGE = 0.3  # about the nominal speed, as a share of it
-_PER_LINE = 3  # speeds to try in the width of the highest line
+RANGE = 0.3  # about the nominal speed, relative
+_PER_LINE = 3  # number of speeds within the width of the highest line
 
 
 def speed_path(
@@ -29,16 +29,16 @@ def speed_path(
     seconds: float,
     change: float,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Middle (s, from the first sample) of each window and speed of the first shaft in it, Hz.
+    """Middle of each window (s, from the first sample) and speed of the first shaft in it (Hz).
 
     Parameters
     ----------
     signals : float (time,) of every channel, any unit, all finite
-    rate : Hz
-    weights : of the lines, by their order in turns of the first shaft
-    nominal : speed of the first shaft, Hz
+    rate : sampling rate, Hz
+    weights : of the lines, by order of the first shaft
+    nominal : nominal speed of the first shaft, Hz
     seconds : length of a window; windows overlap by half
-    change : the fastest change of the speed, Hz/s
+    change : fastest change of the speed, Hz/s
     """
     size = round(seconds * rate)
     orders, share = np.array(list(weights)), np.array(list(weights.values()))
@@ -66,7 +66,7 @@ def _over_floor(signal: np.ndarray, size: int, orders: np.ndarray, lines_per_ord
 
 
 def _best_path(score: np.ndarray, reach: int) -> np.ndarray:
-    """Column (window,) of the path with the highest sum that moves by `reach` columns at most from row to row."""
+    """Column (window,) of the path with the highest sum, which changes by `reach` columns at most between rows."""
     padded = np.full(score.shape[1] + 2 * reach, -np.inf)
     total, came = score[0], []
     for row in score[1:]:

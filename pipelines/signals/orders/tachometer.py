@@ -1,10 +1,10 @@
 """The angle of a shaft from the pulses of a tachometer or an encoder.
 
-A pulse begins where the signal rises through a level, after it was HYSTERESIS of its range below; the time is
-interpolated between samples. Times between pulses are compared with those around: one that is a whole multiple
-tells of missing pulses, one that is far too short of a double pulse; both are mended and counted. The times of even
-angles, PER_TURN of them in a turn at most, are means over the pulses around; a smooth curve through them
-(`pipelines.signals.orders.smoothing`) takes off their jitter.
+A pulse begins where the signal rises through a level, after it was lower by HYSTERESIS of its range. The time is
+interpolated between samples. The interval between two pulses is compared with its neighbours. An integer multiple of
+them indicates missing pulses, a much shorter interval a double pulse; both are corrected and counted. With many pulses
+per turn, the times of neighbouring pulses are averaged, to PER_TURN times per turn or fewer. A smooth curve through the
+times (`pipelines.signals.orders.smoothing`) removes their jitter.
 
 References
 ----------
@@ -23,20 +23,20 @@ from pipelines.signals.orders.rotation import RotationError
 from pipelines.signals.orders.smoothing import smooth
 
 HYSTERESIS = 0.2  # of the range of the signal
-PER_TURN = 8  # means of pulses
+PER_TURN = 8  # averaged times of pulses
 FEWEST_PULSES = 8
-_AROUND = 9  # intervals of which the middle one is compared with the median
-_DOUBLE = 0.4  # of the usual interval: the next pulse comes too early
-_MOST_MISSING = 5  # at one place; the machine stops rather than lose more
-_NEAR = 0.2  # of an interval from a whole multiple
+_AROUND = 9  # intervals whose median is compared with the middle one
+_DOUBLE = 0.4  # of the usual interval: a shorter one is due to a double pulse
+_MOST_MISSING = 5  # consecutive pulses; a longer gap is taken for a stop of the machine
+_NEAR = 0.2  # of an interval, largest distance from an integer multiple
 _SLOW = 1.5  # times the median interval of the recording: the machine starts or stops
 MOST_DAMAGED = (
-    0.05  # of the pulses: five of nine intervals, which would mislead their median, then have a chance of 4e-5
+    0.05  # of the pulses; five of nine intervals, which would falsify their median, then have a probability of 4e-5
 )
 
 
 class Pulses(NamedTuple):
-    """`time` (pulse,) s, `number` (pulse,) of each, 0 for the first one, and how many were missing and double."""
+    """Pulses at `time` (pulse,) s with their `number` (pulse,), 0 for the first; counts of missing and double ones."""
 
     time: np.ndarray
     number: np.ndarray
@@ -45,7 +45,7 @@ class Pulses(NamedTuple):
 
 
 class Turning(NamedTuple):
-    """`angle` (time,) rad of the shaft, 0 at the first pulse; `error`: standard uncertainty of its climb, rad."""
+    """`angle` (time,) rad of a shaft, 0 at the first pulse; `error`: standard uncertainty of its total increase."""
 
     angle: np.ndarray
     error: float
@@ -58,7 +58,7 @@ def find_pulses(signal: np.ndarray, time: np.ndarray, level: float | None = None
     ----------
     signal : float (time,), any unit, rising at a pulse
     time : float (time,), s
-    level : of a pulse, in the unit of the signal; half way if None
+    level : level that a pulse passes, in the unit of the signal; the middle of the range if None
 
     Raises
     ------
@@ -82,23 +82,23 @@ def find_pulses(signal: np.ndarray, time: np.ndarray, level: float | None = None
         )
     share = (upper - signal[rises - 1]) / (signal[rises] - signal[rises - 1])
     at = time[rises - 1] + share * (time[rises] - time[rises - 1])
-    return _mended(at)
+    return _numbered(at)
 
 
-def _mended(at: np.ndarray) -> Pulses:
-    """Pulses counted as if none were missing or double.
+def _numbered(at: np.ndarray) -> Pulses:
+    """Numbered pulses without double ones; missing pulses are included in the numbers.
 
     Raises
     ------
-    RotationError : more than MOST_DAMAGED of them are, or a time between two pulses is no whole multiple of the others
+    RotationError : more than MOST_DAMAGED are missing or double, or an interval is no integer multiple of the others
     """
     found = len(at)
     at = _without_extra(at)
     spans = np.diff(at)
     around = _around(spans)
     slow = around > _SLOW * np.median(spans)  # near a stop, where times between pulses follow no rule
-    beside = np.concatenate([spans[1:2], spans, spans[-2:-1]])
-    usual = np.where(slow, np.maximum(around, 0.5 * (beside[:-2] + beside[2:])), around)
+    extended = np.concatenate([spans[1:2], spans, spans[-2:-1]])
+    usual = np.where(slow, np.maximum(around, 0.5 * (extended[:-2] + extended[2:])), around)
     multiple = spans / usual
     passed = np.rint(multiple).astype(int)
     whole = (passed >= 1) & (passed <= _MOST_MISSING + 1) & (np.abs(multiple - passed) <= _NEAR)
@@ -115,22 +115,22 @@ def _mended(at: np.ndarray) -> Pulses:
 
 
 def _without_extra(at: np.ndarray) -> np.ndarray:
-    """The pulses without those between two others that are one usual time apart; the clearest first."""
+    """The pulses without double ones: those between two pulses with the usual interval, the clearest removed first."""
     found = len(at)
     while len(at) > max(FEWEST_PULSES, (1.0 - MOST_DAMAGED) * found - 1):
         spans = np.diff(at)
         short = spans < (1.0 - _NEAR) * _around(spans)
         joined = spans[:-1] + spans[1:]
         around = 0.5 * (np.append(joined[:1], spans[:-2]) + np.append(spans[2:], joined[-1:]))
-        apart = np.where(short[:-1] | short[1:], np.abs(joined / around - 1.0), np.inf)
-        if apart.min() > _NEAR:
+        deviation = np.where(short[:-1] | short[1:], np.abs(joined / around - 1.0), np.inf)
+        if deviation.min() > _NEAR:
             break
-        at = np.delete(at, 1 + int(apart.argmin()))
+        at = np.delete(at, 1 + int(deviation.argmin()))
     return at
 
 
 def _around(spans: np.ndarray) -> np.ndarray:
-    """The median of the intervals around each."""
+    """Median of the intervals around each interval."""
     from scipy.ndimage import median_filter
 
     return median_filter(spans, size=min(_AROUND, len(spans)), mode="mirror")
@@ -139,15 +139,15 @@ def _around(spans: np.ndarray) -> np.ndarray:
 def angle_from_pulses(pulses: Pulses, pulses_per_turn: float, time: np.ndarray) -> Turning:
     """The angle of the shaft that carries the tachometer.
 
-    The uncertainty is that of the smooth curve from the first time to the last, at least that of the sampling: one
-    step over sqrt(12) for a pulse at each end. Around a stop the curve swings; then the times are joined as they are,
-    by a cubic that never falls.
+    The uncertainty is that of the smooth curve between the first and the last pulse, and at least that of the sampling:
+    one sampling interval divided by sqrt(12) for a pulse at each end. Near a stop the smooth curve oscillates. The
+    times are then interpolated by a monotone cubic instead.
 
     Parameters
     ----------
     pulses : the pulses
     pulses_per_turn : of the shaft
-    time : float (time,), s, even
+    time : float (time,), s, equidistant
     """
     from scipy.interpolate import CubicSpline, PchipInterpolator
 

@@ -1,8 +1,8 @@
-"""Which sensor to buy: how well every sensor and axis alone tells damaged machines from healthy ones.
+"""Detectability at each channel alone: which sensor and axis distinguishes damaged from healthy machines best.
 
-The detectability index of a feature is d' = (m1 - m0) / s0: the mean level of damaged machines over that of healthy
-ones, in standard deviations of the healthy ones (at least LEAST_SPREAD, as p-values take them). A channel counts by
-its best feature of the damaged component, the same one for all sizes of the damage.
+The detectability index of a feature is d' = (m1 - m0) / s0. Here m1 and m0 are the mean levels of damaged and healthy
+machines, and s0 is the standard deviation of the healthy ones, at least LEAST_SPREAD as for p-values. A channel has the
+index of its best feature of the damaged component, the same feature for all sizes of the damage.
 
 References
 ----------
@@ -24,7 +24,11 @@ from pipelines.studies.detect.probability import Machines, Share, share
 
 @dataclass(frozen=True, kw_only=True)
 class Channel:
-    """A sensor and axis alone: index d' of its best feature in the mean over all sizes, and what it detects of all."""
+    """A sensor and axis alone.
+
+    `index` is d' of its best feature, the mean over all sizes. `detected` is the share of damaged machines of all sizes
+    that give an alarm.
+    """
 
     sensor: str
     axis: str
@@ -39,7 +43,7 @@ def channels(sizes: Sequence[Machines]) -> tuple[Channel, ...]:
 
     Parameters
     ----------
-    sizes : machines of every size of the damage, and of every load; all of the same channels and features
+    sizes : machines of each size of the damage and each load, all with the same channels and features
 
     Raises
     ------
@@ -75,7 +79,7 @@ def _indices(machines: Machines) -> np.ndarray:
 
 
 def _detected(sizes: Sequence[Machines], channel: int) -> Share:
-    """Alarms that damaged machines of all sizes give at one channel alone."""
+    """Share of damaged machines of all sizes that give an alarm at one channel alone."""
     found = []
     for machines in sizes:
         baseline = [_alone(table, channel) for table in machines.baseline]

@@ -1,10 +1,9 @@
-"""The campaign of a study of detectability: which machines are simulated, healthy ones and damaged ones.
+"""The campaign of a study of detectability: the healthy and damaged machines that are simulated.
 
-Every machine has deviations of its own, and no seed serves twice: they count up from the scene's `deviations.seed`, so
-that another one there means other machines. The first ones are the healthy baseline, then come the healthy machines
-that test for false alarms, then the damaged ones. The damaged tooth goes on by one from machine to machine. Values that
-belong to the fault change the damaged machines alone; others, as a load, change all, and each such value has a baseline
-of its own.
+Every machine has different deviations: the seeds count up from `deviations.seed` of the scene. The first machines are
+the healthy baseline, then follow healthy machines that test for false alarms, then damaged ones. The number of the
+damaged tooth increases by one from machine to machine. Values of the fault vary only for the damaged machines. Other
+values, such as a load, vary for all machines, and each of them has a separate baseline.
 """
 
 from __future__ import annotations
@@ -25,12 +24,12 @@ from pipelines.studies.detect.over import Over
 
 STATE, SPECIMEN = "state", "specimen"
 HEALTHY, DAMAGED = "healthy", "damaged"
-_DROPPED = ("control", "title", "diagnosis")  # no motion depends on them
+_DROPPED = ("control", "title", "diagnosis")  # tables and keys that do not change the motion
 
 
 @dataclass(frozen=True, kw_only=True)
 class Design:
-    """Numbers of machines: healthy ones of the `baseline`, `healthy` ones for the test, `damaged` ones per value."""
+    """Varied keys `over`, and numbers of machines: `baseline` and tested `healthy` ones, `damaged` ones per value."""
 
     over: tuple[Over, ...] = ()
     baseline: int = 8
@@ -39,24 +38,24 @@ class Design:
 
     @property
     def specimens(self) -> tuple[int, int, int]:
-        """Numbers, counted from 1, of the last machine of the baseline, of the healthy ones, and of all."""
+        """Number, from 1, of the last machine of the baseline, of the healthy machines, and of all machines."""
         return self.baseline, self.baseline + self.healthy, self.baseline + self.healthy + self.damaged
 
 
-def detection_plan(loaded: LoadedScene, plant: Plant, design: Design) -> Plan:
+def detection_plan(loaded: LoadedScene, machine: Plant, design: Design) -> Plan:
     """The plan of the campaign.
 
     Parameters
     ----------
-    loaded, plant : the scene with its fault, and its plant
-    design : what is varied
+    loaded, machine : the scene with its fault, and its machine model
+    design : varied keys and numbers of machines
 
     Raises
     ------
-    InputError : the scene has no fault, all machines would be equal, the baseline is too small, or a key stands twice
-    SceneError : the plan cannot be made
+    InputError : the scene has no fault, all machines would be equal, the baseline is too small, or a key is given twice
+    SceneError : the plan is not valid
     """
-    _check(loaded, plant, design)
+    _check(loaded, machine, design)
     healthy = healthy_case(loaded)
     damaged: dict[str, Any] = {"faults": _shifted_teeth(loaded.scene)} if loaded.scene.tooth_faults else {}
     common: dict[str, Any] = {"deviations": {"seed": f"$({loaded.scene.deviations.seed} + {SPECIMEN}) - 1"}}
@@ -66,9 +65,9 @@ def detection_plan(loaded: LoadedScene, plant: Plant, design: Design) -> Plan:
     return plan_on(
         loaded,
         {
-            "title": f"Detectability: {'; '.join(plant.fault_words)}"[:200],
+            "title": f"Detectability: {'; '.join(machine.fault_words)}"[:200],
             "design": "grid",
-            "signals": ["acceleration" if plant.sensors else "journal_acceleration", "shaft_angle"],
+            "signals": ["acceleration" if machine.sensors else "journal_acceleration", "shaft_angle"],
             "constraints": [f"({STATE} == '{HEALTHY}') == ({SPECIMEN} <= {last_healthy})"],
             "variables": {
                 STATE: [HEALTHY, DAMAGED],
@@ -84,14 +83,14 @@ def detection_plan(loaded: LoadedScene, plant: Plant, design: Design) -> Plan:
 
 
 def healthy_case(loaded: LoadedScene) -> dict[str, Any]:
-    """The tables of a scene that hold its faults, as they are without them."""
+    """The tables of a scene that contain faults, with the faults removed."""
     without = without_shaft_faults(loaded.tree, loaded.scene)
     changed = {key: without.get(key, []) for key in loaded.tree if without.get(key) != loaded.tree[key]}
     return {**changed, "faults": []}
 
 
-def _check(loaded: LoadedScene, plant: Plant, design: Design) -> None:
-    if not known_damages(plant):
+def _check(loaded: LoadedScene, machine: Plant, design: Design) -> None:
+    if not known_damages(machine):
         raise InputError(f"{shown(loaded.name)}: the scene has no fault to detect. Add one in [[faults]].")
     if not loaded.scene.deviations.enabled:
         raise InputError(
@@ -115,7 +114,7 @@ def _check(loaded: LoadedScene, plant: Plant, design: Design) -> None:
 
 
 def _shifted_teeth(scene: Scene) -> dict[str, Any]:
-    """The number of every damaged tooth, on by one from machine to machine."""
+    """Settings that increase the number of each damaged tooth by one from machine to machine."""
     return {
         str(number): {"tooth": f"$({fault.tooth} + {SPECIMEN}) % {_teeth(scene, fault.stage, fault.gear)}"}
         for number, fault in scene.tooth_faults.items()
@@ -129,7 +128,7 @@ def _teeth(scene: Scene, stage: int, gear: str) -> int:
 
 
 def _put(tree: dict[str, Any], over: Over) -> None:
-    """The variable at its place in a tree of settings."""
+    """Insert a varied key into a tree of settings."""
     *path, last = over.key.split(".")
     for key in path:
         tree = tree.setdefault(key, {})

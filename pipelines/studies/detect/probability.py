@@ -1,9 +1,9 @@
-"""Probability of detection: how many damaged machines are found, and how many of them in the right place.
+"""Probability of detection: the share of damaged machines that are found, and found at the right component.
 
-A recording is an alarm if its p-value of damage is at most ALARM (`pipelines.diagnosis.verdict`), and that
-p-value holds if levels are normal. So the rate of false alarms is measured, too, with healthy machines that are not in
-the baseline, and a second time with others as the baseline. Independently of the model, a damaged recording is above
-all of n healthy ones if its p-value is less than theirs: another healthy one is that with a chance of 1 / (n + 1).
+A recording is an alarm if its p-value of damage is at most ALARM (`pipelines.diagnosis.verdict`). The p-value assumes a
+distribution of the levels. The rate of false alarms is therefore measured as well, with healthy machines that are not
+in the baseline, and again with other baselines. A criterion without this assumption: a damaged recording is above all
+of n healthy ones if its p-value is less than theirs. A further healthy recording is so with a probability of 1/(n + 1).
 
 References
 ----------
@@ -21,24 +21,24 @@ from pipelines.diagnosis.verdict import ALARM, damage_p, judge
 from pipelines.signals.features.table import FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 
-Damage = tuple[str, int | None]  # component and tooth, None where it has none
+Damage = tuple[str, int | None]  # component and tooth, None if it has none
 
 
 @dataclass(frozen=True, kw_only=True)
 class Share:
-    """`count` of `trials`, which may be none."""
+    """Share `count` of `trials`, which may be 0."""
 
     count: int
     trials: int
 
     @property
     def value(self) -> float:
-        """The share, NaN of none."""
+        """The share; NaN without trials."""
         return self.count / self.trials if self.trials else float("nan")
 
     @property
     def interval(self) -> tuple[float, float]:
-        """95 % interval of the probability."""
+        """95 % confidence interval of the probability."""
         return clopper_pearson(self.count, self.trials)
 
 
@@ -46,7 +46,7 @@ class Share:
 class Machines:
     """Features of machines at one noise: those of the baseline, other healthy ones, and damaged ones with their damage.
 
-    Only what the damaged ones have set apart differs between them: size of the damage, load and speed are the same.
+    All machines have the same load and speed, and all damaged ones the same size of damage.
     """
 
     kinematics: Kinematics
@@ -59,10 +59,17 @@ class Machines:
 class Detection:
     """Shares of machines.
 
-    `false_alarms` of the healthy ones that are not in the baseline; `other_baselines`: the same with each against as
-    many healthy ones that come next to it; and of the damaged ones `detected` (alarms), `above_healthy` (above all
-    these healthy ones), `shaft_first` (a component of the damaged shaft ranks first, alarm
-    or not), and `tooth_found` within one (None if no tooth is damaged).
+    Of the healthy machines that are not in the baseline:
+
+    - `false_alarms`: alarms
+    - `other_baselines`: alarms if each is compared with a different baseline, the healthy machines that follow it
+
+    Of the damaged machines:
+
+    - `detected`: alarms
+    - `above_healthy`: p-value less than those of all tested healthy machines
+    - `shaft_first`: a component of the damaged shaft ranks first, with or without alarm
+    - `tooth_found`: the damaged tooth or a neighbour is found; None if no tooth is damaged
     """
 
     false_alarms: Share
@@ -74,11 +81,11 @@ class Detection:
 
 
 def detection(machines: Machines) -> Detection:
-    """How the damaged machines are found.
+    """Shares of damaged machines that are found, and of healthy ones that give a false alarm.
 
     Raises
     ------
-    BaselineError : they do not have the same channels or features
+    BaselineError : the machines do not have the same channels or features
     """
     healthy = [damage_p(table, machines.baseline) for table in machines.healthy]
     lowest = min(healthy, default=1.0)
@@ -102,10 +109,10 @@ def detection(machines: Machines) -> Detection:
 
 
 def _against_others(machines: Machines) -> Share:
-    """False alarms of healthy machines, each against others in the place of the baseline.
+    """False alarms of healthy machines, each with a different baseline of other healthy machines.
 
-    The model of the p-values holds on average over baselines. One baseline whose levels happen to lie close together
-    gives more false alarms than that, for good. Neighbours overlap, so that the interval is somewhat too narrow.
+    The rate of false alarms is ALARM only on average over baselines. A single baseline whose levels happen to scatter
+    little always gives more of them. The baselines overlap, so the confidence interval is somewhat too narrow.
     """
     count = len(machines.baseline)
     ring = [*machines.healthy, *machines.baseline, *machines.healthy]
@@ -113,12 +120,12 @@ def _against_others(machines: Machines) -> Share:
 
 
 def share(found: Sequence[bool]) -> Share:
-    """How many are true."""
+    """Share of the true values."""
     return Share(count=sum(map(bool, found)), trials=len(found))
 
 
 def _tooth_found(table: FeatureTable, damage: Damage, kinematics: Kinematics) -> bool:
-    """True if the tooth that stands out is the damaged one or next to it."""
+    """Whether the most conspicuous tooth is the damaged one or a neighbour of it."""
     gear, tooth = damage
     found = table.tooth_of(gear)
     if found is None or tooth is None:

@@ -1,4 +1,4 @@
-"""The study of detectability: the runs of its campaign by what they have in common, and what is found in them."""
+"""The study of detectability: features of the runs of its campaign, and the detection of the damaged ones."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ from pipelines.studies.detect.over import Over
 from pipelines.studies.detect.probability import Damage, Detection, Machines, detection
 from pipelines.studies.detect.tables import TableJob, make_tables
 
-Values = tuple[Any, ...]  # of the keys that are varied, in their order
+Values = tuple[Any, ...]  # of the varied keys, in their order
 
 
 @dataclass(frozen=True, kw_only=True)
 class Point:
-    """One combination of the values that are varied, by the key of the scene, at one noise (m/s2 rms)."""
+    """Detection for one combination of `values`, by key of the scene, at one noise (m/s2 rms)."""
 
     values: Mapping[str, Any]
     noise: float
@@ -39,9 +39,9 @@ class Point:
 
 @dataclass(frozen=True, kw_only=True)
 class Detectability:
-    """What a study found: `points` noise by noise, and all `channels` alone at the first noise, the best one first.
+    """Result of a study: `points` for each noise, and all `channels` alone at the first noise, the best one first.
 
-    `shared` are the keys whose values healthy machines have, too.
+    `shared` are the varied keys that also change the healthy machines.
     """
 
     name: str
@@ -55,15 +55,18 @@ class Detectability:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Run:
-    """A run that is done: its number, whether it is healthy, the number of its machine, its values, those that healthy
-    machines share, checksums."""
+    """A finished run of the campaign.
+
+    `specimen` is the number of its machine, `values` those of the varied keys, `shared` those of the keys that also
+    change the healthy machines.
+    """
 
     run: int
     healthy: bool
     specimen: int
     values: Values
     shared: Values
-    drawn: Mapping[str, Any]
+    all_values: Mapping[str, Any]
     checksums: Mapping[str, Any]
 
 
@@ -74,18 +77,18 @@ def study(
     windows: Mapping[str, tuple[float, float]],
     noises: Sequence[float],
     executor: Executor,
-    told: Callable[[int, int], None] = lambda done, left: None,
+    on_progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Detectability:
-    """Features of all runs of a campaign, and how the damaged ones are found among them.
+    """Compute the features of all runs of a campaign and detect the damaged machines.
 
     Parameters
     ----------
-    plan, folder : the campaign, as `pipelines.studies.detect.design.detection_plan` makes its plan
+    plan, folder : plan by `pipelines.studies.detect.design.detection_plan`, and folder of the campaign
     design : of that plan
-    windows : in which the machines are looked at, s; the whole run if there are none
-    noises : rms of the sensor noise that is added, m/s2
+    windows : start and end (s) of each diagnosed window by name; the whole run if empty
+    noises : rms of the added sensor noise, m/s2
     executor : of the work
-    told : is told how many features of how many are done
+    on_progress : callback with the number of finished runs and that of all
 
     Raises
     ------
@@ -101,7 +104,7 @@ def study(
     damages: dict[int, list[Damage]] = {}
     for run in runs:
         if not run.healthy:
-            train = make_drivetrain(scene_of(plan, run.drawn).scene, plan.name)
+            train = make_drivetrain(scene_of(plan, run.all_values).scene, plan.name)
             damages[run.run] = [(one.component, one.tooth) for one in known_damages(train)]
             known.setdefault(run.shared, kinematics_of(train.layout, train.rolling))
     jobs = [
@@ -116,7 +119,7 @@ def study(
         for run in runs
         if run.shared in known
     ]
-    made = make_tables(jobs, executor, told)
+    made = make_tables(jobs, executor, on_progress)
     tables = {(job.run, job.noise): table for job, table in zip(jobs, made, strict=True) if table is not None}
     found = []
     first: list[Machines] = []
@@ -141,12 +144,12 @@ def study(
 
 
 def shared_over(plan: Plan, design: Design) -> list[Over]:
-    """What is varied of healthy machines, too: all that does not belong to the fault."""
+    """The varied keys that also change the healthy machines: all that do not belong to the fault."""
     return [over for over in design.over if over.first_key not in plan.table.cases[STATE][HEALTHY]]
 
 
 def _runs(plan: Plan, folder: Path, design: Design) -> list[_Run]:
-    """The runs of the campaign that are done."""
+    """The finished runs of the campaign."""
     names = [over.variable for over in design.over]
     shared = [over.variable for over in shared_over(plan, design)]
     return [
@@ -156,7 +159,7 @@ def _runs(plan: Plan, folder: Path, design: Design) -> list[_Run]:
             specimen=row["values"][SPECIMEN],
             values=tuple(row["values"][name] for name in names),
             shared=tuple(row["values"][name] for name in shared),
-            drawn=row["values"],
+            all_values=row["values"],
             checksums=row["checksums"],
         )
         for row in read_rows(folder)
@@ -172,7 +175,7 @@ def _machines(
     known: Mapping[Values, Kinematics],
     design: Design,
 ) -> Machines:
-    """The damaged machines of some values, and the healthy ones that they are compared with."""
+    """The damaged machines with the given values, and the healthy ones with which they are compared."""
     own = [run for run in runs if not run.healthy and run.values == values]
     shared = own[0].shared
     others = [run for run in runs if run.healthy and run.shared == shared and run.run in tables]
@@ -192,7 +195,7 @@ def _machines(
 
 
 def _check_seen(machines: Machines) -> None:
-    """InputError if the damaged component makes too few revolutions for features."""
+    """Raise InputError if the damaged component makes too few revolutions for features."""
     table = machines.baseline[0]
     damaged = list(dict.fromkeys(component for _, damage in machines.damaged for component, _ in damage))
     if not set(damaged) & set(table.component):

@@ -1,6 +1,6 @@
-"""Features of the runs of a campaign, one row per run and level of noise: a pass that goes on where it was stopped.
+"""Feature tables of the runs of a campaign, one row for each run and noise; interrupted work is resumed.
 
-Noise is added to the stored signals, so that another level of it takes no simulation.
+The noise is added to the stored signals. Another noise therefore needs no simulation.
 """
 
 from __future__ import annotations
@@ -32,25 +32,25 @@ TABLES = "feature_tables"
 
 @dataclass(frozen=True, kw_only=True)
 class TableJob(RowJob):
-    """A run of a campaign whose features are wanted."""
+    """The task to compute the features of a run of a campaign."""
 
     settings: FeatureSettings
     noise: float  # rms, m/s2
 
     @property
     def rows(self) -> str:
-        """The folder of its row in the data set."""
+        """Folder of its row in the data set."""
         return f"{TABLES}/{self.noise:g}"
 
     @property
     def made_of(self) -> dict[str, Any]:
-        """What its features depend on."""
+        """The inputs on which the features depend."""
         windows = {name: list(window) for name, window in self.settings.windows.items()}
         code = code_version("pipelines.diagnosis.simulated")
         return {"code": code, "windows": windows, "noise_m_s2": self.noise, "checksums": dict(self.checksums)}
 
     def computed(self) -> dict[str, Any]:
-        """The table of features, or why there is none."""
+        """The table of features, or the reason why there is none."""
         layout = stored_layout(read_facts(self.folder)["layout"])
         recording = recording_of(self.folder, self.run, layout).assign_attrs(sensor_noise_m_s2=self.noise)
         try:
@@ -60,22 +60,22 @@ class TableJob(RowJob):
 
 
 def make_tables(
-    jobs: Sequence[TableJob], executor: Executor, told: Callable[[int, int], None] = lambda done, left: None
+    jobs: Sequence[TableJob], executor: Executor, on_progress: Callable[[int, int], None] = lambda done, total: None
 ) -> list[FeatureTable | None]:
-    """The features of all jobs; None for a run that has none, whose row says why.
+    """The features of all jobs; None for a run without features, whose row states the reason.
 
     Parameters
     ----------
     jobs : all of one data set
     executor : of the work
-    told : is told how many of how many are done
+    on_progress : callback with the number of finished jobs and that of all
 
     Raises
     ------
-    InputError : no run has features: why the first one has none
+    InputError : no run has features; the message states the reason for the first one
     OSError : a row cannot be written
     """
-    compute_rows(jobs, executor, told)
+    compute_rows(jobs, executor, on_progress)
     rows = [read_row(job.folder, job.run, job.rows) for job in jobs]
     found = [_table(row["table"]) for row in rows]
     if rows and all(table is None for table in found):
@@ -98,7 +98,7 @@ def recording_of(folder: Path, run: int, layout: RunLayout) -> xarray.Dataset:
 
 
 def _plain(table: FeatureTable) -> dict[str, Any]:
-    """The fields as JSON holds them."""
+    """The fields as plain values for JSON."""
     values = {field.name: getattr(table, field.name) for field in dataclasses.fields(table)}
     return {name: value.tolist() if isinstance(value, np.ndarray) else list(value) for name, value in values.items()}
 

@@ -1,4 +1,4 @@
-"""The block [casing.housing] of a scene for a file, and what else to change before its shafts run in their seats."""
+"""The table [casing.housing] of a scene for a file, and the changes that align the shafts with their bearing seats."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from mbd.parts.layout import BEARING_PLACE_TOLERANCE
 from pipelines.io.toml_text import format_value
 from pipelines.scene.scene import Scene
 
-_DOWN, _SLOPING = -0.9998, -0.8  # largest z of the normal of a face that stands on the ground
-_NOT_SMALL = 0.002  # of the largest flat face: all faces in the plane of the feet together are larger
-_LEVEL = 1e-4  # m, of one plane
+_DOWN, _SLOPING = -0.9998, -0.8  # upper limit of the z component of the normal of a face on the ground
+_NOT_SMALL = 0.002  # of the area of the largest flat face: lower limit for all faces in the plane of the feet together
+_LEVEL = 1e-4  # m, tolerance of the height of faces in one plane
 
 
 def housing_block(contents: Contents, file: str, suffix: str, fit: ShaftFit, scene: Scene) -> str:
-    """TOML to paste into the scene; what does not fit yet stands above it as comments.
+    """TOML text of the table; comments above it list the changes that the scene needs.
 
     Parameters
     ----------
-    contents, file, suffix : what the file holds, its name as a scene writes it, and its ending
-    fit : where it lies in the frame of the scene
-    scene : whose shafts they are
+    contents, file, suffix : contents of the file, its name for the scene, and its suffix
+    fit : position of the housing in the frame of the scene
+    scene : the scene with the shafts
     """
     lines = [f"# {words}" for words in (*changes(fit, scene), *_far_sensors(contents, fit, scene))]
     model = "step" if suffix in STEP_SUFFIXES else "mesh"
@@ -52,13 +52,13 @@ def housing_block(contents: Contents, file: str, suffix: str, fit: ShaftFit, sce
 
 
 def seat_solids(contents: Contents, fit: ShaftFit) -> list[int]:
-    """Numbers of the solids that hold seats, with all that touch them."""
+    """Numbers of the solids with bearing seats, and of all solids in contact with them."""
     parts = {contents.solids[seat.bore.solid - 1].part for seat in fit.seats}
     return [solid.number for solid in contents.solids if solid.part in parts]
 
 
 def changes(fit: ShaftFit, scene: Scene) -> Iterator[str]:
-    """What the scene has to change before the seats are where its bearings are."""
+    """Changes of the scene that move its bearings to the seats."""
     off = {seat.shaft: seat.off for seat in fit.seats if seat.off > OFF_AXIS}
     for shaft, distance in off.items():
         yield (
@@ -85,14 +85,14 @@ def changes(fit: ShaftFit, scene: Scene) -> Iterator[str]:
 
 
 def _far_sensors(contents: Contents, fit: ShaftFit, scene: Scene) -> Iterator[str]:
-    """Sensors that are not at the housing, with the nearest places that are."""
+    """Messages on sensors that are not on the housing, each with the nearest position on it."""
     chosen = np.isin(contents.solid, seat_solids(contents, fit))
     triangles = contents.triangles[chosen]
     places = fit.placed(contents.points)
     for sensor in scene.sensors:
-        wanted = np.array(sensor.si.position)
-        on = np.einsum("fa,fad->fd", nearest_on_facets(places, triangles, wanted), places[triangles])
-        distance = np.linalg.norm(on - wanted, axis=1)
+        position = np.array(sensor.si.position)
+        on = np.einsum("fa,fad->fd", nearest_on_facets(places, triangles, position), places[triangles])
+        distance = np.linalg.norm(on - position, axis=1)
         nearest = int(distance.argmin())
         if distance[nearest] > FARTHEST_SENSOR:
             yield (
@@ -102,7 +102,7 @@ def _far_sensors(contents: Contents, fit: ShaftFit, scene: Scene) -> Iterator[st
 
 
 def _grounds(contents: Contents, fit: ShaftFit) -> list[str]:
-    """The lowest flat face that looks down; where there is none, the largest face, to be replaced."""
+    """TOML lines of the ground: the lowest flat face that points down (-z), else the largest face, to be corrected."""
     chosen = set(seat_solids(contents, fit))
     flats = [flat for flat in contents.flats if flat.solid in chosen]
     if not flats:

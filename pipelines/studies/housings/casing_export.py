@@ -228,10 +228,10 @@ def write_vtu(mesh: CasingMesh, modes: CasingModes, natural: NaturalModes, path:
     from fem.casing.mesh.mesh_file import write_fields
     from pipelines.runs.single_results import mode_shapes
 
-    wanted = np.flatnonzero(natural.frequencies <= band)
+    in_band = np.flatnonzero(natural.frequencies <= band)
     data = {
         f"mode {mode + 1:03d}: {natural.frequencies[mode]:.2f} Hz": shape
-        for mode, shape in zip(wanted, mode_shapes(modes, natural, wanted.tolist()), strict=True)
+        for mode, shape in zip(in_band, mode_shapes(modes, natural, in_band.tolist()), strict=True)
     }
     write_fields(mesh, data, path)
 

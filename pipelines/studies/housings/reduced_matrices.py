@@ -1,4 +1,4 @@
-"""Matrices of another program reduced from the shell: the nodes that are kept, the file, how good it is."""
+"""Reduction of imported matrices at the command line: retained nodes, file of the result, and its frequency errors."""
 
 from __future__ import annotations
 
@@ -17,22 +17,24 @@ from pipelines.io.user_files import whole_file
 def write_reduced(
     body: ForeignBody, keep: Sequence[int], hold: Sequence[int], band: float, target: Path
 ) -> tuple[Reduction, np.ndarray]:
-    """Keep all equations of some nodes and the fixed-interface modes to a band; write HDF5 that can be read again.
+    """Reduce matrices to all equations of given nodes and the fixed-interface modes up to a band; write them as HDF5.
+
+    The file can be imported as a casing.
 
     Parameters
     ----------
-    body : the matrices
-    keep, hold : numbers of the nodes kept as coordinates, and of those that the ground holds
+    body : the imported matrices
+    keep, hold : numbers of the nodes that are kept as coordinates, and of those that are fixed to the ground
     band : Hz
     target : file of stiffness, mass, nodes and equations, SI
 
     Returns
     -------
-    The reduction, and the equations (n,) of the body that the ground leaves
+    The reduction, and the free equations (n,) of the body
 
     Raises
     ------
-    InputError : unknown nodes, a body that keeping and holding these nodes does not hold
+    InputError : unknown nodes, or a body that can still move if these nodes are held
     """
     import scipy.sparse as sp
 
@@ -76,7 +78,7 @@ def _write(target: Path, reduction: Reduction, equations: np.ndarray, nodes: np.
 
 
 def held_text(body: ForeignBody, hold: Sequence[int], count: int = 20) -> str:
-    """The lowest frequencies with all motion of some nodes held, as other programs publish them of reduced bodies.
+    """Text of the lowest natural frequencies with given nodes fixed, for comparison with other programs.
 
     Raises
     ------
@@ -90,7 +92,7 @@ def held_text(body: ForeignBody, hold: Sequence[int], count: int = 20) -> str:
 
 
 def reduced_text(body: ForeignBody, made: tuple[Reduction, np.ndarray], band: float) -> str:
-    """How many coordinates are left, and how far their frequencies in the band are off those of the whole body."""
+    """Text with the number of coordinates, and the largest error of the natural frequencies in the band."""
     import scipy.sparse as sp
 
     reduction, free = made

@@ -32,19 +32,19 @@ def shaft_places(scene: Scene, source: str) -> tuple[ShaftPlace, ...]:
 
 
 def _diameter(scene: Scene, shaft: int, y: float) -> float:
-    """Of the shaft at a bearing (m)."""
+    """Diameter of the shaft at a bearing, m."""
     sections = (one.made() for one in scene.shafts[shaft].sections)
     return min(one.outer_diameter for one in sections if one.y_start <= y <= one.y_end)
 
 
 def fitting_units(contents: Contents, shafts: Sequence[ShaftPlace]) -> dict[str, ShaftFit]:
-    """Units of length in which bores lie where the shafts are, each with its fit; the best first."""
-    wanted = sum(len(shaft.bearings) for shaft in shafts)
+    """Units of length for which bores coincide with the shafts, each with its fit, the best first."""
+    count = sum(len(shaft.bearings) for shaft in shafts)
     found = {}
     for unit, factor in UNITS.items():
         scale = factor / UNITS[contents.unit]
         fit = fit_shafts([_scaled(bore, scale) for bore in contents.bores], shafts)
-        if fit is not None and len(fit.seats) >= min(wanted, 2):
+        if fit is not None and len(fit.seats) >= min(count, 2):
             found[unit] = fit
     return dict(sorted(found.items(), key=lambda item: (-len(item[1].seats), round(item[1].off, 6))))
 

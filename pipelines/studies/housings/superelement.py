@@ -27,7 +27,7 @@ _AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Superelement:
-    """Stiffness, mass and damping of a free body, what its equations are, and the rows of its sensors."""
+    """Stiffness, mass and damping of a free body, the meaning of its equations, and the rows of its sensors."""
 
     stiffness: np.ndarray  # (n, n)
     mass: np.ndarray  # (n, n)
@@ -166,7 +166,7 @@ def _without_writer(target: Path) -> InputError:
 
 
 def _write_map(found: Superelement, target: Path) -> list[Path]:
-    """What nodes and equations are, as comma-separated rows."""
+    """Write nodes and equations as comma-separated rows."""
     nodes, equations = (target.with_name(f"{target.stem}-{what}.csv") for what in ("nodes", "equations"))
     _write_text(nodes, lambda file: _node_rows(found, file))
     _write_text(equations, lambda file: np.savetxt(file, found.equations, "%d", ",", header="node, axis (0: modal)"))

@@ -1,6 +1,7 @@
-"""What a refinement study may run over: the settings of each axis at a given fineness, and what it is judged by.
+"""Axes of refinement studies: the settings of each axis at a given fineness, and the probe that is evaluated.
 
-Fineness 1 is the setting of the scene; 2 halves its elements, steps or the like. The size of a level is 1/fineness.
+Fineness 1 is the setting of the scene; 2 halves its element sizes, time steps and so on. The size of a level is
+1/fineness.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ class AxisError(ValueError):
 
 @dataclass(frozen=True, kw_only=True)
 class Axis:
-    """`settings(scene, fineness)` are the values to set; `also` is read of every level, but has no order."""
+    """An axis of refinement: `settings(scene, fineness)` by key; the probes `also` are only compared by level."""
 
     words: str
     probe: str
@@ -32,7 +33,7 @@ class Axis:
 
 
 def _of_meshes(axis: str, key: str, made: Callable[[float], float]) -> Callable[[Scene, float], Settings]:
-    """The settings of a key of every mesh that has it: `made` of its value times the fineness."""
+    """The settings of a key for every mesh that has it: `made` of its value multiplied by the fineness."""
 
     def settings(scene: Scene, fineness: float) -> Settings:
         found: Settings = {
@@ -77,8 +78,8 @@ def _step(scene: Scene, fineness: float) -> Settings:
     return {"simulation.step_us": scene.simulation.step_us / fineness}
 
 
-def _nothing(axis: str, key: str, value: object, wanted: str) -> Settings:
-    raise AxisError(f"--over {axis}: {key} = {value!r} has nothing to refine there. Set {key} to {wanted!r}.")
+def _nothing(axis: str, key: str, value: object, remedy: str) -> Settings:
+    raise AxisError(f"--over {axis}: {key} = {value!r} has nothing to refine there. Set {key} to {remedy!r}.")
 
 
 AXES = {

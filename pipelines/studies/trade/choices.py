@@ -1,7 +1,7 @@
-"""The settings whose price is measured: every model and main setting that a scene can switch.
+"""Choices of a trade-off: the models and main settings whose cost and accuracy are measured.
 
-The presets first, then each effect alone changed from the reference, then the combinations from which the presets were
-chosen. What the presets and the combinations share (laws, casings) is built once.
+The presets come first, then the reference with one effect changed, then the combinations from which the presets were
+chosen. Mesh laws and casings that several choices have in common are built once.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ CASINGS = ((1.0, 1.0), (1.0, 0.5), (1.5, 1.0))  # element size and band relative
 
 @dataclass(frozen=True, kw_only=True)
 class Choice:
-    """One variant of a scene: `effect` is what it is about, `label` what it chooses there."""
+    """One variant of a scene; `effect` is the group of its settings, `label` the choice in this group."""
 
     effect: str
     label: str
@@ -45,7 +45,7 @@ class Choice:
 
 
 def choices(scene: Scene) -> Iterator[Choice]:
-    """The reference first, then the other presets, each effect alone changed from the reference, and combinations."""
+    """The reference, the other presets, the reference with one effect changed, and combinations, in this order."""
     best = preset_settings(scene, REFERENCE)
     yield Choice(effect=PRESET, label=REFERENCE, settings=best)
     meshes = {key: value for key, value in best.items() if key.endswith(".mesh")}
@@ -61,7 +61,7 @@ def choices(scene: Scene) -> Iterator[Choice]:
 
 
 def _replaced(change: Settings) -> tuple[str, ...]:
-    """Tables whose keys of another model must go when this change switches the model."""
+    """Tables whose other keys are removed, since the change selects another model."""
     return tuple(f"{key.removesuffix('.model')}." for key in change if key.endswith((".mesh", ".model")))
 
 

@@ -5,10 +5,10 @@ v = v_0 + c h^p solves
 
     p = |ln|e_32/e_21| + ln((r_21^p - s)/(r_32^p - s))| / ln r_21,    e_ij = v_i - v_j, s = sign(e_32/e_21),
 
-the Richardson value is v_0 = v_1 + (v_1 - v_2)/(r_21^p - 1), and the half width of the uncertainty band of a value at
-the size h is the grid convergence index: 1.25 |v_0 - v_1| (h/h_1)^p with the order limited to the formal one, in
-the units of v. Where the values do not fall monotonically on their limit there is no order: the band is then three
-times the largest change between neighbouring levels.
+the Richardson value is v_0 = v_1 + (v_1 - v_2)/(r_21^p - 1). The half width of the uncertainty band of a value at the
+size h is the grid convergence index, 1.25 |v_0 - v_1| (h/h_1)^p in the units of v; p is limited to the formal order
+there. If the values do not converge monotonically there is no order. The half width is then three times the largest
+change between neighbouring levels.
 
 References
 ----------
@@ -23,48 +23,48 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-SAFETY = 1.25  # of the band where an order was observed on three levels
-CAUTION = 3.0  # of the band where none was
-ROUND_OFF = 1e-12  # relative change below which two levels are the same
+SAFETY = 1.25  # factor of the band if an order was observed on three levels
+CAUTION = 3.0  # factor of the band otherwise
+ROUND_OFF = 1e-12  # relative change below which two levels are equal
 LARGEST_ORDER = 16.0
 
 
 class ConvergenceError(ValueError):
-    """Levels that no order can be drawn from."""
+    """Levels that are not sufficient for a convergence study."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Convergence:
-    """A quantity over its sizes, finest first; `order` is None unless the values fall monotonically on a limit."""
+    """A quantity at several sizes, the finest first; `order` is None unless the values converge monotonically."""
 
     sizes: tuple[float, ...]
     values: tuple[float, ...]
     kind: str  # "monotone" | "oscillating" | "diverging" | "unchanged"
     order: float | None
-    limit: float  # Richardson value where there is an order, else the finest value
+    limit: float  # Richardson value if there is an order, else the finest value
     bands: tuple[float, ...]  # half width of the uncertainty band of each value
 
     @property
     def errors(self) -> tuple[float, ...]:
-        """Distance of every value from the limit, in parts of the limit (of 1 where that is 0)."""
+        """Distance of every value from the limit, relative to the limit (absolute if that is 0)."""
         scale = abs(self.limit) or 1.0
         return tuple(abs(value - self.limit) / scale for value in self.values)
 
     @property
     def relative_bands(self) -> tuple[float, ...]:
-        """The bands in parts of the limit (of 1 where that is 0)."""
+        """The bands relative to the limit (absolute if that is 0)."""
         scale = abs(self.limit) or 1.0
         return tuple(band / scale for band in self.bands)
 
 
 def study(sizes: Sequence[float], values: Sequence[float], formal_order: float | None = None) -> Convergence:
-    """Order, limit and bands from the three finest levels; further levels only get their band.
+    """Order, limit and bands from the three finest levels; the limit and the bands also apply to further levels.
 
     Parameters
     ----------
     sizes : element size, step, ... of each level, any unit, in any order
     values : the quantity at each level
-    formal_order : limits the order in the bands, not the observed one
+    formal_order : upper bound of the order in the bands; it does not limit the observed order
 
     Raises
     ------
@@ -72,8 +72,8 @@ def study(sizes: Sequence[float], values: Sequence[float], formal_order: float |
     """
     if len(sizes) != len(values) or len(sizes) < 3:
         raise ConvergenceError(
-            f"a convergence study needs three levels or more, with one value each: there are {len(sizes)} levels and "
-            f"{len(values)} values. Set --levels 3 or more"
+            f"a convergence study needs at least 3 levels and one value for each; here are {len(sizes)} and "
+            f"{len(values)}. Set --levels 3 or more"
         )
     if not all(math.isfinite(v) for v in values):
         raise ConvergenceError(f"values {list(values)} are not all finite; the coarsest level may be too coarse")
@@ -99,7 +99,7 @@ def _limit(h: Sequence[float], v: Sequence[float], order: float) -> float:
 
 
 def _order(h: Sequence[float], v: Sequence[float]) -> tuple[str, float | None]:
-    """How the three finest values behave, and their order where they fall on a limit."""
+    """Kind of convergence of the three finest values, and their order if it is monotone."""
     from scipy.optimize import brentq
 
     fine, coarse = v[1] - v[0], v[2] - v[1]
@@ -111,7 +111,7 @@ def _order(h: Sequence[float], v: Sequence[float]) -> tuple[str, float | None]:
     if coarse == 0:
         return "diverging", None
     low, high = 1e-6, LARGEST_ORDER
-    if _excess(h, coarse / fine, low) > 0:  # the values move apart, or by less than a logarithm
+    if _excess(h, coarse / fine, low) > 0:  # the changes grow, or fall more slowly than those of a logarithm
         return "diverging", None
     if _excess(h, coarse / fine, high) < 0:
         return "monotone", LARGEST_ORDER
@@ -119,6 +119,6 @@ def _order(h: Sequence[float], v: Sequence[float]) -> tuple[str, float | None]:
 
 
 def _excess(h: Sequence[float], ratio: float, order: float) -> float:
-    """(h_3^p - h_2^p)/(h_2^p - h_1^p) less the observed ratio of changes; rises with p."""
+    """(h_3^p - h_2^p)/(h_2^p - h_1^p) less the observed ratio of changes; increases with p."""
     r21, r32 = math.log(h[1] / h[0]), math.log(h[2] / h[1])
     return math.exp(order * r21) * math.expm1(order * r32) / math.expm1(order * r21) - ratio

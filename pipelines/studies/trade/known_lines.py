@@ -1,4 +1,4 @@
-"""How well the lines of a fault are known: what the error bars of a scene say before its choices are compared."""
+"""Numerical uncertainty of the lines of a fault in the reference of a trade-off."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from pipelines.steps.study import plan_study
 
 
 def known_lines(loaded: LoadedScene, work: Work) -> str:
-    """In a sentence, how wide the numerical error bars of the detected lines are; "" where there is no fault to see.
+    """Sentence on the numerical uncertainty of the detected lines; "" without a control or a diagnosis.
 
-    Runs the scene and its control where they are not in the cache.
+    The scene and its control are simulated if they are not in the cache.
 
     Raises
     ------
-    SceneError, InputError : the scene or its control cannot be run, or its signals find no room
+    SceneError, InputError : the scene or its control cannot be run, or there is not enough disk space for its signals
     WorkError : a step failed
     """
     study = plan_study(loaded, both_loads=False)
@@ -35,14 +35,9 @@ def known_lines(loaded: LoadedScene, work: Work) -> str:
     return widths(bars) if isinstance(bars, LineBars) else bars
 
 
-def widths(bars: LineBars) -> str:
-    """The sentence.
-
-    Parameters
-    ----------
-    bars : of all windows
-    """
-    found = [bar.numerical.width / 2 for bar in bars.bars if bar.detected and bar.numerical is not None]
+def widths(error_bars: LineBars) -> str:
+    """Sentence with the median and the largest numerical uncertainty of the detected lines of all windows."""
+    found = [bar.numerical.width / 2 for bar in error_bars.bars if bar.detected and bar.numerical is not None]
     if not found:
         return "No detected line has an error bar."
     return (

@@ -1,13 +1,13 @@
-"""What people care about, read from finished steps: each probe names the steps it needs and gives named values.
+"""Probes: quantities of a scene that trade-offs and refinement studies compare, from its finished steps.
 
-gears     mean secant stiffness and peak-to-peak transmission error of each pair at its load
+gears         mean secant stiffness and peak-to-peak transmission error of each pair at its load
 transmission  transmission error of each pair at its load, over one mesh cycle
-casing    natural frequencies of the casing in its ground
-modes     more of them, each with its shape at bearings and sensors: modes that change their order are told apart
-frf       level of the transfer function from the first bearing to the diagnosed sensor, by third octave
-machine   natural frequencies of small motion about the loaded rest
-signals   rms of each sensor in each constant-speed window
-lines     levels of the fault's lines in the envelope of the diagnosed sensor
+casing        natural frequencies of the casing on its ground
+modes         more of them, each with its shape at bearings and sensors, which identifies modes that change their order
+frf           level of the accelerance from the first bearing to the monitored sensor, by third octave
+machine       natural frequencies of small motion about the loaded equilibrium
+signals       rms of each sensor in each window of constant speed
+lines         levels of the lines of the fault in the envelope of the monitored sensor
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ from pipelines.steps.pair_curves import law_names, pair_laws
 from pipelines.studies.housings.responses import accelerances
 
 FREQUENCIES = 10  # lowest ones that are compared
-MODES = 30  # lowest ones that tell a common order
-POSITIONS = 256  # of a mesh cycle at which the transmission error is read
+MODES = 30  # lowest ones that are compared by their shapes
+POSITIONS = 256  # of a mesh cycle at which the transmission error is evaluated
 OCTAVE_POINTS = 8  # frequencies per third octave
 DECIBEL = "dB"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Value:
-    """One number of a scene; levels in dB are compared by difference, everything else by ratio.
+    """One quantity of a scene; levels in dB are compared by their difference, all others by their ratio.
 
-    `firm` is False where the number is not worth comparing with: a line that does not rise over its floor. `shape`
-    holds the displacements of a mode.
+    `firm` is False if the value is not compared, such as a line that does not exceed its floor. `shape` contains the
+    displacements of a mode.
     """
 
     name: str
@@ -46,15 +46,15 @@ class Value:
 
 @dataclass(frozen=True)
 class Probe:
-    """`steps` names what must be built for a scene, `read` takes the values from it."""
+    """A kind of quantity: `steps` gives the names of the required steps, `read` the values from their outcome."""
 
     steps: Callable[[Plant], Sequence[str]]
     read: Callable[[Plant, Outcome], list[Value]]
 
 
-def _gears(plant: Plant, outcome: Outcome) -> list[Value]:
+def _gears(machine: Plant, outcome: Outcome) -> list[Value]:
     values = []
-    for found in pair_laws(plant, outcome.value):
+    for found in pair_laws(machine, outcome.value):
         number, curve = found.stage, found.stiffness()
         ripple = float(np.ptp(curve.transmission_error))
         values.append(Value(name=f"stage {number} stiffness", unit="N/um", value=float(curve.secant.mean()) / 1e6))
@@ -62,11 +62,11 @@ def _gears(plant: Plant, outcome: Outcome) -> list[Value]:
     return values
 
 
-def _transmission(plant: Plant, outcome: Outcome) -> list[Value]:
+def _transmission(machine: Plant, outcome: Outcome) -> list[Value]:
     cycle = np.arange(POSITIONS) / POSITIONS
     return [
         Value(name=f"stage {found.stage} TE at {place:.4f}", unit="um", value=float(error) * 1e6)
-        for found in pair_laws(plant, outcome.value)
+        for found in pair_laws(machine, outcome.value)
         for place, error in zip(cycle, found.stiffness(cycle).transmission_error, strict=True)
     ]
 
@@ -92,12 +92,12 @@ def _natural_modes(outcome: Outcome, count: int) -> list[Value]:
     ]
 
 
-def _frf(plant: Plant, outcome: Outcome) -> list[Value]:
-    """Norm of the 3 x 3 accelerance (m/s2 per N) over the third octaves up to 5 kHz."""
-    if not plant.sensors:
+def _frf(machine: Plant, outcome: Outcome) -> list[Value]:
+    """Level of the Frobenius norm of the 3 x 3 accelerance (m/s2 per N) in the third octaves up to 5 kHz."""
+    if not machine.sensors:
         return []
     body = outcome.value("casing")
-    out = np.array([body.row(f"{plant.looked_for.sensor}:{axis}") for axis in ("ux", "uy", "uz")])
+    out = np.array([body.row(f"{machine.looked_for.sensor}:{axis}") for axis in ("ux", "uy", "uz")])
     into = np.array([body.row(f"bearing_1:{axis}") for axis in ("ux", "uy", "uz")])
     values = []
     for centre in 1000.0 * 2.0 ** (np.arange(-10, 8) / 3):
@@ -108,25 +108,25 @@ def _frf(plant: Plant, outcome: Outcome) -> list[Value]:
     return values
 
 
-def _machine(plant: Plant, outcome: Outcome) -> list[Value]:
+def _machine(machine: Plant, outcome: Outcome) -> list[Value]:
     from mbd.system.linearised import linear_modes
     from pipelines.machine.assembly import assemble_machine, assemble_system
 
-    machine = assemble_machine(plant.machine, [outcome.value(name) for name in plant.law_names])
-    modes = linear_modes(assemble_system(machine, outcome.value("casing"), plant.recorded))
+    assembled = assemble_machine(machine.machine, [outcome.value(name) for name in machine.law_names])
+    modes = linear_modes(assemble_system(assembled, outcome.value("casing"), machine.recorded))
     return [
         Value(name=f"machine mode {number}", unit="Hz", value=float(frequency))
         for number, frequency in enumerate(modes.frequencies[:FREQUENCIES], 1)
     ]
 
 
-def _signals(plant: Plant, outcome: Outcome) -> list[Value]:
-    """Over the three axes of every sensor (of every journal without a casing)."""
+def _signals(machine: Plant, outcome: Outcome) -> list[Value]:
+    """RMS of the resultant of the three axes of every sensor (without a casing, of every journal)."""
     from pipelines.signals.analysis import channel, channel_names
     from pipelines.signals.response import make_response
 
-    run = make_response(outcome.value("simulate"), plant.labels)
-    windows = plant.looked_for.windows or {"whole run": (0.0, plant.motion.end)}
+    run = make_response(outcome.value("simulate"), machine.labels)
+    windows = machine.looked_for.windows or {"whole run": (0.0, machine.motion.end)}
     values = []
     for window, (start, end) in windows.items():
         piece = run.sel(time=slice(start, end))
@@ -137,15 +137,15 @@ def _signals(plant: Plant, outcome: Outcome) -> list[Value]:
     return values
 
 
-def _lines(plant: Plant, outcome: Outcome) -> list[Value]:
+def _lines(machine: Plant, outcome: Outcome) -> list[Value]:
     from pipelines.signals.analysis import analyse
     from pipelines.signals.measured_speed import at_measured_speed
     from pipelines.signals.response import make_response
 
-    settings = plant.diagnosis
-    if settings is None or not plant.faults:
+    settings = machine.diagnosis
+    if settings is None or not machine.faults:
         return []
-    run = make_response(outcome.value("simulate"), plant.labels)
+    run = make_response(outcome.value("simulate"), machine.labels)
     if not settings.speed_is_known:
         settings = at_measured_speed(settings, (run,))
     found = analyse(run, settings, stream=1)
@@ -173,7 +173,7 @@ PROBES = {
     "casing": Probe(lambda _: ["casing"], lambda _, outcome: _natural_modes(outcome, FREQUENCIES)),
     "modes": Probe(lambda _: ["casing"], lambda _, outcome: _natural_modes(outcome, MODES)),
     "frf": Probe(lambda _: ["casing"], _frf),
-    "machine": Probe(lambda plant: [*plant.law_names, "casing"], _machine),
+    "machine": Probe(lambda machine: [*machine.law_names, "casing"], _machine),
     "signals": Probe(lambda _: ["simulate"], _signals),
     "lines": Probe(lambda _: ["simulate"], _lines),
 }

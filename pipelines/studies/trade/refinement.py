@@ -1,4 +1,4 @@
-"""A refinement study of a scene along one axis: three levels or more, judged at the setting in use."""
+"""A refinement study of a scene along one axis: convergence over three levels or more, errors of the setting in use."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class RefinementStudy:
 
     @property
     def in_use(self) -> int:
-        """Number of the level that the scene itself asks for."""
+        """Number of the level with the settings of the scene."""
         return self.fineness.index(1.0)
 
     def __repr__(self) -> str:
@@ -47,7 +47,7 @@ class RefinementStudy:
 
 
 def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> RefinementStudy:
-    """Build every level and study every value of the axis' probe.
+    """Compute all levels, and the convergence of every value of the probe of the axis.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> Refinement
     ConvergenceError : fewer than three levels
     """
     chosen = AXES[axis]
-    # finest first; the setting in use stands below one finer level, the rest are coarser
+    # the finest first: one level finer than the setting in use, which is the second, all others are coarser
     fineness = tuple(chosen.ratio ** (1 - n) for n in range(count))
     scenes = {_level_name(f): changed(loaded, chosen.settings(loaded.scene, f)) for f in fineness}
     levels = list(measure(scenes, [chosen.probe, *chosen.also], work).values())

@@ -1,4 +1,4 @@
-"""A refinement study as a table, a figure and a verdict in words."""
+"""A refinement study as a table, a figure and a verdict as text."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from pipelines.studies.trade.refinement import RefinementStudy
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MESH_MODELS = {  # distance from converged contact in space, docs/choosing-a-model.md
+MESH_MODELS = {  # error against converged three-dimensional contact, docs/choosing-a-model.md
     "iso": "about 10 % softer than plane, and another curve over the mesh cycle",
     "energy": "within 10 % in single contact, up to half too stiff in double contact",
     "plane": "too stiff by 2 to 3 % (wide pairs), 5 % (narrow spur pairs) or 7 to 14 % (narrow helical pairs)",
@@ -28,8 +28,8 @@ CASINGS = {
     "static": "its inertia is that of the static shapes alone",
     "craig-bampton": "whose error `gearcase casing --error-check` computes",
 }
-LABELLED = 7  # quantities with the widest uncertainty bands, which get a colour
-REACH = {  # probes whose settings move what a study looks at
+LABELLED = 7  # quantities with the widest uncertainty bands, which have a colour and a name
+REACH = {  # probes whose settings affect the quantities of a study, by the probe of the study
     "gears": ("gears",),
     "modes": ("modes",),
     "machine": ("gears", "modes", "machine"),
@@ -40,7 +40,7 @@ LOWEST_ORDER = 8
 
 
 def convergence_table(name: str, found: RefinementStudy) -> Grid:
-    """One row per quantity: its value at every level, order, limit, and the error and band of the setting in use."""
+    """One row for each quantity: values at all levels, order, limit, and the error and band of the setting in use."""
     rows = []
     for quantity, convergence in found.quantities.items():
         row: dict[str, object] = {"quantity": f"{quantity}, {found.units[quantity]}"}
@@ -57,22 +57,22 @@ def convergence_table(name: str, found: RefinementStudy) -> Grid:
     return grid(f"{name}: convergence over the {AXES[found.axis].words} (x2: twice as fine)", [*rows, costs])
 
 
-def verdict(found: RefinementStudy, wanted: float) -> str:
-    """Whether the setting in use keeps every quantity within the wanted error (a part of 1)."""
+def verdict(found: RefinementStudy, target: float) -> str:
+    """Sentence on whether every quantity at the setting in use has at most the error `target` (relative)."""
     bands = {quantity: c.relative_bands[found.in_use] for quantity, c in found.quantities.items()}
     worst = max(bands, key=lambda quantity: bands[quantity])
-    outside = [quantity for quantity, band in bands.items() if band > wanted]
+    outside = [quantity for quantity, band in bands.items() if band > target]
     widest = f"the widest uncertainty band is {100 * bands[worst]:.2g} % ({worst})"
     if not outside:
-        return f"The setting in use is fine enough for {100 * wanted:g} %: {widest}."
+        return f"The setting in use is fine enough for {100 * target:g} %: {widest}."
     return (
-        f"The setting in use is not shown to be fine enough for {100 * wanted:g} %: {len(outside)} of {len(bands)} "
+        f"The setting in use is not shown to be fine enough for {100 * target:g} %: {len(outside)} of {len(bands)} "
         f"quantities have a wider uncertainty band, {widest}. Refine the {AXES[found.axis].words}, or accept the band."
     )
 
 
 def not_refined(mesh_models: Sequence[str], casing: str, axis: str) -> str:
-    """What a study over `axis` leaves as it is, so that no uncertainty band holds it, with the sizes that are known.
+    """Sentence on errors that a study over `axis` does not contain, with their sizes as far as they are known.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def not_refined(mesh_models: Sequence[str], casing: str, axis: str) -> str:
 
 
 def pairing_words(found: RefinementStudy) -> str:
-    """How many modes of the finest level were followed through all levels, and why not the others; "" without modes."""
+    """Sentence on how many modes were paired on all levels, and why others were not; "" for studies without modes."""
     if AXES[found.axis].probe != "modes":
         return ""
     from fem.casing.uncertainty.pairing import LEAST_MAC
@@ -110,7 +110,7 @@ def pairing_words(found: RefinementStudy) -> str:
 
 
 def convergence_figure(name: str, found: RefinementStudy) -> Figure:
-    """Error of every quantity over the size of the levels, both logarithmic, with the bands of the setting in use.
+    """Figure of the error of every quantity over the size, in logarithmic scales, with the bands of the setting in use.
 
     The `LABELLED` quantities with the widest bands have a colour and a name, all others are grey.
     """
@@ -122,7 +122,7 @@ def convergence_figure(name: str, found: RefinementStudy) -> Figure:
     axes = figure.subplots()
     sizes = [1 / fineness for fineness in found.fineness]
     known = [error for c in found.quantities.values() for error in (*c.errors, *c.relative_bands) if error > 0.0]
-    floor = max(min(known, default=1.0) / 10, 1e-10)  # where a finest value, taken as the limit itself, is drawn
+    floor = max(min(known, default=1.0) / 10, 1e-10)  # shown instead of 0 where the finest value is the limit
     worst = sorted(found.quantities, key=lambda name: found.quantities[name].relative_bands[found.in_use])[-LABELLED:]
     for quantity, convergence in found.quantities.items():
         errors = [100 * max(error, floor) for error in convergence.errors]
@@ -150,14 +150,17 @@ def convergence_figure(name: str, found: RefinementStudy) -> Figure:
 
 
 def tone_and_distance(error: np.ndarray, finest: np.ndarray) -> tuple[float, float]:
-    """Largest line from `LOWEST_ORDER` on, and rms without its mean, of the difference of two curves (position,)."""
-    apart = np.subtract(error, finest)
-    lines = 2 * np.abs(np.fft.rfft(apart)) / apart.size
-    return float(lines[LOWEST_ORDER:].max()), float(apart.std())
+    """Largest line of mesh order `LOWEST_ORDER` or above, and standard deviation, of the difference of two curves.
+
+    The curves (position,) cover one mesh cycle.
+    """
+    difference = np.subtract(error, finest)
+    lines = 2 * np.abs(np.fft.rfft(difference)) / difference.size
+    return float(lines[LOWEST_ORDER:].max()), float(difference.std())
 
 
 def slicing_table(name: str, found: RefinementStudy) -> Grid:
-    """Tone and rms distance of e from the finest level, by stage and level, um."""
+    """Table of the TE error against the finest level by stage and level: largest high-order line and rms, um."""
     curves = [
         np.array([v.value for v in level.by_probe[TRANSMISSION]]).reshape(-1, POSITIONS) for level in found.levels
     ]

@@ -1,8 +1,8 @@
-"""Mean and spread of levels over several starts of one motion.
+"""Mean and spread of levels over several initial states of one motion.
 
-The standard deviation s over n starts tells how far one start may lie from the mean; the mean itself is known to
-t s/sqrt(n), t the 97.5 % point of Student's distribution with n - 1 degrees of freedom. Levels in dB are averaged as
-they are.
+The standard deviation s over n initial states is that of a single level from the mean. The 95 % confidence interval of
+the mean is +/- t s/sqrt(n), where t is the 97.5 % point of Student's distribution with n - 1 degrees of freedom. Levels
+in dB are averaged in dB.
 
 References
 ----------
@@ -20,7 +20,7 @@ from pipelines.studies.trade.probes import Value
 
 
 def spread_table(starts: Sequence[Sequence[Value]]) -> Grid:
-    """A row per value; the same values, in the same order, for every start (two or more)."""
+    """Table with one row for each value; `starts` are two initial states or more, with the same values in one order."""
     from scipy.stats import t
 
     count = len(starts)

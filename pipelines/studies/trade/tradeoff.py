@@ -1,4 +1,4 @@
-"""The trade of a scene: what every choice costs, how far it is from the reference, and which ones are worth it."""
+"""Trade-off of a scene: cost and accuracy of every choice against the reference, and the Pareto front."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from pipelines.studies.trade.known_lines import known_lines
 from pipelines.studies.trade.probes import DECIBEL, PROBES, Value
 from pipelines.studies.trade.variants import Measured, measure, step_costs
 
-JUDGE = "signals"  # the probe whose error ranks the choices
-LINES = "lines"  # the probe whose levels, where a scene has a fault, count for the front, too
+JUDGE = "signals"  # probe whose error ranks the choices
+LINES = "lines"  # probe whose levels are a further criterion of the Pareto front, if the scene has a fault
 
 
 @dataclass(frozen=True, kw_only=True)
 class Priced:
-    """A choice with its cost and, by probe, its largest error against the reference: a part of 1, or dB."""
+    """A choice with its cost and its largest errors against the reference by probe, relative or in dB."""
 
     choice: Choice
     measured: Measured
@@ -31,20 +31,20 @@ class Priced:
 
     @property
     def seconds(self) -> float:
-        """Cold, everything the choice needs."""
+        """Computing time of all steps of the choice without the cache, s."""
         return self.measured.total_seconds
 
     @property
     def error(self) -> float:
-        """Of the sensor rms, by which choices are ranked; NaN where the choice has no such signals."""
+        """Relative error of the sensor rms, by which choices are ranked; NaN for a choice without these signals."""
         return self.errors.get(JUDGE, math.nan)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Tradeoff:
-    """All choices, the reference first; `refused` names those the scene cannot take, with the reason.
+    """Result of a trade-off: all choices, the reference first; `refused` maps the others to the reason.
 
-    `known` says how well the lines of the fault are known in the reference itself, "" without a fault.
+    `known` states the numerical uncertainty of the lines of the fault in the reference, "" without a fault.
     """
 
     name: str
@@ -56,29 +56,29 @@ class Tradeoff:
         return f"<Tradeoff: {len(self.priced)} choices of {self.name}, {len(self.refused)} refused>"
 
     def _repr_html_(self) -> str:
-        """Every choice with its cost and its error, for a notebook."""
+        """Table of the choices with cost and error, for a notebook."""
         rows = [(one.choice.name, one.seconds, 100 * one.error, "" if one.dominated else "yes") for one in self.priced]
         head = ("choice", "s", "error of the sensor rms, %", "nothing is faster and better")
         return shown_html.table(f"Choices of {self.name}", head, rows)
 
     @property
     def front(self) -> tuple[Priced, ...]:
-        """Choices that nothing beats in time, error and lines of the fault together, cheapest first."""
+        """Choices on the Pareto front of time, error and lines of the fault, the fastest first."""
         return tuple(sorted((p for p in self.priced if not p.dominated), key=lambda p: p.seconds))
 
     def cheapest(self, error: float) -> Priced | None:
-        """The cheapest choice within an error of sensor rms (a part of 1)."""
+        """The fastest choice within a relative error of the sensor rms; None if there is none."""
         return min((p for p in self.priced if p.error <= error), key=lambda p: p.seconds, default=None)
 
     def most_accurate(self, seconds: float) -> Priced | None:
-        """The choice with the least error within a time."""
+        """The choice with the least error within a time (s); None if there is none."""
         return min((p for p in self.front if p.seconds <= seconds), key=lambda p: p.error, default=None)
 
 
 def trade(loaded: LoadedScene, work: Work) -> Tradeoff:
     """Run every choice of a scene and compare it with the reference.
 
-    A choice whose motion alone is sure to take longer than all of the reference, which has no error, is not run.
+    A choice is not run if its estimated motion alone takes longer than all steps of the reference.
 
     Raises
     ------
@@ -118,7 +118,7 @@ def trade(loaded: LoadedScene, work: Work) -> Tradeoff:
 
 
 def _variants(loaded: LoadedScene) -> tuple[dict[str, Choice], dict[str, LoadedScene], dict[str, str]]:
-    """Choices and scenes by name, each different scene once and all presets; why the others cannot be."""
+    """Choices and scenes by name, each different scene once and all presets; reasons of the refused ones by name."""
     found: dict[str, Choice] = {}
     scenes: dict[str, LoadedScene] = {}
     refused: dict[str, str] = {}
@@ -134,7 +134,10 @@ def _variants(loaded: LoadedScene) -> tuple[dict[str, Choice], dict[str, LoadedS
 
 
 def _measured(scenes: dict[str, LoadedScene], work: Work) -> tuple[dict[str, Measured], dict[str, str]]:
-    """All at once; if a step refuses its scene, one by one on what is built, with the reasons of those that failed."""
+    """Measurements of all scenes by name, and the reasons of those that failed.
+
+    All scenes are measured at once. If a step fails, they are measured one by one with the finished steps.
+    """
     probes = list(PROBES)
     try:
         return measure(scenes, probes, work), {}
@@ -150,7 +153,7 @@ def _measured(scenes: dict[str, LoadedScene], work: Work) -> tuple[dict[str, Mea
 
 
 def differences(one: Measured, reference: Measured) -> tuple[dict[str, float], dict[str, float]]:
-    """Largest relative difference and largest difference of levels, by probe, over the values both have."""
+    """Largest relative difference, and largest difference of levels (dB), by probe, over the common values."""
     known = {value.name: value for value in one.values}
     errors: dict[str, float] = {}
     decibels: dict[str, float] = {}
@@ -172,7 +175,7 @@ def _difference(reference: Value, other: Value) -> tuple[str, float]:
 
 
 def _beaten(place: tuple[float, ...], others: Iterable[tuple[float, ...]]) -> bool:
-    """Whether another choice is no worse in anything and better in something; one without an error is beaten."""
+    """Whether a choice is dominated: another one is no worse in all criteria and better in one, or its error is NaN."""
     if any(math.isnan(value) for value in place):
         return True
     return any(all(o <= own for o, own in zip(other, place, strict=True)) and other != place for other in others)

@@ -1,4 +1,4 @@
-"""The trade as a table, a work-precision plot, and answers to "how cheap" and "how exact"."""
+"""A trade-off as a table, a work-precision diagram, and the fastest and most accurate choices as text."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ LEVELS = {"frf": "FRF dB", "lines": "lines dB"}
 
 
 def trade_table(found: Tradeoff) -> Grid:
-    """One row per choice: seconds by group of steps, peak memory, largest errors; the front is set off."""
+    """One row for each choice: seconds by group of steps, peak memory, largest errors; the Pareto front is marked."""
     rows = []
     for one in found.priced:
         seconds = one.measured.seconds
@@ -47,11 +47,11 @@ def _percent(error: float | None) -> str:
 
 
 def answers(found: Tradeoff, error: float, seconds: float) -> list[str]:
-    """The cheapest choice within an error, the most accurate within a time, and what could not be chosen."""
-    cheap, exact = found.cheapest(error), found.most_accurate(seconds)
+    """Sentences: the fastest choice within an error, the most accurate one within a time, and refused choices."""
+    fastest, exact = found.cheapest(error), found.most_accurate(seconds)
     lines = [
-        f"Within {100 * error:g} % error of sensor rms the least expensive is {_words(cheap)}."
-        if cheap
+        f"Within {100 * error:g} % error of sensor rms the least expensive is {_words(fastest)}."
+        if fastest
         else f"No choice has at most {100 * error:g} % error of sensor rms. Raise --error.",
         f"Within {seconds:g} s the most accurate is {_words(exact)}."
         if exact
@@ -66,7 +66,7 @@ def _words(one: Priced) -> str:
 
 
 def trade_figure(found: Tradeoff) -> Figure:
-    """Error of sensor rms over seconds, every point named; those on the front in a ring."""
+    """Figure of the error of the sensor rms over computing time; circles mark the Pareto front."""
     from matplotlib.ticker import NullFormatter, ScalarFormatter
 
     from pipelines.report.figures.plots import dress, new_figure, plain
@@ -101,7 +101,7 @@ def trade_figure(found: Tradeoff) -> Figure:
 
 
 def _label(axes: Axes, points: list[tuple[Priced, float, float]]) -> None:
-    """Presets beside their points, every other label in a column at the right, joined to its point by a line."""
+    """Label the points: presets next to the point, all others in a column at the right with a line to the point."""
     aside = sorted((p for p in points if p[0].choice.effect != PRESET), key=lambda p: p[2])
     for one, x, y in points:
         if one.choice.effect == PRESET:

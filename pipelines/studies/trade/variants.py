@@ -1,4 +1,4 @@
-"""Variants of a scene: built through the same cached steps as any run, with what each step cost when it was built."""
+"""Variants of a scene, computed by the cached steps of a run, with the cost of each step when it was computed."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SHORT_SECONDS = (0.01, 0.02, 0.06)  # of motion: to compile a time loop, and to 
 
 @dataclass(frozen=True, kw_only=True)
 class Measured:
-    """The values of a variant and its cost; a step that was reused counts with what building it took."""
+    """The values of a variant and its cost; for a step from the cache, the cost of its computation."""
 
     by_probe: Mapping[str, tuple[Value, ...]]
     seconds: dict[str, float]  # by step
@@ -28,7 +28,7 @@ class Measured:
 
     @property
     def values(self) -> tuple[Value, ...]:
-        """Of all probes."""
+        """Values of all probes."""
         return tuple(value for values in self.by_probe.values() for value in values)
 
     @property
@@ -53,19 +53,19 @@ def build_variants(
     kinds : of warnings on the motions that are logged, see `pipelines.signals.motion_warnings`
     """
     steps: list[Step] = []
-    names, plants = {}, {}
+    names, machines = {}, {}
     for variant, loaded in scenes.items():
-        plants[variant] = plant = checked_plant(loaded.scene, loaded.source.shown)
-        new = plant_steps(plant)
+        machines[variant] = machine = checked_plant(loaded.scene, loaded.source.shown)
+        new = plant_steps(machine)
         added = add_steps(steps, new, f"{variant}: ")
-        names[variant] = {step: added[step] for step in Graph(new).needed(needed(plant)).steps}
+        names[variant] = {step: added[step] for step in Graph(new).needed(needed(machine)).steps}
     graph = Graph(steps)
     every = dict.fromkeys(name for own in names.values() for name in own.values())
     outcome = work.build(graph, every)
     log_warnings((outcome.value(step.name) for step in graph if step.name in every and step.kind == "simulate"), kinds)
     return {
-        variant: (plant, Outcome({step: outcome.results[name] for step, name in names[variant].items()}))
-        for variant, plant in plants.items()
+        variant: (machine, Outcome({step: outcome.results[name] for step, name in names[variant].items()}))
+        for variant, machine in machines.items()
     }
 
 
@@ -74,13 +74,13 @@ def measure(
     probes: Sequence[str],
     work: Work,
 ) -> dict[str, Measured]:
-    """Build what the named probes need of every scene, each distinct step once, and read them; by variant."""
+    """Compute the steps that probes need for every scene, each distinct step once; the values and cost by variant."""
 
-    def needed(plant: Plant) -> list[str]:
-        return [name for probe in probes for name in PROBES[probe].steps(plant)]
+    def needed(machine: Plant) -> list[str]:
+        return [name for probe in probes for name in PROBES[probe].steps(machine)]
 
     built = build_variants(scenes, needed, work, ("repeat",))  # other warnings are errors that the comparison shows
-    return {variant: _measured(plant, probes, own) for variant, (plant, own) in built.items()}
+    return {variant: _measured(machine, probes, own) for variant, (machine, own) in built.items()}
 
 
 def step_costs(scenes: Iterable[LoadedScene], work: Work) -> dict[str, float]:
@@ -103,10 +103,10 @@ def step_costs(scenes: Iterable[LoadedScene], work: Work) -> dict[str, float]:
     return costs
 
 
-def _measured(plant: Plant, probes: Sequence[str], own: Outcome) -> Measured:
+def _measured(machine: Plant, probes: Sequence[str], own: Outcome) -> Measured:
     distinct = {record.key: (step, record) for step, record in zip(own.results, own.records, strict=True)}
     return Measured(
-        by_probe={probe: tuple(PROBES[probe].read(plant, own)) for probe in probes},
+        by_probe={probe: tuple(PROBES[probe].read(machine, own)) for probe in probes},
         seconds={step: record.seconds for step, record in distinct.values()},
         peak_bytes=max(record.peak_bytes for _, record in distinct.values()),
     )

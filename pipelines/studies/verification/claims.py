@@ -1,7 +1,7 @@
-"""The claims of the study of the rig, each with its measure and limit, and where it fails the physical reason.
+"""The claims of the study of the rig: measure and limit of each claim, and the physical reason if it does not hold.
 
-Stated before anything is computed. The study looks at pictures; what counts as "shows" or "clearer" here are the limits
-of the diagnosis: a line shows at 6 dB over its healthy control, and what differs by less than 1 dB is equal.
+The claims are stated before the computation. The study judges figures by eye. Here the limits of the diagnosis apply: a
+line is visible from 6 dB over its healthy control, and levels that differ by less than 1 dB are equal.
 
 References
 ----------
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import xarray
 
 SHOWS = 6.0  # dB over the healthy control
-APART = -20.0  # dB; signals that differ by a tenth
+SIGNALS_DIFFER = -20.0  # dB; signals that differ by a tenth
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -37,10 +37,10 @@ class Evidence:
 
 @dataclass(frozen=True)
 class Claim:
-    """That a mean over seeds is at least so many dB.
+    """The claim that a mean over seeds is at least a given level, dB.
 
-    `compare` takes one value per condition and seed (..., seed) from the evidence on a measure; `reasons` are why the
-    claim may not hold, a paragraph together with those of the other claims of its table.
+    `compare` returns one value for each condition and seed (..., seed) from the evidence on a measure. `reasons` are
+    sentences on why the claim may not hold; those of the claims of one table form a paragraph.
     """
 
     words: str
@@ -68,7 +68,7 @@ def lifting_over_lowering(evidence: Evidence, measure: str) -> xarray.DataArray:
 
 
 def added_in_lifting(evidence: Evidence, measure: str) -> xarray.DataArray:
-    """Faulty over healthy, lifting over lowering (losses, load, seed): how much more the fault adds in lifting."""
+    """Increase by the fault in lifting less that in lowering (losses, load, seed)."""
     levels = evidence.levels.sel(measure=measure)
     added = levels.sel(state="faulty") - levels.sel(state="healthy")
     return added.sel(window="lifting") - added.sel(window="lowering")
@@ -130,7 +130,9 @@ CLAIMS: dict[str, tuple[Claim, ...]] = {
         Claim("peak of the time-synchronous average", "tsa_peak", added_in_lifting, EQUAL, (_ADDED,)),
     ),
     "Rope and constant torque give different signals: rope over torque, faulty machine": (
-        Claim("difference of the signals, sample by sample", "difference", rope_over_torque, APART, (_STEADY,)),
+        Claim(
+            "difference of the signals, sample by sample", "difference", rope_over_torque, SIGNALS_DIFFER, (_STEADY,)
+        ),
         Claim("level of the acceleration", "level", rope_over_torque, EQUAL, (_STEADY,)),
         Claim("largest force in the mesh of stage 1", "mesh_force", rope_over_torque, EQUAL, (_STEADY,)),
     ),

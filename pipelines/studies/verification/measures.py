@@ -1,4 +1,4 @@
-"""Measures of the study's claims, all in dB, taken from pairs of runs that differ in one thing.
+"""Measures of the claims of the study, in dB, from pairs of runs that differ in one condition.
 
 Of a faulty run and its healthy control, in a window of constant speed, on the channel of the diagnosis with its noise:
 
@@ -87,16 +87,16 @@ def load_levels(
     signals = [channel(run, sensor).sel(axis=axis).values.astype(float) for run in cut]
     force = [float(np.abs(run.mesh_force.isel(stage=0).values).max()) for run in cut]
     with_rope, with_torque = (float(signal.std()) for signal in signals)
-    apart = float(root_mean_square(signals[0] - signals[1]))
+    difference = float(root_mean_square(signals[0] - signals[1]))
     return {
         "level": decibel(with_rope, with_torque),
-        "difference": decibel(apart, with_torque),
+        "difference": decibel(difference, with_torque),
         "mesh_force": decibel(force[0], force[1]),
     }
 
 
 def decibel(value: float, reference: float = 1.0) -> float:
-    """20 log10 of a ratio of amplitudes; of nothing at all the level of the smallest number."""
+    """20 log10 of a ratio of amplitudes; 0 is replaced by the smallest number."""
     tiny = np.finfo(float).tiny
     return float(20.0 * np.log10(max(value, tiny) / max(reference, tiny)))
 

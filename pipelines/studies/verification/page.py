@@ -1,4 +1,4 @@
-"""The measures before, and the verdict on every claim after: words, tables and a file that programs read."""
+"""Text, tables and JSON file of the study: the claims before the computation, and the verdict on each of them."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ class Judgement:
 
 
 def judge(values: Sequence[float] | np.ndarray, least: float) -> Judgement:
-    """Whether the mean of one value per seed (seed,) is at least so much.
+    """Whether the mean of one value per seed (seed,) is at least a given limit.
 
-    The mean of n values with standard deviation s lies within t s/sqrt(n) of the true one with 95 % probability, t the
-    97.5 % point of Student's distribution with n - 1 degrees of freedom. A claim of at least so much holds if this
-    whole interval reaches it, it does not hold if the whole interval stays below. Otherwise it is undecided.
+    The 95 % confidence interval of the mean of n values with standard deviation s is +/- t s/sqrt(n), where t is the
+    97.5 % point of Student's distribution with n - 1 degrees of freedom. A claim holds if the whole interval is above
+    the limit, and does not hold if the whole interval is below. Otherwise it is undecided.
 
     References
     ----------
@@ -81,7 +81,7 @@ def stated() -> str:
 
 
 def verdicts(evidence: Evidence) -> Verdicts:
-    """The judgement on every claim under every condition, by heading."""
+    """The judgements on every claim, one for each condition, by heading."""
     return {
         heading: [
             (
@@ -115,7 +115,7 @@ def grids(found: Verdicts) -> list[Grid]:
 
 
 def reasons(found: Verdicts) -> dict[str, str]:
-    """Why claims do not hold or are undecided, by heading: each reason once, "" where all claims hold."""
+    """Reasons why claims do not hold or are undecided, by heading, each once; "" if all claims hold."""
     return {
         heading: " ".join(
             dict.fromkeys(
@@ -140,13 +140,13 @@ def markdown(found: Verdicts) -> str:
 
 
 def write(folder: Path, evidence: Evidence, found: Verdicts, facts: Mapping[str, Any]) -> tuple[Path, Path]:
-    """Write claims.md and claims.json: the verdicts, and every measure of every seed they are made of.
+    """Write claims.md and claims.json: the verdicts, and all measures of all seeds.
 
     Parameters
     ----------
-    folder : of both files, made if there is none
+    folder : of both files, created if it does not exist
     evidence, found : the measures and the verdicts
-    facts : how they were made, for the head of claims.json
+    facts : provenance for the head of claims.json
 
     Raises
     ------
@@ -155,7 +155,7 @@ def write(folder: Path, evidence: Evidence, found: Verdicts, facts: Mapping[str,
     folder.mkdir(parents=True, exist_ok=True)
     page, data = folder / "claims.md", folder / "claims.json"
     page.write_text(markdown(found), encoding="utf-8")
-    told = {
+    content = {
         **facts,
         "claims": [
             {
@@ -171,18 +171,18 @@ def write(folder: Path, evidence: Evidence, found: Verdicts, facts: Mapping[str,
         "levels": evidence.levels.to_dict(),
         "loads": evidence.loads.to_dict(),
     }
-    data.write_text(json.dumps(told, indent=1), encoding="utf-8")
+    data.write_text(json.dumps(content, indent=1), encoding="utf-8")
     return page, data
 
 
 def _with_reasons(found: Verdicts, tables: list[str]) -> str:
-    """How to read the tables, each table with its reasons below, and the claims that no table holds."""
+    """An explanation of the tables, each table with its reasons, and the claims without a table."""
     parts = [part for both in zip(tables, reasons(found).values(), strict=True) for part in both if part]
     return "\n\n".join([RULE, *parts, *(f"{words}: {why}" for words, why in UNTESTED.items())]) + "\n"
 
 
 def _conditions(values: xarray.DataArray) -> Iterator[tuple[str, xarray.DataArray]]:
-    """Values (seed,) by the words of their condition: the load or the stretch of time, then the losses."""
+    """Values (seed,) by the text of their condition: the load or the interval of time, then the losses."""
     where = next(str(name) for name in values.dims if name not in ("losses", "seed"))
     for losses in values.losses.values:
         for place in values[where].values:

@@ -1,8 +1,8 @@
-"""The eight cases of the rig, simulated over seeds of the deviations, and what is read from them.
+"""The eight cases of the rig, simulated for several seeds of the deviations, and their measures.
 
-With and without the missing tooth, with the container on its rope and as a constant torque, with and without friction.
-Lifting and lowering lie in one simulation. The cases are the shipped scenes; nothing of them is changed but the seed,
-the friction, and that sensor 3 alone is recorded.
+The cases are with and without the missing tooth, with the container on its rope and as a constant torque, and with and
+without friction. One simulation contains lifting and lowering. The cases are the shipped scenes with another seed and
+friction, and only sensor 3 is recorded.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def cases(seeds: int) -> Iterator[Case]:
 
 
 def scene_of(case: Case, preset: str) -> LoadedScene:
-    """The shipped scene of a case with its seed and friction, computed with the accuracy of the preset."""
+    """The shipped scene of a case with its seed and friction, and the settings of the preset."""
     own = {"deviations.seed": case.seed, "sensors": [SENSOR], **LOSSES[case.losses]}
     return preset_on(load_scene(SCENES[case.state, case.load], own), preset)
 
@@ -79,9 +79,9 @@ def simulated(seeds: int, preset: str, work: Work) -> Evidence:
 
     Parameters
     ----------
-    seeds : 1 to so many of the deviations, two or more for a standard error
+    seeds : number of seeds of the deviations, two or more for a standard error
     preset : see `pipelines.scene.presets`
-    work : how it is built
+    work : how steps are computed
 
     Raises
     ------
@@ -89,15 +89,15 @@ def simulated(seeds: int, preset: str, work: Work) -> Evidence:
     """
     scenes = {case.name: scene_of(case, preset) for case in cases(seeds)}
     built = build_variants(scenes, lambda _: ["simulate"], work, ("step", "energy"))
-    plants = {case: built[case.name][0] for case in cases(seeds)}
-    looked_for = {  # by load
-        case.load: plant.diagnosis
-        for case, plant in plants.items()
-        if plant.diagnosis is not None and case.state == "faulty"
+    machines = {case: built[case.name][0] for case in cases(seeds)}
+    settings_by_load = {  # by load
+        case.load: machine.diagnosis
+        for case, machine in machines.items()
+        if machine.diagnosis is not None and case.state == "faulty"
     }
 
     def run(case: Case) -> xarray.Dataset:
-        return make_response(built[case.name][1].value("simulate"), plants[case].labels)
+        return make_response(built[case.name][1].value("simulate"), machines[case].labels)
 
     levels: dict[tuple[str, ...], Levels] = {}
     loads: dict[tuple[str, ...], Levels] = {}
@@ -108,10 +108,10 @@ def simulated(seeds: int, preset: str, work: Work) -> Evidence:
                 for state in STATES
                 for load in LOADS
             }
-            for load, settings in looked_for.items():
+            for load, settings in settings_by_load.items():
                 pair = fault_levels(runs["faulty", load], runs["healthy", load], settings)
                 levels |= {(losses, load, str(seed), *where): found for where, found in pair.items()}
-            for stretch, found in _load_levels(runs, looked_for["rope"]).items():
+            for stretch, found in _load_levels(runs, settings_by_load["rope"]).items():
                 loads[losses, str(seed), stretch] = found
     return Evidence(
         levels=_table(levels, ("losses", "load", "seed", "state", "window", "measure")),
@@ -120,7 +120,7 @@ def simulated(seeds: int, preset: str, work: Work) -> Evidence:
 
 
 def _load_levels(runs: Mapping[tuple[str, str], xarray.Dataset], settings: DiagnosisSettings) -> dict[str, Levels]:
-    """By stretch of time; where it has several windows, their mean."""
+    """Measures by interval of time, averaged over the windows of an interval."""
     rope, torque = runs["faulty", "rope"], runs["faulty", "static-torque"]
     out = {}
     for stretch, windows in STRETCHES.items():
@@ -130,6 +130,6 @@ def _load_levels(runs: Mapping[tuple[str, str], xarray.Dataset], settings: Diagn
 
 
 def _table(found: Mapping[tuple[str, ...], Levels], dims: tuple[str, ...]) -> xarray.DataArray:
-    """An array with named axes from values by place."""
+    """An array with named axes from values by their labels."""
     flat = {(*place, measure): value for place, levels in found.items() for measure, value in levels.items()}
     return labelled_array(flat, dims).assign_attrs(units="dB")

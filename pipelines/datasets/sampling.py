@@ -1,7 +1,7 @@
-"""Draws: the values of all variables in every scene of a plan, by its design and its seed.
+"""Sampled values of all variables in every scene of a plan, from its design and seed.
 
-A sampled design fills the unit cube (one axis per variable, in the order of the plan), and each axis is turned into
-values by the inverse of its distribution. Points that a constraint excludes are passed over and the design goes on.
+A sampled design fills the unit cube, with one axis for each variable in the order of the plan. The inverse of the
+distribution of a variable turns shares on its axis into values. Points that a constraint excludes are skipped.
 
 References
 ----------
@@ -23,28 +23,28 @@ from pipelines.datasets.plan import MOST_SCENES, Plan, PlanTable
 from pipelines.datasets.variables import Level
 from pipelines.io.errors import InputError
 
-LEAST_SHARE = 1e-3  # of the points that a constraint must leave
+LEAST_SHARE = 1e-3  # of the points must satisfy the constraints
 _BATCH = 1024
 
 Values = dict[str, Level]
 
 
-def draw(plan: Plan) -> list[Values]:
-    """The values of every scene, in the order of the campaign.
+def sampled_values(plan: Plan) -> list[Values]:
+    """The values of the variables in every scene, in the order of the campaign.
 
     Raises
     ------
-    InputError : a constraint has no value or leaves next to nothing, a grid is too large
+    InputError : a constraint has no value or excludes nearly all points, or a grid is too large
     """
     table = plan.table
     constraints = [Expression(text) for text in table.constraints]
     points = _grid(table) if table.design == "grid" else _sampled(table)
-    wanted = MOST_SCENES if table.scenes is None else table.scenes
+    count = MOST_SCENES if table.scenes is None else table.scenes
     found: list[Values] = []
     for tried, values in enumerate(points, 1):
         if _allowed(constraints, values):
             found.append(values)
-        if len(found) == wanted:
+        if len(found) == count:
             return found
         if tried > _BATCH / LEAST_SHARE and len(found) < LEAST_SHARE * tried:
             raise InputError(
@@ -74,7 +74,7 @@ def _grid(table: PlanTable) -> Iterator[Values]:
 
 
 def _sampled(table: PlanTable) -> Iterator[Values]:
-    """Points of the design without end."""
+    """Points of the design, without end."""
     variables = table.variables
     if not variables:
         yield from ({} for _ in itertools.count())
@@ -85,7 +85,7 @@ def _sampled(table: PlanTable) -> Iterator[Values]:
 
 
 def _cubes(design: str, axes: int, table: PlanTable) -> Iterator[np.ndarray]:
-    """Parts of the design, shares (point, axis) from 0 to below 1."""
+    """Batches of the design: shares (point, axis) from 0 to below 1."""
     from scipy.stats import qmc
 
     random = np.random.default_rng(table.seed)

@@ -1,7 +1,7 @@
-"""What a process that simulates one scene after the other keeps between them: laws, casings, the last machine.
+"""Worker cache: mesh laws, casings and systems that a process keeps between the scenes it simulates.
 
-A missing law or casing is built by one process alone and shared through the cache. A process that finds one taken goes
-on with another one of its scene, and waits only when nothing else is left to build.
+A missing law or casing is built by one process and shared through the cache. While another process builds it, a
+process builds other missing parts of its scene, and waits only if there are none.
 """
 
 from __future__ import annotations
@@ -26,27 +26,27 @@ _MOST_SYSTEMS = 2
 _WAIT_SECONDS = 0.1
 
 
-class Workshop:
-    """Makes the systems of plants; what two of them share is read, and what is equal assembled, once."""
+class WorkerCache:
+    """Systems of machine models, assembled from stored results; equal parts are read once, equal systems built once."""
 
     def __init__(self, cache: Cache) -> None:
         self._cache = cache
         self._values: OrderedDict[str, Any] = OrderedDict()  # by the digest of their content
         self._systems: OrderedDict[str, System] = OrderedDict()
 
-    def system(self, plant: Plant) -> System:
-        """The machine of a plant in its casing; what it is made of is built if no process has built it yet.
+    def system(self, machine: Plant) -> System:
+        """The system of a machine in its casing; missing laws and casings are built.
 
         Raises
         ------
-        whatever a step raises
+        any error of a step
         """
-        graph = Graph(plant_steps(plant))
+        graph = Graph(plant_steps(machine))
         motion = graph.steps["simulate"]
         spec: MotionSpec = motion.spec
         contents = self._contents(graph, motion.inputs)
-        machine = (spec.machine, spec.recorded, spec.motion.band, motion.received(contents.__getitem__))
-        key = digest(machine)
+        made_of = (spec.machine, spec.recorded, spec.motion.band, motion.received(contents.__getitem__))
+        key = digest(made_of)
         if key not in self._systems:
             taken = motion.received(lambda name: self._values[contents[name]])
             self._systems[key] = assembled(spec, **taken)
@@ -54,18 +54,18 @@ class Workshop:
         _shorten(self._systems, _MOST_SYSTEMS)
         return self._systems[key]
 
-    def _contents(self, graph: Graph, wanted: tuple[str, ...]) -> dict[str, str]:
-        """Digests of the wanted results by name, whose values are at hand then."""
-        known, _ = stored_contents(graph.needed(wanted), self._cache, {})
-        if any(known.get(name) not in self._values for name in wanted):
-            outcome = build_inputs(graph, wanted, self._cache)
-            for name in wanted:
+    def _contents(self, graph: Graph, requested: tuple[str, ...]) -> dict[str, str]:
+        """Digests of the requested results by name; their values are in memory afterwards."""
+        known, _ = stored_contents(graph.needed(requested), self._cache, {})
+        if any(known.get(name) not in self._values for name in requested):
+            outcome = build_inputs(graph, requested, self._cache)
+            for name in requested:
                 known[name] = outcome.results[name].record.content
                 self._values[known[name]] = outcome.value(name)
-        contents = {name: known[name] for name in wanted}
+        contents = {name: known[name] for name in requested}
         for content in contents.values():
             self._values.move_to_end(content)
-        _shorten(self._values, max(_MOST_VALUES, len(wanted)))
+        _shorten(self._values, max(_MOST_VALUES, len(requested)))
         return contents
 
 
@@ -74,23 +74,23 @@ def _shorten(kept: OrderedDict[str, Any], most: int) -> None:
         kept.popitem(last=False)
 
 
-def build_inputs(graph: Graph, wanted: Sequence[str], cache: Cache) -> Outcome:
-    """The wanted steps and what they take, each distinct one built by one process alone.
+def build_inputs(graph: Graph, requested: Sequence[str], cache: Cache) -> Outcome:
+    """Results of the requested steps and their inputs; each step is built by only one process.
 
     Parameters
     ----------
-    graph, wanted, cache : as `pipelines.engine.run_graph.run_graph`
+    graph, requested, cache : as in `pipelines.engine.run_graph.run_graph`
 
     Raises
     ------
-    whatever a step raises
+    any error of a step
     """
-    graph = graph.needed(wanted)
+    graph = graph.needed(requested)
     known: Mapping[str, Result] = {}
     while True:
         contents, missing = stored_contents(graph, cache, {name: one.record.content for name, one in known.items()})
         if not missing:
-            return run_graph(graph, cache, wanted, known=known, processes=1)
+            return run_graph(graph, cache, requested, known=known, processes=1)
         for step in missing:
             with cache.alone(step.key(contents)) as mine:
                 if mine:
