@@ -80,7 +80,7 @@ def test_pass_frequencies_are_looked_for_with_the_sidebands_of_the_load_zone():
     assert inner.spacing == pytest.approx(turn)
     assert element.frequency == pytest.approx(PER["2 BSF"] * turn, rel=2e-4)
     assert element.spacing == pytest.approx(0.39828 * turn, rel=2e-4)  # of the cage
-    assert [name for name, _, _ in inner.wanted()][1:3] == ["bearing_2 BPFI - f_shaft_1", "bearing_2 BPFI"]
+    assert [name for name, _, _ in inner.monitored()][1:3] == ["bearing_2 BPFI - f_shaft_1", "bearing_2 BPFI"]
     assert make_plant(scene()).diagnosis.passes == ()
 
 

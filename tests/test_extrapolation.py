@@ -212,7 +212,7 @@ def test_what_is_taken_off_hexahedra_is_little_and_their_bands_hold_smaller_ones
     assert 1.4 < fine.unknowns / quadratic.unknowns < 1.8
     limits = limits_of(*hexahedra)
     assert 0.0 < limits.correction < 0.004
-    assert limits.median_band < 0.0025
+    assert limits.median_band_at(1.0) < 0.0025
     smaller = limits_of(*both_degrees(0.018, "hexahedron-32"))
     apart = abs(limits.limits / smaller.limits - 1.0)
     assert (apart <= (limits.bands + smaller.bands) / smaller.limits).all()
@@ -244,8 +244,8 @@ def test_one_inverse_iteration_from_the_cubic_modes_finds_the_quadratic_ones(hex
 def test_the_size_for_an_error_is_the_one_whose_band_is_predicted_to_have_it(modes, request):
     found = request.getfixturevalue(modes)
     limits = limits_of(*found)
-    assert wanted_factor(limits, 1.01 * limits.median_band, *found) == 1.0
-    less = 0.5 * limits.median_band
+    assert wanted_factor(limits, 1.01 * limits.median_band_at(1.0), *found) == 1.0
+    less = 0.5 * limits.median_band_at(1.0)
     factor = wanted_factor(limits, less, *found)
     assert limits.median_band_at(factor) <= less < limits.median_band_at(factor + 0.02)
     assert factor == pytest.approx(0.5 ** (1.0 / ORDER), abs=0.02)
@@ -257,7 +257,7 @@ def test_an_error_that_no_mesh_or_no_computer_has_is_refused(hexahedra):
         wanted_factor(limits, 1e-5, *hexahedra)
     many = replace(hexahedra[0], unknowns=300_000)
     with pytest.raises(ExtrapolationError, match=r"unknowns \(limit 400,000.*Set [0-9.]+ %, the error with that limit"):
-        wanted_factor(limits, 0.5 * limits.median_band, many, hexahedra[1])
+        wanted_factor(limits, 0.5 * limits.median_band_at(1.0), many, hexahedra[1])
 
 
 def test_an_error_asked_for_makes_a_trial_and_says_what_it_takes():

@@ -7,9 +7,9 @@ import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 from scipy.linalg import expm
 
+from benchmarks.checks.motion import spectral_radius
 from mbd.integrators import exponential, trapezoidal
 from mbd.integrators.base import join
-from mbd.integrators.generalised_alpha import spectral_radius
 from mbd.integrators.methods import make_integrator
 from mbd.integrators.modal import complex_modes
 from mbd.integrators.settings import Settings

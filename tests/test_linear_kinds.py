@@ -227,7 +227,7 @@ def test_a_rigid_motion_of_everything_strains_only_what_stands_on_the_ground(axi
         turn[j, i], turn[i, j] = 1.0, -1.0
     motion = np.zeros(lay.size)
     for shaft in machine.shafts:
-        places = np.array([(shaft.x, y, shaft.z) for y in lay.nodes(shaft.name)])
+        places = np.array([(shaft.x, y, shaft.z) for y in lay.shaft_nodes[shaft.name]])
         shift = places @ turn.T + (np.eye(3)[axis] if axis < 3 else 0.0)
         spin = np.tile(np.eye(3)[axis - 3] if axis >= 3 else np.zeros(3), (len(places), 1))
         motion[lay.index(shaft.name)] = np.hstack([shift, spin]).ravel()

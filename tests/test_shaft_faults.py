@@ -135,7 +135,7 @@ def test_orders_of_every_faulty_shaft_are_looked_for_and_listed():
     found = plant(forces=[UNBALANCE, BOW])
     assert [line.shaft for line in found.diagnosis.turning] == ["shaft_1", "shaft_2"]
     for line, turn in zip(found.diagnosis.turning, TURN, strict=True):
-        assert [frequency for _, _, frequency in line.wanted()] == pytest.approx([turn, 2 * turn])
+        assert [frequency for _, _, frequency in line.monitored()] == pytest.approx([turn, 2 * turn])
     rows = shaft_rows(found)
     assert [row["fault"] for row in rows] == list(found.fault_words)
     assert [(row["1x Hz"], row["2x Hz"]) for row in rows] == [pytest.approx((turn, 2 * turn)) for turn in TURN]

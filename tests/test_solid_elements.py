@@ -13,8 +13,9 @@ from fem.contact.wheels.solid_ring import sector_prism, solid_flank
 from fem.elements.dissection import Dissection
 from fem.elements.nested_condensation import INNER, TIED, CondensationError
 from fem.elements.prisms import axial_matrices, product_stiffness, section_blocks, slice_means
-from fem.gears.sector import sector_mesh, with_middles
+from fem.gears.sector import sector_mesh
 from fem.numerics.linear_solver import factorize
+from fem.numerics.quadratic_grids import with_middles
 
 YOUNG, POISSON = 206e9, 0.3
 

@@ -125,11 +125,11 @@ def test_a_spalled_law_has_one_potential(laws):
 
 def test_pits_cover_the_stated_area_without_overlap_and_soften(laws):
     fault = PittedTooth(height=2e-3, density=0.15, pit=0.4e-3, seed=3)
-    pits = fault.pits(SPUR.pinion)
+    pits = fault.patches(SPUR.pinion)
     areas = [math.pi / 4 * pit.height**2 for pit in pits]
     assert sum(areas) == pytest.approx(0.15 * 2e-3 * 12e-3, rel=1e-6)
-    assert fault.pits(SPUR.pinion) == pits
-    assert PittedTooth(height=2e-3, density=0.15, pit=0.4e-3, seed=4).pits(SPUR.pinion) != pits
+    assert fault.patches(SPUR.pinion) == pits
+    assert PittedTooth(height=2e-3, density=0.15, pit=0.4e-3, seed=4).patches(SPUR.pinion) != pits
     sizes = np.array([pit.height for pit in pits[:-1]])
     assert np.median(sizes) == pytest.approx(0.4e-3, rel=0.15)
     assert np.exp(np.log(sizes).std()) == pytest.approx(1.4, rel=0.15)

@@ -25,7 +25,7 @@ def contact_pressure(pair: GearPair, law: MeshLaw, cycle: float, pairs: np.ndarr
     """
     own = law.cycle_sign * cycle + law.cycle_offset
     positions = own - pairs[:, None] + law.cycle_shift
-    rolls = np.array([pair.roll_lengths(xi) for xi in positions.ravel()]).reshape(*positions.shape, 2)
+    rolls = np.stack(pair.roll_lengths(positions), axis=-1)
     radii = np.maximum(rolls, 1e-3 * pair.base_pitch)
     curvature = (1 / radii).sum(axis=-1) * np.cos(pair.base_helix_angle)
     materials = (pair.pinion_material, pair.wheel_material)

@@ -55,15 +55,6 @@ def spared_work(even, s):
 
 
 @inner(**INLINE)
-def spared_work_slope(even, s, work):
-    """Derivative dw/dp at the same u (work: w)."""
-    rest, closed = 1.0 - even, 1.0 - s
-    u = (s * s - even * even) / (rest * (1.0 + even))
-    moved = even * ((1.0 - u) * closed * closed - rest * rest)
-    return work * (3.0 / rest - 1.0 / (1.0 + even)) + 2.0 * moved / (rest * rest * rest * (1.0 + even))
-
-
-@inner(**INLINE)
 def _work(s):
     """Function G."""
     return s * s * (0.5 - s * (2.0 / 3.0 - 0.25 * s))

@@ -53,6 +53,7 @@ _HEXAHEDRON = _Shape(
     ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)),
     ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)),
 )
+_MIRRORED = [0, 2, 1, 3, 6, 5, 4, 7, 9, 8]  # nodes of a tetrahedron of opposite orientation
 _SHAPES = {  # corners and shape by the number of nodes
     **dict.fromkeys((4, 10), (4, _TETRAHEDRON)),
     **dict.fromkeys((5, 13, 14), (5, _PYRAMID)),
@@ -86,13 +87,13 @@ def divided(nodes: np.ndarray, blocks: Sequence[np.ndarray]) -> tuple[np.ndarray
         raise ElementError(
             f"elements with and without mid-side nodes do not fit together ({counts}); make all of them quadratic"
         )
-    ordered = [_ordered(nodes, block) for block in blocks]
-    _check_conforming(nodes, ordered)
-    parts = [_outwards(nodes, _corner_tetrahedra(block)) for block in ordered]
+    blocks = [_ordered(nodes, block) for block in blocks]
+    _check_conforming(nodes, blocks)
+    parts = [_outwards(nodes, _corner_tetrahedra(block)) for block in blocks]
     corners = np.vstack(parts)
     if not quadratic.pop():
         return nodes, corners
-    return _with_middles(nodes, ordered, corners)
+    return _with_middles(nodes, blocks, corners)
 
 
 def described(blocks: Sequence[np.ndarray]) -> str:
@@ -111,32 +112,61 @@ def cut_quadrilaterals(faces: np.ndarray) -> np.ndarray:
     return np.vstack([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
 
 
+def ordered(nodes: np.ndarray, block: np.ndarray) -> np.ndarray:
+    """Elements of one kind with every mid-side node on its edge; tetrahedra are reordered if all are inverted.
+
+    Parameters
+    ----------
+    nodes : (n, 3), mm
+    block : (e, k) elements in the order of VTK; some programs write other orders of mid-side nodes
+
+    Raises
+    ------
+    ElementError : misplaced mid-side nodes
+    """
+    count, shape = _SHAPES[block.shape[1]]
+    if block.shape[1] > count:
+        block = block.copy()
+        block[:, count : count + len(shape.edges)] = block[:, _mid_sides(nodes, block)]
+    return _outwards(nodes, block) if shape is _TETRAHEDRON else block
+
+
 def _ordered(nodes: np.ndarray, block: np.ndarray) -> np.ndarray:
     """The elements with every mid-side and mid-face node in the order of the edges and faces of its shape."""
     count, shape = _SHAPES[block.shape[1]]
     if block.shape[1] == count:
         return block
-    edges, quadrilaterals = np.array(shape.edges), shape.quadrilaterals
-    ends = nodes[block[:, edges]]
+    order = _mid_sides(nodes, block)
+    rest = np.setdiff1d(np.arange(count, block.shape[1]), order)
+    found = np.column_stack([block[:, :count], block[:, order], block[:, rest]])
+    if len(rest):
+        some = _sample(block)
+        corners = [list(face) for face in (*shape.quadrilaterals, range(count))][: len(rest)]
+        centres = [nodes[block[some][:, own]].mean(axis=1) for own in corners]
+        found[:, count + len(order) :] = block[:, _places(nodes, block[some], rest, np.stack(centres, axis=1))]
+    return found
+
+
+def _mid_sides(nodes: np.ndarray, block: np.ndarray) -> np.ndarray:
+    """Local numbers of the mid-side nodes of elements of one kind, in the order of the edges of their shape."""
+    count, shape = _SHAPES[block.shape[1]]
+    ends = nodes[block[:, np.array(shape.edges)]]
     length = np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=2)
-    found = block.copy()
-    places = np.arange(count, block.shape[1])
-    some = slice(None, None, 1 + len(block) // 1000)  # sample that determines the order of all
-    order = _places(nodes, block[some], places, ends.mean(axis=2)[some])
-    found[:, count : count + len(edges)] = block[:, order]
-    far = np.linalg.norm(nodes[found[:, count : count + len(edges)]] - ends.mean(axis=2), axis=2)
-    if not (far < OFF_MIDDLE * length).all() or len(set(order.tolist())) < len(edges):
+    some = _sample(block)
+    order = _places(nodes, block[some], np.arange(count, block.shape[1]), ends.mean(axis=2)[some])
+    far = np.linalg.norm(nodes[block[:, order]] - ends.mean(axis=2), axis=2)
+    if not (far < OFF_MIDDLE * length).all() or len(set(order.tolist())) < len(order):
         worst = int((far / np.maximum(length, 1e-300)).max(axis=1).argmax())
         raise ElementError(
             f"mid-side nodes do not lie near the middles of their edges (limit {OFF_MIDDLE:g} edge lengths), the worst "
             f"in one of the {shape.word} {_near(nodes, block[worst, :count])}; check the order of the nodes"
         )
-    rest = np.setdiff1d(places, order)
-    if len(rest):
-        centres = [nodes[block[some][:, list(corners)]].mean(axis=1) for corners in (*quadrilaterals, range(count))]
-        of_rest = _places(nodes, block[some], rest, np.stack(centres[: len(rest)], axis=1))
-        found[:, count + len(edges) :] = block[:, of_rest]
-    return found
+    return order
+
+
+def _sample(block: np.ndarray) -> slice:
+    """Some elements, whose order of nodes is that of all."""
+    return slice(None, None, 1 + len(block) // 1000)
 
 
 def _places(nodes: np.ndarray, block: np.ndarray, among: np.ndarray, middles: np.ndarray) -> np.ndarray:
@@ -220,11 +250,11 @@ def _corner_tetrahedra(block: np.ndarray) -> np.ndarray:
 
 
 def _outwards(nodes: np.ndarray, tetrahedra: np.ndarray) -> np.ndarray:
-    """The tetrahedra, reordered if all are inverted, as in files with the opposite numbering."""
-    corners = nodes[tetrahedra]
+    """The tetrahedra (t, 4 or 10), reordered if all are inverted, as in files with the opposite numbering."""
+    corners = nodes[tetrahedra[:, :4]]
     if (np.linalg.det(corners[:, 1:] - corners[:, :1]) >= 0.0).any():
         return tetrahedra
-    return tetrahedra[:, [0, 2, 1, 3]]
+    return tetrahedra[:, _MIRRORED[: tetrahedra.shape[1]]]
 
 
 def _with_middles(

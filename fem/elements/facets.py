@@ -80,14 +80,14 @@ def nearest_on_facets(nodes: np.ndarray, facets: np.ndarray, position: np.ndarra
     best = np.full(len(facets), np.inf)
     local = np.zeros((2, len(facets)))
     for triangle in triangles:
-        share, distance = _nearest_in_triangles(nodes[facets[:, triangle]], position)
+        share, distance = nearest_in_triangles(nodes[facets[:, triangle]], position)
         nearer = distance < best
         best[nearer] = distance[nearer]
         local[:, nearer] = (element.refdom.p[:, triangle] @ share.T)[:, nearer]
     return shapes(element, local)[0]
 
 
-def _nearest_in_triangles(corners: np.ndarray, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def nearest_in_triangles(corners: np.ndarray, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Barycentric coordinates (f, 3) of the nearest point of each flat triangle (f, 3, 3), and its distance (f,)."""
     origin, a, b = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     offset = position - origin

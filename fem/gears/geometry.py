@@ -9,6 +9,7 @@ import logging
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from fem.gears.profile import form_point, form_radius, generate_trochoid
 from fem.numerics.root import brentq
 
 __all__ = ["Gear", "GearPair", "GeometryError", "Rack"]
+_Places = TypeVar("_Places", float, np.ndarray)
 
 logger = logging.getLogger(__name__)
 
@@ -288,7 +290,7 @@ class GearPair:
         """eps_gamma = eps_alpha + eps_beta."""
         return self.transverse_contact_ratio + self.overlap_ratio
 
-    def roll_lengths(self, xi: float) -> tuple[float, float]:
+    def roll_lengths(self, xi: _Places) -> tuple[_Places, _Places]:
         """Roll lengths from the base tangent points of pinion and wheel to the contact point at xi (m)."""
         tangent, shift = math.tan(self.working_pressure_angle), xi * self.base_pitch
         return self.pinion.base_radius * tangent + shift, self.wheel.base_radius * tangent - shift

@@ -61,7 +61,7 @@ def path_points(
     xi = np.atleast_1d(np.asarray(xi, dtype=float))
     if tips is not None:
         return _shortened(pair, xi, largest_gap, tips)
-    l1, l2 = _roll_lengths(pair, np.clip(xi, pair.xi_start, pair.xi_end))
+    l1, l2 = pair.roll_lengths(np.clip(xi, pair.xi_start, pair.xi_end))
     gap = np.zeros_like(xi)
     r1, r2 = np.hypot(pair.pinion.base_radius, l1), np.hypot(pair.wheel.base_radius, l2)
     before, after = xi < pair.xi_start, xi > pair.xi_end
@@ -165,7 +165,7 @@ def _shortened(pair: GearPair, xi: np.ndarray, largest_gap: float, tips: tuple[f
     radii = tuple(min(r, g.tip_form_radius) for r, g in zip(tips, (pair.pinion, pair.wheel), strict=True))
     start = max(tip_position(pair, "wheel", radii[1]), pair.xi_start)
     end = min(tip_position(pair, "pinion", radii[0]), pair.xi_end)
-    l1, l2 = _roll_lengths(pair, np.clip(xi, pair.xi_start, pair.xi_end))
+    l1, l2 = pair.roll_lengths(np.clip(xi, pair.xi_start, pair.xi_end))
     r1, r2 = np.hypot(pair.pinion.base_radius, l1), np.hypot(pair.wheel.base_radius, l2)
     gap = np.zeros_like(xi)
     before, after = xi < start, xi > end
@@ -184,11 +184,6 @@ def _shortened(pair: GearPair, xi: np.ndarray, largest_gap: float, tips: tuple[f
     return PathPoints(xi=xi, gap=gap, pinion_radius=r1, wheel_radius=r2, relative_radius=l1 * l2 / (l1 + l2))
 
 
-def _roll_lengths(pair: GearPair, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    tangent, shift = math.tan(pair.working_pressure_angle), xi * pair.base_pitch
-    return pair.pinion.base_radius * tangent + shift, pair.wheel.base_radius * tangent - shift
-
-
 def _inv_at(radius: np.ndarray, base_radius: float) -> np.ndarray:
     """Involute function of the pressure angle at `radius`; 0 inside the base circle."""
     roll = np.sqrt(np.maximum(radius**2 - base_radius**2, 0.0)) / base_radius
@@ -198,7 +193,7 @@ def _inv_at(radius: np.ndarray, base_radius: float) -> np.ndarray:
 def _pinion_edge(pair: GearPair, xi: np.ndarray, tip: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
     """Gap (m) of the pinion tip corner to the wheel flank beyond xi_end, and the wheel radius (m) there."""
     p, w, alpha = pair.pinion, pair.wheel, pair.working_pressure_angle
-    l1, l2 = _roll_lengths(pair, xi)
+    l1, l2 = pair.roll_lengths(xi)
     corner_angle = -alpha + l1 / p.base_radius - _inv_at(np.array(tip), p.base_radius)
     x = tip * np.cos(corner_angle) - pair.axis_distance
     y = tip * np.sin(corner_angle)
@@ -211,7 +206,7 @@ def _pinion_edge(pair: GearPair, xi: np.ndarray, tip: np.ndarray | float) -> tup
 def _wheel_edge(pair: GearPair, xi: np.ndarray, tip: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
     """Gap (m) of the wheel tip corner to the pinion flank before xi_start, and the pinion radius (m) there."""
     p, w, alpha = pair.pinion, pair.wheel, pair.working_pressure_angle
-    l1, l2 = _roll_lengths(pair, xi)
+    l1, l2 = pair.roll_lengths(xi)
     corner_angle = math.pi - alpha + l2 / w.base_radius - _inv_at(np.array(tip), w.base_radius)
     gap = np.zeros_like(xi)
     for _ in range(60):  # each iteration reduces the error by a factor of order gap / radius

@@ -24,6 +24,7 @@ import numpy as np
 
 from fem.gears.gear import Gear
 from fem.gears.profile import flank_at_roll, form_radius, half_tooth_profile, roll_length
+from fem.numerics.quadratic_grids import cells_of, with_middles
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
@@ -97,14 +98,6 @@ class _Fillet:
         flat = np.flatnonzero(rise < run)  # slope less than 45 degrees relative to the circle
         middle = float(np.clip(arc[flat[-1] + 1], 0.3 * arc[-1], 0.9 * arc[-1]))
         return _Fillet(CubicSpline(arc, radius), CubicSpline(arc, angle), float(arc[-1]), middle)
-
-
-def with_middles(ends: np.ndarray) -> np.ndarray:
-    """Element ends with the element middles between them."""
-    out = np.empty(2 * len(ends) - 1)
-    out[::2] = ends
-    out[1::2] = (ends[1:] + ends[:-1]) / 2
-    return out
 
 
 def _growing(first: float, growth: float, largest: float, total: float) -> np.ndarray:
@@ -187,7 +180,7 @@ def sector_mesh(gear: Gear, refinement: float = 1.0, slit: Slit | None = None) -
     on_slit = tooth[0, cracked][::-1].copy()
     lower_side = body.copy()
     lower_side[0, first : first + len(across)][cracked] = len(points) + np.arange(len(on_slit))[::-1]
-    quads = (_quads(lower_side[::-1]), _quads(tooth))
+    quads = [cells_of(nodes).reshape(-1, 9) for nodes in (lower_side[::-1], tooth)]
     below, above = (np.argwhere(np.ones((len(n) // 2, len(n[0]) // 2))) for n in (body, tooth))
     web_elements = np.zeros(len(quads[0]) + len(quads[1]), dtype=bool)
     web_elements[: len(quads[0]) - rim_rows * ((len(body[0]) - 1) // 2)] = True  # inner rows come first
@@ -259,9 +252,3 @@ def _fillet_normal(fillet: _Fillet, arc: np.ndarray) -> np.ndarray:
     radial = np.column_stack([np.cos(angle), np.sin(angle)])
     around = np.column_stack([-np.sin(angle), np.cos(angle)])
     return -along[:, 1:] * radial + along[:, :1] * around
-
-
-def _quads(nodes: np.ndarray) -> np.ndarray:
-    """Elements (n, 9) of a node grid with odd counts; the first grid axis is radial, outwards."""
-    windows = np.lib.stride_tricks.sliding_window_view(nodes, (3, 3))[::2, ::2]
-    return windows.reshape(-1, 9)

@@ -146,13 +146,3 @@ class GeneralisedAlpha:
         columns = dict(zip(Block._fields, (np.array(column) for column in zip(*instants, strict=True)), strict=False))
         none = np.zeros((len(instants), 0, len(self._forces)))
         return Block(**columns, clock=clock, whole=np.arange(len(instants)), holds=none)
-
-
-def spectral_radius(step_over_period: float, radius: float = DEFAULT_RADIUS) -> float:
-    """Largest eigenvalue modulus of one step of the undamped oscillator, h/T = ``step_over_period``."""
-    x = (2 * np.pi * step_over_period) ** 2  # (omega h)^2; unknowns (q, h v, h^2 A)
-    am, af = (2 * radius - 1) / (radius + 1), radius / (radius + 1)
-    gamma, beta = 0.5 - am + af, 0.25 * (1 + af - am) ** 2
-    new = np.array([[1.0, 0.0, -beta], [0.0, 1.0, -gamma], [(1 - af) * x, 0.0, 1 - am]])
-    old = np.array([[1.0, 1.0, 0.5 - beta], [0.0, 1.0, 1 - gamma], [-af * x, 0.0, -am]])
-    return float(abs(np.linalg.eigvals(np.linalg.solve(new, old))).max())

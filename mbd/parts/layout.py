@@ -13,29 +13,21 @@ import numpy as np
 
 from fem.casing.reduced.body import ReducedBody
 from mbd.elements.component import Component
+from mbd.elements.coordinates import Coordinates
 from mbd.parts.casing import Casing
 from mbd.parts.checks import MachineError
 from mbd.parts.machine import Machine
-from mbd.parts.shafts import flexibility, node_at, shaft_basis, shaft_nodes
+from mbd.parts.shafts import flexibility, shaft_basis, shaft_nodes
 
 BEARING_PLACE_TOLERANCE = 1e-4  # m
 
 
-@dataclass(frozen=True, eq=False)
-class Layout:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Layout(Coordinates):
     """Numbers of the coordinates of each part."""
 
     machine: Machine
     casing: ReducedBody
-    shaft_nodes: dict[str, np.ndarray]
-    bases: dict[str, np.ndarray]
-    spans: dict[str, slice]
-    names: tuple[str, ...]
-
-    @property
-    def size(self) -> int:
-        """Number of coordinates."""
-        return len(self.names)
 
     @property
     def components(self) -> tuple[Component, ...]:
@@ -77,18 +69,6 @@ class Layout:
         """+1 if a shaft lifts about +y, else -1."""
         return self.machine.shaft(shaft).sense
 
-    def index(self, owner: str) -> np.ndarray:
-        """Numbers of the coordinates of a shaft by name, or of "casing"."""
-        return np.arange(self.size)[self.spans[owner]]
-
-    def nodes(self, shaft: str) -> np.ndarray:
-        """Places y (node,) of the nodes of a shaft."""
-        return self.shaft_nodes[shaft]
-
-    def basis(self, shaft: str) -> np.ndarray:
-        """T (6 node, own coordinate): displacements of the nodes of a shaft from its coordinates."""
-        return self.bases[shaft]
-
     def flexibility(self, shaft: str, y: float, supports: tuple[float, float]) -> float:
         """Deflection over force (m/N) at ``y`` of a shaft alone, simply supported at two stations."""
         return flexibility(self.machine.shaft(shaft), self.shaft_nodes[shaft], y, supports)
@@ -97,27 +77,6 @@ class Layout:
         """Position y at which the rotation of a shaft is recorded: its first gear, else its first end."""
         gears = [mesh.y for mesh in self.machine.meshes if shaft in (mesh.driving, mesh.driven)]
         return gears[0] if gears else self.machine.shaft(shaft).y_start
-
-    def node_row(self, shaft: str, y: float, coefficients: np.ndarray) -> np.ndarray:
-        """Row (coordinate,) of ``coefficients`` (6,) on the displacements of the node at ``y`` of ``shaft``."""
-        row = np.zeros(self.size)
-        at = 6 * node_at(self.shaft_nodes[shaft], y)
-        row[self.spans[shaft]] = coefficients @ self.bases[shaft][at : at + 6]
-        return row
-
-    def axis_row(self, shaft: str, y: float, axis: int) -> np.ndarray:
-        """Row of one displacement, axis 0..5 = ux uy uz rx ry rz."""
-        return self.node_row(shaft, y, np.eye(6)[axis])
-
-    def angle_row(self, shaft: str, y: float) -> np.ndarray:
-        """Row of the rotation in the lifting sense."""
-        return self.sense(shaft) * self.axis_row(shaft, y, 4)
-
-    def own_row(self, name: str) -> np.ndarray:
-        """Row of one coordinate by its name."""
-        row = np.zeros(self.size)
-        row[self.names.index(name)] = 1.0
-        return row
 
     def reads_casing(self, name: str) -> bool:
         """Whether the casing has a row of that name."""
@@ -185,4 +144,4 @@ def layout(machine: Machine, casing: ReducedBody) -> Layout:
     spans["casing"] = slice(len(names), len(names) + len(casing.coordinate_names))
     names += [f"casing:{label}" for label in casing.coordinate_names]
     names += [name for component in machine.components for name in component.coordinates]
-    return Layout(machine, casing, nodes, bases, spans, tuple(names))
+    return Layout(machine=machine, casing=casing, shaft_nodes=nodes, bases=bases, spans=spans, names=tuple(names))

@@ -18,7 +18,7 @@ import numpy as np
 
 from fem.options import check_options, option
 from mbd.elements.component import Component
-from mbd.elements.coordinates import Coordinates
+from mbd.elements.coordinates import Coordinates, node_at
 from mbd.elements.linear import Matrices, Part
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
@@ -159,19 +159,19 @@ class ShaftSpec(ShaftModel, Component):
         yield Part(
             name=self.name,
             words=WORDS,
-            matrices=shaft_matrices(self, lay.nodes(self.name)),
+            matrices=shaft_matrices(self, lay.shaft_nodes[self.name]),
             index=lay.index(self.name),
-            shape=lay.basis(self.name),
+            shape=lay.bases[self.name],
             unstrained=0 if self.model == "timoshenko" else RIGID_MOTIONS,
             spin=self.sense * lay.ratios[self.name],
         )
 
     def constant_force(self, lay: Coordinates) -> np.ndarray:
         """Weight of the beam and its disks."""
-        nodes, force = lay.nodes(self.name), np.zeros(lay.size)
+        nodes, force = lay.shaft_nodes[self.name], np.zeros(lay.size)
         lift = np.tile(np.eye(6)[2], len(nodes))
         mass = free_shaft(self, nodes).own("mass")
-        force[lay.index(self.name)] -= lay.gravity * lay.basis(self.name).T @ (mass @ lift)
+        force[lay.index(self.name)] -= lay.gravity * lay.bases[self.name].T @ (mass @ lift)
         return force
 
     def readings(self, lay: Coordinates) -> dict[str, Reading]:
@@ -236,11 +236,6 @@ def shaft_nodes(spec: ShaftSpec, stations: tuple[float, ...] = ()) -> np.ndarray
     for a, b, n in zip(points[:-1], points[1:], pieces.astype(int), strict=True):
         nodes.append(a + (b - a) * np.arange(1, n + 1) / n)
     return np.concatenate(nodes)
-
-
-def node_at(nodes: np.ndarray, y: float) -> int:
-    """Index of the node at ``y`` (it exists: every station is a node)."""
-    return int(np.argmin(abs(nodes - y)))
 
 
 def shaft_matrices(spec: ShaftSpec, nodes: np.ndarray) -> Matrices:

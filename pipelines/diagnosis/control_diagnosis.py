@@ -189,12 +189,12 @@ def _placed_lines(settings: DiagnosisSettings, resolution: float, top: float) ->
     least = resolution / 2  # excludes the mean
     found = [_Placed("bearing", name, 0, f, 0.0) for name, f in settings.bearings.items() if least < f <= top]
     for spall in settings.passes:
-        for name, k, f in spall.wanted():
+        for name, k, f in spall.monitored():
             reach = max(resolution, spall.spread * f)
             if least < f < top - reach:
                 found.append(_Placed("pass", name, k, f, reach))
     for fault in settings.turning:
-        for name, k, f in fault.wanted():
+        for name, k, f in fault.monitored():
             if readable(f, resolution, top):
                 found.append(_Placed("shaft", name, k, f, resolution))
     return list(dict.fromkeys(found))  # faults of one shaft have the same lines

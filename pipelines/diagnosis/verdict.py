@@ -8,13 +8,12 @@ The diagnosis does not use the known faults of a simulation. It answers two ques
 - Damaged (one-sided): the evidence of a component, the mean deviation of its features, is high. At most ALARM of
   healthy machines have such evidence for any of their components.
 
-Clear impacts of a rolling bearing are damage by themselves, see `pipelines.diagnosis.impacts`, if no healthy recording
-has them. They rank before all other evidence: impacts reach the features of gears and shafts, too, but damage of gears
-and shafts does not cause impacts at pass orders.
+A rolling bearing is also damaged if it has clear impacts (`pipelines.diagnosis.impacts`) that no healthy recording has.
+Clear impacts rank before all other evidence: they also change features of gears and shafts, but damage of gears and
+shafts does not cause impacts at pass orders.
 
-Features of the whole signal are no evidence of a component. A control is a baseline of the same machine: its
-recordings differ in their sensor noise alone. With fewer than FEWEST_FOR_P healthy recordings there is only the order
-of the components.
+Features of the whole signal are not evidence of a component. The recordings of a control are of the same machine and
+differ only in their sensor noise. With fewer than FEWEST_FOR_P healthy recordings the components are only ranked.
 """
 
 from __future__ import annotations
@@ -43,18 +42,19 @@ from pipelines.signals.features.recorded import OF_SHAFT, OF_WHITENED
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 
-LEAST_ORDER = -40.0  # dB over the rms of healthy recordings: weaker orders of a shaft are no evidence
-DIFFERENT, ALARM = 0.01, 0.001  # of healthy machines are called different, or damaged
-_OVER_HEALTHY = 6.0  # dB of clear impacts over every healthy recording
+LEAST_ORDER = -40.0  # dB over the rms of healthy recordings; weaker orders of a shaft are no evidence
+DIFFERENT, ALARM = 0.01, 0.001  # probabilities that a healthy machine is called different, or damaged
+_OVER_HEALTHY = 6.0  # dB, least level of clear impacts over every healthy recording
 
 
 @dataclass(frozen=True, kw_only=True)
 class Evidence:
     """Evidence of a component at the channel where it is strongest: the mean over a group of its `features`.
 
-    `increase` (dB) over the healthy mean; `deviation` in standard deviations of healthy recordings with the `limit`
-    that makes it damaged, None without p-values; `p` corrected for all components and channels, 0 for clear impacts;
-    `impacts` their level (dB) over the envelope spectrum around them, None if there are none.
+    `increase` is in dB over the healthy mean, `deviation` in standard deviations of the healthy recordings. A component
+    whose deviation reaches `limit` is damaged. `p` is corrected for the number of components and channels, 0 for clear
+    impacts. `limit` and `p` are None with fewer than FEWEST_FOR_P healthy recordings; `deviation` is then the increase.
+    `impacts` is the level (dB) of clear impacts over the envelope spectrum around them, None if there are none.
     """
 
     features: tuple[str, ...]

@@ -6,13 +6,11 @@ import html
 import re
 from collections.abc import Sequence
 from importlib.resources import files
-from typing import TYPE_CHECKING
+
+from matplotlib.figure import Figure
 
 from pipelines.io.grid import Grid
 from pipelines.report.svg import svg
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 WIDEST = 10  # columns of a table that a sheet of paper holds
 

@@ -6,10 +6,11 @@ import hashlib
 import html
 import io
 import re
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+
+from pipelines.report.scales import simplify_scales
 
 PICTURE_DPI = 110  # of rendered pictures inside a figure; all else consists of lines
 FONT = "system-ui, 'Segoe UI', Roboto, 'Liberation Sans', 'DejaVu Sans', sans-serif"
@@ -28,9 +29,6 @@ def svg(figure: Figure, description: str) -> str:
     figure : of matplotlib
     description : for those who cannot see it
     """
-    from matplotlib import rc_context
-
-    from pipelines.report.scales import simplify_scales
 
     if figure.get_layout_engine() is None:
         simplify_scales(figure)

@@ -122,7 +122,7 @@ def _lines(machine: Plant, control: str) -> Iterator[str]:
         from pipelines.machine.looked_for import shaft_lines
 
         for fault in machine.shaft_faults:
-            monitored = shaft_lines(machine.layout, fault).wanted()
+            monitored = shaft_lines(machine.layout, fault).monitored()
             orders = ", ".join(f"{label} {frequency:.5g} Hz" for label, _, frequency in monitored)
             yield f"  {fault.name}: {orders}"
     if machine.fault_words:

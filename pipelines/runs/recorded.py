@@ -13,7 +13,7 @@ from pipelines.io.grid import Grid
 from pipelines.io.shown import shown
 from pipelines.io.user_files import is_regular_file
 from pipelines.runs import run_folder
-from pipelines.signals.motion_warnings import told
+from pipelines.signals.motion_warnings import stored_warnings
 
 if TYPE_CHECKING:
     import numpy as np
@@ -217,7 +217,7 @@ def read_features(path: Path, machine: Machine, windows: Windows | None) -> Reco
 
     settings = FeatureSettings(kinematics=machine.kinematics, windows=windows or {})
     with read_recording(path, machine) as recording:
-        warnings, time = tuple(told(recording.attrs).values()), recording.time.values
+        warnings, time = tuple(stored_warnings(recording.attrs).values()), recording.time.values
         for name, (start, end) in (windows or {}).items():
             if start >= end:
                 raise InputError(

@@ -74,7 +74,7 @@ def log_warnings(motions: Iterable[Trajectory], kinds: Container[str] = KINDS) -
         _LOG.warning("%s", text)
 
 
-def told(attributes: Mapping[str, Any]) -> dict[str, str]:
+def stored_warnings(attributes: Mapping[str, Any]) -> dict[str, str]:
     """The warnings in the attributes of a response."""
     return json.loads(attributes.get(ATTRIBUTE, "{}"))
 

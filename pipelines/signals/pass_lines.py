@@ -37,7 +37,7 @@ class PassLines:
     spacing_label: str = ""
     spread: float = 0.0
 
-    def wanted(self) -> list[tuple[str, int, float]]:
+    def monitored(self) -> list[tuple[str, int, float]]:
         """Label, number of the harmonic and frequency (Hz) of every line."""
         found = []
         sides = range(-SIDEBANDS, SIDEBANDS + 1) if self.spacing else (0,)
@@ -52,7 +52,7 @@ class PassLines:
 
     def own(self, lines: LineTable) -> LineTable:
         """The rows of this spall among the lines of a case and window."""
-        names = {name for name, _, _ in self.wanted()}
+        names = {name for name, _, _ in self.monitored()}
         return lines.at([i for i, label in enumerate(lines.label) if lines.kind[i] == "pass" and label in names])
 
 

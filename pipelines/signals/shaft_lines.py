@@ -22,7 +22,7 @@ class ShaftLines:
     shaft: str
     frequency: float
 
-    def wanted(self) -> list[tuple[str, int, float]]:
+    def monitored(self) -> list[tuple[str, int, float]]:
         """Label, order and frequency (Hz) of every line."""
         return [(f"{k}x {self.shaft}", k, k * self.frequency) for k in ORDERS]
 

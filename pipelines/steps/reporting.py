@@ -16,7 +16,7 @@ from mbd.forces.load_models import HangingLoad
 from pipelines.engine.step import Unkept
 from pipelines.machine.looked_for import pass_rates, shaft_lines
 from pipelines.machine.plant import Plant
-from pipelines.signals.motion_warnings import gathered, told
+from pipelines.signals.motion_warnings import gathered, stored_warnings
 from pipelines.steps.casing import misread_sensors
 from pipelines.steps.diagnosing import DiagnosingSpec, diagnoses
 from pipelines.steps.verdict import known_damages
@@ -105,7 +105,7 @@ def build(
             axis=monitored.axis,
             settings=settings,
             energy=energy_rows(responses[0]),
-            cautions=gathered(told(response.attrs) for response in responses),
+            cautions=gathered(stored_warnings(response.attrs) for response in responses),
             warnings=(*spec.warnings, *misread_sensors(body, {one.name: one.position for one in machine.sensors})),
         )
     left_out = [p.reason for p in (curves["gears"], casing) if isinstance(p, LeftOut)]
@@ -216,7 +216,7 @@ def shaft_rows(machine: Plant) -> list[dict[str, Any]]:
     """Rows of the faults of shafts with their orders."""
     rows = []
     for fault in machine.shaft_faults:
-        lines = shaft_lines(machine.layout, fault).wanted()
+        lines = shaft_lines(machine.layout, fault).monitored()
         rows.append({"fault": fault.name, "shaft": fault.shaft + 1} | {f"{k}x Hz": f for _, k, f in lines})
     return rows
 

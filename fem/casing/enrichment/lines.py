@@ -6,6 +6,8 @@ from functools import cache
 
 import numpy as np
 
+from fem.numerics.quadratic_grids import with_middles
+
 GRID = np.array([0.0, 0.01, 0.06, 0.3, 1.0])  # cells from an edge to the far side of an element
 GAUSS = 3  # points in a cell: exact to degree 5
 
@@ -19,9 +21,7 @@ def quadratic(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 @cache
 def graded_nodes() -> np.ndarray:
     """Coordinates (k,) of the nodes of quadratic cells on `GRID`."""
-    out = np.empty(2 * len(GRID) - 1)
-    out[::2], out[1::2] = GRID, 0.5 * (GRID[1:] + GRID[:-1])
-    return out
+    return with_middles(GRID)
 
 
 def graded(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

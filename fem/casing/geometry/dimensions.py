@@ -10,8 +10,7 @@ cover and fillets are added on request (`fem.casing.geometry.features`).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import Self
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -205,10 +204,3 @@ class Dimensions:
             corner = np.array([x - half, low[1], high[2]])
             boxes[f"rib {number + 1} of the cover"] = (corner, corner + [2 * half, self.width, ribs.height])
         return boxes
-
-    def with_sensors(self, *names: str) -> Self:
-        """The same housing with only the named sensors, in the given order."""
-        known = {sensor.name: sensor for sensor in self.sensors}
-        if missing := [name for name in names if name not in known]:
-            raise HousingError(f"housing: no sensor {', '.join(missing)}; known: {', '.join(known) or 'none'}")
-        return replace(self, sensors=tuple(known[name] for name in names))

@@ -17,7 +17,7 @@ import logging
 import re
 import warnings
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -151,14 +151,6 @@ def _chosen(path: Path, found: Found, names: tuple[str, ...], what: str, *, alon
     return found.matrices[known[0]]
 
 
-def _op4(path: Path) -> Found:
-    return Found(output4(path))
-
-
-def _punch(path: Path) -> Found:
-    return Found(*punched(path))
-
-
 def _matrix_text(path: Path) -> Found:
     with path.open(encoding="latin-1") as file:
         head = file.readline()
@@ -181,10 +173,6 @@ def _matrix_text(path: Path) -> Found:
     pairs, number = np.unique(np.vstack([labels[:, :2], labels[:, 2:]]), axis=0, return_inverse=True)
     one, two = number.ravel().reshape(2, -1)
     return Found({"matrix": sp.coo_matrix((rows[:, 4], (one, two)), shape=(len(pairs),) * 2)}, pairs)
-
-
-def _harwell_boeing(path: Path) -> Found:
-    return Found({"matrix": harwell_boeing(path)})
 
 
 def _calculix(path: Path) -> Found:
@@ -301,11 +289,11 @@ def _table(path: Path, what: str, columns: tuple[int, ...]) -> np.ndarray:
     return found
 
 
-_READERS = {
-    ".op4": _op4,
-    ".pch": _punch,
+_READERS: dict[str, Callable[[Path], Found]] = {
+    ".op4": lambda path: Found(output4(path)),
+    ".pch": lambda path: Found(*punched(path)),
     **dict.fromkeys((".mtx", ".mmf"), _matrix_text),
-    **dict.fromkeys((".matrix", ".hb", ".rsa"), _harwell_boeing),
+    **dict.fromkeys((".matrix", ".hb", ".rsa"), lambda path: Found({"matrix": harwell_boeing(path)})),
     ".sti": _calculix,
     ".npz": _npz,
     ".h5": _hdf5,

@@ -47,7 +47,6 @@ class ReducedForeign:
     springs: np.ndarray  # (interface,) N/m, auxiliary springs for the factorisation
     interface: Interface  # factorised
     free_stiffness: sp.csr_matrix  # (q, q)
-    free_mass: sp.csr_matrix
 
 
 def reduce_foreign(
@@ -85,7 +84,7 @@ def reduce_foreign(
         reduction = reduce_body(interface, K, M, count=0, enrich=False)
     else:
         reduction = reduce_body(interface, K, M, highest=band)
-    return ReducedForeign(body, reduction, tuple(names), places, expansion, springs, interface, K, M)
+    return ReducedForeign(body, reduction, tuple(names), places, expansion, springs, interface, K)
 
 
 def _coupled(

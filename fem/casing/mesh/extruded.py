@@ -10,8 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from fem.casing.geometry.housing import Housing
-from fem.casing.mesh.section import Section, divided, lines_across, section, shaft_places, with_middles
+from fem.casing.mesh.section import Section, divided, lines_across, section, shaft_places
 from fem.elements.solid_elements import SOLIDS
+from fem.numerics.quadratic_grids import with_middles
 
 ELEMENT = SOLIDS["hexahedron-27"]
 _NEAR = 1e-7  # m

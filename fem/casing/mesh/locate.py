@@ -12,6 +12,7 @@ from fem.casing.geometry.locators import ByBox, ByCylinder, ByGroup, ByPlane, By
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.nearest_candidates import cylinders_like, planes_like
 from fem.casing.mesh.surface import Surface
+from fem.elements.facets import nearest_in_triangles
 
 RADIUS_TOLERANCE = 0.005  # of the radius: largest distance of a corner from the target cylinder
 PLANE_TOLERANCE = 5e-5  # m: largest distance of a corner from the plane
@@ -112,7 +113,7 @@ def _cylinder(surface: Surface, name: str, locator: ByCylinder) -> np.ndarray:
 
 def _face(surface: Surface, name: str, locator: ByPoint) -> np.ndarray:
     point, corners = np.array(locator.point), surface.corners
-    distance = _distance_to_triangles(corners, point)
+    distance = nearest_in_triangles(corners, point)[1]
     nearest = int(distance.argmin())
     if distance[nearest] > FARTHEST_POINT:
         raise MeshError(
@@ -124,20 +125,6 @@ def _face(surface: Surface, name: str, locator: ByPoint) -> np.ndarray:
     same = vectors @ normal > _FLAT * np.linalg.norm(vectors, axis=1)
     flat = same & (np.abs((corners - corners[nearest, 0]) @ normal).max(axis=1) < PLANE_TOLERANCE)
     return next(part for part in surface.parts(flat) if nearest in part)
-
-
-def _distance_to_triangles(corners: np.ndarray, point: np.ndarray) -> np.ndarray:
-    """Distance (f,) of a point to triangles (f, 3, 3): the height if its foot is inside, else to the nearest edge."""
-    a, b, c = (corners[:, i] for i in range(3))
-    normal = np.cross(b - a, c - a)
-    normal = normal / np.linalg.norm(normal, axis=1)[:, None]
-    inside, edges = np.ones(len(corners), bool), np.full(len(corners), np.inf)
-    for start, end in ((a, b), (b, c), (c, a)):
-        side, offset = end - start, point - start
-        inside &= np.einsum("fd,fd->f", np.cross(side, offset), normal) >= 0.0
-        share = np.clip(np.einsum("fd,fd->f", offset, side) / np.einsum("fd,fd->f", side, side), 0.0, 1.0)
-        edges = np.minimum(edges, np.linalg.norm(offset - share[:, None] * side, axis=1))
-    return np.where(inside, np.abs(np.einsum("fd,fd->f", point - a, normal)), edges)
 
 
 def _unit(vector: Point | np.ndarray) -> np.ndarray:

@@ -23,15 +23,13 @@ import numpy as np
 
 from fem.casing.mesh.finished import RawMesh
 from fem.casing.mesh.mesh import CasingMesh, MeshError
-from fem.elements.division import OFF_MIDDLE, cut_quadrilaterals, described, divided
+from fem.elements.division import cut_quadrilaterals, described, divided, ordered
 from fem.elements.solid_elements import SOLIDS, ElementError, solid_element
 from fem.processes.own_process import DAMAGED, bounded_memory, opened_apart
 
 _log = logging.getLogger(__name__)
 SUFFIXES = (".msh", ".inp", ".bdf", ".nas", ".vtu", ".vtk", ".unv", ".med", ".mesh", ".xdmf", ".cgns", ".e")
 _COMPILED = (".unv", ".mesh", ".med", ".xdmf", ".cgns", ".e")  # read by gmsh, HDF5 or NetCDF, which may crash
-_SWAPPED = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
-_MIRRORED = [0, 2, 1, 3, 6, 5, 4, 7, 9, 8]
 _IDENTIFIERS = ("gmsh:physical", "nastran:ref")
 _SOLID = ("tetra", "pyramid", "wedge", "hexahedron")
 KINDS = {  # of meshio, by the number of nodes
@@ -73,16 +71,16 @@ def read_mesh_file(path: Path, scale: float) -> RawMesh:
         raise MeshError(f"{path.name} is flat: its nodes have {nodes.shape[1]} coordinates; a housing needs 3")
     whole = {one.meshio: one for one in SOLIDS.values()}
     cut = ""
-    if len(blocks) == 1 and next(iter(blocks)) in whole:
-        kind, elements = whole[next(iter(blocks))], next(iter(blocks.values()))
-        elements = _ordered(path.name, nodes, _turned(nodes, elements[:, np.argsort(kind.in_vtk)]), scale)
-    else:
-        try:
+    try:
+        if len(blocks) == 1 and next(iter(blocks)) in whole:
+            (name, elements), *_ = blocks.items()
+            elements = ordered(scale * nodes, elements)[:, np.argsort(whole[name].in_vtk)]
+        else:
             more, elements = divided(scale * nodes, list(blocks.values()))
-        except ElementError as error:
-            raise MeshError(f"{path.name}: {error}") from error
-        nodes = np.vstack([nodes, more[len(nodes) :] / scale])
-        cut = described(list(blocks.values()))
+            nodes = np.vstack([nodes, more[len(nodes) :] / scale])
+            cut = described(list(blocks.values()))
+    except ElementError as error:
+        raise MeshError(f"{path.name}: {error}") from error
     facets, node_sets = _groups(mesh, corners=3 if solid_element(elements).corners == 4 else 4)
     return RawMesh(nodes=nodes, elements=elements, facets=facets, node_sets=node_sets, divided=cut)
 
@@ -232,40 +230,6 @@ _READERS = {
     ".mesh": _through_gmsh,
     ".med": _med,
 }
-
-
-def _turned(nodes: np.ndarray, elements: np.ndarray) -> np.ndarray:
-    """Tetrahedra reordered if all are inverted, as in the numbering of MED."""
-    if solid_element(elements).corners != 4:
-        return elements
-    corners = nodes[elements[:, :4]]
-    if (np.linalg.det(corners[:, 1:] - corners[:, :1]) >= 0.0).any():
-        return elements
-    return elements[:, _MIRRORED[: elements.shape[1]]]
-
-
-def _ordered(name: str, nodes: np.ndarray, elements: np.ndarray, scale: float) -> np.ndarray:
-    """The elements with every mid-side node on its edge."""
-    kind = solid_element(elements)
-    if kind.degree == 1:
-        return elements
-    edges = np.array(kind.library.refdom.edges)
-    middles = slice(kind.corners, kind.corners + len(edges))
-    for order in [list(range(kind.nodes))] + [_SWAPPED] * (kind.nodes == 10):
-        trial = elements[:, order]
-        ends = nodes[trial[:, edges]]
-        length = np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=2)
-        off = np.linalg.norm(nodes[trial[:, middles]] - ends.mean(axis=2), axis=2)
-        if (off < OFF_MIDDLE * length).all():
-            if order is _SWAPPED:
-                _log.info("%s: mid-side nodes 13 and 23 are in swapped order; corrected", name)
-            return trial
-    far = int((off / np.maximum(length, 1e-300)).max(axis=1).argmax())
-    x, y, z = scale * nodes[elements[far, : kind.corners]].mean(axis=0)
-    raise MeshError(
-        f"{name}: mid-side nodes do not lie near the middles of their edges (limit {OFF_MIDDLE:g} edge lengths), the "
-        f"worst in element {far} near ({x:.5g}, {y:.5g}, {z:.5g}) mm; check the order of the nodes"
-    )
 
 
 def _groups(mesh: Any, *, corners: int) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem.casing.mesh.surface import Surface
-from fem.numerics.connected import connected_parts
+from fem.numerics.connected import connected_parts, shared_sides
 
 _SMOOTH = np.cos(np.radians(50.0))
 _SHOWN = 3
@@ -66,12 +66,7 @@ def _smooth_pieces(surface: Surface, axis: np.ndarray) -> list[np.ndarray]:
     facets = np.flatnonzero(np.abs(normal @ axis) < 0.05)
     if not len(facets):
         return []
-    sides = np.sort(surface.triangles[facets][:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
-    edge = np.unique(sides, axis=0, return_inverse=True)[1].ravel()
-    order = np.argsort(edge, kind="stable")
-    owner = np.repeat(np.arange(len(facets)), 3)[order]
-    pair = np.flatnonzero(np.diff(edge[order]) == 0)
-    one, two = owner[pair], owner[pair + 1]
+    one, two = (sides // 3 for sides in shared_sides(surface.triangles[facets]))
     smooth = np.einsum("fd,fd->f", normal[facets[one]], normal[facets[two]]) > _SMOOTH
     label = connected_parts(len(facets), one[smooth], two[smooth])
     return [facets[label == number] for number in range(label.max() + 1)]

@@ -20,6 +20,7 @@ import numpy as np
 
 from fem.casing.geometry.dimensions import Bore, HousingError
 from fem.casing.geometry.housing import Housing
+from fem.numerics.quadratic_grids import cells_of, with_middles
 
 _SAME = 1e-9  # m: lines and nodes closer than this are merged
 _LEAST = 3  # least number of cells along a side of a shaft's rectangle
@@ -59,13 +60,6 @@ def divided(fixed: Sequence[float], size: float) -> np.ndarray:
             kept.append(float(place))
     parts = [np.linspace(a, b, max(1, math.ceil((b - a) / size - 1e-6)) + 1)[:-1] for a, b in pairwise(kept)]
     return np.concatenate([*parts, [kept[-1]]])
-
-
-def with_middles(lines: np.ndarray) -> np.ndarray:
-    """Lines (n,) with the middle of every two neighbours between them (2 n - 1,)."""
-    out = np.empty(2 * len(lines) - 1)
-    out[::2], out[1::2] = lines, 0.5 * (lines[:-1] + lines[1:])
-    return out
 
 
 def shaft_places(housing: Housing, size: float) -> list[ShaftPlace]:
@@ -156,11 +150,12 @@ def section(places: Sequence[ShaftPlace], x_lines: np.ndarray, z_lines: np.ndarr
         free[i[0] : i[1], j[0] : j[1]] = False
         blocks.append(grid[2 * i[0] : 2 * i[1] + 1, 2 * j[0] : 2 * j[1] + 1])
     around = [_rings(place, _outline(block), size) for place, block in zip(places, blocks, strict=True)]
-    parts, cells, first = [grid.reshape(-1, 2)], [_cells(*grid.shape[:2])[free.ravel()]], grid[..., 0].size
-    for ring in around:
-        parts.append(ring.reshape(-1, 2))
-        cells.append(first + _cells(*ring.shape[:2]))
-        first += ring[..., 0].size
+    parts, cells, first = [], [], 0
+    for block in (grid, *around):
+        number = first + np.arange(block[..., 0].size).reshape(block.shape[:2])
+        parts.append(block.reshape(-1, 2))
+        cells.append(cells_of(number)[free.ravel()] if block is grid else cells_of(number))
+        first += number.size
     return _merged(np.concatenate(parts), np.concatenate(cells))
 
 
@@ -225,13 +220,6 @@ def _rings(place: ShaftPlace, outline: np.ndarray, size: float) -> np.ndarray:
     distance = np.linalg.norm(outline - outermost, axis=1).mean()
     part = with_middles(divided((0.0, 1.0), size / distance))[1:, None, None]
     return np.concatenate([circles, (1.0 - part) * outermost + part * outline])
-
-
-def _cells(rows: int, columns: int) -> np.ndarray:
-    """Numbers (c, 3, 3) of the nodes of the cells of a grid (rows, columns) that includes the middles."""
-    number = np.arange(rows * columns).reshape(rows, columns)
-    windows = np.lib.stride_tricks.sliding_window_view(number, (3, 3))[::2, ::2]
-    return windows.reshape(-1, 3, 3)
 
 
 def _merged(nodes: np.ndarray, cells: np.ndarray) -> Section:

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fem.numerics.connected import connected_parts, shared_sides
+
 
 @dataclass(frozen=True, eq=False)
 class Surface:
@@ -29,15 +31,9 @@ class Surface:
 
     def parts(self, chosen: np.ndarray) -> list[np.ndarray]:
         """The chosen facets as sets (indices) connected over edges, in the order of their first facet."""
-        from scipy.sparse import coo_matrix  # imported here so that commands that only read a scene start sooner
-        from scipy.sparse.csgraph import connected_components
-
         facets = np.flatnonzero(chosen)
         if not len(facets):
             return []
-        sides = np.sort(self.triangles[facets][:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
-        edge = np.unique(sides, axis=0, return_inverse=True)[1].ravel()
-        owner = np.repeat(np.arange(len(facets)), 3)
-        incidence = coo_matrix((np.ones(len(edge)), (owner, edge))).tocsr()
-        label = connected_components(incidence @ incidence.T, directed=False)[1]
+        one, two = shared_sides(self.triangles[facets])
+        label = connected_parts(len(facets), one // 3, two // 3)
         return [facets[label == number] for number in range(label.max() + 1)]

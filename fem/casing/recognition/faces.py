@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem.numerics.connected import connected_parts
+from fem.numerics.connected import connected_parts, shared_sides
 
 _PLANE = np.cos(np.radians(0.5))
 _SMOOTH = np.cos(np.radians(40.0))
@@ -21,7 +21,9 @@ def split(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     corners = points[triangles]
     vectors = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals = vectors / np.maximum(np.linalg.norm(vectors, axis=1), 1e-300)[:, None]
-    one, two, length = _neighbours(points, triangles)
+    sides, others = shared_sides(triangles)
+    one, two = sides // 3, others // 3
+    length = np.linalg.norm(corners[one, sides % 3] - corners[one, (sides + 1) % 3], axis=1)
     cosine = np.einsum("kd,kd->k", normals[one], normals[two])
     even = cosine > _PLANE
     coplanar = connected_parts(len(triangles), one[even], two[even])
@@ -29,18 +31,6 @@ def split(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     is_flat = flat[coplanar]
     joined = (cosine > _SMOOTH) & ~is_flat[one] & ~is_flat[two] | (coplanar[one] == coplanar[two])
     return connected_parts(len(triangles), one[joined], two[joined])
-
-
-def _neighbours(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Pairs of triangles that share an edge, and its length."""
-    sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
-    edges, number = np.unique(sides, axis=0, return_inverse=True)
-    number = number.ravel()
-    order = np.argsort(number, kind="stable")
-    owner = np.repeat(np.arange(len(triangles)), 3)[order]
-    pair = np.flatnonzero(np.diff(number[order]) == 0)
-    length = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
-    return owner[pair], owner[pair + 1], length[number[order][pair]]
 
 
 def _flat_parts(

@@ -19,7 +19,7 @@ from fem.casing.recognition.faces import split
 from fem.casing.recognition.features import bolt_patterns, faces_of
 from fem.elements.facets import corner_triangles, outer_facets
 from fem.elements.solid_elements import SOLIDS, converted, solid_element
-from fem.numerics.connected import connected_parts
+from fem.numerics.connected import connected_parts, shared_sides
 from fem.processes.own_process import DAMAGED, opened_apart
 
 _log = logging.getLogger(__name__)
@@ -109,14 +109,10 @@ def _surface(gmsh: Any, tags: list[int]) -> tuple[np.ndarray, np.ndarray, np.nda
 
 def outward(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """The triangles (t, 3) of the surface of one body, oriented counter-clockwise as seen from outside."""
-    sides = triangles[:, [[0, 1], [1, 2], [2, 0]]]
-    forward = (sides[:, :, 0] < sides[:, :, 1]).reshape(-1)
-    number = np.unique(np.sort(sides, axis=2).reshape(-1, 2), axis=0, return_inverse=True)[1].ravel()
-    order = np.argsort(number, kind="stable")
-    owner = np.repeat(np.arange(len(triangles)), 3)[order]
-    pair = np.flatnonzero(np.diff(number[order]) == 0)
-    one, two = owner[pair], owner[pair + 1]
-    against = forward[order][pair] == forward[order][pair + 1]  # same direction of the edge: opposite orientations
+    sides, others = shared_sides(triangles)
+    one, two = sides // 3, others // 3
+    forward = (triangles < np.roll(triangles, -1, axis=1)).ravel()
+    against = forward[sides] == forward[others]
     # every triangle is present in both orientations; the search from the first one of a part reaches one of them
     count = len(triangles)
     rows = np.concatenate([one, one + count])

@@ -62,16 +62,6 @@ class FrequencyLimits:
         rest = (self.bands - self.fixed_bands) * factor**self.order
         return float(np.median((self.fixed_bands + rest) / self.limits))
 
-    @property
-    def median_band(self) -> float:
-        """Median band, relative to the extrapolated frequencies."""
-        return float(np.median(self.bands / self.limits))
-
-    @property
-    def widest_band(self) -> float:
-        """Widest band, relative to the extrapolated frequency."""
-        return float(np.max(self.bands / self.limits))
-
 
 @dataclass(frozen=True, eq=False)
 class Changes:

@@ -161,7 +161,7 @@ def gather(law, near, own_cycle, delta, psi, lowest, rows, r):
                     continue
                 softening = 0.0
                 if near.pinion_variant[m] != 0.0 or near.wheel_variant[m] != 0.0:
-                    softening, _, gap, _ = damage_at(law, near, m, block * LANES + s, cell, u)
+                    softening, gap = damage_at(law, near, m, block * LANES + s, cell, u)
                     x -= gap
                     if not x + rise > lowest:
                         continue
@@ -270,7 +270,7 @@ def nearest_approach(law, near, own_cycle, psi):
             for m in range(near.pairs if face[block, WIDTH, s] > 0.0 else 0):
                 x, cell, u = _free_approach(law, near, m, here, face[block, PART, s], approach)
                 if x > NEVER and (near.pinion_variant[m] != 0.0 or near.wheel_variant[m] != 0.0):
-                    x -= damage_at(law, near, m, block * LANES + s, cell, u)[2]
+                    x -= damage_at(law, near, m, block * LANES + s, cell, u)[1]
                 fine, v = finer(cell, u)
                 touch = x + law.fine[fine, 2] + v * law.fine[fine, 3]
                 largest = max(largest, touch) if x > NEVER else largest
@@ -279,7 +279,7 @@ def nearest_approach(law, near, own_cycle, psi):
 
 @inner(**INLINE)
 def damage_at(law, near, m, number, cell, u):
-    """What the damaged teeth of a near pair add in a slice: compliance, its slope by xi, gap, its slope; m2/N and m.
+    """What the damaged teeth of a near pair add in a slice: compliance (m2/N) and gap (m).
 
     Parameters
     ----------
@@ -287,7 +287,7 @@ def damage_at(law, near, m, number, cell, u):
     m, number : of the near pair and of the slice
     cell, u : grid cell of the pair, and its place inside it
     """
-    compliance = compliance_slope = gap = gap_slope = 0.0
+    compliance = gap = 0.0
     for softening, opening, variant in (
         (law.pinion_softening, law.pinion_gap, int(near.pinion_variant[m])),
         (law.wheel_softening, law.wheel_gap, int(near.wheel_variant[m])),
@@ -296,11 +296,9 @@ def damage_at(law, near, m, number, cell, u):
             soft, soft_next = softening[variant - 1, number, cell], softening[variant - 1, number, cell + 1]
             open_, open_next = opening[variant - 1, number, cell], opening[variant - 1, number, cell + 1]
             if open_ == math.inf or open_next == math.inf:
-                return 0.0, 0.0, math.inf, 0.0
+                return 0.0, math.inf
             compliance, gap = compliance + soft + u * (soft_next - soft), gap + open_ + u * (open_next - open_)
-            compliance_slope += (soft_next - soft) * law.per_step
-            gap_slope += (open_next - open_) * law.per_step
-    return compliance, compliance_slope, gap, gap_slope
+    return compliance, gap
 
 
 @inner()

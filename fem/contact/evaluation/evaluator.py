@@ -7,8 +7,7 @@ its line load. The complementary energy
 
 has dW*/df_p = w phi_p (C f_p + A f_p (B - ln f_p) + sum_q c_pq phi_q f_q), so the contact conditions are those of the
 convex problem min W*(f) - w sum phi_p x_p f_p, f >= 0, and its negative minimum is the strain energy U. By the envelope
-theorem every first derivative of U is the explicit one: dU/d delta = F, dU/d psi = M, and dU/dc uses the slopes of the
-tables inside the present grid cell (tables are linear between grid points, so it is exact).
+theorem its first derivatives are the explicit ones: dU/d delta = F, dU/d psi = M.
 
 A slice in contact on a part of its width has less of both, see `fem.contact.part_contact`.
 
@@ -47,7 +46,6 @@ class MeshResponse(NamedTuple):
     stiffness: Any  # dF/d delta, N/m
     cross_stiffness: Any  # dF/d psi = dM/d delta, N
     tilt_stiffness: Any  # dM/d psi, N m
-    energy_slope: Any  # dU/dc, J
 
 
 class LawEvaluator:
@@ -222,8 +220,8 @@ class LawEvaluator:
             if not np.isfinite(value).all():
                 raise LawError(f"mesh law {self.law.model!r}: {name} is not finite; give finite numbers in SI")
         states = np.stack([value.ravel() for value in given], axis=1)
-        answer = np.empty((len(states), 7))
-        evaluate_many(self.packed, states, pinion, wheel, answer, np.empty((1, 1, 1)) if loads is None else loads)
+        answer = np.empty((len(states), 6))
+        evaluate_many(self.packed, states, pinion, wheel, answer, np.empty((1, 0, 0)) if loads is None else loads)
         return MeshResponse(*(column.reshape(given[0].shape) for column in answer.T))
 
 

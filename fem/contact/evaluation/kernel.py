@@ -28,7 +28,7 @@ def evaluate(packed, cycle, delta, psi, pinion, wheel):
     -------
     F (N), M (N m), U (J), dF/d delta (N/m), dF/d psi = dM/d delta (N), dM/d psi (N m)
     """
-    return respond(packed, cycle, delta, psi, pinion, wheel, pinion[:0])[:6]
+    return respond(packed, cycle, delta, psi, pinion, wheel, pinion[:0])
 
 
 @stored(__file__, **UNCOUNTED)
@@ -39,14 +39,14 @@ def evaluate_many(packed, states, pinion, wheel, answer, loads):
     ----------
     packed, pinion, wheel : as in `evaluate`
     states : (n, 3) cycle (1), delta (m) and psi (rad)
-    answer : (n, 7) out: rows of `evaluate`, then dU/dc, J
+    answer : (n, 6) out: rows of `evaluate`
     loads : (n, place, slice) out: phi f, N/m, pair p at place p - floor(c') + places // 2 and left out beyond the
-        places; (1, 1, 1) if they are not needed
+        places; (1, 0, 0) if they are not needed
     """
     for i in range(len(states)):
         kept = loads[i % len(loads)]
         found = respond(packed, states[i, 0], states[i, 1], states[i, 2], pinion, wheel, kept)
-        for j in range(7):
+        for j in range(6):
             answer[i, j] = found[j]
 
 

@@ -51,7 +51,6 @@ from fem.contact.evaluation.contacts import (
     PAIR_FIELDS,
     PER_WHOLE,
     PHI,
-    PLACE,
     REST,
     RETURNED,
     RISE,
@@ -60,10 +59,8 @@ from fem.contact.evaluation.contacts import (
     SYSTEM,
     TARGET,
     cell_of,
-    damage_at,
     damaged_teeth,
     fields_of,
-    finer,
     gather,
     gather_modes,
     mode_at,
@@ -79,8 +76,7 @@ from fem.contact.evaluation.line_contact import (
     single_load,
 )
 from fem.contact.evaluation.newton_system import bodies_in_series, newton_step
-from fem.contact.part_contact import part_of, spared, spared_work, spared_work_slope, touch
-from fem.contact.slice_means import FINER
+from fem.contact.part_contact import part_of, spared_work, touch
 from fem.numerics.compiled import FLOAT, MATRIX, SPREAD, SUMS, VECTOR, by_address, stored, views
 from fem.numerics.inner import INLINE, inner
 
@@ -89,13 +85,13 @@ ASIDE = 0.25  # of the approach: pairs this far apart are gathered, for modes th
 CLOSE = 1e-13  # of F: bound of the error at which the iteration ends
 EXACT_STEPS = 40
 EXACT_CLOSE = 1e-11  # step of the displacements, relative to the largest, at which the loads found before it are taken
-ANSWER = types.UniTuple(FLOAT, 7)  # F, M, U, dF/d delta, dF/d psi, dM/d psi, dU/dc'
+ANSWER = types.UniTuple(FLOAT, 6)  # F, M, U, dF/d delta, dF/d psi, dM/d psi
 
 
 @by_address(ANSWER, VECTOR, FLOAT, FLOAT, FLOAT, MATRIX, MATRIX, MATRIX)
 @stored(__file__, entry=False)
 def respond(packed, cycle, delta, psi, pinion, wheel, loads):
-    """F (N), M (N m), U (J), dF/d delta (N/m), dF/d psi = dM/d delta (N), dM/d psi (N m) and dU/dc (J) at one state.
+    """F (N), M (N m), U (J), dF/d delta (N/m), dF/d psi = dM/d delta (N) and dM/d psi (N m) at one state.
 
     Parameters
     ----------
@@ -103,7 +99,7 @@ def respond(packed, cycle, delta, psi, pinion, wheel, loads):
     cycle, delta, psi : mesh cycle c, approach (m) and tilt (rad)
     pinion, wheel : (z1, 6) and (z2, 6) tooth terms, see `fem.contact.teeth`
     loads : (place, slice) out: line loads phi f, N/m, pair p at place p - floor(c') + places // 2 and left out beyond
-        the places; dU/dc is computed with them, else 0; empty if neither is needed
+        the places; empty if they are not needed
     """
     memory = np.empty(NEAR_ROOM + BODIES * (BODIES + 2) + blocks_of(packed) * 2 * fields_of(2, 0) * LANES)
     found, answer = _by_two_rows(packed, cycle, delta, psi, pinion, wheel, loads, memory)
@@ -139,7 +135,7 @@ def respond_exactly(packed, cycle, delta, psi, pinion, wheel, loads):
     teeth, rows, found = np.empty((2 * LARGEST_NEAR, 3)), 1, 2
     count, modes = _modes_near(packed, cycle, pinion, wheel, teeth)
     small, shares = np.empty((modes + BODIES, modes + BODIES + 2)), np.empty(modes + BODIES)
-    answer = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    answer = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     while found > rows:
         rows += 1
         memory = np.empty(NEAR_ROOM + blocks_of(packed) * rows * fields_of(rows, modes) * LANES)
@@ -171,11 +167,11 @@ def _by_two_rows(packed, cycle, delta, psi, pinion, wheel, loads, memory):
         law.pinion_modes + law.wheel_modes > 0.0 and damaged_teeth(law, own_cycle, pinion, wheel, r[0, 0, :0]) > 0
     ):
         found = gather(law, near, own_cycle, delta, psi, 0.0, 2, r)
-    answer = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    answer = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if found == 2:
         settled, stiffness = _settle(law, 2, 0, r, small)
         if settled and _covered(law.block, delta, psi, small):
-            answer = _sums(law, near, own_cycle, 2, 0, r, small, stiffness, loads)
+            answer = _sums(law, own_cycle, 2, 0, r, small, stiffness, loads)
         else:
             found = 3
     return found, answer
@@ -192,13 +188,12 @@ def _by_three_rows(packed, cycle, delta, psi, pinion, wheel, loads, teeth, modes
     aside = ASIDE * (abs(delta) + abs(psi * law.block[0, 0, 0]))
     if law.pulls == 0.0:
         found = gather(law, near, own_cycle, delta, psi, -aside, 3, r)
-    answer = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    answer = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if found == 3:
         gather_modes(law, teeth, 3, r)
         settled, stiffness = _settle(law, 3, modes, r, small)
         if settled and _least_move(law, own_cycle, teeth, small) >= -aside:
-            answer = _sums(law, near, own_cycle, 3, modes, r, small, stiffness, loads)
-            answer = _less_modes(law, teeth, 3, r, small, loads, answer)
+            answer = _sums(law, own_cycle, 3, modes, r, small, stiffness, loads)
         else:
             found = 4
     return found, answer
@@ -212,12 +207,11 @@ def _by_any_rows(packed, cycle, delta, psi, pinion, wheel, loads, teeth, modes, 
     near = near_pairs(law, own_cycle, pinion, wheel, memory)
     r = views(memory, NEAR_ROOM, 1, (len(law.block), rows, fields_of(rows, modes), LANES))[0]
     found = gather(law, near, own_cycle, delta, psi, NEVER, rows, r)
-    answer = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    answer = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if found == rows:
         gather_modes(law, teeth, rows, r)
         stiffness = _settle_in_turn(law, rows, modes, r, small, shares)
-        answer = _sums(law, near, own_cycle, rows, modes, r, small, stiffness, loads)
-        answer = _less_modes(law, teeth, rows, r, small, loads, answer)
+        answer = _sums(law, own_cycle, rows, modes, r, small, stiffness, loads)
     return found, answer
 
 
@@ -440,9 +434,9 @@ def _least_move(law, own_cycle, teeth, small):
 
 
 @njit(**SPREAD)
-def _sums(law, near, own_cycle, rows, modes, r, small, stiffness, loads):
-    """The answer of solved slices; with their line loads and dU/dc if `loads` has room, see `respond`."""
-    force = moment = energy = rate = 0.0
+def _sums(law, own_cycle, rows, modes, r, small, stiffness, loads):
+    """The answer of solved slices; with their line loads if `loads` has room, see `respond`."""
+    force = moment = energy = 0.0
     for block in range(r.shape[0]):
         sums = _block_sums(law.slope, law.block, block, rows, r)
         force, moment, energy = force + sums[0], moment + sums[1], energy + sums[2]
@@ -451,8 +445,7 @@ def _sums(law, near, own_cycle, rows, modes, r, small, stiffness, loads):
         energy += 0.5 * share * (force if i == 0 else (moment if i == 1 else share))
     if loads.size > 0:
         _keep_loads(math.floor(own_cycle), rows, r, loads)
-        rate = law.sign * _energy_slope(law, near, own_cycle, rows, r)
-    return force, moment, energy, stiffness[0], stiffness[1], stiffness[2], rate
+    return force, moment, energy, stiffness[0], stiffness[1], stiffness[2]
 
 
 @inner(**SUMS)
@@ -489,69 +482,3 @@ def _keep_loads(anchor, rows, r, loads):
                 place, number = int(r[block, a, PAIR, s]) - anchor + places // 2, block * LANES + s
                 if r[block, a, ON, s] > 0.0 and number < slices and 0 <= place < places:
                     loads[place, number] = r[block, a, PHI, s] * r[block, a, LOAD, s]
-
-
-@inner()
-def _energy_slope(law, near, own_cycle, rows, r):
-    """dU/dc' at held loads, by the slopes of the tables inside the present grid cell; without modes."""
-    total = 0.0
-    for block in range(r.shape[0]):
-        for a in range(rows):
-            for s in range(LANES):
-                if r[block, a, ON, s] == 0.0 or law.block[block, WIDTH, s] == 0.0:
-                    continue
-                m = 0
-                while near.number[m] != r[block, a, PAIR, s]:
-                    m += 1
-                cell, u = cell_of(law, r[block, a, PLACE, s])
-                fine, _ = finer(cell, u)
-                xi = own_cycle + law.block[block, SHIFT, s] - near.number[m]
-                _, softer, _, wider = damage_at(law, near, m, block * LANES + s, cell, u)
-                per_step, per_fine = law.per_step, law.per_step * FINER
-                f, phi, steep = r[block, a, LOAD, s], r[block, a, PHI, s], law.coarse[cell, 5] * per_step
-                depth, t, x = r[block, a, OFFSET, s] - r[block, a, LOG, s], r[block, a, BEYOND, s], r[block, a, FREE, s]
-                even, rise, whole = r[block, a, EVEN, s], r[block, a, RISE, s], 1.0 / r[block, a, PER_WHOLE, s]
-                part = part_of(f, r[block, a, PER_WHOLE, s], even)
-                work, half = spared_work(even, part), 0.5 * f * f
-                gap = law.fine[fine, 1] * per_fine + wider
-                gap += near.profile_slope[m] + 2.0 * near.profile_curvature[m] * xi
-                spread = law.slope * (1.0 + 2.0 * (t - 0.5 * t * t - 0.5)) * law.coarse[cell, 3] * per_step
-                bent = law.slope * (max(depth, 1.0) + 0.5 + 2.0 * (t - 0.25 * t * t - 0.75))
-                own = (x - r[block, a, MOVED, s]) * f - half * (r[block, a, SOFTNESS, s] + bent) + rise * whole * work
-                along = steep * own - phi * (f * gap + half * (law.coarse[cell, 1] * per_step + softer + spread))
-                along -= phi * f * law.coarse[cell, 7] * per_step * r[block, a, FIELD, s]
-                if rise > 0.0:
-                    eased = whole * work * law.fine[fine, 3]
-                    eased += whole * rise * spared_work_slope(even, part, work) * law.fine[fine, 7]
-                    eased += rise * (work - min(f / whole, 1.0) * spared(even, part)) * law.fine[fine, 5]
-                    along += phi * eased * per_fine
-                for b in range(rows):
-                    if r[block, b, ON, s] == 0.0 or r[block, b, PAIR, s] <= r[block, a, PAIR, s]:
-                        continue
-                    other, value = r[block, b, PHI, s], r[block, a, COUPLED + PAIR_FIELDS * b, s]
-                    at, _ = cell_of(law, r[block, b, PLACE, s])
-                    mixed = value * (steep * other + phi * law.coarse[at, 5] * per_step)
-                    apart = int(r[block, b, PAIR, s] - r[block, a, PAIR, s])
-                    if apart <= int(law.neighbours):
-                        mixed += law.neighbour[cell, apart - 1, 1] * per_step * phi * other
-                    along -= mixed * f * r[block, b, LOAD, s]
-                total += law.block[block, WIDTH, s] * along
-    return total
-
-
-@inner()
-def _less_modes(law, teeth, rows, r, small, loads, answer):
-    """The answer with what the modes take from dU/dc, where that is needed."""
-    rate, at, last = answer[6], BODIES, small.shape[1] - 1
-    for i in range(len(teeth) if loads.size > 0 else 0):
-        for k in range(int(law.pinion_modes if teeth[i, 1] == 0.0 else law.wheel_modes)):
-            for block in range(r.shape[0]):
-                for a in range(rows):
-                    for s in range(LANES):
-                        if r[block, a, ON, s] > 0.0 and law.block[block, WIDTH, s] > 0.0:
-                            cell, _ = cell_of(law, r[block, a, PLACE, s])
-                            low, high = mode_at(law, teeth[i], r[block, a, PAIR, s], block * LANES + s, cell, k)
-                            load = law.block[block, WIDTH, s] * r[block, a, PHI, s] * r[block, a, LOAD, s]
-                            rate -= law.sign * small[at, last] * load * (high - low) * law.per_step
-            at += 1
-    return answer[0], answer[1], answer[2], answer[3], answer[4], answer[5], rate

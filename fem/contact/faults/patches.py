@@ -12,6 +12,7 @@ assumed to be rigid: its load concentration is not modelled.
 
 from __future__ import annotations
 
+import abc
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -42,6 +43,16 @@ class FlankDamage(ToothFault):
     )
     position: float = option(0.0, unit="mm", text="y of its centre from the middle of the face")
     flank: Literal["drive", "coast"] = option("drive", text="damaged flank of the tooth")
+
+    @abc.abstractmethod
+    def patches(self, gear: Gear) -> tuple[Patch, ...]:
+        """The patches on the flank of a gear, the same for the same values."""
+
+    def gap(self, law: MeshLaw, pair: GearPair, gear: str) -> np.ndarray:
+        """Gap (slice, position), m, on the damaged flank."""
+        if self.flank != law.flank:
+            return super().gap(law, pair, gear)
+        return patches_gap(law, pair, gear, self.patches(getattr(pair, gear)))
 
 
 @dataclass(frozen=True, kw_only=True)

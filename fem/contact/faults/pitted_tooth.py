@@ -14,9 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.contact.faults.patches import DEEPEST, FlankDamage, Patch, arc_at, patches_gap, radius_at
+from fem.contact.faults.patches import DEEPEST, FlankDamage, Patch, arc_at, radius_at
 from fem.contact.faults.tooth_fault import lost_share
-from fem.contact.law import MeshLaw
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from fem.gears.rack import require
@@ -69,7 +68,7 @@ class PittedTooth(FlankDamage):
             f"{MOST_PITS}. Raise pit_mm or reduce density",
         )
 
-    def pits(self, gear: Gear) -> tuple[Patch, ...]:
+    def patches(self, gear: Gear) -> tuple[Patch, ...]:
         """All pits, the same for the same values.
 
         If the area cannot reach the density, sampling ends with the last pit that fits.
@@ -102,12 +101,6 @@ class PittedTooth(FlankDamage):
             )
             for up, along, size in found
         )
-
-    def gap(self, law: MeshLaw, pair: GearPair, gear: str) -> np.ndarray:
-        """Gap (slice, position), m, on the pitted flank."""
-        if self.flank != law.flank:
-            return super().gap(law, pair, gear)
-        return patches_gap(law, pair, gear, self.pits(getattr(pair, gear)))
 
     def movement(self, pair: GearPair, approach: float, *, alone: bool) -> float:
         """Movement from the loss of the covered share of the contact line."""

@@ -181,9 +181,3 @@ class Energy(MeshModel):
             for flank in FLANKS
         )
         return drive, coast
-
-    def law(self, pair: GearPair, flank: str = "drive") -> MeshLaw:
-        """The law of one flank."""
-        if flank not in FLANKS:
-            raise ModelError(f"{pair.label}: flank is {flank!r}; choose one of {', '.join(FLANKS)}")
-        return self.laws(pair)[FLANKS.index(flank)]

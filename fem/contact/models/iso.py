@@ -25,7 +25,7 @@ from typing import Literal
 
 import numpy as np
 
-from fem.contact.frame import ModelError, flank_frame, window_fraction
+from fem.contact.frame import FLANKS, ModelError, flank_frame, window_fraction
 from fem.contact.law import MeshLaw
 from fem.contact.models.mesh_model import MeshModel
 from fem.elements.materials import STEEL
@@ -140,32 +140,31 @@ class Iso(MeshModel):
         mean = single * (0.75 * pair.transverse_contact_ratio + 0.25)
         return IsoStiffness(single=single, mean=mean, mean_for_distribution=0.85 * mean)
 
-    def law(self, pair: GearPair, flank: str = "drive") -> MeshLaw:
-        """The mesh law of one flank; mean of dF/d delta over a pitch = c_gamma_alpha b."""
-        frame = flank_frame(pair, flank, self.slices)
-        ramp = pair.overlap_ratio / self.slices
-        step, ramp = _grid_step(pair.transverse_contact_ratio, ramp)
+    def laws(self, pair: GearPair) -> tuple[MeshLaw, MeshLaw]:
+        """The laws of drive and coast flank; mean of dF/d delta over a pitch = c_gamma_alpha b."""
+        step, ramp = _grid_step(pair.transverse_contact_ratio, pair.overlap_ratio / self.slices)
         largest, first, last = bridging_window(pair, self.largest_gap * pair.pinion.normal_module)
         below = math.ceil((pair.xi_start - first) / step) + 2
         above = math.ceil((last - pair.xi_start) / step) + 2
         xi = pair.xi_start + step * np.arange(-below, above + 1)
         gap, fraction = self._contact(pair, xi, step, ramp, largest)
-        return MeshLaw(
-            model=self.model,
-            **frame,
-            position_start=xi[0],
-            position_step=step,
-            compliance=np.full(xi.size, pair.transverse_contact_ratio / self.stiffness(pair).mean),
-            contact_slope=0.0,
-            contact_offset=np.zeros(xi.size),
-            neighbour_compliance=np.zeros((0, xi.size)),
-            gap=gap,
-            fraction=fraction,
+        mean = self.stiffness(pair).mean
+        drive, coast = (
+            MeshLaw(
+                model=self.model,
+                **flank_frame(pair, flank, self.slices),
+                position_start=xi[0],
+                position_step=step,
+                compliance=np.full(xi.size, pair.transverse_contact_ratio / mean),
+                contact_slope=0.0,
+                contact_offset=np.zeros(xi.size),
+                neighbour_compliance=np.zeros((0, xi.size)),
+                gap=gap,
+                fraction=fraction,
+            )
+            for flank in FLANKS
         )
-
-    def laws(self, pair: GearPair) -> tuple[MeshLaw, MeshLaw]:
-        """The laws of drive and coast flank."""
-        return self.law(pair, "drive"), self.law(pair, "coast")
+        return drive, coast
 
     def warnings(self, modifications: PairModifications) -> Iterator[str]:
         """Warnings: low-load reduction, if any; relief, as its effect on load sharing is not modelled."""

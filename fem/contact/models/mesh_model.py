@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from fem.contact.frame import ModelError
+from fem.contact.frame import FLANKS, ModelError
 from fem.contact.law import MeshLaw
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import PairModifications
@@ -42,6 +42,12 @@ class MeshModel(ABC):
         ------
         ModelError, GeometryError : the pair is outside the range of the model
         """
+
+    def law(self, pair: GearPair, flank: str = "drive") -> MeshLaw:
+        """The law of one flank, "drive" or "coast"."""
+        if flank not in FLANKS:
+            raise ModelError(f"{pair.label}: flank is {flank!r}; choose one of {', '.join(FLANKS)}")
+        return self.laws(pair)[FLANKS.index(flank)]
 
     def check(self, pair: GearPair) -> None:
         """Raise the errors of `laws` before any expensive computation."""

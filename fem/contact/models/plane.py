@@ -11,7 +11,7 @@ from typing import ClassVar, Literal
 from fem.contact.frame import FLANKS, flank_frame, window_fraction
 from fem.contact.law import MeshLaw
 from fem.contact.models.mesh_model import MeshModel
-from fem.contact.wheels.plane_section import PlaneError, PlaneSection
+from fem.contact.wheels.plane_section import PlaneSection
 from fem.gears.geometry import GearPair
 
 
@@ -31,10 +31,6 @@ class Plane(PlaneSection, MeshModel):
     def check(self, pair: GearPair) -> None:
         """Refuse a pair without a path of contact."""
         self.path(pair)
-
-    def law(self, pair: GearPair, flank: str) -> MeshLaw:
-        """The law of one flank, "drive" or "coast"; the coast flank is the mirror image of the drive flank."""
-        return self.laws(pair)[_flank_index(flank)]
 
     def laws(self, pair: GearPair) -> tuple[MeshLaw, MeshLaw]:
         """The laws of drive and coast flank, with common tables."""
@@ -56,9 +52,3 @@ class Plane(PlaneSection, MeshModel):
             for flank in FLANKS
         )
         return drive, coast
-
-
-def _flank_index(flank: str) -> int:
-    if flank not in FLANKS:
-        raise PlaneError(f"model plane: flank is {flank!r}; choose 'drive' or 'coast'")
-    return FLANKS.index(flank)

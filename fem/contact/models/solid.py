@@ -90,13 +90,6 @@ class Solid(MeshModel):
         """Refuse a pair without a path of contact."""
         self.plane.path(pair)
 
-    def law(self, pair: GearPair, flank: str) -> MeshLaw:
-        """The law of one flank, "drive" or "coast"."""
-        from fem.contact.models.solid_condensation import condense
-
-        record = self.compliance(pair, flank, PLACES)
-        return condense(record, pair, flank, self.plane, self.model, self.slices)
-
     def laws(self, pair: GearPair) -> tuple[MeshLaw, MeshLaw]:
         """The laws of drive and coast flank, condensed (`solid_condensation`) from one compliance if valid for both."""
         from fem.contact.models.solid_condensation import condense

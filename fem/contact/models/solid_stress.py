@@ -23,7 +23,8 @@ from fem.elements.sections import elasticity, gauss_grid, gauss_line, geometry, 
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from fem.gears.path import path_points
-from fem.gears.sector import SectorMesh, sector_mesh, with_middles
+from fem.gears.sector import SectorMesh, sector_mesh
+from fem.numerics.quadratic_grids import with_middles
 
 _GAUSS = 1 / np.sqrt(3.0)
 

@@ -44,10 +44,6 @@ if TYPE_CHECKING:
 POSITIONS: Any = {"ge": 16, "le": 1024, "text": "mesh positions per base pitch at which stiffness is tabulated"}
 
 
-class PlaneError(ModelError):
-    """An option of the model `plane` is outside its valid range."""
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PairCompliance:
     """Tables of one slice over the local position, see `MeshLaw` (per unit face width)."""
@@ -78,14 +74,14 @@ class PlaneSection:
     largest_gap: float = 0.05
 
     def __post_init__(self) -> None:
-        check_options(self, PlaneError)
+        check_options(self, ModelError)
         limits = {"patch": (0.02, 0.2), "tip_rounding": (0.001, 0.5), "largest_gap": (0.001, 0.08)}
         for name, (low, high) in limits.items():
             value = getattr(self, name)
             if not low <= value <= high:
-                raise PlaneError(f"model plane: {name} is {value!r}; give a value in [{low}, {high}]")
+                raise ModelError(f"model plane: {name} is {value!r}; give a value in [{low}, {high}]")
         if self.patch * self.refinement < 0.04:
-            raise PlaneError(
+            raise ModelError(
                 f"model plane: patch {self.patch} m_n is not resolved by flank elements of "
                 f"{0.05 / self.refinement:.3g} m_n; give refinement >= {0.04 / self.patch:.2g} or a larger patch"
             )

@@ -19,7 +19,8 @@ from fem.contact.wheels.cut_functions import CUT, CutFunctions, cut_ties, webbed
 from fem.contact.wheels.ring import SectorReduction, ring_response
 from fem.elements.nested_condensation import FIXED, INNER, KEPT, TIED, Prism
 from fem.elements.prisms import section_blocks
-from fem.gears.sector import SectorMesh, with_middles
+from fem.gears.sector import SectorMesh
+from fem.numerics.quadratic_grids import with_middles
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

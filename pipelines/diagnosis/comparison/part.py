@@ -14,7 +14,7 @@ from pipelines.diagnosis.simulated import with_stated_noise
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
 from pipelines.signals.features.recorded import FeatureError, recorded_channels
-from pipelines.signals.motion_warnings import told
+from pipelines.signals.motion_warnings import stored_warnings
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.signals.orders.rotation import Rotation
 from pipelines.signals.orders.rotation_of import rotation_of
@@ -115,7 +115,7 @@ def part_of(
         time=time,
         acceleration=values,
         recorded_rate=(len(time) - 1) / float(time[-1] - time[0]),
-        warnings=tuple(told(recording.attrs).values()),
+        warnings=tuple(stored_warnings(recording.attrs).values()),
     )
 
 

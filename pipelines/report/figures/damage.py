@@ -14,13 +14,14 @@ import numpy as np
 from fem.contact.faults.chipped_tooth import ChippedTooth
 from fem.contact.faults.cracked_tooth import CrackedTooth
 from fem.contact.faults.missing_tooth import MissingTooth
-from fem.contact.faults.patches import Patch, arc_at
+from fem.contact.faults.patches import FlankDamage, Patch, arc_at
 from fem.contact.faults.pitted_tooth import PittedTooth
 from fem.contact.faults.spalled_tooth import SpalledTooth
 from fem.contact.faults.tooth_fault import ToothFault
 from fem.contact.law import MeshLaw
 from fem.gears.geometry import GearPair
 from fem.gears.sector import root_chord
+from pipelines.report.figures.solids import swept
 from pipelines.report.figures.tooth_shape import DrawnTooth, Section, cut_down, stations, surface_of
 
 DRAWN_DEPTH = 0.12  # modules: depth of wear in the picture
@@ -44,7 +45,7 @@ def drawn_tooth(
     twist : of the section along the face, rad/m
     faults : of the tooth
     """
-    fine = any(isinstance(fault, SpalledTooth | PittedTooth) for fault in faults)
+    fine = any(isinstance(fault, FlankDamage) for fault in faults)
     section = Section(gear=getattr(pair, gear), twist=twist, flank_points=96 if fine else 24)
     edges = [edge for fault in faults for edge in _edges(fault, pair.face_width)]
     face = stations(pair.face_width, edges, 161 if fine else 25)
@@ -55,10 +56,8 @@ def drawn_tooth(
     flat, broken = cut_down(section, np.where(height < section.gear.tip_radius, height, np.inf))
     depth = np.zeros(flat.shape[:2])
     for fault in faults:
-        if isinstance(fault, SpalledTooth):
-            depth = np.maximum(depth, patch_depth(section, face, [fault.patch(section.gear)], fault.flank))
-        elif isinstance(fault, PittedTooth):
-            depth = np.maximum(depth, patch_depth(section, face, fault.pits(section.gear), fault.flank))
+        if isinstance(fault, FlankDamage):
+            depth = np.maximum(depth, patch_depth(section, face, fault.patches(section.gear), fault.flank))
         elif type(fault) not in DRAWN:
             assert law is not None, "required by `needs_law`"
             depth = np.maximum(depth, worn_depth(section, face, pair, law, gear, fault))
@@ -88,7 +87,7 @@ def _with_spall(tooth: DrawnTooth, section: Section, pair: GearPair, fault: Spal
 
 
 def _with_pits(tooth: DrawnTooth, section: Section, pair: GearPair, fault: PittedTooth) -> DrawnTooth:
-    words = f"{len(fault.pits(section.gear))} pits on the {fault.flank} flank{_scaled(tooth)}"
+    words = f"{len(fault.patches(section.gear))} pits on the {fault.flank} flank{_scaled(tooth)}"
     return replace(_told(tooth, words), flank=1 if fault.flank == "drive" else -1)
 
 
@@ -107,7 +106,7 @@ def _with_crack(tooth: DrawnTooth, section: Section, pair: GearPair, fault: Crac
     inwards = np.array([-math.cos(fault.angle), -side * math.sin(fault.angle)])
     along = np.linspace(0.0, 1.0, 9)
     flat = mouth + along[None, :, None] * depth[:, None, None] * inwards
-    sheet = section.at(flat, inside[:, None])
+    sheet = swept(flat, section.twist, inside[:, None])
     ends = [sheet[row] for row in (0, -1) if abs(abs(inside[row]) - pair.face_width / 2) < 1e-9]
     extent = pair.face_width if fault.extent is None else fault.extent
     falling = "" if fault.far_depth is None else f" to {1000 * fault.far_depth:.3g}"

@@ -8,12 +8,10 @@ import io
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+from matplotlib.figure import Figure
 
 from pipelines.io.user_files import whole_file
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def save_figure(figure: Figure, path: Path, *, dpi: int) -> None:

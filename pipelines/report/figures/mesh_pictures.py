@@ -8,19 +8,24 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from pipelines.io.user_files import write_whole
+from pipelines.report.figures.callouts import corner_axes, show
+from pipelines.report.figures.colours import GONE, LOAD_COLOURS, PAIR_COLOURS, PINION, WHEEL
 from pipelines.report.figures.film import film_page, png, save_figure, write_gif
 from pipelines.report.figures.mesh_frames import MeshFrames
+from pipelines.report.figures.plots import FAULTY, HEALTHY, dress, legend, new_figure, plain
 from pipelines.report.figures.render import render_mesh, show_window
 from pipelines.report.figures.views import PairStates, Picture
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 MILLISECONDS = 160  # per frame of an animation
 STILL_SIZE, FILM_SIZE = (1000, 690), (600, 414)  # pixels of a rendered state
@@ -103,11 +108,6 @@ def mesh_figure(view: MeshView, pictures: Sequence[Picture], frame: int, most: f
     frame : its number, from 0
     most : N/m, line load at the end of the colour scale
     """
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
-
-    from pipelines.report.figures.colours import LOAD_COLOURS
-    from pipelines.report.figures.plots import new_figure, plain
 
     rows = len(pictures)
     figure = new_figure(2.4 + 3.4 * rows, 13.0)
@@ -129,11 +129,6 @@ def mesh_figure(view: MeshView, pictures: Sequence[Picture], frame: int, most: f
 
 
 def _draw_picture(axes: Axes, picture: Picture, view: MeshView, state: MeshFrames, frame: int) -> None:
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-
-    from pipelines.report.figures.callouts import corner_axes, show
-    from pipelines.report.figures.colours import GONE, PINION, WHEEL
 
     show(axes, picture, whole=True)
     corner_axes(axes, picture)
@@ -154,7 +149,6 @@ def _draw_picture(axes: Axes, picture: Picture, view: MeshView, state: MeshFrame
 
 
 def _draw_stiffness(axes: Axes, view: MeshView, cycle: float) -> None:
-    from pipelines.report.figures.plots import FAULTY, HEALTHY, dress, legend
 
     for state, colour in zip(view.states, (HEALTHY, FAULTY), strict=False):
         curve = state.curve
@@ -169,8 +163,6 @@ def _draw_stiffness(axes: Axes, view: MeshView, cycle: float) -> None:
 
 
 def _draw_shares(axes: Axes, state: MeshFrames, cycle: float) -> None:
-    from pipelines.report.figures.colours import PAIR_COLOURS
-    from pipelines.report.figures.plots import dress
 
     curve = state.curve
     for number, share in zip(curve.pair, curve.share.T, strict=True):

@@ -7,18 +7,19 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
 
 from fem.elements.facets import drawn_triangles
 from pipelines.io.user_files import write_whole
+from pipelines.report.figures.callouts import draw_axes, show
 from pipelines.report.figures.film import film_page, png, write_gif
+from pipelines.report.figures.plots import LETTER, new_figure, plain
 from pipelines.report.figures.render import render_mode
 from pipelines.report.figures.views import Picture
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 FRAMES = 16  # of one period
 STILL = 4  # frames of one for a still: the second one shows the largest deflection
@@ -75,11 +76,6 @@ def _surface(view: ModeView) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def sheet_figure(views: Sequence[ModeView], stills: Sequence[Picture]) -> Figure:
     """Largest deflections side by side, each with its number and frequency, on one colour scale."""
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
-
-    from pipelines.report.figures.callouts import draw_axes, show
-    from pipelines.report.figures.plots import LETTER, new_figure, plain
 
     columns = min(_COLUMNS, len(views))
     rows = -(-len(views) // columns)
@@ -103,11 +99,6 @@ def sheet_figure(views: Sequence[ModeView], stills: Sequence[Picture]) -> Figure
 
 def mode_figure(view: ModeView, picture: Picture, size: np.ndarray) -> Figure:
     """One frame with title, axes and colour scale."""
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
-
-    from pipelines.report.figures.callouts import draw_axes, show
-    from pipelines.report.figures.plots import new_figure, plain
 
     figure = new_figure(6.2, 9.5)
     axes = figure.subplots()

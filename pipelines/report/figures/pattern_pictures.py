@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.figure import Figure
 
+from pipelines.report.figures.colours import GONE, LOAD_COLOURS
 from pipelines.report.figures.film import save_figure
 from pipelines.report.figures.pattern import ContactPattern
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from pipelines.report.figures.plots import new_figure, plain
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -44,8 +43,6 @@ def write_pattern(view: PatternView, path: Path) -> Path:
 
 def pattern_figure(view: PatternView) -> Figure:
     """A flank for each state: the face across, along the global y, and the diameter upwards; one scale of pressure."""
-    from pipelines.report.figures.colours import GONE, LOAD_COLOURS
-    from pipelines.report.figures.plots import new_figure, plain
 
     figure = new_figure(4.6, 6.0 * len(view.patterns))
     load = f"load {view.force:.4g} N, model {view.model}"

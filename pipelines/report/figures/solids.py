@@ -55,64 +55,62 @@ def gear_surface(
     quads : int (q, 4), normals outwards
     """
     count, half = len(outline), face_width / 2
-    angle = np.arctan2(outline[:, 1], outline[:, 0])
     corners = [(bore, -half), (bore, half)]  # (radius, face) of the body's section, from one end face to the other
     if web is not None:
         rim, low, high = web
         corners = [(rim, -half), (rim, low), (bore, low), (bore, high), (rim, high), (rim, half)]
-    rings = [_ring(radius, angle, twist, face) for radius, face in corners]
-    points = np.concatenate([_drawn(outline, twist, face_width, layers), *rings])
+    rings = [swept(radius * outline / np.hypot(*outline.T)[:, None], twist, face) for radius, face in corners]
+    body = swept(np.tile(outline, (layers, 1, 1)), twist, np.linspace(-half, half, layers)[:, None])
+    points = np.concatenate([body.reshape(-1, 3), *rings])
     first, last = count * layers, count * (layers + len(corners) - 1)
-    inside = _walls(count, len(corners))[:, ::-1] + first
+    inside = walls(len(corners), count)[:, ::-1] + first
     here = np.arange(count)
     after = np.roll(here, -1)
     top = count * (layers - 1)
     bottom_face = np.column_stack([here, here + first, after + first, after])
     top_face = np.column_stack([here + top, after + top, after + last, here + last])
-    return points, np.concatenate([_walls(count, layers), inside, bottom_face, top_face])
-
-
-def _ring(radius: float, angle: np.ndarray, twist: float, face: float) -> np.ndarray:
-    turned = angle + twist * face
-    return np.column_stack([radius * np.cos(turned), radius * np.sin(turned), np.full(angle.size, face)])
+    return points, np.concatenate([walls(layers, count), inside, bottom_face, top_face])
 
 
 def prism_surface(
     outline: np.ndarray, twist: float, face_width: float, layers: int = 13
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Closed surface of a small outline, e.g. one tooth: walls and end faces as fans.
-
-    The fans (quads with a double node) start in the middle between the first and the last point.
+    """Closed surface of a small outline, e.g. one tooth; see `fanned`.
 
     Parameters
     ----------
     outline, twist, face_width, layers : those of `gear_surface`
     """
-    count = len(outline)
-    centre = outline[[0, -1]].mean(axis=0, keepdims=True)  # a fan about the middle of the base covers a tooth
-    points = np.concatenate(
-        [_drawn(outline, twist, face_width, layers), _drawn(centre, twist, face_width, layers)[[0, -1]]]
-    )
-    here = np.arange(count)
-    after = np.roll(here, -1)
-    low, high = np.full(count, count * layers), np.full(count, count * layers + 1)
-    top = count * (layers - 1)
+    face = np.linspace(-face_width / 2, face_width / 2, layers)
+    return fanned(np.tile(outline, (layers, 1, 1)), twist, face)
+
+
+def fanned(flat: np.ndarray, twist: float, face: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Closed surface of outlines (station, k, 2) at the face coordinates: the walls, then both end faces as fans.
+
+    The fans (quads with a double node) start in the middle between the first and the last point, which covers a tooth.
+    """
+    rows, columns = flat.shape[:2]
+    ends = swept(np.tile(flat[0, [0, -1]].mean(axis=0), (2, 1)), twist, face[[0, -1]])
+    low, high = np.full(columns, rows * columns), np.full(columns, rows * columns + 1)
+    here = np.arange(columns)
+    after, top = np.roll(here, -1), columns * (rows - 1)
     bottom_face = np.column_stack([low, low, after, here])
     top_face = np.column_stack([high, high, here + top, after + top])
-    return points, np.concatenate([_walls(count, layers), bottom_face, top_face])
+    points = np.concatenate([swept(flat, twist, face[:, None]).reshape(-1, 3), ends])
+    return points, np.concatenate([walls(rows, columns), bottom_face, top_face])
 
 
-def _drawn(ring: np.ndarray, twist: float, face_width: float, layers: int) -> np.ndarray:
-    sections = []
-    for z in np.linspace(-face_width / 2, face_width / 2, layers):
-        cosine, sine = np.cos(twist * z), np.sin(twist * z)
-        turned = ring @ np.array([[cosine, sine], [-sine, cosine]])
-        sections.append(np.column_stack([turned, np.full(len(ring), z)]))
-    return np.concatenate(sections)
+def swept(flat: np.ndarray, twist: float, face: np.ndarray | float) -> np.ndarray:
+    """Points (..., 3) of points (..., 2) of a section at mid face, moved along the helix to the face coordinates."""
+    angle = twist * np.broadcast_to(face, flat.shape[:-1])
+    x = np.cos(angle) * flat[..., 0] - np.sin(angle) * flat[..., 1]
+    y = np.sin(angle) * flat[..., 0] + np.cos(angle) * flat[..., 1]
+    return np.stack([x, y, np.broadcast_to(face, x.shape)], axis=-1)
 
 
-def _walls(count: int, layers: int) -> np.ndarray:
-    here = np.arange(count)
-    after = np.roll(here, -1)
-    one = np.column_stack([here, after, after + count, here + count])
-    return np.concatenate([one + count * layer for layer in range(layers - 1)])
+def walls(rows: int, columns: int) -> np.ndarray:
+    """Quads (q, 4) between the closed rings of a grid of points (row, column)."""
+    number = np.arange(rows * columns).reshape(rows, columns)
+    after = np.roll(number, -1, axis=1)
+    return np.stack([number[:-1], after[:-1], after[1:], number[1:]], axis=-1).reshape(-1, 4)

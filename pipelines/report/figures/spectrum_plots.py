@@ -158,7 +158,7 @@ def pass_figure(diagnosis: Diagnosis, window: str, spall: PassLines) -> Figure:
             seen = lines.where(detected=1)
             axes.plot(seen.frequency, seen.faulty, "v", ms=5, color=FAULTY, label="detected", zorder=4)
         _limit_decades(axes)
-        _mark(axes, [(f, plain(name) if f == k * spall.frequency else "") for name, k, f in spall.wanted()])
+        _mark(axes, [(f, plain(name) if f == k * spall.frequency else "") for name, k, f in spall.monitored()])
         dress(axes, title, "frequency, Hz" if title == "Spectrum" else "", "amplitude, m/s²")
         legend(axes)
     return figure

@@ -6,24 +6,27 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from fem.contact.models.solid_stress import LoadedTeeth
+from fem.gears.gear import Gear
+from fem.gears.geometry import GearPair
 from pipelines.io.user_files import whole_file
+from pipelines.report.figures.callouts import corner_axes, show
+from pipelines.report.figures.colours import CONTACT, GONE, STRESS_COLOURS
 from pipelines.report.figures.film import save_figure
 from pipelines.report.figures.mesh_frames import contact_places
+from pipelines.report.figures.plots import new_figure, plain
 from pipelines.report.figures.render import render_stress
 from pipelines.report.figures.scene_frame import placed, turned_away
 from pipelines.report.figures.views import PairStates, Picture, Teeth
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from fem.gears.gear import Gear
-    from fem.gears.geometry import GearPair
 
 FORMATS = (".vtu", ".inp", ".msh", ".bdf")
 
@@ -101,11 +104,6 @@ def write_stress(view: StressView, path: Path) -> Path:
 
 def stress_figure(view: StressView, pictures: Sequence[Picture], most: float) -> Figure:
     """A row per state of the teeth, one colour bar for all."""
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
-
-    from pipelines.report.figures.colours import STRESS_COLOURS
-    from pipelines.report.figures.plots import new_figure, plain
 
     figure = new_figure(2.2 + 4.6 * len(pictures), 9.0)
     figure.suptitle(
@@ -121,11 +119,6 @@ def stress_figure(view: StressView, pictures: Sequence[Picture], most: float) ->
 
 
 def _draw(axes: Axes, picture: Picture, view: StressView, number: int) -> None:
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-
-    from pipelines.report.figures.callouts import corner_axes, show
-    from pipelines.report.figures.colours import CONTACT, GONE
 
     show(axes, picture, whole=True)
     corner_axes(axes, picture)

@@ -14,6 +14,7 @@ import numpy as np
 
 from fem.gears.gear import Gear
 from fem.gears.profile import half_tooth_profile
+from pipelines.report.figures.solids import fanned
 
 WALL = 1e-5  # of the face width
 
@@ -54,13 +55,6 @@ class Section:
         """Distance (k,) of its points from the axis."""
         return np.hypot(*self.points.T)
 
-    def at(self, flat: np.ndarray, face: np.ndarray | float) -> np.ndarray:
-        """Points (..., 3) of points (..., 2) of the section, moved along the helix to the face coordinates."""
-        angle = self.twist * np.broadcast_to(face, flat.shape[:-1])
-        x = np.cos(angle) * flat[..., 0] - np.sin(angle) * flat[..., 1]
-        y = np.sin(angle) * flat[..., 0] + np.cos(angle) * flat[..., 1]
-        return np.stack([x, y, np.broadcast_to(face, x.shape)], axis=-1)
-
 
 def stations(face_width: float, edges: Sequence[float] = (), count: int = 25) -> np.ndarray:
     """Face coordinates of `count` sections and more; at each of `edges` two that nearly coincide."""
@@ -84,25 +78,12 @@ def surface_of(
     -------
     points (n, 3), quads (q, 4), and which of them are faces of fracture (q,)
     """
-    rows, columns = flat.shape[:2]
-    walls = section.at(flat, face[:, None])
-    base = flat[0, [0, -1]].mean(axis=0)
-    ends = np.stack([section.at(base, face[row]) for row in (0, -1)])
-    number = np.arange(rows * columns).reshape(rows, columns)
-    low, high = number[:-1], number[1:]
-    after = np.roll(np.arange(columns), -1)
-    quads = np.stack([low, low[:, after], high[:, after], high], axis=-1).reshape(-1, 4)
+    points, quads = fanned(flat, section.twist, face)
+    after = np.roll(np.arange(flat.shape[1]), -1)
     step = np.diff(face)[:, None] < WALL * np.ptp(face)  # a wall is between stations that nearly coincide
     torn = np.where(step, broken[:-1] | broken[1:], broken[:-1] & broken[1:])
     torn = (torn & torn[:, after]).ravel()
-    centre = np.full(columns, rows * columns)
-    bottom = np.column_stack([centre, centre, number[0, after], number[0]])
-    top = np.column_stack([centre + 1, centre + 1, number[-1], number[-1, after]])
-    return (
-        np.vstack([walls.reshape(-1, 3), ends]),
-        np.vstack([quads, bottom, top]),
-        np.concatenate([torn, np.zeros(2 * columns, dtype=bool)]),
-    )
+    return points, quads, np.concatenate([torn, np.zeros(len(quads) - torn.size, dtype=bool)])
 
 
 def cut_down(section: Section, height: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -309,11 +309,7 @@ def _draw_curves(plotter: Any, row: int, arrays: dict[str, np.ndarray], names: l
 
 def turned(angle: float, centre: float) -> np.ndarray:
     """Rotation about the axis along z through (centre, 0) as a 4 x 4 matrix."""
-    cosine, sine = np.cos(angle), np.sin(angle)
-    matrix = np.eye(4)
-    matrix[:2, :2] = [[cosine, -sine], [sine, cosine]]
-    matrix[:2, 3] = np.array([centre, 0.0]) - matrix[:2, :2] @ [centre, 0.0]
-    return matrix
+    return np.asarray(pyvista.Transform().rotate_z(np.degrees(angle), point=(centre, 0.0, 0.0)).matrix)
 
 
 def seen(points: np.ndarray, faces: np.ndarray, turns: np.ndarray, centre: float, place: np.ndarray) -> np.ndarray:
