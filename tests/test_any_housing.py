@@ -203,6 +203,19 @@ def test_a_bolt_circle_is_known_by_its_bore(tmp_path):
     assert pattern.around == contents.bores[0].number
 
 
+def test_rounding_errors_of_the_height_do_not_divide_a_bolt_pattern():
+    z = np.array([0.0, 0.0, 1.0])
+    bores = [
+        Bore(number=i + 1, solid=1, axis=z, centre=np.array([*place, height]), diameter=0.011, length=0.023, angle=6.28)
+        for i, (place, height) in enumerate(
+            [((0, 0), -2.5e-3), ((0.2, 0), -2.5e-3 - 1e-15), ((0, 0.3), -2.5e-3 + 1e-15), ((0.2, 0.3), -2.5e-3)]
+            + [((0.1 * k, 0.1), 0.02) for k in range(2)]  # in another plane
+        )
+    ]
+    (pattern,) = bolt_patterns(bores)
+    assert pattern.bores == (1, 2, 3, 4)
+
+
 def test_the_block_of_a_file_makes_the_scene_fit(tmp_path, monkeypatch, capsys):
     """A housing written by a scene, read back by one command and one paste: the seats are where the bearings are."""
     monkeypatch.chdir(tmp_path)

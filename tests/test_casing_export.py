@@ -169,7 +169,11 @@ def test_an_error_that_is_not_reached_and_what_the_bands_leave_out_are_stated(el
     natural = natural_modes(modes)
     known = natural.frequencies[:4]
     limits = SimpleNamespace(
-        frequencies=known, correction=0.0, limits=known, bands=np.array([0.01, 0.03, 0.04, 0.01]) * known
+        frequencies=known,
+        correction=0.0,
+        limits=known,
+        bands=np.array([0.01, 0.03, 0.04, 0.01]) * known,
+        orders=np.full(4, 2.4),  # from several element sizes
     )
     fields = {"mesh": elastic[0], "modes": modes, "checkup": None, "error": None, "records": (), "band": 1e3}
     casing = Casing(body=body, natural=natural, limits=limits, requested_error=0.01, **fields)
@@ -177,6 +181,8 @@ def test_an_error_that_is_not_reached_and_what_the_bands_leave_out_are_stated(el
         "casing.error = 1 % is not reached: half of the natural frequencies have uncertainty bands above 2 %. "
         'Set casing.element = "tetrahedron-20", or a smaller casing.error.'
     )
+    cubic = replace(casing, limits=SimpleNamespace(**vars(limits) | {"orders": np.full(4, np.nan)}))
+    assert missed_error(cubic).endswith("above 2 %. Set a smaller casing.error.")
     assert missed_error(replace(casing, requested_error=0.021)) == ""
     assert missed_error(replace(casing, requested_error=None)) == ""
     assert "casing.band_Hz = 1000 Hz" in reduction_words(to_band=True, band=1e3)

@@ -303,6 +303,14 @@ def test_a_window_in_the_run_up_is_a_warning_where_nothing_is_compared():
     assert any("the mean speed of the motors in this window is" in text for text in found)
 
 
+@pytest.mark.parametrize(("ground", "warned"), [("fixed", True), ("springs", False)])
+def test_mounts_of_a_casing_that_is_held_are_a_warning(ground, warned):
+    mounts = {"casing.ground": ground, "casing.mounts_N_per_um": [[100.0, 100.0, 200.0]]}
+    scene = load_scene("rig-healthy", mounts).scene
+    found = design_warnings(scene, make_drivetrain(scene))
+    assert any("mounts_N_per_um is ignored" in text for text in found) == warned
+
+
 def test_contact_pressure_of_spur_gears_is_that_of_two_cylinders():
     """At the pitch point p = sqrt(F E*/(pi b R)), F along the line of action; the factor Z_eps aside."""
     scene = load_scene("minimal", {"stages.1.helix_angle_deg": 0.0, **NO_WINDOWS}).scene

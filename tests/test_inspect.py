@@ -208,7 +208,7 @@ def stress_view(pair, healthy, faulty):
 def test_the_mesh_picture_says_what_it_shows(mesh_view):
     said = words(mesh_figure(mesh_view, [blank(**PLACES)] * 2, 1, 1e5))
     for phrase in (
-        "A pair: stage 1, 20/55 teeth", "mesh cycle 3.000", "load 1200 N", "law iso", "contact lines",
+        "A pair: stage 1, 20/55 teeth", "mesh cycle 3.000", "load 1200 N", "model iso", "contact lines",
         "line load, N/mm",
         "missing tooth 3 of the wheel", "pinion", "wheel", "stiffness, N/µm", "share, %", "12 mm", "healthy",
     ):  # fmt: skip

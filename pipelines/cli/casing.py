@@ -260,7 +260,8 @@ def missed_error(casing: Casing) -> str:
     median = float(np.nanmedian(casing.bands / casing.frequencies))
     if median <= casing.requested_error:
         return ""
-    other = 'casing.element = "tetrahedron-20", or ' if casing.mesh and casing.mesh.elements.shape[1] == 10 else ""
+    by_sizes = casing.limits is not None and bool(np.isfinite(casing.limits.orders).any())
+    other = 'casing.element = "tetrahedron-20", or ' if by_sizes else ""
     return (
         f"casing.error = {100 * casing.requested_error:.3g} % is not reached: half of the natural frequencies have "
         f"uncertainty bands above {100 * median:.3g} %. Set {other}a smaller casing.error."

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from pipelines.diagnosis.prediction import FEWEST_FOR_TREND
-from pipelines.signals.features.table import FeatureTable
+from pipelines.signals.features.table import WHOLE, FeatureTable
 
 OUTLYING = 0.01  # probability that a healthy recording differs so much from the accepted ones
 _SAME = 1e-6  # relative difference of features below which two files contain the same recording
@@ -35,6 +35,11 @@ def check_baseline(
     """
     if not baseline:
         raise BaselineError("no healthy recording to compare with. Give at least one.")
+    if all(component == WHOLE for component, _ in recording.lines):
+        raise BaselineError(
+            f"no shaft, gear or bearing has a feature in all recordings. {'. '.join(recording.left_out)}. Reduce the "
+            "uncertainty of the speed, set another --window, or add bearings to the machine file."
+        )
     for number, (name, other) in enumerate(zip(names, baseline, strict=True)):
         if (other.sensor, other.axis) != (recording.sensor, recording.axis):
             raise BaselineError(

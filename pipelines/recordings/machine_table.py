@@ -88,7 +88,7 @@ class SpeedTable(Table):
     units: Annotated[Literal["rpm", "Hz"], Field(description="units of the channel")] = "rpm"
     shaft: Annotated[ShaftNumber, Field(description="number of the shaft with this speed")] = 1
     uncertainty_percent: Annotated[
-        Positive, Field(le=2, description="standard uncertainty of the mean speed, at most that of pass orders by slip")
+        Positive, Field(le=2, description="standard uncertainty of the mean speed, in per cent")
     ]
 
     @model_validator(mode="after")

@@ -215,6 +215,8 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
         message, remedy = _KINDS[kind]
         if message == _LIST[0] and isinstance(value, Mapping):
             remedy = f"Write [[{where}]], in double brackets, before each of its tables."
+        elif message == _LIST[0] and path[-1].isdigit():
+            remedy = "Write each row in square brackets, as in [[value, value], [value, value]]."
         if message == _TABLE[0] and unit:  # the key is a quantity over time
             message, remedy = (
                 f"must be a list of numbers{unit}",

@@ -40,7 +40,8 @@ class ElasticCasing(HousingCasing):
         gt=0,
         le=1e7,
         least=1,
-        text='stiffnesses along x, y and z with ground = "springs": one row for all mounts, or one per foot',
+        text='stiffnesses along x, y and z with ground = "springs": one row for all mounts, or one per foot in '
+        "the order ground_1, ground_2, ...",
     )
     attachment: Attachment = option(
         "mean",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import groupby
+from itertools import groupby, pairwise
 
 import numpy as np
 
@@ -106,13 +106,15 @@ def bolt_patterns(bores: Sequence[Bore]) -> tuple[BoltPattern, ...]:
     def kind(bore: Bore) -> tuple:
         return tuple(np.round(bore.axis, 3)), round(bore.diameter, 5), round(bore.length, 4)
 
+    def level(bore: Bore) -> float:
+        return float(bore.centre @ bore.axis)
+
     patterns = []
     for _, group in groupby(sorted(bores, key=kind), key=kind):
-        level: dict[int, list[Bore]] = {}
-        for bore in group:
-            level.setdefault(round(float(bore.centre @ bore.axis) / _LEVEL), []).append(bore)
-        for same in level.values():
-            patterns += _circles(same, bores)
+        holes = sorted(group, key=level)
+        starts = [i for i in range(1, len(holes)) if level(holes[i]) - level(holes[i - 1]) > _LEVEL]
+        for start, end in pairwise((0, *starts, len(holes))):
+            patterns += _circles(holes[start:end], bores)
     return tuple(sorted(patterns, key=lambda one: one.bores))
 
 

@@ -22,7 +22,7 @@ from fem.casing.reduced.attachment import nearest_surface_point
 from fem.casing.reduced.body import BEARING_AXES, ReducedBody
 from fem.casing.reduced.damping import energy_shares, modal_damping
 from fem.casing.reduced.grounded import GROUND_AXES, GroundedCasing
-from fem.casing.reduced.reduction import Reduction
+from fem.casing.reduced.reduction import Reduction, ReductionError
 from fem.casing.reduced.truncation import ModeSet, fewest_modes, kept
 from fem.elements.solids import mass_properties
 from fem.storage.records import Record, array, integer, names, scalar, text
@@ -80,7 +80,8 @@ class CasingModes(Record):
 
         Raises
         ------
-        ValueError : mounts of a fixed casing, none of one on springs, not one row or one per foot, none positive
+        ReductionError : not one row or one per foot
+        ValueError : mounts of a fixed casing, none of one on springs, none positive
         """
         if (mounts is not None) != (self.ground == "springs"):
             need = "needs mounts" if mounts is None else "takes no mounts"
@@ -91,7 +92,10 @@ class CasingModes(Record):
         feet = [name for name in self.point_names if name.startswith("ground_")]
         rows = np.asarray(mounts, float)
         if rows.shape not in ((1, 3), (len(feet), 3)):
-            raise ValueError(f"mounts {rows.shape}: give one row of x, y, z (N/m), or one for each of {len(feet)} feet")
+            raise ReductionError(
+                f"casing.mounts_N_per_um has {len(rows)} rows, and the casing has {len(feet)} feet. Give one row of x, "
+                f"y, z for all feet, or {len(feet)} rows."
+            )
         if not (np.isfinite(rows).all() and (rows > 0.0).all()):
             raise ValueError(f"mount stiffness is {rows.min():g} N/m; every mount needs a positive one in x, y and z")
         rows = np.broadcast_to(rows, (len(feet), 3))

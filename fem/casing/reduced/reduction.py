@@ -32,7 +32,7 @@ _SPANNED = 1e-12  # share of the mass of a vector outside the span of the modes,
 
 
 class ReductionError(ValueError):
-    """The interface rows are not independent, or the number of modes does not exist."""
+    """The interface rows are not independent, the number of modes does not exist, or mounts do not fit the feet."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,6 +26,7 @@ def design_warnings(scene: Scene, machine: Drivetrain) -> tuple[str, ...]:
     layout = machine.layout
     return (
         *_materials(scene),
+        *_mounts(scene),
         *_gears(scene, layout),
         *flank_warnings(scene, machine),
         *strength_warnings(scene, layout),
@@ -46,6 +47,14 @@ def _materials(scene: Scene) -> Iterator[str]:
             value = getattr(table, key, None)
             if remedy := other_unit(key, value):
                 yield f"{place}.{key} = {value:g}: an unusual value. {remedy.rstrip('.')}"
+
+
+def _mounts(scene: Scene) -> Iterator[str]:
+    if getattr(scene.casing, "ground", "") == "fixed" and "mounts_N_per_um" in scene.casing.model_fields_set:
+        yield (
+            'casing.mounts_N_per_um is ignored with casing.ground = "fixed". Set casing.ground = "springs", or delete '
+            "casing.mounts_N_per_um"
+        )
 
 
 def _gears(scene: Scene, layout: Layout) -> Iterator[str]:

@@ -94,7 +94,7 @@ def show_mesh(view: MeshView, image: Path | None = None) -> None:
     """
     gears = [view.of_state(n) for n in range(len(view.states))]
     marked = ["" if n == 0 or not view.marked else f", {view.marked} red" for n in range(len(view.states))]
-    load = f"load {view.force:.4g} N, law {view.model}"
+    load = f"load {view.force:.4g} N, model {view.model}"
     show_window(view.title, load, view.cycles, gears, view.states, marked, image)
 
 
@@ -112,7 +112,7 @@ def mesh_figure(view: MeshView, pictures: Sequence[Picture], frame: int, most: f
     rows = len(pictures)
     figure = new_figure(2.4 + 3.4 * rows, 13.0)
     cycle = float(view.cycles[frame])
-    figure.suptitle(f"{plain(view.title)}\nmesh cycle {cycle:.3f}, load {view.force:.4g} N, law {view.model}")
+    figure.suptitle(f"{plain(view.title)}\nmesh cycle {cycle:.3f}, load {view.force:.4g} N, model {view.model}")
     halves: Any = figure.subfigures(1, 2, width_ratios=[1.15, 1.0])
     left, right = halves
     boxes = np.atleast_1d(left.subplots(rows, 1))

@@ -45,7 +45,7 @@ def pattern_figure(view: PatternView) -> Figure:
     """A flank for each state: the face across, along the global y, and the diameter upwards; one scale of pressure."""
 
     figure = new_figure(4.6, 6.0 * len(view.patterns))
-    load = f"load {view.force:.4g} N, law {view.model}"
+    load = f"load {view.force:.4g} N, model {view.model}"
     words = "grey: no contact" + ("; red outline: damage" if view.damaged.any() else "")
     figure.suptitle(f"{plain(view.title)}\ncontact pattern over a whole engagement, {load}\n{words}")
     boxes = np.atleast_1d(figure.subplots(1, len(view.patterns), sharey=True))

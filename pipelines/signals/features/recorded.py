@@ -93,7 +93,8 @@ def feature_table(
         turning = [(shaft, cut) for shaft, cut in cuts.items() if cut is not None and cut.count >= FEWEST_TURNS]
         if not turning:
             reasons = "".join(f" {shaft}: {reason}." for shaft, reason in rotation.conditional.items())
-            remedy = ", correct teeth, or record a tachometer" if rotation.conditional else " or one at a higher speed"
+            known_speed = ", correct teeth, set speed with its uncertainty, or record a tachometer"
+            remedy = known_speed if rotation.conditional else " or one at a higher speed"
             raise FeatureError(
                 f"{name}: no shaft of known speed makes {FEWEST_TURNS} revolutions between {window[0]:g} and "
                 f"{min(window[1], float(time[-1])):g} s.{reasons} Set a longer window{remedy}."

@@ -103,8 +103,8 @@ def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) ->
     unsteady = (
         f"the speed cannot be found from the mesh vibration. Either no line at a mesh order of stage {stage} has a "
         f"steady phase. Or shaft 1 does not turn at {60.0 * nominal:.5g} rpm within {100 * RANGE:g} %, or its speed "
-        f"changes by more than {change:.3g} Hz per second. Correct speed_rpm, record a tachometer, or cut the "
-        "recording to a part at steady speed."
+        f"changes by more than {change:.3g} Hz per second. Correct speed_rpm, set speed with its uncertainty, "
+        "record a tachometer, or cut the recording to a part at steady speed."
     )
     angle, _, _ = _tracked(signals, angle, orders, size, unsteady, most=1)
     angle = _at_best_speed(signals, angle, rate, kinematics)
@@ -170,13 +170,13 @@ def _at_best_speed(signals: Sequence[np.ndarray], angle: np.ndarray, rate: float
     if abs(factor * speed / nominal - 1.0) > RANGE:
         raise RotationError(
             f"{found}, which is more than {100 * RANGE:g} % from speed_rpm = {60.0 * nominal:.5g}. Correct speed_rpm "
-            "or teeth, or record a tachometer."
+            "or teeth, set speed with its uncertainty, or record a tachometer."
         )
     if second > MARGIN:
         raise RotationError(
             f"{found}, but another speed within {100 * WIDER:g} % of speed_rpm = {60.0 * nominal:.5g} fits "
-            f"{100 * second:.0f} % as well; at most {100 * MARGIN:g} % is accepted. Correct teeth or speed_rpm, use a "
-            "longer recording, or record a tachometer."
+            f"{100 * second:.0f} % as well; at most {100 * MARGIN:g} % is accepted. Correct teeth or speed_rpm, set "
+            "speed with its uncertainty, use a longer recording, or record a tachometer."
         )
     return factor * angle
 

@@ -26,7 +26,7 @@ CASINGS = {
     "rigid": "its elasticity is left out",
     "none": "it is left out",
     "static": "its inertia is that of the static shapes alone",
-    "craig-bampton": "0.7 % in frequency on the shipped mesh of the rig, 3 % with tetrahedra of that size",
+    "craig-bampton": "whose error `gearcase casing --error-check` computes",
 }
 LABELLED = 7  # quantities with the widest uncertainty bands, which have a colour and a name
 REACH = {  # probes whose settings affect the quantities of a study, by the probe of the study
