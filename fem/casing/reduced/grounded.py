@@ -131,11 +131,6 @@ class GroundedCasing(AssembledCasing):
 
     interface: Interface
 
-    @property
-    def K_held(self) -> sp.csr_matrix:
-        """The definite stiffness that was factorised, K + B^T D B."""
-        return self.on_springs(self.springs)
-
     def on_springs(self, springs: np.ndarray) -> sp.csr_matrix:
         """K of the unknowns q with springs (interface,) at the interface coordinates."""
         K = self.K_free

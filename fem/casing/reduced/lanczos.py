@@ -21,6 +21,7 @@ from fem.numerics import blas
 from fem.numerics.threads import side_by_side
 
 _TOLERANCE = 1e-7  # residual of a Ritz pair over its theta; the error of theta is about its square
+_LARGEST_BASIS = 3000  # vectors
 _CHUNK = 8  # blocks that share one array
 _NOTHING = 1e-11  # share removed by reorthogonalisation below which its product with M is not computed
 _RANK = 1e-12  # directions of a new block below this part of its largest (in mass norm squared) are dropped
@@ -51,7 +52,6 @@ def block_lanczos(
     smallest: float | None = None,
     count: int | None = None,
     block: int = 16,
-    largest_basis: int = 3000,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Eigenpairs with theta >= `smallest`, or the `count` largest.
 
@@ -61,7 +61,6 @@ def block_lanczos(
     M : sparse (n, n), kg
     smallest, count : s2 and number of eigenpairs; give one of them
     block : number of vectors iterated together
-    largest_basis : largest number of basis vectors
 
     Returns
     -------
@@ -70,7 +69,7 @@ def block_lanczos(
 
     Raises
     ------
-    EigenError : no convergence within `largest_basis` vectors
+    EigenError : no convergence within _LARGEST_BASIS vectors
     """
     from fem.numerics.sparse_product import product
 
@@ -85,7 +84,7 @@ def block_lanczos(
     T = np.zeros((0, 0))  # the projected operator, block tridiagonal
     before, link = X[:, :0], np.zeros((X.shape[1], 0))
     step = 0
-    while basis.used + (width := X.shape[1]) <= min(n, largest_basis):
+    while basis.used + (width := X.shape[1]) <= min(n, _LARGEST_BASIS):
         basis.append(X)
         step += 1
         W = np.ascontiguousarray(operator(MX))
