@@ -263,7 +263,7 @@ def orders(error: np.ndarray) -> np.ndarray:
 
 
 def transmission_error_figure(title: str, errors: Sequence[TransmissionErrors]) -> Figure:
-    """A row for each stage: the curves on the left, the orders on the right; a colour for each torque.
+    """A row for each stage: the curves less their means on the left, the orders on the right; a colour for each torque.
 
     Below a stage with damaged teeth: the curves while each of them passes.
     """
@@ -285,13 +285,15 @@ def transmission_error_figure(title: str, errors: Sequence[TransmissionErrors]) 
             for state, values in error.states.items():
                 before = state == "unmodified" and error.unmodified is not None
                 label = f"{error.torque:.4g} N m" + (f", {state}" if error.unmodified is not None else "")
-                curves.plot(error.cycle, 1e6 * values, color=colour, ls="--" if before else "-", label=label)
+                label += f", mean {1e6 * values.mean():.3g} µm"
+                varying = 1e6 * (values - values.mean())
+                curves.plot(error.cycle, varying, color=colour, ls="--" if before else "-", label=label)
                 at = np.arange(1, ORDERS + 1) + 0.8 * ((place + 0.5) / count - 0.5)
                 lines.bar(at, 1e6 * orders(values), 0.8 / count, facecolor="none" if before else colour,
                           edgecolor=colour, lw=0.8)  # fmt: skip
                 place += 1
         curves.margins(x=0)
-        dress(curves, f"{own[0].title}, healthy", "mesh cycle", "transmission error, µm")
+        dress(curves, f"{own[0].title}, healthy", "mesh cycle", "transmission error less its mean, µm")
         dress(lines, "orders of the mesh frequency", "order", "amplitude, µm")
         lines.set_xticks(range(1, ORDERS + 1))
         curves.legend(
