@@ -42,7 +42,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         type=path,
         nargs="+",
         default=[],
-        help="recordings of healthy machines to compare with; limits for the answer damaged need 5 or more",
+        help="recordings of healthy machines to compare with; limits need 5 or more",
     )
     sub.add_argument(
         "--window",
