@@ -31,7 +31,7 @@ def named_force(law, caplog, force, **options):
     caplog.clear()
     with caplog.at_level(logging.WARNING):
         stiffness_curve(law, force, np.linspace(0.0, 1.0, 100, endpoint=False), **options)
-    found = re.search(r"which ([0-9.e+]+) N reach", caplog.text)
+    found = re.search(r"more than the ([0-9.e+]+) N that close", caplog.text)
     return found and float(found[1])
 
 
