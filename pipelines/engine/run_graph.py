@@ -231,7 +231,7 @@ class _Run:
         """
         spare = [(step, key) for step, key in ready if step.name not in self._awaited]
         if spare and not self._in_thread:
-            step, key = spare[0]
+            step, key = max(spare, key=lambda one: self._urgency[one[0].name])
             self._on_event(Event(step))
             self._in_thread[step.name] = key
             made = in_thread(build_here, step, key, self._upstream(step), self._cache)

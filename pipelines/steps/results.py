@@ -53,7 +53,7 @@ def verdict_steps(study: Study) -> list[Step]:
             spec=features.FeaturesSpec(settings=settings, labels=one.labels, samples=samples),
             takes={"motion": motion},
             libraries=_NUMERIC,
-            seconds=1.0,
+            seconds=0.5 * samples,
         )
         for one, motion, samples in [
             *((case.plant, case.faulty, 1) for case in cases),
