@@ -120,7 +120,7 @@ def _cycles(shown: InspectedStage, options: argparse.Namespace) -> np.ndarray:
 
 
 def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, frames: int) -> Iterator[str]:
-    """Write a picture where the damage acts, or at the given position; with more than one frame also the film."""
+    """Write a picture where the damage acts, or at the given position; with more than one frame also the animation."""
     import numpy as np
 
     from pipelines.report.figures.mesh_pictures import write_film, write_still
@@ -182,7 +182,7 @@ def _listed(write: Callable[..., Path | list[Path]], *given: object) -> list[str
 
 
 def _casing_mode_files(outcome: Outcome, graph: Graph, title: str, number: int | str, folder: Path) -> list[Path]:
-    """Write picture, film and page of a natural mode of the casing on its mounts, or a sheet of all modes in its band.
+    """Write picture, animation and page of a natural mode of the mounted casing, or a sheet of all modes in the band.
 
     Raises
     ------

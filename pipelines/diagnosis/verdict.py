@@ -307,10 +307,8 @@ def _findings(lines: _Lines, levels: np.ndarray, healthy: np.ndarray, kinematics
     scaled = deviation / np.array([bound or 1.0 for bound in bounds])
     best: dict[str, tuple[tuple[bool, float], Finding]] = {}
     for number, (component, own) in enumerate(lines.groups):
-        strength, channel = max(
-            ((bool(clear[channel, number]), float(scaled[channel, number])), -channel) for channel in range(len(scaled))
-        )
-        channel, bound = -channel, bounds[number]
+        channel = int(np.lexsort((scaled[:, number], clear[:, number]))[-1])
+        strength, bound = (bool(clear[channel, number]), float(scaled[channel, number])), bounds[number]
         evidence = Evidence(
             features=lines.features(own),
             sensor=table.sensor[channel],
