@@ -317,4 +317,6 @@ def mode_table(natural: NaturalModes, count: int, bands: np.ndarray | None = Non
     ]
     rows.append(("all", f"{len(share)} modes", *([""] * known), *(f"{v:.2f}" for v in share.sum(axis=0))))
     headers = ("mode", "Hz", *(["+- Hz"] * known), "x %", "y %", "z %", "about x %", "about y %", "about z %")
-    return Grid(title="Natural modes in the ground, effective mass", headers=headers, rows=tuple(rows)).to_text()
+    return Grid(
+        title="Natural modes of the casing on its ground, effective mass", headers=headers, rows=tuple(rows)
+    ).to_text()
