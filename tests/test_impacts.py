@@ -84,6 +84,20 @@ def test_the_page_of_a_recording_of_bearings_alone_begins_with_the_race(tmp_path
     assert '<div class="verdict fault" id="verdict"><p>Damaged: DE BPFO' in page
 
 
+def test_several_recordings_give_a_table_and_a_page_each(tmp_path, capsys):
+    random = np.random.default_rng(1)
+    judged(tmp_path, unbalanced(random))
+    (tmp_path / "record.npy").rename(tmp_path / "monday.npy")
+    judged(tmp_path, unbalanced(random) + 2.0 * impacts(OUTER, 0.0, random))
+    files = [str(tmp_path / name) for name in ("monday.npy", "record.npy")]
+    given = [*files, "--machine", str(tmp_path / "machine.toml"), "--out", str(tmp_path / "seen")]
+    assert main(["diagnose", *given]) == 0
+    rows = [line.split() for line in capsys.readouterr().out.splitlines() if line.startswith(files[0][:-10])]
+    assert [row[3] for row in rows] == ["-", "damaged"]
+    assert rows[1][4:6] == ["DE", "BPFO"]
+    assert all((tmp_path / "seen" / number / "report.html").is_file() for number in "12")
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_lines_of_the_shaft_are_no_impacts_of_a_bearing(tmp_path, seed):
     found = judged(tmp_path, unbalanced(np.random.default_rng(seed)))
