@@ -85,9 +85,8 @@ _HIDDEN = (
     "small."
 )
 _REVERSED = (
-    "Without friction, the excitation in lowering is that of lifting reversed in time, with the same amplitudes. The "
-    "response is not the reversed one, because vibrations decay after a shock in both directions. This causes the "
-    "difference of 1 or 2 dB."
+    "Without friction, the excitation in lowering is that of lifting reversed in time. The response is not, because "
+    "vibrations decay after a shock in both directions. This causes the difference of 1 or 2 dB."
 )
 _SLIDING = (
     "Tooth friction reverses with the direction. Its force at mesh frequency adds to that of the transmission error in "
