@@ -27,7 +27,6 @@ from fem.casing.reduced.grounded import ground_casing
 from fem.elements.materials import Material
 from fem.elements.solids import assemble
 from pipelines.cli.main import main
-from pipelines.machine.housing_file import main as write_housing
 from pipelines.runs.checked import check_scene
 from pipelines.scene.file import load_scene
 from pipelines.studies.housings.block import housing_block
@@ -235,7 +234,7 @@ def test_rounding_errors_of_the_height_do_not_divide_a_bolt_pattern():
 def test_the_block_of_a_file_makes_the_scene_fit(tmp_path, monkeypatch, capsys):
     """A housing written by a scene, read back by one command and one paste: the seats are where the bearings are."""
     monkeypatch.chdir(tmp_path)
-    assert write_housing(["minimal", "box.step"]) == 0
+    assert main(["casing", "minimal", "--export", "box.step"]) == 0
     far = 'extends = "minimal"\n[[sensors]]\nname = "sensor_3"\nposition_mm = [0.0, -400.0, 0.0]\n'
     (tmp_path / "far.toml").write_text(far, encoding="utf-8")
     assert main(["housing", "box.step", "--scene", "far.toml", "--out", "found"]) == 0

@@ -48,7 +48,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         help="write the reduced matrices as .h5, .mat, .npz, .mtx, .op4 or .pch, a modal model as .uff, or the "
-        "modes on the mesh as .vtu; repeatable",
+        "modes on the mesh as .vtu, or a parametric housing as .step; repeatable",
     )
     sub.add_argument(
         "--response",
