@@ -53,7 +53,9 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--frames", type=count, metavar="N", default=17, help="number of pictures in the animation (default 17)"
     )
     sub.add_argument(
-        "--stress", action="store_true", help="show the von Mises stress of the loaded teeth instead (PNG)"
+        "--stress",
+        action="store_true",
+        help="show the von Mises stress of the loaded teeth instead, by the model `solid` (PNG)",
     )
     sub.add_argument(
         "--mesh",
