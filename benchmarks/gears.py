@@ -49,7 +49,7 @@ def laws(folder: Path) -> list[dict[str, Any]]:
             "iso": partial(stage_law, cheap, stage),
             "plane": partial(plane_law, pair),
             "solid": spec.laws,
-            "surface of a crack": partial(crack_surface, surface),
+            "flexibility of a cracked tooth": partial(crack_surface, surface),
         }
         for model, work in works.items():
             taken, made = timed(work, 1 if model == "solid" else 3)

@@ -11,7 +11,7 @@ from benchmarks.peers_page import sections as peer_sections
 
 _LAWS = (
     "Time from geometry to mesh law for both flanks of one gear pair with 15 slices; `solid` at refinement 0.7. "
-    "A cracked gear needs the surface of the crack in addition, once per crack angle."
+    "A cracked gear also needs the flexibility of the cracked tooth, once per crack angle."
 )
 _MODELS = (
     "`rig-healthy` with one model changed, 0.3 s of motion, 900 rpm from 0.05 s on. Acceleration and mesh force are "

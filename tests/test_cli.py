@@ -143,6 +143,7 @@ def test_an_example_prints_what_its_help_shows(capsys, here, own_cache, command)
         (["check", "bench", "--set", "sensors.1.position_mm=[0, 0]"], "has too few values. Give all of them: x, y, z"),
         (["fly"], "invalid choice"),
         (["check", "pair", "--set", "stages.1.bore_mm=30"], "Did you mean pinion_bore_mm or wheel_bore_mm?"),
+        (["check", "pair", "--set", "stages.1.wheel.teeth=30"], "Did you mean stages.1.wheel_teeth?"),
         (["dataset"], "Give one of info, check, features, export"),
         (["gears", "pair", "--torque", "50,100"], "Separate numbers by blanks: 50 100"),
         (["chek", "minimal"], "Did you mean check? Help: gearcase COMMAND --help"),

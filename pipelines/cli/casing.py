@@ -231,7 +231,7 @@ def band_words(limits: FrequencyLimits, factor: float, relative: np.ndarray) -> 
     by_sizes = bool(np.isfinite(limits.orders).any())  # meshes of one size give no order
     how = f"three element sizes, common order {limits.order:.2f}" if by_sizes else "cubic and quadratic elements"
     return (
-        f"Hz: with the stiffness times {factor:.4f}, the factor extrapolated to zero element size from {how}.\n"
+        f"Hz: for the stiffness times {factor:.4f}. This factor is extrapolated to zero element size from {how}.\n"
         f"+-: uncertainty band, {100 * np.nanmedian(relative):.2f} % in the median, "
         f"{100 * np.nanmax(relative):.2f} % at most.\n"
         "--json also prints the frequencies without extrapolation, and those extrapolated mode by mode."

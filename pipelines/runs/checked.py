@@ -144,7 +144,7 @@ def _times(machine: Plant) -> Iterator[str]:
     uses = {"averages": FEWEST_TURNS, "lines": FEWEST_REVOLUTIONS}
     needed = {use: needed_seconds(kinematics, turns) for use, turns in uses.items()}
     heads = "  ".join(f"{use} ({turns} turns) s" for use, turns in uses.items())
-    yield "  shortest diagnosis window for each evaluation (for this number of turns), and windows that are too short"
+    yield "  shortest diagnosis window for averages and for lines, and windows of the scene that are too short"
     yield f"  shaft       {heads}  too short"
     for shaft in kinematics.shafts:
         short = []

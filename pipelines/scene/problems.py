@@ -294,6 +294,8 @@ def _unknown_key(
         return message, _ELSEWHERE[head, other]
     if longer := [key for key in known if key.endswith(f"_{path[-1]}")]:  # bore_mm: pinion_bore_mm, wheel_bore_mm
         return message, f"Did you mean {' or '.join(longer)}?"
+    if len(path) > 1 and (joined := "_".join(path[-2:])) in _at(path[:-2], model, tree).keys:  # pinion.teeth
+        return message, f"Did you mean {'.'.join((*path[:-2], joined))}?"
     elsewhere = [p for p in paths() if p[-1] == path[-1]]
     if elsewhere:
         return message, f"Did you mean {'.'.join(elsewhere[0])}?"

@@ -76,10 +76,10 @@ def _short_window(
     if revolutions >= FEWEST_REVOLUTIONS:
         return
     held = (window[1] - window[0]) * frequency
-    cut = f", and a whole number of samples in {revolutions} of them" if int(held) > revolutions else ""
+    cut = f"; the spectra use {revolutions} of them, a whole number of samples" if int(held) > revolutions else ""
     yield Problem(
         f"diagnosis.windows_s.{name}",
-        f"has {held:.1f} revolutions of {_gear(scene)}{cut}; the diagnosis needs {FEWEST_REVOLUTIONS}",
+        f"has {held:.1f} revolutions of {_gear(scene)}{cut}. The diagnosis needs {FEWEST_REVOLUTIONS}",
         f"Set a window of {(FEWEST_REVOLUTIONS + bool(cut)) / frequency:.2f} s or more, or run with --set "
         "diagnosis.windows_s={} for signals without diagnosis. Windows of an extended scene stay unless one of the "
         "same name replaces them",
