@@ -35,6 +35,7 @@ HOUSINGS = {
         (0.0, 0.05), shaft_z=(-0.06, 0.06), bore_diameters=(0.047, 0.062), boss_diameters=(0.065, 0.080)
     ),
     "thick walls": small_housing(wall_thickness=0.013),
+    "feet that end at thin walls": short_housing(length=0.1, left=-0.05, wall_thickness=0.006),
 }
 
 
