@@ -23,8 +23,9 @@ def coarse(name, end=0.1):
         settings[f"stages.{number}.mesh.model"] = "iso"
     if scene.casing.model == "craig-bampton":
         settings |= {"casing.element_size_mm": 40.0, "casing.band_Hz": 800.0}
-    if name.startswith("rig") and scene.casing.element == "hexahedron-32":
-        # cubic elements with edge functions are those of bench and reducer; casings in two halves: tests/test_halves.py
+    if name.startswith("rig"):
+        # cubic elements with edge functions are those of bench and reducer; casings in two halves: tests/test_halves.py;
+        # a reduced casing of ten-node tetrahedra: tests/test_joint_scenes.py
         settings |= {"casing.element": "tetrahedron-4", "casing.extrapolated": False}
     return settings
 
