@@ -38,8 +38,8 @@ def unbalanced(random: np.random.Generator) -> np.ndarray:
     return 0.3 * noise + np.cos(turn) + 0.3 * np.cos(2.0 * turn)
 
 
-def judged(tmp_path, signal: np.ndarray):
-    (tmp_path / "machine.toml").write_text(MACHINE, encoding="utf-8")
+def judged(tmp_path, signal: np.ndarray, machine: str = MACHINE):
+    (tmp_path / "machine.toml").write_text(machine, encoding="utf-8")
     np.save(tmp_path / "record.npy", signal)
     return judge_file(tmp_path / "record.npy", machine=tmp_path / "machine.toml")
 
@@ -54,6 +54,27 @@ def test_impacts_at_a_pass_order_name_the_race_whatever_the_slip(tmp_path, order
     assert file_words(found).startswith(f"Damaged: {name}, impacts at its pass order ")
 
 
+@pytest.mark.parametrize("rpm", [1675, 1710, 1790])  # the shaft turns at 1740 rpm
+def test_a_speed_known_within_5_percent_follows_from_the_multiples_of_the_shaft(tmp_path, rpm):
+    random = np.random.default_rng(1)
+    signal = unbalanced(random) + 2.0 * impacts(OUTER, 0.0, random)
+    exact = judged(tmp_path, signal).impacts[0]
+    rough = MACHINE.replace("rpm = 1740, uncertainty_percent = 0.3", f"rpm = {rpm}, uncertainty_percent = 5")
+    found = judged(tmp_path, signal, rough).impacts[0]
+    assert found.component == "DE BPFO"
+    assert abs(found.level - exact.level) < 1.0
+
+
+@pytest.mark.parametrize("rpm", [1675, 1790])
+def test_multiples_of_a_shaft_of_roughly_known_speed_are_no_impacts_of_a_bearing(tmp_path, rpm):
+    time = np.arange(round(RATE * SECONDS)) / RATE
+    random = np.random.default_rng(4)
+    bursts = np.maximum(np.cos(2.0 * np.pi * SPEED * time), 0.0) ** 20  # many multiples, among them 3, 6 and 9
+    machine = MACHINE.replace("rpm = 1740, uncertainty_percent = 0.3", f"rpm = {rpm}, uncertainty_percent = 5")
+    found = judged(tmp_path, (1.0 + 3.0 * bursts) * random.standard_normal(len(time)), machine.replace("3.585", "3.05"))
+    assert found.impacts[0].level < CLEAR - 5.0
+
+
 def test_the_page_of_a_recording_of_bearings_alone_begins_with_the_race(tmp_path, capsys):
     random = np.random.default_rng(1)
     judged(tmp_path, unbalanced(random) + 2.0 * impacts(OUTER, 0.0, random))
@@ -61,6 +82,20 @@ def test_the_page_of_a_recording_of_bearings_alone_begins_with_the_race(tmp_path
     assert main(["diagnose", files[0], "--machine", files[1], "--out", str(tmp_path / "seen")]) == 0
     page = (tmp_path / "seen" / "report.html").read_text(encoding="utf-8")
     assert '<div class="verdict fault" id="verdict"><p>Damaged: DE BPFO' in page
+
+
+def test_several_recordings_give_a_table_and_a_page_each(tmp_path, capsys):
+    random = np.random.default_rng(1)
+    judged(tmp_path, unbalanced(random))
+    (tmp_path / "record.npy").rename(tmp_path / "monday.npy")
+    judged(tmp_path, unbalanced(random) + 2.0 * impacts(OUTER, 0.0, random))
+    files = [str(tmp_path / name) for name in ("monday.npy", "record.npy")]
+    given = [*files, "--machine", str(tmp_path / "machine.toml"), "--out", str(tmp_path / "seen")]
+    assert main(["diagnose", *given]) == 0
+    rows = [line.split() for line in capsys.readouterr().out.splitlines() if line.startswith(files[0][:-10])]
+    assert [row[3] for row in rows] == ["-", "damaged"]
+    assert rows[1][4:6] == ["DE", "BPFO"]
+    assert all((tmp_path / "seen" / number / "report.html").is_file() for number in "12")
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 from pipelines.cli.command_line import MACHINE_HELP, RUN_HELP, json_argument
 from pipelines.io.argument_types import number, path
@@ -11,7 +12,7 @@ from pipelines.io.argument_types import number, path
 HELP = """\
 Find the damaged component from vibration. A measured recording is compared with recordings of healthy machines
 (--baseline). A finished run is compared with its healthy control, and the spectral lines of both are listed.
-Nothing is simulated. Takes seconds."""
+Several recordings give a table. Nothing is simulated. Takes seconds."""
 EXAMPLE = """\
 gearcase diagnose bench
 Chipped tooth 10 of the stage 1 wheel: found. Evidence (steady, torque on the shaft, deviations of seed 1): ...
@@ -25,9 +26,10 @@ envelope f_r      10.081       0.0224       0.00656          +10.7          +28.
 def arguments(sub: argparse.ArgumentParser) -> None:
     """Add the arguments: a recording or a run, its machine, and healthy recordings."""
     sub.add_argument(
-        "run",
+        "records",
         metavar="RECORD",
         type=path,
+        nargs="+",
         help=f"recording file, {RUN_HELP}",
     )
     sub.add_argument(
@@ -55,7 +57,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--out",
         metavar="FOLDER",
         type=path,
-        help="folder for report.html: verdict, spectra with those of the first healthy recording, levels and features",
+        help="folder for report.html: verdict, spectra with those of the first healthy recording, levels and features; "
+        "with several recordings, the folders 1, 2, ... in it",
     )
     sub.add_argument(
         "--set",
@@ -69,44 +72,64 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
-    """Print the verdict and the tables of a recording, or of a run compared with its control, without simulation."""
+    """Print the verdict and the tables of recordings, or of a run compared with its control, without simulation."""
+    from pipelines.runs.recorded import recording_path
+    from pipelines.runs.run_folder import RESPONSE
+
+    paths = [recording_path(one) for one in options.records]
+    compared = options.baseline or options.machine or options.window or options.out
+    if len(paths) > 1 or compared or paths[0].name != RESPONSE:
+        yield from _recordings(options, paths)
+    else:
+        yield from _run(options, paths[0].parent)
+
+
+def _recordings(options: argparse.Namespace, paths: Sequence[Path]) -> Iterator[str]:
     from pipelines.io.errors import InputError
     from pipelines.io.json_text import json_text
     from pipelines.io.shown import shown
     from pipelines.io.user_files import writable_folder
-    from pipelines.runs.recorded import file_facts, file_words, judge_file, recorded_parts, recording_path
-    from pipelines.runs.run_folder import RESPONSE
+    from pipelines.runs.recorded import file_facts, file_words, files_grid, judge_files, recorded_parts
 
-    path = recording_path(options.run)
-    measured = path.name != RESPONSE or options.baseline or options.machine or options.window or options.out
-    if measured:
-        if options.settings:
-            raise InputError(
-                "--set does not apply to a recording, nor with --baseline, --machine, --window or --out. Delete it."
-            )
-        window = tuple(options.window) if options.window else None
-        target = writable_folder(options.out) if options.out else None
-        judged = judge_file(path, options.baseline, options.machine, window)
-        yield json_text(file_facts(judged)) if options.json else file_words(judged)
-        if target is not None:
-            from pipelines.runs.recording_page import write_recording_page
-
-            left = () if judged.verdict is None else judged.verdict.outlying
-            healthy = [one for one in options.baseline if shown(one) not in left][:1]
-            target.mkdir(parents=True, exist_ok=True)
-            parts = recorded_parts([*healthy, options.run], options.machine, window)
-            written = write_recording_page(target / "report.html", judged, parts)
-            if not options.json:
-                yield f"\nreport: {written}"
+    if options.settings:
+        raise InputError(
+            "--set does not apply to recordings, nor with --baseline, --machine, --window or --out. Delete it."
+        )
+    window = tuple(options.window) if options.window else None
+    target = writable_folder(options.out) if options.out else None
+    found = judge_files(paths, options.baseline, options.machine, window)
+    judged = dict(zip(map(shown, options.records), found, strict=True))
+    several = len(judged) > 1
+    if options.json:
+        facts = [file_facts(one) for one in judged.values()]
+        yield json_text(facts if several else facts[0])
+    else:
+        yield f"{files_grid(judged).to_text()}\n" if several else file_words(*judged.values())
+    if target is None:
         return
+    from pipelines.runs.recording_page import write_recording_page
+
+    for place, (name, one) in enumerate(judged.items(), 1):
+        left = () if one.verdict is None else one.verdict.outlying
+        healthy = [other for other in options.baseline if shown(other) not in left][:1]
+        folder = target / str(place) if several else target
+        folder.mkdir(parents=True, exist_ok=True)
+        parts = recorded_parts([*healthy, options.records[place - 1]], options.machine, window)
+        written = write_recording_page(folder / "report.html", one, parts)
+        if not options.json:
+            yield f"report of {name}: {written}" if several else f"\nreport: {written}"
+
+
+def _run(options: argparse.Namespace, folder: Path) -> Iterator[str]:
     from pipelines.diagnosis.export import diagnosis_facts
     from pipelines.diagnosis.uncertainty.words import bars_words
     from pipelines.engine.run_graph import Work
+    from pipelines.io.json_text import json_text
     from pipelines.runs.diagnosed import diagnose_folder, folder_bars, judge_folder
     from pipelines.steps.diagnosing import words
 
-    found, answered = diagnose_folder(path.parent, options.settings), judge_folder(path.parent)
-    bars = folder_bars(path.parent, found, options.settings, Work())
+    found, answered = diagnose_folder(folder, options.settings), judge_folder(folder)
+    bars = folder_bars(folder, found, options.settings, Work())
     if options.json:
         facts = bars if isinstance(bars, str) else bars.to_dict()
         yield json_text({"verdict": answered["cases"]} | diagnosis_facts([found]) | {"error_bars": facts})

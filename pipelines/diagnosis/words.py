@@ -48,6 +48,13 @@ def headline(verdict: Verdict) -> str:
     return "No damage: no component exceeds its limit."
 
 
+def answer(verdict: Verdict) -> str:
+    """The answer in two words at most; "-" without limits."""
+    if verdict.damaged is None:
+        return "-"
+    return "damaged" if verdict.damaged else "different" if verdict.different else "no damage"
+
+
 def sentences(verdict: Verdict) -> tuple[str, ...]:
     """Sentences: answer, evidence, reference, rates of false answers, and omitted components."""
     found = [headline(verdict)]

@@ -12,6 +12,7 @@ import importlib
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from pipelines.engine.cache import Cache, Entry
@@ -70,10 +71,14 @@ class Step:
             for key, names in self.takes.items()
         }
 
-    @property
+    @cached_property
     def code(self) -> str:
         """Version of the code of the build, of the modules it names, and of the classes in the spec."""
         return code_version(self.build.__module__, *self.modules, *sorted(class_modules(self.spec)))
+
+    @cached_property
+    def _spec_digest(self) -> str:
+        return digest(self.spec)
 
     def load(self) -> str:
         """Import the modules that it names before the build; the version of the code."""
@@ -88,7 +93,7 @@ class Step:
     def _inputs(self, contents: Mapping[str, str]) -> dict[str, Any]:
         return {
             "kind": self.kind,
-            "spec": digest(self.spec),
+            "spec": self._spec_digest,
             "takes": self.received(contents.__getitem__),
             "code": self.code,
             "libraries": library_versions(*self.libraries),

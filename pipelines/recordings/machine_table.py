@@ -87,9 +87,7 @@ class SpeedTable(Table):
     channel: Annotated[Channel | None, Field(description="channel of the speed: its name or number in the file")] = None
     units: Annotated[Literal["rpm", "Hz"], Field(description="units of the channel")] = "rpm"
     shaft: Annotated[ShaftNumber, Field(description="number of the shaft with this speed")] = 1
-    uncertainty_percent: Annotated[
-        Positive, Field(le=2, description="standard uncertainty of the mean speed, in per cent")
-    ]
+    uncertainty_percent: Annotated[Positive, Field(le=5, description="largest error of the mean speed, in per cent")]
 
     @model_validator(mode="after")
     def _one_way(self) -> SpeedTable:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -64,11 +64,21 @@ def judge_file(
     machine: str | Path | None = None,
     window: tuple[float, float] | None = None,
 ) -> JudgedFile:
-    """The verdict on a recorded file or the response of a run.
+    """The verdict on a recorded file or the response of a run; see `judge_files`."""
+    return next(judge_files([source], healthy, machine, window))
+
+
+def judge_files(
+    sources: Sequence[str | Path],
+    healthy: Sequence[str | Path] = (),
+    machine: str | Path | None = None,
+    window: tuple[float, float] | None = None,
+) -> Iterator[JudgedFile]:
+    """The verdict on each of several recorded files or responses of runs.
 
     Parameters
     ----------
-    source : file, or folder of a run
+    sources : files, or folders of runs
     healthy : files or folders of healthy machines
     machine : its description or scene; that of the run if None
     window : start and end (s) of the part to evaluate; if None, the windows of the scene, or the whole recording
@@ -81,20 +91,24 @@ def judge_file(
     from pipelines.diagnosis.verdict import judge
     from pipelines.signals.features.table import with_common_components
 
-    path = recording_path(source)
-    known, windows = machine_of(path, machine)
-    chosen = {"the window": window} if window else windows
-    own = read_features(path, known, chosen)
-    others = [read_features(recording_path(one), known, chosen) for one in healthy]
-    tables = with_common_components([one.table for one in (own, *others)])
-    try:
-        names = [shown(one) for one in healthy]
-        verdict = judge(tables[0], tables[1:], known.kinematics, names) if others else None
-    except BaselineError as error:
-        raise InputError(f"{shown(path)}: {error}") from error
-    named = {shown(one): recorded for one, recorded in zip(healthy, others, strict=True)}
-    own = replace(own, warnings=(*own.warnings, *other_speeds(own, named)))
-    return JudgedFile(recorded=own, kinematics=known.kinematics, verdict=verdict)
+    read: dict[str, list[Recorded]] = {}  # healthy recordings, by machine and windows
+    names = [shown(one) for one in healthy]
+    for source in sources:
+        path = recording_path(source)
+        known, windows = machine_of(path, machine)
+        chosen = {"the window": window} if window else windows
+        own = read_features(path, known, chosen)
+        same = f"{machine or path.parent} {chosen}"
+        if same not in read:
+            read[same] = [read_features(recording_path(one), known, chosen) for one in healthy]
+        others = read[same]
+        tables = with_common_components([one.table for one in (own, *others)])
+        try:
+            verdict = judge(tables[0], tables[1:], known.kinematics, names) if others else None
+        except BaselineError as error:
+            raise InputError(f"{shown(path)}: {error}") from error
+        own = replace(own, warnings=(*own.warnings, *other_speeds(own, dict(zip(names, others, strict=True)))))
+        yield JudgedFile(recorded=own, kinematics=known.kinematics, verdict=verdict)
 
 
 def recorded_parts(
@@ -273,6 +287,29 @@ def file_words(found: JudgedFile) -> str:
     if found.recorded.table.left_out:
         parts.append(f"Left out: {'; '.join(found.recorded.table.left_out)}.")
     return "\n\n".join(parts) + "\n"
+
+
+def files_grid(found: Mapping[str, JudgedFile]) -> Grid:
+    """Table of recordings by their names, all judged in the same way: speed, level, answer and strongest evidence."""
+    from pipelines.diagnosis.impacts import CLEAR
+    from pipelines.diagnosis.words import STRENGTH, answer, strength
+    from pipelines.signals.features.table import WHOLE
+
+    rows: list[tuple[str, ...]] = []
+    for name, one in found.items():
+        table = one.recorded.table
+        rms = mean_features(table)[table.lines.index((WHOLE, "rms"))]
+        result = ("-", "-", "-")
+        if one.verdict is not None:
+            first = one.verdict.first
+            result = answer(one.verdict), first.component, strength(first.evidence)
+        elif one.impacts:
+            best = one.impacts[0]
+            result = "damaged" if best.clear else "-", best.component, f"{best.level:.1f}"
+        rows.append((name, f"{60 * table.speed[0]:.5g}", f"{rms:.3g}", *result))
+    evidence = f"impacts dB (limit {CLEAR:g})" if one.verdict is None else STRENGTH
+    headers = ("recording", "rpm", "rms m/s2", "answer", "strongest evidence", evidence)
+    return Grid(title=f"{len(rows)} recordings", headers=headers, rows=tuple(rows))
 
 
 def file_facts(found: JudgedFile) -> dict[str, Any]:
