@@ -24,8 +24,8 @@ def coarse(name, end=0.1):
     if scene.casing.model == "craig-bampton":
         settings |= {"casing.element_size_mm": 40.0, "casing.band_Hz": 800.0}
     if name.startswith("rig"):
-        # cubic elements with edge functions are those of bench and reducer; casings in two halves: tests/test_halves.py;
-        # a reduced casing of ten-node tetrahedra: tests/test_joint_scenes.py
+        # cubic elements with edge functions are those of bench and reducer; others: tests/test_halves.py (two halves),
+        # tests/test_joint_scenes.py (ten-node tetrahedra)
         settings |= {"casing.element": "tetrahedron-4", "casing.extrapolated": False}
     return settings
 

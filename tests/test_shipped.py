@@ -48,7 +48,7 @@ def test_one_sensor_means_three_recovery_rows(tmp_path):
 
 @pytest.fixture(scope="module")
 def whole_run(tmp_path_factory):
-    """A faulty scene with its control, both loads, diagnosis and report; the casing is drawn in tests/test_readme.py."""
+    """A faulty scene with its control, both loads, diagnosis and report; tests/test_readme.py draws the casing."""
     folder = tmp_path_factory.mktemp("whole") / "run"
     scene = gearcase.Scene.from_file("rig-missing-tooth").changed(diagnosable("rig-missing-tooth"))
     with pytest.MonkeyPatch.context() as patch:
