@@ -27,7 +27,6 @@ from fem.casing.reduced.grounded import ground_casing
 from fem.elements.materials import Material
 from fem.elements.solids import assemble
 from pipelines.cli.main import main
-from pipelines.machine.housing_file import main as write_housing
 from pipelines.runs.checked import check_scene
 from pipelines.scene.file import load_scene
 from pipelines.studies.housings.block import housing_block
@@ -147,6 +146,22 @@ def test_the_wider_bores_are_taken_for_the_thicker_shaft_of_a_file_whose_shafts_
             assert seat.bore.diameter == (0.068 if diameters[seat.shaft] == 0.04 else 0.055)
 
 
+def test_a_file_whose_y_axis_points_up_is_not_put_on_its_cover():
+    """Two parallel shafts fit in four positions, in two of them upside down."""
+    along, places = np.array([0.0, 0.0, 1.0]), {0.062: (0.5, 0.2, 0.0), 0.080: (0.38, 0.2, 0.0)}
+    bores = [
+        Bore(number=n, solid=1, centre=np.array(places[d]) + z * along, axis=along, diameter=d, length=0.02, angle=6.3)
+        for n, (d, z) in enumerate(product(places, (-0.08, 0.08)), 1)
+    ]
+    machine = [
+        ShaftPlace(x=0.12 * i, z=0.0, bearings=((f"{i}a", -0.08), (f"{i}b", 0.08)), diameter=d)
+        for i, d in enumerate((0.03, 0.04))
+    ]
+    fit = fit_shafts(bores, machine)
+    assert fit.axes[1] == pytest.approx([0.0, 0.0, 1.0])
+    assert [seat.bore.diameter for seat in fit.seats] == [0.062, 0.062, 0.080, 0.080]
+
+
 def test_a_short_wide_bore_and_a_void_are_known(tmp_path):
     """A plate of 6.35 mm with bores of 38.1 and 28.575 mm, and a block with a closed void beside its bore."""
     path = tmp_path / "plate.step"
@@ -219,7 +234,7 @@ def test_rounding_errors_of_the_height_do_not_divide_a_bolt_pattern():
 def test_the_block_of_a_file_makes_the_scene_fit(tmp_path, monkeypatch, capsys):
     """A housing written by a scene, read back by one command and one paste: the seats are where the bearings are."""
     monkeypatch.chdir(tmp_path)
-    assert write_housing(["minimal", "box.step"]) == 0
+    assert main(["casing", "minimal", "--export", "box.step"]) == 0
     far = 'extends = "minimal"\n[[sensors]]\nname = "sensor_3"\nposition_mm = [0.0, -400.0, 0.0]\n'
     (tmp_path / "far.toml").write_text(far, encoding="utf-8")
     assert main(["housing", "box.step", "--scene", "far.toml", "--out", "found"]) == 0

@@ -202,7 +202,7 @@ def test_every_mode_has_the_damping_ratio_asked(modes):
 
 
 def test_a_sensor_away_from_the_casing_is_refused(modes):
-    with pytest.raises(AttachmentError, match="from the casing surface"):
+    with pytest.raises(AttachmentError, match="from the nearest point of the surface"):
         reduced_body(modes, sensors=[Sensor(name="sensor_1", position=(0.0, 1.0, 0.0))])
 
 

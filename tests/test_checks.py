@@ -359,3 +359,16 @@ def test_a_motion_without_stiffness_names_the_soft_shaft():
     soft = dataclasses.replace(first, elastic_modulus=1e-10)
     with pytest.raises(MachineError, match=f"The softest shaft in torsion is {soft.name} with"):
         assemble(dataclasses.replace(machine, shafts=(soft, *machine.shafts[1:])), no_casing())
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "words"),
+    [
+        ("rig-healthy", {"casing.mounts_N_per_um": [[100.0, 100.0, 200.0]] * 2}, r"has 2 rows, .* has 6 feet"),
+        ("rig-step", {"casing.housing.grounds": [{"point_mm": [0.0, 0.0, -60.0]}] * 2}, "needs 3 feet or more"),
+    ],
+)
+def test_mounts_that_do_not_fit_the_feet_are_refused_before_the_mesh(name, settings, words):
+    loaded = load_scene(name, {"casing.ground": "springs", **settings})
+    with pytest.raises(SceneError, match=words):
+        checked_plant(loaded.scene, loaded.source.shown)

@@ -2,6 +2,7 @@
 
 import importlib
 import json
+import logging
 import os
 import signal
 import subprocess
@@ -12,7 +13,7 @@ from importlib import resources
 import pytest
 
 from pipelines.cli.command_line import COMMANDS, parser
-from pipelines.cli.main import main
+from pipelines.cli.main import _first_time, main
 from pipelines.scene.file import load_scene
 
 
@@ -422,3 +423,9 @@ def test_a_stage_beyond_the_only_one(capsys):
     code, _, err = gearcase(capsys, "inspect", "minimal", "--stage", "4")
     assert code == 2
     assert "Set 1, the only stage of the scene." in err
+
+
+def test_a_warning_is_printed_once():
+    new = _first_time(set())
+    records = [logging.LogRecord("x", level, "", 0, "load %d", (1,), None) for level in (30, 30, 20, 20)]
+    assert [new(record) for record in records] == [True, False, True, True]

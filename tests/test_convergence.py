@@ -122,6 +122,11 @@ def test_an_axis_that_a_scene_does_not_have_is_refused_with_the_remedy():
         refine(load_scene("minimal"), "casing-mesh", 3, Work())
 
 
+def test_fewer_than_three_levels_are_refused_before_anything_is_computed():
+    with pytest.raises(ConvergenceError, match="--levels 2: a convergence study needs 3"):
+        refine(load_scene("minimal"), "step", 2, Work())
+
+
 def test_imported_matrices_have_no_mesh_that_could_be_refined():
     housing = MatricesHousingTable.model_construct(model="matrices")
     casing = ElasticBase.model_construct(housing=housing)

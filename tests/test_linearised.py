@@ -258,7 +258,7 @@ def test_a_stored_record_is_the_same(tmp_path):
 
 def test_without_load_there_is_no_tangent():
     machine = train(2, torque=0.0)
-    with pytest.raises(MachineError, match="stage_1: carries no force"):
+    with pytest.raises(MachineError, match="stage 1 carries no force"):
         linear_modes(assemble(machine, no_casing()))
 
 

@@ -20,7 +20,7 @@ DAY = 86400.0
 NOW = 1.8e9
 MADE = (  # scene, folder, container in kg, verdict, days before NOW
     ("minimal", "first", 100.0, "", 40),
-    ("minimal", "second", 120.0, "Pinion 1 rises most: 12 dB.\n\nmore", 3),
+    ("minimal", "second", 120.0, "Pinion 1 rises most: 12.5 dB. More.\n\nmore", 3),
     ("bench", "only", None, "One tooth of the wheel chipped: seen.", 1),
 )
 
@@ -48,7 +48,7 @@ def test_runs_are_listed_newest_first_with_verdict_size_and_age(here):
         (1, "bench", "only"), (2, "minimal", "second"), (3, "minimal", "first"),
     ]  # fmt: skip
     assert [round(run.age / DAY) for run in found] == [1, 3, 40]
-    assert found[1].verdict == "Pinion 1 rises most: 12 dB."
+    assert found[1].verdict == "Pinion 1 rises most: 12.5 dB."
     assert all(run.bytes > 1000 for run in found)
 
 

@@ -198,7 +198,7 @@ def test_sensor_point_is_the_nearest_of_the_surface(bar):
     assert weights.sum() == pytest.approx(1.0)
     beyond = nearest_surface_point(bar.nodes, bar.patches[0][0], np.array([0.41, 0.07, 0.07]))[2]
     assert beyond == pytest.approx([0.4, 0.06, 0.05])  # the corner
-    words = r"sensor at \(1000, 30, 25\) mm is 600 mm from the casing surface .* surface point is \(400, 30, 25\) mm"
+    words = r"sensor at \(1000, 30, 25\) mm is 600 mm from the nearest .* at \(400, 30, 25\) mm"
     with pytest.raises(AttachmentError, match=words):
         nearest_surface_point(bar.nodes, facets, np.array([1.0, 0.03, 0.025]))
 

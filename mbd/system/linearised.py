@@ -126,8 +126,8 @@ def tangent(system: System, state: State) -> Tangent:
         carried = now.elastic[rows]
         if carried.max() <= LEAST_LOAD * table.scale[rows[0]]:
             raise MachineError(
-                f"mesh {name}: carries no force at the equilibrium; a flank that just touches has no tangent "
-                "stiffness. Give the machine a load."
+                f"{name.replace('_', ' ')} carries no force at the equilibrium, and a flank that just touches has no "
+                "tangent stiffness. Set a load in the scene, such as load.torque_N_m."
             )
         forces.append(carried[0] - carried[1:].sum())
         stiffness.append(now.stiffness[rows, 0].sum())

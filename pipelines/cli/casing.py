@@ -48,7 +48,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         help="write the reduced matrices as .h5, .mat, .npz, .mtx, .op4 or .pch, a modal model as .uff, or the "
-        "modes on the mesh as .vtu; repeatable",
+        "modes on the mesh as .vtu, or a parametric housing as .step; repeatable",
     )
     sub.add_argument(
         "--response",
@@ -317,4 +317,6 @@ def mode_table(natural: NaturalModes, count: int, bands: np.ndarray | None = Non
     ]
     rows.append(("all", f"{len(share)} modes", *([""] * known), *(f"{v:.2f}" for v in share.sum(axis=0))))
     headers = ("mode", "Hz", *(["+- Hz"] * known), "x %", "y %", "z %", "about x %", "about y %", "about z %")
-    return Grid(title="Natural modes in the ground, effective mass", headers=headers, rows=tuple(rows)).to_text()
+    return Grid(
+        title="Natural modes of the casing on its ground, effective mass", headers=headers, rows=tuple(rows)
+    ).to_text()

@@ -28,7 +28,7 @@ COMMANDS = {  # in the order a user needs them: name, of the module too; one lin
     "check": "check a scene file; print its ratios, frequencies, forces and cost",
     "run": "simulate, compare with a healthy control, diagnose and report",
     "simulate": "simulate the machine and write its signals only",
-    "runs": "list finished runs; open, compare or remove them",
+    "runs": "list, open, compare or clean up finished runs",
     "diagnose": "find the damaged component in a recording or a finished run",
     "compare": "compare features and spectra of recordings",
     "orders": "analyse a run-up by orders of a shaft",
@@ -48,7 +48,7 @@ COMMANDS = {  # in the order a user needs them: name, of the module too; one lin
     "explain": "print which steps a run would compute or reuse, and why",
     "schema": "print the JSON schema of scenes, for editors",
     "completion": "print the script that completes commands in a shell",
-    "cache": "show, verify or clear the cache of computed steps",
+    "cache": "print info on the cache of computed steps; verify or clear it",
 }
 MACHINE_HELP = "machine of the recording: a file with teeth, speed and sensors, or a scene"
 RUN_HELP = "result folder, scene name (its newest result), or number that `gearcase runs` prints"

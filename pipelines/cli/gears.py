@@ -54,8 +54,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         type=path,
         help="write the curves to this file, .csv or .nc: a row for each state (healthy, or with a damaged tooth) and "
         "position in mesh cycles. At position 0 the tooth makes contact at the pitch point. Columns: secant and "
-        "tangent stiffness, transmission error, that without load (no_load_error), tilt; for each tooth pair (+0: this "
-        "tooth, +1: the next) its share of the load and largest Hertz pressure",
+        "tangent stiffness; transmission error under load and without load; tilt; for each tooth pair (+0: this tooth, "
+        "+1: the next) its share of the load and largest Hertz pressure",
     )
     sub.add_argument(
         "--plot",

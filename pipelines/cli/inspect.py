@@ -46,13 +46,16 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--position",
         type=number,
         metavar="C",
-        help="show only this position in mesh, in mesh cycles (default: an animation over one mesh cycle)",
+        help="show only this position, in mesh cycles; at position N the damaged tooth N makes contact at the pitch "
+        "point (default: an animation over one mesh cycle)",
     )
     sub.add_argument(
         "--frames", type=count, metavar="N", default=17, help="number of pictures in the animation (default 17)"
     )
     sub.add_argument(
-        "--stress", action="store_true", help="show the von Mises stress of the loaded teeth instead (PNG)"
+        "--stress",
+        action="store_true",
+        help="show the von Mises stress of the loaded teeth instead, by the model `solid` (PNG)",
     )
     sub.add_argument(
         "--mesh",
@@ -65,8 +68,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--casing-mode",
         type=mode_number,
         metavar="N",
-        help="show natural mode N of the casing instead (PNG, GIF and HTML); all: one PNG of all modes "
-        "up to casing.band_Hz",
+        help="show natural mode N of the casing instead (PNG, GIF and HTML); all: sheets of 24 modes up "
+        "to casing.band_Hz (PNG)",
     )
 
 

@@ -14,7 +14,7 @@ import sys
 import threading
 import traceback
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, TextIO
 
 from pipelines.cli.command_line import Printed, command_parser, parser
@@ -160,11 +160,24 @@ def _show_warning(
     sys.stderr.write(f"{message_text(f'warning: {message}')}\n")
 
 
+def _first_time(shown: set[str]) -> Callable[[logging.LogRecord], bool]:
+    """Filter of warnings: whether their text is not yet in `shown`, to which it is added."""
+
+    def new(record: logging.LogRecord) -> bool:
+        text = record.getMessage()
+        repeated = record.levelno >= logging.WARNING and text in shown
+        shown.add(text)
+        return not repeated
+
+    return new
+
+
 def _log_to_terminal(verbose: bool) -> None:
     handler = logging.StreamHandler(sys.stderr)
     handler.setLevel(logging.INFO if verbose else logging.WARNING)
     form = "%(levelname)s %(name)s: %(message)s" if verbose else "warning: %(message)s"
     handler.setFormatter(logging.Formatter(form))
+    handler.addFilter(_first_time(set()))
     logging.basicConfig(handlers=[handler], level=handler.level)
 
 

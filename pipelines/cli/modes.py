@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 HELP = """\
 Linearise the loaded machine about its static equilibrium. Print natural frequencies, damping and the share of each
-part in the strain and kinetic energy of each mode. The part named as dominant has most of the strain energy; for casing
-and rope the mean of strain and kinetic energy is used instead. Takes seconds if the cache holds mesh stiffness and
-casing."""
+part in the total energy of each mode. The dominant part has the largest share of the strain energy; casing and rope,
+which have mass, are compared by the mean of their shares of strain and kinetic energy. Takes seconds if the cache holds
+mesh stiffness and casing."""
 EXAMPLE = """\
 gearcase modes minimal
 minimal: small vibrations about the loaded static equilibrium, stage 1 at mesh cycle 0
@@ -39,7 +39,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--cycle",
         metavar="C",
         type=number,
-        help="position of stage 1 in its mesh cycle, 0 to 1 (default: that at the start of the simulation)",
+        help="position of stage 1, in mesh cycles; at position N the damaged tooth N makes contact at the pitch point "
+        "(default: that at the start of the simulation)",
     )
     sub.add_argument(
         "--speed",

@@ -98,6 +98,6 @@ def _next(options: argparse.Namespace) -> Iterator[tuple[str, str]]:
     run = shown(shlex.quote(str(options.out or options.scene)))
     yield f"{program} runs open {run}", "open the report in a browser"
     if str(options.scene).endswith(".toml") or Path("my.toml").exists():
-        yield f"{program} inspect {scene}", "write pictures of its gears and its casing"
+        yield f"{program} inspect {scene}", "write pictures of its gears in mesh"
     else:
         yield f"{program} new my.toml --from {scene}", "write a commented copy of the scene to change"

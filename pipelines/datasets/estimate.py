@@ -24,6 +24,7 @@ from pipelines.machine.checks.validity import checked_plant
 from pipelines.machine.plant import Plant
 from pipelines.steps.graph import plant_steps
 
+_PARTS = {"law": "mesh law", "flanks": "mesh law with faults or modifications"}  # words for kinds of step
 MOST_LOOKED_AT = 500  # scenes; of more the first ones are looked at
 _SAMPLE_BYTES = 4  # of a stored sample; angles and speeds take twice as much and pack better
 _STORED_SHARE = 0.9  # of the bytes that are left after packing: vibration is nearly noise
@@ -107,7 +108,7 @@ def estimate(plan: Plan, sampled: Sequence[SampledScene]) -> Estimate:
         labels=found,
         splits=Counter(one.split for one in sampled),
         groups_by=group_variables(plan.table),
-        kinds=Counter(step.kind for step in distinct.values()),
+        kinds=Counter(_PARTS.get(step.kind, step.kind) for step in distinct.values()),
         missing_seconds=sum(step.seconds for step in distinct.values() if not _stored(step, cache)),
         motion_seconds=share * seconds,
         bytes=share * size,

@@ -30,7 +30,7 @@ NAMES = {
 STRENGTH = "evidence / limit"  # heading
 EVIDENCE = (
     "Increase: mean of a group of features of a component at the channel of its strongest evidence. A component is "
-    f"damaged if {STRENGTH} is 1 or more, a bearing also if its impacts are clear. Clear impacts rank first."
+    f"damaged if {STRENGTH} is 1 or more, a bearing also if it causes clear impacts; such a bearing ranks first."
 )
 NO_LIMIT = "Increase: mean of a group of features of a component at the channel where it is highest."
 _NAMED = 3  # features that differ
@@ -92,9 +92,9 @@ def compared(verdict: Verdict) -> list[str]:
     """Sentences on the reference of the comparison and on the rates of false answers."""
     if verdict.exact:
         return [
-            "The control is the same machine without the fault; only a simulation has one. Therefore every increase "
-            f"is an effect of the fault. Limits follow from {verdict.healthy} samples of the sensor noise. Add "
-            "--baseline 8 to compare with healthy machines of other deviations."
+            "Compared with the same simulation without the fault, so that every increase is an effect of the fault. "
+            f"Limits follow from {verdict.healthy} samples of the sensor noise. Add --baseline 8 to compare with "
+            "healthy machines of other deviations."
         ]
     many = f"Compared with {verdict.healthy} healthy recording{'s' if verdict.healthy > 1 else ''}."
     found = [many]

@@ -5,6 +5,7 @@ Nothing but small text files is read, so that hundreds of runs are listed at onc
 
 from __future__ import annotations
 
+import re
 import time
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
@@ -74,7 +75,7 @@ def _verdict(folder: Path) -> str:
     for name in _VERDICTS:
         if is_regular_file(folder / name):
             with open(folder / name, encoding="utf-8", errors="replace") as file:
-                return shown(file.readline(1000).strip(), 1000)
+                return shown(re.split(r"(?<=\.) ", file.readline(1000).strip(), maxsplit=1)[0], 1000)
     return ""
 
 

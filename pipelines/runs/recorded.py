@@ -188,12 +188,12 @@ def machine_of(path: Path, machine: str | Path | None) -> tuple[Machine, Windows
 
     Raises
     ------
-    InputError : no machine is given, and the folder of the file has no scene of a run
+    InputError : the file is missing or empty, or no machine is given and its folder has no scene of a run
     """
+    from pipelines.recordings.formats import format_of
     from pipelines.recordings.machine import read_machine
 
-    if not path.exists():
-        raise InputError(f"{shown(path)}: there is no such file. Correct the path.")
+    format_of(path)  # refuses a missing or empty file
     scene = path.parent / run_folder.RESOLVED
     if machine is None and not is_regular_file(scene):
         raise InputError(

@@ -16,7 +16,9 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray
 
+    from fem.casing.imported.casing import ForeignHousing
     from fem.casing.mesh.mesh import CasingMesh
+    from fem.casing.mesh.source import Geometry
     from fem.casing.reduced.accuracy import ErrorStatement
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.checkup import CheckUp
@@ -50,6 +52,7 @@ class Casing:
     participation: np.ndarray | None = None  # T^T M R (coordinate, 6) about the centre of gravity, of an elastic casing
     requested_error: float | None = None  # in half of its frequencies, from which the element size was chosen
     joint: str = ""  # joint of its halves in words; the mesh is then divided there
+    housing: Geometry | ForeignHousing | None = None
 
     @property
     def frequencies(self) -> np.ndarray:
@@ -199,6 +202,7 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
         requested_error=getattr(machine.casing, "target_error", 0.0) or None,
         records=tuple(record for record in outcome.records if "casing" in record.name),
         band=band,
+        housing=structure.housing,
     )
 
 

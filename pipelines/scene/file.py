@@ -159,7 +159,9 @@ def control_of(loaded: LoadedScene) -> LoadedScene | None:
     try:
         source = find_source(control, loaded.source.folder)
     except InputError as error:
-        raise InputError(f'control = "{shown(control)}": {error} Or set "{WITHOUT_FAULTS}".') from error
+        raise InputError(
+            f'control = "{shown(control)}": {str(error).rstrip(".")}. Or set control = "{WITHOUT_FAULTS}".'
+        ) from error
     settings = without_shaft_faults(loaded.settings, loaded.scene)
     settings = {key: value for key, value in settings.items() if key not in _OWN_KEYS}
     name = f"{source.shown} (control of {loaded.name})"

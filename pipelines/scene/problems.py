@@ -214,7 +214,9 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
     if kind in _KINDS:
         message, remedy = _KINDS[kind]
         if message == _LIST[0] and isinstance(value, Mapping):
-            remedy = f"Write [[{where}]], in double brackets, before each of its tables."
+            remedy = (
+                f"Write [[{where}]] before each of its tables; to change item 1: [{where}.1] or --set {where}.1.key."
+            )
         elif message == _LIST[0] and path[-1].isdigit():
             remedy = "Write each row in square brackets, as in [[value, value], [value, value]]."
         if message == _TABLE[0] and unit:  # the key is a quantity over time

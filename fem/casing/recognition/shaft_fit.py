@@ -22,6 +22,7 @@ OFF = 0.002  # m, or
 OFF_SHARE = 0.03  # of the distance: tolerance of centre distances between file and machine
 _ONE_LINE = 1e-4  # m
 _IN_PLACE = 1e-4  # m: beyond it all seats are shifted by the middle of their deviations
+_AS_IT_IS = 2.999  # trace of a rotation by less than 2 degrees
 _PARALLEL = math.cos(math.radians(0.5))
 
 
@@ -76,8 +77,9 @@ class _Line:
 def fit_shafts(bores: Sequence[Bore], shafts: Sequence[ShaftPlace]) -> ShaftFit | None:
     """The best position of the file; None if no two bores have the distance of two shafts.
 
-    Fits are ranked by the number of bearings in seats, the least deviation, the fewest incomplete bores, the least
-    rotation of the file, and by wider bores at thicker shafts.
+    Fits are ranked by the number of bearings in seats, the least deviation, and the fewest incomplete bores. Among
+    equal ones a file that need not be rotated is best, then one of whose axes x, y, z one points up rather than down,
+    then wider bores at thicker shafts, then the least rotation.
 
     Parameters
     ----------
@@ -93,7 +95,9 @@ def fit_shafts(bores: Sequence[Bore], shafts: Sequence[ShaftPlace]) -> ShaftFit 
         open_bores = sum(seat.bore.angle < 6.0 for seat in fit.seats)
         turned = round(float(np.trace(fit.axes)), 6)
         alike = sum(shafts[seat.shaft].diameter * seat.bore.diameter for seat in fit.seats)
-        return taken, -round(fit.off, 5), -open_bores, turned, alike
+        up = fit.axes[:, 2]
+        upright = up[np.abs(up).argmax()] > 0.0
+        return taken, -round(fit.off, 5), -open_bores, turned > _AS_IT_IS, upright, round(alike, 9), turned
 
     return max(found, key=worth, default=None)
 

@@ -20,6 +20,7 @@ from fem.elements.solids import rigid_body_modes
 
 AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
 FARTHEST_SENSOR = 0.05  # m: largest distance of a sensor from the surface
+FEWEST_MOUNTS = 3  # feet on springs, which hold all rigid motions unless they are in one line
 
 
 class AttachmentError(ValueError):
@@ -55,6 +56,14 @@ def mean_motion_rows(nodes: np.ndarray, facets: np.ndarray, centre: np.ndarray) 
     return sp.coo_matrix((weights.ravel(), (rows, np.tile(columns, 6))), shape=(6, 3 * len(nodes))).tocsr()
 
 
+def few_feet(count: int) -> str:
+    """What is wrong with a casing on springs that has less than `FEWEST_MOUNTS` feet, and what to do."""
+    return (
+        f"a casing on springs needs {FEWEST_MOUNTS} feet or more, because a mount has no stiffness against rotation; "
+        f"it has {count}. Set one item of casing.housing.grounds for each foot"
+    )
+
+
 def nearest_surface_point(
     nodes: np.ndarray, facets: np.ndarray, position: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -71,7 +80,9 @@ def nearest_surface_point(
     AttachmentError : the surface is farther away than `FARTHEST_SENSOR`
     """
     position = np.asarray(position, float)
+    what, remedy = "point of the surface", "Move the sensor"
     if not len(facets):
+        what, remedy = "node", "Move the sensor, or add a node at its place to the matrices"
         facets = np.arange(len(nodes))[:, None]
         values = np.ones((len(nodes), 1))
     else:
@@ -81,8 +92,8 @@ def nearest_surface_point(
     best = int(distance.argmin())
     if distance[best] > FARTHEST_SENSOR:
         raise AttachmentError(
-            f"sensor at {_place(position)} is {1000 * distance[best]:.4g} mm from the casing surface "
-            f"(limit {1000 * FARTHEST_SENSOR:g} mm); the nearest surface point is {_place(points[best])}"
+            f"sensor at {_place(position)} is {1000 * distance[best]:.4g} mm from the nearest {what} of the casing at "
+            f"{_place(points[best])} (limit {1000 * FARTHEST_SENSOR:g} mm). {remedy}"
         )
     return facets[best], values[best], points[best]
 

@@ -23,7 +23,14 @@ from fem.casing.parts.bolted_joint import BoltedJoint, joint_stiffness
 from fem.casing.parts.names import JOINTS, Attachment, Ground
 from fem.casing.parts.regions import Region, elements_inside
 from fem.casing.parts.split import split_mesh
-from fem.casing.reduced.attachment import AXES, AttachmentError, mean_motion_rows, nearest_surface_point
+from fem.casing.reduced.attachment import (
+    AXES,
+    FEWEST_MOUNTS,
+    AttachmentError,
+    few_feet,
+    mean_motion_rows,
+    nearest_surface_point,
+)
 from fem.casing.reduced.body import BEARING_AXES
 from fem.casing.reduced.halves import Places, choice_of, interface_of
 from fem.casing.reduced.reduction import Interface
@@ -199,7 +206,8 @@ def assembled_casing(
 
     Raises
     ------
-    AttachmentError : no ground patch, an interface that touches the clamped nodes, rigid patches that share nodes
+    AttachmentError : no ground patch, fewer than `FEWEST_MOUNTS` on springs, an interface that touches the clamped
+        nodes, rigid patches that share nodes
     MeshError : unknown patch, an empty region or one that shares elements, a joint that does not fit the mesh
     """
     split = None if joint is None else split_mesh(mesh, joint.plane)
@@ -210,6 +218,8 @@ def assembled_casing(
     if interfaces is None:
         interfaces = dict.fromkeys(mesh.patches("bearing_"), BEARING_AXES)
     on_springs = ground == "springs"
+    if on_springs and len(feet) < FEWEST_MOUNTS:
+        raise AttachmentError(few_feet(len(feet)))
     points = (dict.fromkeys(feet, GROUND_AXES) if on_springs else {}) | dict(interfaces)
     held = np.unique(np.concatenate([mesh.patch(name).ravel() for name in feet]))
     for name in interfaces:

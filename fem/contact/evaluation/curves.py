@@ -121,10 +121,9 @@ def _warn_beyond_window(
     if (delta > largest).any():
         reached = evaluator.evaluate(c, largest, tilt, h1, h2).force.min()
         logger.warning(
-            "mesh law %r (%s): F = %.5g N is more than the %.5g N that close a gap of %.4g mm, the largest gap between "
-            "tip edge and flank in the law. Above this force tooth pairs enter the law already under load, and the "
-            "stiffness jumps by a few per cent. Reduce the load",
-            law.model, law.flank, load, reached, 1e3 * min(known[0], known[-1]),
+            "mesh law %r (%s): at F = %.4g N the next tooth pair makes contact outside the tables of the law, and the "
+            "stiffness jumps there by a few per cent. Reduce the load to about %.2g N",
+            law.model, law.flank, load, reached,
         )  # fmt: skip
 
 

@@ -11,10 +11,13 @@ import numpy as np
 from fem.casing.geometry.dimensions import HousingError
 from fem.casing.geometry.housing import Housing
 from fem.casing.geometry.locators import ByCylinder, ByGroup, ByPlane, Locator
+from fem.casing.imported.casing import ForeignHousing
 from fem.casing.mesh.imported import ALONG_Y, OFF_AXIS, ImportedHousing
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.sizes import Sizes
+from fem.casing.mesh.source import Geometry
 from fem.casing.models.casing import HousingCasing
+from fem.casing.reduced.attachment import FEWEST_MOUNTS, few_feet
 from mbd.parts.layout import BEARING_PLACE_TOLERANCE
 from pipelines.io.errors import Problem
 from pipelines.machine.bearings import bearing_names, bearing_points
@@ -31,6 +34,8 @@ LARGEST_LOOK = 10e6  # bytes; larger housing files are not read for these checks
 def bad_casing(scene: Scene, machine: Plant) -> Iterator[Problem]:
     """All problems of a casing that can be found without its mesh."""
     made, table = machine.structure.housing, scene.casing
+    if made is not None and getattr(table, "ground", "") == "springs":
+        yield from _bad_mounts(scene, made)
     if isinstance(made, ImportedHousing):
         misplaced = list(_misplaced_seats(scene, made))
         yield from misplaced or _seats_in_file(scene, machine.layout, made)
@@ -57,6 +62,22 @@ def bad_casing(scene: Scene, machine: Plant) -> Iterator[Problem]:
             f"{MOST_ELEMENTS / 1e6:.1f} million",
             f"Set {1000 * least:.2g} or more{OR_BAND}",
             f"{table.element_size_mm:g}",
+        )
+
+
+def _bad_mounts(scene: Scene, made: Geometry | ForeignHousing) -> Iterator[Problem]:
+    """Too few feet on springs, and rows of mounts that do not fit the feet; a plane has feet that only a mesh shows."""
+    feet = made.ground_points() if isinstance(made, Housing) else made.grounds
+    count, rows = len(feet), scene.casing.mounts_N_per_um
+    if any(isinstance(foot, ByPlane) for foot in feet):
+        return
+    if count < FEWEST_MOUNTS:
+        yield Problem("casing.ground", few_feet(count), "", '"springs"')
+    elif len(rows) not in (1, count):
+        yield Problem(
+            "casing.mounts_N_per_um",
+            f"has {len(rows)} rows, and the casing has {count} feet",
+            f"Set one row of x, y, z for all feet, or {count} rows",
         )
 
 
@@ -105,6 +126,7 @@ def _nodes(made: Housing, size: float) -> float:
 
 def _off_middle(scene: Scene, layout: Layout, points: dict[str, np.ndarray], what: str) -> Iterator[Problem]:
     """Bearings that are not in the middle of their seat, where their load acts on the casing."""
+    keys = " by casing.housing.width_mm or boss_length_mm" if what == "boss" else ""
     carried = [found for found in bearing_names(scene.shafts) if not found[0].startswith("ground")]
     for (name, shaft, place), target in zip(carried, bearing_points(scene.shafts, layout), strict=True):
         if name not in points:
@@ -115,7 +137,7 @@ def _off_middle(scene: Scene, layout: Layout, points: dict[str, np.ndarray], wha
                 f"shafts.{shaft + 1}.bearing_positions_mm",
                 f"{name} at y = {y:g} mm is {abs(middle - y):.3g} mm away from the middle of its {what} at "
                 f"{middle:.6g} mm, where the casing takes its load (limit {1000 * BEARING_PLACE_TOLERANCE:g} mm)",
-                f"Set its value number {place + 1} to {middle:.6g}, or move the {what}",
+                f"Set its value number {place + 1} to {middle:.6g}, or move the {what}{keys}",
             )
 
 

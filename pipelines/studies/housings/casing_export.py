@@ -6,6 +6,7 @@
        model `matrices` of a housing reads them again
 .uff   universal file of modal testing: key points (2411), their modes (55), accelerances bearing -> sensor (58)
 .vtu   the mesh with every natural mode as a field on its nodes (in its elements)
+.step  the solid of a parametric housing
 """
 
 from __future__ import annotations
@@ -250,6 +251,18 @@ def _vtu(casing: Casing, title: str, path: Path, target: Path) -> None:
     write_vtu(casing.mesh, casing.modes, casing.natural, path, band=casing.band)
 
 
+def _step(casing: Casing, title: str, path: Path, target: Path) -> None:
+    from fem.casing.geometry.housing import Housing
+    from fem.casing.mesh.mesher import write_step
+
+    if not isinstance(casing.housing, Housing):
+        raise InputError(
+            f'--export {target.name}: needs casing.housing.model = "parametric". Export .vtu, or copy the file of the '
+            "housing."
+        )
+    write_step(casing.housing, path)
+
+
 def _free(write: Callable[[Superelement, Path, Path], list[Path] | None]) -> Format:
     return Format(write=lambda casing, title, path, target: write(free_body(casing), path, target), elastic=True)
 
@@ -265,4 +278,5 @@ FORMATS: Mapping[str, Format] = {
         write=lambda casing, title, path, target: write_uff(casing.body, path, title=title, band=casing.band)
     ),
     ".vtu": Format(write=_vtu, elastic=True),
+    ".step": Format(write=_step),
 }

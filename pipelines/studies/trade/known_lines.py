@@ -27,8 +27,8 @@ def known_lines(loaded: LoadedScene, work: Work) -> str:
         return ""
     if len(casing_taken(study.graph)) == 1:
         return (
-            "The numerical uncertainty of the lines of the fault is not known: only casing.extrapolated = true "
-            "estimates the error of the casing mesh."
+            "The uncertainty of the detected spectral lines by the casing mesh is not estimated. Set "
+            "casing.extrapolated = true for it."
         )
     step = bars_step(study)
     bars = work.build(Graph([*study.graph, step]), [step.name]).value(step.name)

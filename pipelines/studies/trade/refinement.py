@@ -61,6 +61,8 @@ def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> Refinement
     SceneError, WorkError : a level is outside what a model allows, or failed
     ConvergenceError : fewer than three levels
     """
+    if count < 3:
+        raise ConvergenceError(f"--levels {count}: a convergence study needs 3 levels or more. Set --levels 3")
     chosen = AXES[axis]
     # the finest first: one level finer than the setting in use, which is the second, all others are coarser
     fineness = tuple(chosen.ratio ** (1 - n) for n in range(count))
@@ -122,8 +124,6 @@ def modes_of_common_order(sizes: Sequence[float], levels: Sequence[Measured], la
     from fem.casing.uncertainty.frequency_limits import LimitError
     from fem.casing.uncertainty.pairing import counterparts
 
-    if len(levels) < 3:
-        raise ConvergenceError(f"{len(levels)} levels. Set three or more")
     shapes = _shapes(levels)
     number = np.array([counterparts(shapes[0], other) for other in shapes])
     kept = np.asarray((number >= 0).all(axis=0))

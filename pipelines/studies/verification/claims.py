@@ -85,8 +85,8 @@ _HIDDEN = (
     "small."
 )
 _REVERSED = (
-    "Without friction, the excitation in lowering is that of lifting reversed in time. The difference of 1 or 2 dB "
-    "comes from the vibrations, because they decay after a shock in both directions."
+    "Without friction, the excitation in lowering is that of lifting reversed in time. The response is not, because "
+    "vibrations decay after a shock in both directions. This causes the difference of 1 or 2 dB."
 )
 _SLIDING = (
     "Tooth friction reverses with the direction. Its force at mesh frequency adds to that of the transmission error in "
@@ -100,8 +100,8 @@ _ADDED = (
 _STEADY = (
     "At constant speed the rope loads the drums as the constant torque does. The container bounces on the rope at "
     "12 Hz, far below the mesh frequency. Speed ramps accelerate the container, which raises the force in the mesh. "
-    "The vibration hardly changes, because the teeth excite it. The bounce turns the shafts, so the signals differ in "
-    "phase."
+    "The vibration hardly changes, because the teeth excite it. The bounce makes the shaft angles "
+    "oscillate, so the signals differ in phase."
 )
 
 CLAIMS: dict[str, tuple[Claim, ...]] = {
@@ -114,7 +114,7 @@ CLAIMS: dict[str, tuple[Claim, ...]] = {
         Claim("sidebands around 2 f_m", "sidebands_2", over_control, SHOWS, (_HIDDEN,)),
         Claim("peak of the time-synchronous average", "tsa_peak", over_control, SHOWS, (_HIDDEN,)),
     ),
-    "The healthy machine shows no such lines: margin of its lines below the limit of 10 dB over their floor": (
+    "The healthy machine shows no such lines: 10 dB minus the level of its lines over their floor": (
         Claim("f_r, its harmonics and sidebands, median of 21 lines", "under_limit", of_control, 0.0, (_HIDDEN,)),
     ),
     "Lifting shows the fault more clearly than lowering: lifting over lowering, faulty machine": (
