@@ -125,8 +125,8 @@ def check_options(owner: Any, error: type[Exception], name: str = "") -> None:
     name : of the object in the message; without it: its class
     """
     where = name or type(owner).__name__
-    for field, one in options_of(type(owner)):
-        value, choices = getattr(owner, field.name), _choices(type(owner)).get(field.name, ())
+    for field, one in options_of(owner.__class__):
+        value, choices = getattr(owner, field.name), _choices(owner.__class__).get(field.name, ())
         if choices and value not in choices:
             words = ", ".join(map(repr, choices))
             raise error(f"{where}: {field.name} = {value!r}: must be one of {words}")
