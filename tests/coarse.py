@@ -6,7 +6,8 @@ from pipelines.scene.file import load_scene
 def diagnosable(name):
     """The same, long and fast enough for a diagnosis: eight revolutions of the stage 1 wheel in the window."""
     windows = {"lifting": [0.2, 0.6]}
-    return coarse(name, end=0.6) | {"drive.speeds_rpm": [0.0, 3600.0, 3600.0], "diagnosis.windows_s": windows}
+    speeds = {"drive.speeds_rpm": [0.0, 3600.0, 3600.0]}
+    return coarse(name, end=0.6) | speeds | {"simulation.step_us": 50.0, "diagnosis.windows_s": windows}
 
 
 def coarse(name, end=0.1):
