@@ -11,7 +11,6 @@ import dataclasses
 import functools
 import math
 import typing
-from collections.abc import Iterator
 from dataclasses import MISSING, dataclass
 from typing import Any
 
@@ -99,19 +98,20 @@ def inline(default: Any = MISSING) -> Any:
     return dataclasses.field(default=default, metadata={"inline": True})
 
 
-def inlined(owner: Any) -> Iterator[tuple[str, type]]:
+@functools.cache
+def inlined(owner: type) -> tuple[tuple[str, type], ...]:
     """Names and classes of the fields of a dataclass that are `inline`."""
-    names = [field.name for field in dataclasses.fields(owner) if "inline" in field.metadata]
-    hints = typing.get_type_hints(owner) if names else {}
-    return ((name, hints[name]) for name in names)
+    hints = typing.get_type_hints(owner)
+    return tuple((f.name, hints[f.name]) for f in dataclasses.fields(owner) if "inline" in f.metadata)
 
 
-def options_of(owner: Any) -> Iterator[tuple[dataclasses.Field, Option]]:
-    """The fields of a dataclass, or of one of its objects, that are options."""
-    return ((field, field.metadata["option"]) for field in dataclasses.fields(owner) if "option" in field.metadata)
+@functools.cache
+def options_of(owner: type) -> tuple[tuple[dataclasses.Field, Option], ...]:
+    """The fields of a dataclass that are options."""
+    return tuple((f, f.metadata["option"]) for f in dataclasses.fields(owner) if "option" in f.metadata)
 
 
-def option_of(owner: Any, name: str) -> Option:
+def option_of(owner: type, name: str) -> Option:
     """The option of a dataclass that is the field of that name."""
     return next(one for field, one in options_of(owner) if field.name == name)
 
@@ -125,7 +125,7 @@ def check_options(owner: Any, error: type[Exception], name: str = "") -> None:
     name : of the object in the message; without it: its class
     """
     where = name or type(owner).__name__
-    for field, one in options_of(owner):
+    for field, one in options_of(owner.__class__):
         value, choices = getattr(owner, field.name), _choices(owner.__class__).get(field.name, ())
         if choices and value not in choices:
             words = ", ".join(map(repr, choices))

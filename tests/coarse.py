@@ -6,7 +6,8 @@ from pipelines.scene.file import load_scene
 def diagnosable(name):
     """The same, long and fast enough for a diagnosis: eight revolutions of the stage 1 wheel in the window."""
     windows = {"lifting": [0.2, 0.6]}
-    return coarse(name, end=0.6) | {"drive.speeds_rpm": [0.0, 3600.0, 3600.0], "diagnosis.windows_s": windows}
+    speeds = {"drive.speeds_rpm": [0.0, 3600.0, 3600.0]}
+    return coarse(name, end=0.6) | speeds | {"simulation.step_us": 50.0, "diagnosis.windows_s": windows}
 
 
 def coarse(name, end=0.1):
@@ -23,8 +24,9 @@ def coarse(name, end=0.1):
         settings[f"stages.{number}.mesh.model"] = "iso"
     if scene.casing.model == "craig-bampton":
         settings |= {"casing.element_size_mm": 40.0, "casing.band_Hz": 800.0}
-    if name.startswith("rig") and scene.casing.element == "hexahedron-32":
-        # cubic elements with edge functions are those of bench and reducer; casings in two halves: tests/test_halves.py
+    if name.startswith("rig"):
+        # cubic elements with edge functions are those of bench and reducer; others: tests/test_halves.py (two halves),
+        # tests/test_joint_scenes.py (ten-node tetrahedra)
         settings |= {"casing.element": "tetrahedron-4", "casing.extrapolated": False}
     return settings
 

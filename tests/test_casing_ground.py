@@ -36,7 +36,7 @@ def housing():
 
 @pytest.fixture(scope="module")
 def mesh(housing):
-    return mesh_housing(housing, element_size=0.055)
+    return mesh_housing(housing, element_size=0.065)
 
 
 def reduced(casing, **options):

@@ -14,7 +14,7 @@ import scipy.io
 import scipy.linalg as la
 import scipy.sparse as sp
 from housings import small_housing
-from scipy.sparse.linalg import eigsh
+from scipy.sparse.linalg import LinearOperator, eigsh
 
 from fem.casing.imported.body import ForeignError
 from fem.casing.imported.checks import check_foreign
@@ -26,6 +26,7 @@ from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
+from fem.numerics.linear_solver import factorize
 from pipelines.cli.casing import casing_facts, modal_ratios
 from pipelines.cli.main import main
 from pipelines.io.errors import InputError
@@ -85,6 +86,13 @@ def hertz(K, M, count=12):
     return np.sqrt(np.maximum(la.eigvalsh(K, M)[:count], 0.0)) / (2 * math.pi)
 
 
+def squares(K, M, count):
+    """The lowest squares of the angular frequencies (rad^2/s^2) of a free body."""
+    shift = -((2 * math.pi * 50.0) ** 2)
+    inverse = LinearOperator(K.shape, matvec=factorize(sp.csr_matrix(K - shift * M)).solve)
+    return np.sort(eigsh(K, k=count, M=M, sigma=shift, OPinv=inverse, return_eigenvectors=False))
+
+
 def test_the_free_body_is_the_mesh_with_rigid_feet(full, casing):
     """Frequencies of the free body, and with a spring under one bearing, which reads its absolute motion."""
     _, mesh, grounded = full
@@ -97,21 +105,20 @@ def test_the_free_body_is_the_mesh_with_rigid_feet(full, casing):
     take = sp.csr_matrix((np.ones(len(free)), (free, np.arange(len(free)))), shape=(3 * len(mesh.nodes), len(free)))
     E = sp.csr_matrix(sp.hstack([take, sp.csr_matrix(tied)]))
     K, M = sp.csc_matrix(FACTOR * (E.T @ grounded.K @ E)), sp.csc_matrix(E.T @ grounded.M @ E)
-    shift = -((2 * math.pi * 50.0) ** 2)
-    exact = np.sort(eigsh(K, k=10, M=M, sigma=shift, return_eigenvectors=False))
+    exact = squares(K, M, 10)
     assert np.abs(exact[:6]).max() < 1e-6 * exact[6]
     mine = la.eigvalsh(found.stiffness, found.mass)[:10]
     assert np.abs(mine[:6]).max() < 1e-6 * mine[6]
     assert np.sqrt(mine[6:9] / exact[6:9]) == pytest.approx(1.0, abs=2e-3)
     row = sp.csr_matrix(mean_motion_rows(mesh.nodes, mesh.patch("bearing_2"), mesh.point("bearing_2")))[[2]] @ E
     spring = 1e6
-    sprung = eigsh(sp.csc_matrix(K + spring * (row.T @ row)), k=8, M=M, sigma=shift, return_eigenvectors=False)
+    sprung = squares(sp.csc_matrix(K + spring * (row.T @ row)), M, 8)
     place = [found.node_names.index("bearing_2") + 1, 3]
     at = int(np.flatnonzero((found.equations == place).all(axis=1))[0])
     stiffness = found.stiffness.copy()
     stiffness[at, at] += spring
     mine = la.eigvalsh(stiffness, found.mass)[:8]
-    assert math.sqrt(mine[5] / np.sort(sprung)[5]) == pytest.approx(1.0, abs=1e-4)
+    assert math.sqrt(mine[5] / sprung[5]) == pytest.approx(1.0, abs=1e-4)
     assert mine[5] > 1e3  # the spring carries
 
 

@@ -193,8 +193,9 @@ def test_linear_tetrahedra_are_upgraded_on_request_only(native, small, tmp_path)
     assert body(mesh)[0] == pytest.approx(7200.0 * np.linalg.det(corners[:, 1:] - corners[:, :1]).sum() / 6, rel=1e-9)
 
 
-def test_ten_node_tetrahedra_of_a_file_carry_cubic_displacements_as_they_are(native, small, tmp_path):
+def test_ten_node_tetrahedra_of_a_file_carry_cubic_displacements_as_they_are(native, small, tmp_path, monkeypatch):
     """No new nodes are needed; the error of such a mesh is told without another."""
+    monkeypatch.setattr("fem.casing.uncertainty.extrapolation.MODES", 20)
     path = tmp_path / "housing.inp"
     write(path, native)
     mesh = mesh_geometry(imported(path, small), SIZES, "tetrahedron-20")

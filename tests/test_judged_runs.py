@@ -1,12 +1,14 @@
 """A run judges itself: against healthy machines with other deviations, or the control alone."""
 
 import json
+import sys
 from types import SimpleNamespace
 
 import pytest
 
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError
+from pipelines.report.figures import render
 from pipelines.runs.recorded import Recorded, other_speeds, recording_path
 from pipelines.runs.run import run_scene
 from pipelines.scene.file import load_scene
@@ -19,6 +21,12 @@ SHORT = {
     "control": "without-faults",
 }
 MISSING = {**SHORT, "faults": [{"kind": "missing-tooth", "stage": 1, "gear": "pinion", "tooth": 3}]}
+
+
+@pytest.fixture(autouse=True)
+def no_pictures(monkeypatch):
+    """Of gears and casing: they are tested in tests/test_report_listing.py and tests/test_view.py."""
+    monkeypatch.setattr(render, "command", lambda _: [sys.executable, "-S", "-c", "pass"])
 
 
 def judged(folder, settings, **options):

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import psutil
 import pytest
+from sources import nodes
 from test_cache import manifest_of
 
 from fem.processes.executor import Processes
@@ -346,7 +347,7 @@ def test_the_code_version_finds_the_imports_that_the_syntax_tree_has():
     for path in (path for top in OWN_PACKAGES for path in (root / top).rglob("*.py")):
         own = ".".join(path.relative_to(root).with_suffix("").parts).removesuffix(".__init__")
         names = set()
-        for node in ast.walk(ast.parse(path.read_text())):
+        for node in nodes(path):
             if isinstance(node, ast.Import):
                 names |= {alias.name for alias in node.names}
             elif isinstance(node, ast.ImportFrom):

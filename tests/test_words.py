@@ -6,11 +6,10 @@ reads, and the docstrings of the code.
 
 import ast
 import re
-from pathlib import Path
 
 import pytest
+from sources import FILES, ROOT, nodes
 
-ROOT = Path(__file__).resolve().parent.parent
 INSTEAD = {
     r"ahead": "in advance",
     r"anew": "again",
@@ -63,8 +62,7 @@ INSTEAD = {
     r"whoever": "a user who, anyone who",
     r"will do": "is sufficient",
 }
-PACKAGES = ("fem", "mbd", "pipelines", "gearcase")
-CODE = [path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))]
+ANY = re.compile(rf"\b({'|'.join(INSTEAD)})\b", re.IGNORECASE)
 MADE = {"docs/modules.md", "docs/changelog.md"}  # from docstrings, and from CHANGELOG.md
 
 
@@ -74,6 +72,8 @@ def named(path):
 
 def words_to_replace(text):
     """Expressions of the table as they are found in a text, each with what to write instead."""
+    if not ANY.search(text):
+        return []
     return [
         f"{found[0]!r}: write {instead!r}"
         for expression, instead in INSTEAD.items()
@@ -84,10 +84,9 @@ def words_to_replace(text):
 def texts_of_code(path):
     """The docstrings of a file, and its other string constants that are sentences: messages, help, headings."""
     docstrings, sentences = [], []
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    owners = [n for n in ast.walk(tree) if isinstance(n, ast.Module | ast.ClassDef | ast.FunctionDef) and n.body]
+    owners = [n for n in nodes(path) if isinstance(n, ast.Module | ast.ClassDef | ast.FunctionDef) and n.body]
     bodies = {id(n.body[0].value) for n in owners if isinstance(n.body[0], ast.Expr)}
-    for node in ast.walk(tree):
+    for node in nodes(path):
         if isinstance(node, ast.Constant) and isinstance(node.value, str):
             if id(node) in bodies:
                 docstrings.append(node.value)
@@ -128,7 +127,7 @@ def test_pages_are_written_in_terms_of_the_field():
 
 
 def test_messages_are_written_in_terms_of_the_field():
-    found = {named(path): words_to_replace(texts_of_code(path)[1]) for path in CODE}
+    found = {named(path): words_to_replace(texts_of_code(path)[1]) for path in FILES}
     assert {name: words for name, words in found.items() if words} == {}
 
 
@@ -142,7 +141,7 @@ def test_help_is_written_in_terms_of_the_field():
 
 
 def test_docstrings_are_written_in_terms_of_the_field():
-    found = {named(path): words_to_replace(texts_of_code(path)[0]) for path in CODE}
+    found = {named(path): words_to_replace(texts_of_code(path)[0]) for path in FILES}
     assert {name: words for name, words in found.items() if words} == {}
 
 

@@ -51,7 +51,7 @@ def moderated(healthy: np.ndarray, kinds: Sequence[str], least: float) -> tuple[
     kinds : (line,), lines of one kind have a common s0
     least : lower bound of the standard deviations
     """
-    from scipy.special import digamma, polygamma
+    from scipy.special import digamma
 
     freedom = len(healthy) - 1
     variance = np.maximum(healthy.var(axis=0, ddof=1), least**2)
@@ -60,12 +60,10 @@ def moderated(healthy: np.ndarray, kinds: Sequence[str], least: float) -> tuple[
     names = np.asarray(kinds)
     for kind in set(kinds):
         common[:, names == kind] = np.median(logarithm[:, names == kind])
-    _, spread = _simulated(len(healthy), 1)
-    sampled = 2.0 * np.log(spread)
-    excess = float(np.mean((logarithm - common) ** 2)) - float(np.var(sampled))
-    expected = polygamma(1, np.arange(1, freedom + 1) / 2)  # the excess with d0 = 1, 2, ...
+    mean, scatter, expected = _sampling(len(healthy))
+    excess = float(np.mean((logarithm - common) ** 2)) - scatter
     prior = max(int(np.sum(expected >= excess)), 1)
-    pooled = np.exp(common + digamma(prior / 2) - math.log(prior / 2) - np.mean(sampled))
+    pooled = np.exp(common + digamma(prior / 2) - math.log(prior / 2) - mean)
     return np.sqrt((prior * pooled + freedom * variance) / (prior + freedom)), prior
 
 
@@ -150,6 +148,16 @@ def _simulated(count: int, parts: int) -> tuple[np.ndarray, np.ndarray]:
     levels = np.random.default_rng([count, parts]).standard_t(TAILS, (_BASELINES, count, parts)).sum(axis=2)
     levels /= _UNIT * math.sqrt(parts)
     return levels.mean(axis=1), levels.std(axis=1, ddof=1)
+
+
+@cache
+def _sampling(count: int) -> tuple[float, float, np.ndarray]:
+    """Mean and variance of the logarithm of a simulated variance, and its excess variances with d0 = 1, 2, ..."""
+    from scipy.special import polygamma
+
+    _, spread = _simulated(count, 1)
+    sampled = 2.0 * np.log(spread)
+    return float(np.mean(sampled)), float(np.var(sampled)), polygamma(1, np.arange(1, count) / 2)
 
 
 @cache

@@ -66,7 +66,7 @@ def shaft_places(housing: Housing, size: float) -> list[ShaftPlace]:
     """A rectangle around the bosses of every axis, inside the cavity and without overlap.
 
     Axes whose bosses share a range of z form one row, and their rectangles have the height of the row. Sides that are
-    free to move are aligned with the side of a foot if one is near.
+    free to move are aligned with the side of a foot if one is near and not in an end wall.
 
     Parameters
     ----------
@@ -103,6 +103,7 @@ def shaft_places(housing: Housing, size: float) -> list[ShaftPlace]:
     tops = [max(z + _radius(axes[x, z]) for x, z in row) for row in rows]
     spans = _apart(bottoms, tops, float(low[2]), float(high[2]), _MARGIN * size, np.zeros(0))
     feet = np.array([corner[0] for foot in housing.foot_boxes().values() for corner in foot])
+    feet = feet[(feet > low[0]) & (feet < high[0])]
     places = []
     for row, (bottom, top) in zip(rows, spans, strict=True):
         row.sort()

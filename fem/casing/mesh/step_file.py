@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from fem.casing.geometry.locators import ByCylinder
 from fem.casing.mesh.imported import (
@@ -172,6 +171,10 @@ def import_solids(gmsh: Any, path: Path, unit: str | None) -> list[int]:
 
 def same_bodies(gmsh: Any, solids: Sequence[int]) -> list[tuple[int, int]]:
     """Pairs of indices into `solids` (tags, in mm) with equal box, volume and centre of gravity: duplicate bodies."""
+    if len(solids) < 2:
+        return []
+    from scipy.spatial import cKDTree  # takes longer to import than most files to read
+
     occ = gmsh.model.occ
     marks = np.array(
         [(*gmsh.model.getBoundingBox(3, t), *occ.getCenterOfMass(3, t), np.cbrt(occ.getMass(3, t))) for t in solids]
@@ -298,6 +301,8 @@ def read_triangles(path: Path) -> tuple[np.ndarray, np.ndarray]:
     ------
     MeshError : unreadable, or without triangles
     """
+    from scipy.spatial import cKDTree
+
     from fem.casing.mesh.mesh_file import read_quietly
 
     mesh = read_quietly(path)

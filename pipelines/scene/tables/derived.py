@@ -136,6 +136,7 @@ def _options(made_of: type) -> Iterator[tuple[dataclasses.Field, Any, Option]]:
         yield from _options(part)
 
 
+@functools.cache
 def _series(made_of: type) -> tuple[str, ...]:
     """The keys of options that are arrays."""
     return tuple(key_of(field.name, one) for field, hint, one in _options(made_of) if hint is np.ndarray)
