@@ -12,7 +12,7 @@ import csv
 import sys
 from pathlib import Path
 
-from pipelines.runs.recorded import judge_file
+from pipelines.runs.recorded import judge_files
 
 
 def main(table: Path) -> None:
@@ -21,7 +21,7 @@ def main(table: Path) -> None:
     with table.open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     for row in rows:
-        found = judge_file(table.parent / row["file"], machine=table.parent / row["machine"]).impacts
+        found = next(judge_files([table.parent / row["file"]], machine=table.parent / row["machine"])).impacts
         true, clear = row["damaged"], [one.component for one in found if one.clear][:1]
         damaged += bool(true)
         right += clear == [true]

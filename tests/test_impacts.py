@@ -7,7 +7,7 @@ import pytest
 
 from pipelines.cli.main import main
 from pipelines.diagnosis.impacts import CLEAR
-from pipelines.runs.recorded import file_words, judge_file
+from pipelines.runs.recorded import file_words, judge_files
 from pipelines.signals.features.passing import pass_levels
 
 RATE, SECONDS, SPEED = 12000, 6.0, 29.0  # Hz, s, Hz of the shaft
@@ -41,7 +41,7 @@ def unbalanced(random: np.random.Generator) -> np.ndarray:
 def judged(tmp_path, signal: np.ndarray, machine: str = MACHINE):
     (tmp_path / "machine.toml").write_text(machine, encoding="utf-8")
     np.save(tmp_path / "record.npy", signal)
-    return judge_file(tmp_path / "record.npy", machine=tmp_path / "machine.toml")
+    return next(judge_files([tmp_path / "record.npy"], machine=tmp_path / "machine.toml"))
 
 
 @pytest.mark.parametrize(("order", "slip", "name"), [(OUTER, -0.012, "DE BPFO"), (INNER, 0.004, "DE BPFI")])

@@ -58,16 +58,6 @@ class JudgedFile:
         return impacts(self.recorded.table)
 
 
-def judge_file(
-    source: str | Path,
-    healthy: Sequence[str | Path] = (),
-    machine: str | Path | None = None,
-    window: tuple[float, float] | None = None,
-) -> JudgedFile:
-    """The verdict on a recorded file or the response of a run; see `judge_files`."""
-    return next(judge_files([source], healthy, machine, window))
-
-
 def judge_files(
     sources: Sequence[str | Path],
     healthy: Sequence[str | Path] = (),
@@ -114,7 +104,7 @@ def judge_files(
 def recorded_parts(
     sources: Sequence[str | Path], machine: str | Path | None, window: tuple[float, float] | None
 ) -> list[Part]:
-    """Recordings with their rotation, for figures; `machine` and `window` as in `judge_file`, for the last recording.
+    """Recordings with their rotation, for figures; `machine` and `window` as in `judge_files`, for the last recording.
 
     Raises
     ------
