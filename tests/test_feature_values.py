@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pipelines.signals.features.average import average
+from pipelines.signals.features.average import average, average_power
 from pipelines.signals.features.band import banded
 from pipelines.signals.features.envelope import envelope_orders, marked_tooth, tooth_contrast, tooth_energies
 from pipelines.signals.features.passing import pass_levels
@@ -87,6 +87,17 @@ def test_the_tooth_that_rings_is_marked():
     assert marked_tooth(energies) == 11
     assert tooth_contrast(energies) == pytest.approx(3.0, rel=0.02)
     assert energies.mean(axis=-1) == pytest.approx(envelope.mean(axis=(1, 2)))
+
+
+@pytest.mark.parametrize("noise", [0.0, 1.0, 5.0])
+def test_an_average_retains_the_power_of_the_noise_divided_by_the_number_of_turns(noise):
+    """A line of power 1 repeats; the average of N turns contains 1/N of the power of the noise."""
+    random = np.random.default_rng(8)
+    turns = np.sqrt(2.0) * repeated(np.cos(20 * THETA)) + noise * random.standard_normal((4, TURNS, PLACES))
+    left = noise**2 / TURNS
+    retained, whole = average_power(turns)
+    assert retained == pytest.approx(np.full(len(turns), left), rel=0.1, abs=1e-12)
+    assert whole == pytest.approx(np.full(len(turns), 1.0 + left), rel=0.1)
 
 
 def test_impulses_that_pass_stand_above_the_floor_and_others_do_not():

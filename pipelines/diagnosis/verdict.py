@@ -8,6 +8,15 @@ The diagnosis does not use the known faults of a simulation. It answers two ques
 - Damaged (one-sided): the evidence of a component, the mean deviation of its features, is high. At most ALARM of
   healthy machines have such evidence for any of their components.
 
+Damage of a gear repeats with its shaft, impacts of a bearing do not. But an average over N revolutions retains 1/N of
+their power, and they raise all features of gears. Let A be the power of the average, n the part of it that does not
+repeat with the shaft, and n_h the largest n of the healthy recordings. The evidence of a gear counts by
+
+    1 - 2 (n - n_h)/A,     at least 0 and at most 1,     with the mean of (n - n_h)/A over the channels.
+
+So it counts completely if the average retains no more than in healthy recordings, and not at all if half of its power
+is more than that. This also applies to a shaft whose gears are not known.
+
 A rolling bearing is also damaged if it has clear impacts (`pipelines.diagnosis.impacts`) that no healthy recording has.
 Clear impacts rank before all other evidence: they also change features of gears and shafts, but damage of gears and
 shafts does not cause impacts at pass orders.
@@ -182,12 +191,12 @@ def judge(
     """
     names = names or [f"healthy recording {number}" for number in range(1, len(baseline) + 1)]
     check_baseline(recording, baseline, names, exact)
-    levels, healthy = _compared(recording, baseline)
-    speed, speeds = _speeds(recording, baseline)
+    levels, healthy, speed, speeds, retained = _compared(recording, baseline)
     lines = _Lines(recording)
 
     def chances(one: int, others: np.ndarray) -> tuple[float, float]:
-        return lines.chances(healthy[one], at_speed(healthy[others], speeds[others], speeds[one]))
+        accepted = at_speed(healthy[others], speeds[others], speeds[one])
+        return lines.chances(healthy[one], accepted, lines.repeating(baseline[one], retained[others]))
 
     odd = [] if exact else outlying(healthy, lambda one, others: min(chances(one, others)))
     kept = np.delete(np.arange(len(healthy)), odd)
@@ -195,8 +204,9 @@ def judge(
     others = [chances(one, kept[kept != one]) for one in kept[:tested]]
     reference = at_speed(healthy[kept], speeds[kept], speed)
     enough = len(reference) >= FEWEST_FOR_P
-    different = lines.chances(levels, reference)[0] if enough else None
-    findings = _findings(lines, levels, reference, kinematics)
+    weight = lines.repeating(recording, retained[kept])
+    different = lines.chances(levels, reference, weight)[0] if enough else None
+    findings = _findings(lines, levels, reference, weight, kinematics)
     return Verdict(
         findings=findings,
         different=None if different is None else different <= DIFFERENT,
@@ -226,9 +236,9 @@ def damage_p(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> float
     BaselineError : as for `judge`
     """
     check_baseline(recording, baseline, [f"healthy recording {number}" for number in range(1, len(baseline) + 1)])
-    levels, healthy = _compared(recording, baseline)
-    speed, speeds = _speeds(recording, baseline)
-    return _Lines(recording).chances(levels, at_speed(healthy, speeds, speed))[1]
+    levels, healthy, speed, speeds, retained = _compared(recording, baseline)
+    lines = _Lines(recording)
+    return lines.chances(levels, at_speed(healthy, speeds, speed), lines.repeating(recording, retained))[1]
 
 
 class _Lines:
@@ -268,6 +278,13 @@ class _Lines:
         of_groups = deviations(self.means(own), self.means(centred), together)
         return deviations(levels, healthy, spread), prior, of_groups, prior_of_groups
 
+    def repeating(self, table: FeatureTable, healthy: np.ndarray) -> np.ndarray:
+        """Factor (group,) of the evidence by the power that averages retain, `healthy` (recording, channel, line)."""
+        more = np.maximum(table.retained - healthy.max(axis=0), 0.0)
+        share = np.divide(more, table.of_average, out=np.zeros_like(more), where=more > 0.0).mean(axis=0)
+        factor = np.maximum(1.0 - 2.0 * share, 0.0)
+        return np.asarray(factor[[own[0] for _, own in self.groups]])
+
     def clear(self, levels: np.ndarray, healthy: np.ndarray) -> np.ndarray:
         """Whether groups (channel, group) are clear impacts of a bearing that no healthy recording has."""
         first = [own[0] for _, own in self.groups]
@@ -282,26 +299,30 @@ class _Lines:
         ]
         return np.where(clear, 0.0, np.minimum(np.stack(columns, axis=1) * deviation.size, 1.0))
 
-    def chances(self, levels: np.ndarray, healthy: np.ndarray) -> tuple[float, float]:
+    def chances(self, levels: np.ndarray, healthy: np.ndarray, weight: np.ndarray) -> tuple[float, float]:
         """Probabilities that a healthy machine deviates as much, and that any of its components has as strong
         evidence."""
         count = len(healthy)
         of_lines, prior, of_groups, prior_of_groups = self.standardised(levels, healthy)
-        damaged = float(self.group_chances(of_groups, count, prior_of_groups, self.clear(levels, healthy)).min())
+        p = self.group_chances(weight * of_groups, count, prior_of_groups, self.clear(levels, healthy))
+        damaged = float(p.min())
         apart = 2.0 * of_lines.size * float(probability(np.abs(of_lines).max(), count, prior))
         return min(2.0 * min(apart, damaged), 1.0), damaged
 
 
-def _findings(lines: _Lines, levels: np.ndarray, healthy: np.ndarray, kinematics: Kinematics) -> tuple[Finding, ...]:
+def _findings(
+    lines: _Lines, levels: np.ndarray, healthy: np.ndarray, weight: np.ndarray, kinematics: Kinematics
+) -> tuple[Finding, ...]:
     """All components: clear impacts first, then the others, the strongest evidence first."""
     table, count = lines.table, len(healthy)
     rises = levels - healthy.mean(axis=0)
     increase = np.stack([rises[:, own].mean(axis=1) for _, own in lines.groups], axis=1)
-    deviation, p = increase, None
+    deviation, p = weight * increase + 0.0, None
     clear = lines.clear(levels, healthy)
     bounds: list[float | None] = [None] * len(lines.groups)
     if count >= FEWEST_FOR_P:
         _, _, deviation, prior = lines.standardised(levels, healthy)
+        deviation = weight * deviation + 0.0  # no minus zero
         p = lines.group_chances(deviation, count, prior, clear)
         bounds = [limit(ALARM / deviation.size, count, prior, len(own)) for _, own in lines.groups]
     scaled = deviation / np.array([bound or 1.0 for bound in bounds])
@@ -351,19 +372,29 @@ def _changes(lines: _Lines, levels: np.ndarray, healthy: np.ndarray) -> tuple[Ch
     )
 
 
-def _compared(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> tuple[np.ndarray, np.ndarray]:
-    """Levels (channel, line) of the recording and (recording, channel, line) of the healthy ones, dB.
+def _compared(
+    recording: FeatureTable, baseline: Sequence[FeatureTable]
+) -> tuple[np.ndarray, np.ndarray, float, np.ndarray, np.ndarray]:
+    """What is compared: levels, speeds, and the power that averages of the healthy recordings retain.
 
     Weak orders of a shaft have little weight, see `counted`.
+
+    Returns
+    -------
+    levels : (channel, line) of the recording, dB
+    healthy : (recording, channel, line) of the healthy ones, dB
+    speed, speeds : mean speed (Hz) of the recording, and of the healthy ones (recording,)
+    retained : (recording, channel, line) of the healthy ones
     """
     healthy = np.array([other.channel_levels for other in baseline])
     rms = healthy[:, :, recording.lines.index((WHOLE, "rms"))].mean(axis=0)
-    return counted(recording.channel_levels, recording.feature, rms), counted(healthy, recording.feature, rms)
-
-
-def _speeds(recording: FeatureTable, baseline: Sequence[FeatureTable]) -> tuple[float, np.ndarray]:
-    """Mean speed (Hz) of the recording, and of the healthy ones (recording,)."""
-    return float(recording.speed.mean()), np.array([other.speed.mean() for other in baseline])
+    return (
+        counted(recording.channel_levels, recording.feature, rms),
+        counted(healthy, recording.feature, rms),
+        float(recording.speed.mean()),
+        np.array([other.speed.mean() for other in baseline]),
+        np.array([other.retained for other in baseline]),
+    )
 
 
 def counted(levels: np.ndarray, features: Sequence[str], rms: np.ndarray) -> np.ndarray:

@@ -77,6 +77,22 @@ class Average:
         return np.fft.irfft(lines, self.values.shape[-1], axis=-1)
 
 
+def average_power(turns: np.ndarray) -> np.ndarray:
+    """Power (2, channel) of the average of turns: the part that does not repeat with the shaft, and all of it.
+
+    The Fourier transform over the N turns has the average at frequency 0. Lines of other shafts are at a few of the
+    other N - 1 frequencies. Vibration that repeats with no shaft, such as impacts of a bearing with slip, has about the
+    same power at all of them. Its power in the average is therefore the median over the other frequencies.
+
+    Parameters
+    ----------
+    turns : (channel, turn, place), real or complex, two turns or more
+    """
+    lines = np.fft.fft(turns, axis=1) / turns.shape[1]
+    power = np.mean(lines.real**2 + lines.imag**2, axis=-1)
+    return np.stack([np.median(power[:, 1:], axis=1), power[:, 0]])
+
+
 def average(turns: np.ndarray, orders: int, meshes: Meshes) -> Average:
     """Average of turns (channel, turn, place), which should be FEWEST_TURNS or more.
 

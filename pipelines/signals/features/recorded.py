@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipelines.signals.features.average import FEWEST_TURNS, average
+from pipelines.signals.features.average import FEWEST_TURNS, average, average_power
 from pipelines.signals.features.band import banded
 from pipelines.signals.features.envelope import envelope_orders, marked_tooth, tooth_contrast, tooth_energies
 from pipelines.signals.features.passing import pass_levels
@@ -74,6 +74,7 @@ def feature_table(
     sensors, axes, signal = recorded_channels(recording)
     given = dict(windows) if windows else {"the whole recording": (float(time[0]), float(time[-1]))}
     per_window: list[Lines] = []
+    powers: list[Lines] = []  # by window and shaft
     bands: dict[str, tuple[float, float]] = {}
     speeds: list[float] = []
     teeth: dict[str, int] = {}
@@ -104,20 +105,25 @@ def feature_table(
         whole = statistics(signal[:, inside])
         found: Lines = {(WHOLE, feature): whole[feature] for feature in OF_SIGNAL}
         for shaft, cut in turning:
-            lines, marks = _shaft_lines(cut, bands[name], shaft, kinematics, rotation.error)
+            lines, own, marks = _shaft_lines(cut, bands[name], shaft, kinematics, rotation.error)
             if rotation.error * cut.count > QUARTER:  # no averages over turns, and pass orders allow slip
                 strikes = {strike for bearing in kinematics.bearings for strike in bearing.strikes}
                 lines, marks = {line: value for line, value in lines.items() if line[0] in strikes}, {}
             found |= lines
+            powers.append(own)
             teeth = (marks if rotation.places_teeth(shaft.name) else {}) | teeth  # those of the first window count
         per_window.append(found)
-    values = _mean(per_window)
+    values, power = _mean(per_window), _mean(powers)
+    none = np.stack([np.zeros(len(sensors)), np.ones(len(sensors))])
+    retained, of_average = np.stack([power.get(line, none) for line in values], axis=-1)
     return FeatureTable(
         sensor=sensors,
         axis=axes,
         component=tuple(component for component, _ in values),
         feature=tuple(feature for _, feature in values),
         value=np.stack(list(values.values()), axis=1),
+        retained=retained,
+        of_average=of_average,
         gear=tuple(teeth),
         tooth=np.array(list(teeth.values()), dtype=int),
         window=tuple(bands),
@@ -176,8 +182,11 @@ def envelope_band(kinematics: Kinematics, time: np.ndarray, frequency: float) ->
 
 def _shaft_lines(
     cut: Turns, band: tuple[float, float], shaft: Shaft, kinematics: Kinematics, error: float
-) -> tuple[Lines, dict[str, int]]:
-    """Features of a shaft, its gears and bearings, and the marked tooth of each gear; `error` is that of the speed."""
+) -> tuple[Lines, Lines, dict[str, int]]:
+    """Features of a shaft, its gears and bearings, the power of its average, and the marked tooth of each gear.
+
+    `error` is that of the speed.
+    """
     gears = kinematics.gears_on(shaft.name)
     averaged = average(cut.values, cut.orders, {gear.stage: gear.teeth for gear in gears})
     found = synchronous(averaged)
@@ -201,11 +210,12 @@ def _shaft_lines(
         lines |= {(gear.name, name): found[f"stage_{gear.stage}_{name}"] for name in OF_STAGE}
         lines |= {(gear.name, name): tooth_contrast(one) for name, one in energies.items()}
         marks[gear.name] = _numbered(marked_tooth(energies["tooth_contrast"]), cut.backwards, gear)
+    power = dict.fromkeys([line for line in lines if line[1] not in OF_SHAFT], average_power(plain))
     for bearing in kinematics.bearings:
         if bearing.shaft == shaft.name:
             levels = pass_levels(squares[1], bearing.strikes, ratios, error)
             lines |= {(name, PASSING): level for name, level in levels.items()}
-    return lines, marks
+    return lines, power, marks
 
 
 def _numbered(passing: int, backwards: bool, gear: Gear) -> int:

@@ -20,10 +20,11 @@ WHOLE = "whole machine"  # features of the signal over time, which belong to no 
 class FeatureTable(Record):
     """Features of a recording; `value` is in the unit of the signal or dimensionless.
 
-    A line is a feature of a component. `tooth` is the tooth of each `gear` with the highest envelope energy, which is
-    significant only if the gear is damaged. `band_low` and `band_high` are the ends of the envelope band by `window`,
-    `speed` is the mean speed of the first shaft. `left_out` are shafts with too few turns or of conditional speed, with
-    the reason.
+    A line is a feature of a component. `of_average` is the power of the average over turns in the envelope band, and
+    `retained` its part that does not repeat with the shaft; 1 and 0 for features that are not of turns. `tooth` is the
+    tooth of each `gear` with the highest envelope energy, which is significant only if the gear is damaged. `band_low`
+    and `band_high` are the ends of the envelope band by `window`, `speed` is the mean speed of the first shaft.
+    `left_out` are shafts with too few turns or of conditional speed, with the reason.
     """
 
     sensor: tuple[str, ...] = names("channel")
@@ -31,6 +32,8 @@ class FeatureTable(Record):
     component: tuple[str, ...] = names("line")
     feature: tuple[str, ...] = names("line")
     value: np.ndarray = array("channel", "line", units="per feature")
+    retained: np.ndarray = array("channel", "line", units="(m/s2)^2")
+    of_average: np.ndarray = array("channel", "line", units="(m/s2)^2")
     gear: tuple[str, ...] = names("gear")
     tooth: np.ndarray = array("gear", units="1", dtype=int)
     window: tuple[str, ...] = names("window")
@@ -82,6 +85,8 @@ def with_common_components(tables: Sequence[FeatureTable]) -> list[FeatureTable]
                 component=tuple(table.component[number] for number in kept),
                 feature=tuple(table.feature[number] for number in kept),
                 value=table.value[:, kept],
+                retained=table.retained[:, kept],
+                of_average=table.of_average[:, kept],
                 left_out=table.left_out + (reason if dropped else ()),
             )
         )

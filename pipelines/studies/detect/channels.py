@@ -93,4 +93,6 @@ def _alone(table: FeatureTable, channel: int) -> FeatureTable:
         sensor=table.sensor[channel : channel + 1],
         axis=table.axis[channel : channel + 1],
         value=table.value[channel : channel + 1],
+        retained=table.retained[channel : channel + 1],
+        of_average=table.of_average[channel : channel + 1],
     )
