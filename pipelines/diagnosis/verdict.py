@@ -18,8 +18,8 @@ So it counts completely if the average retains no more than in healthy recording
 is more than that. This also applies to a shaft whose gears are not known.
 
 A rolling bearing is also damaged if it has clear impacts (`pipelines.diagnosis.impacts`) that no healthy recording has.
-Clear impacts rank before all other evidence: they also change features of gears and shafts, but damage of gears and
-shafts does not cause impacts at pass orders.
+Clear impacts rank before all other evidence, the highest level first: they also change features of gears and shafts,
+but damage of gears and shafts does not cause impacts at pass orders.
 
 Features of the whole signal are not evidence of a component. The recordings of a control are of the same machine and
 differ only in their sensor noise. With fewer than FEWEST_FOR_P healthy recordings the components are only ranked.
@@ -313,7 +313,7 @@ class _Lines:
 def _findings(
     lines: _Lines, levels: np.ndarray, healthy: np.ndarray, weight: np.ndarray, kinematics: Kinematics
 ) -> tuple[Finding, ...]:
-    """All components: clear impacts first, then the others, the strongest evidence first."""
+    """All components: clear impacts first, in the order of their levels, then the others in that of their evidence."""
     table, count = lines.table, len(healthy)
     rises = levels - healthy.mean(axis=0)
     increase = np.stack([rises[:, own].mean(axis=1) for _, own in lines.groups], axis=1)
@@ -326,10 +326,11 @@ def _findings(
         p = lines.group_chances(deviation, count, prior, clear)
         bounds = [limit(ALARM / deviation.size, count, prior, len(own)) for _, own in lines.groups]
     scaled = deviation / np.array([bound or 1.0 for bound in bounds])
+    rank = np.where(clear, levels[:, [own[0] for _, own in lines.groups]], scaled)
     best: dict[str, tuple[tuple[bool, float], Finding]] = {}
     for number, (component, own) in enumerate(lines.groups):
-        channel = int(np.lexsort((scaled[:, number], clear[:, number]))[-1])
-        strength, bound = (bool(clear[channel, number]), float(scaled[channel, number])), bounds[number]
+        channel = int(np.lexsort((rank[:, number], clear[:, number]))[-1])
+        strength, bound = (bool(clear[channel, number]), float(rank[channel, number])), bounds[number]
         evidence = Evidence(
             features=lines.features(own),
             sensor=table.sensor[channel],
