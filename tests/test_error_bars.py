@@ -270,5 +270,5 @@ def test_a_trade_says_how_well_lines_are_known_before_it_compares_them():
     assert "uncertainty of 0.4 dB in the median and 0.6 dB at most of the 3 detected lines" in told
     missing = {"kind": "missing-tooth", "stage": 1, "gear": "pinion", "tooth": 0}
     scene = load_scene("minimal", {"faults": [missing], "control": "without-faults", "diagnosis.gear": "pinion"})
-    assert "only casing.extrapolated = true" in known_lines(scene, Work())
+    assert "Set casing.extrapolated = true" in known_lines(scene, Work())
     assert known_lines(load_scene("minimal"), Work()) == ""

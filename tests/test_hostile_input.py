@@ -233,7 +233,7 @@ def test_a_chain_of_a_thousand_scenes(capsys, here):
         (["inspect", "minimal", "--mesh", "file/teeth.vtu"], "is not a folder"),
         (["casing", "minimal", "--export", "file/casing.h5"], "is not a folder"),
         (["export", "x" * 5000, "--to", "csv"], "no result here"),
-        (["diagnose", "file"], "Give --machine"),
+        (["diagnose", "file"], "has no ending"),
     ],
     ids=lambda value: " ".join(value)[:40] if isinstance(value, list) else "",
 )
