@@ -98,6 +98,21 @@ def test_several_recordings_give_a_table_and_a_page_each(tmp_path, capsys):
     assert all((tmp_path / "seen" / number / "report.html").is_file() for number in "12")
 
 
+def test_a_table_of_recordings_has_a_row_for_each_and_their_warnings(tmp_path, capsys):
+    random = np.random.default_rng(1)
+    channel = "rpm = 1740, uncertainty_percent = 0.3", "channel = 2, uncertainty_percent = 0.3"
+    machine = MACHINE.replace(*channel).replace("rate_Hz", "sensors = { housing = 1 }\nrate_Hz")
+    (tmp_path / "machine.toml").write_text(machine, encoding="utf-8")
+    for name, speed in (("slow", 0.9), ("fast", 1.0)):
+        signal = unbalanced(random)
+        np.save(tmp_path / f"{name}.npy", np.stack([signal, np.full(len(signal), 60.0 * speed * SPEED)], axis=1))
+    slow, fast, file = (str(tmp_path / name) for name in ("slow.npy", "fast.npy", "machine.toml"))
+    assert main(["diagnose", fast, fast, "--machine", file, "--baseline", slow]) == 0
+    printed = capsys.readouterr().out
+    assert len([line for line in printed.splitlines() if line.startswith(fast)]) == 2
+    assert printed.count(f"Warning: {fast}: 1 of 1 healthy recordings differ") == 2
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_lines_of_the_shaft_are_no_impacts_of_a_bearing(tmp_path, seed):
     found = judged(tmp_path, unbalanced(np.random.default_rng(seed)))

@@ -97,19 +97,22 @@ def _recordings(options: argparse.Namespace, paths: Sequence[Path]) -> Iterator[
         )
     window = tuple(options.window) if options.window else None
     target = writable_folder(options.out) if options.out else None
-    found = judge_files(paths, options.baseline, options.machine, window)
-    judged = dict(zip(map(shown, options.records), found, strict=True))
-    several = len(judged) > 1
+    names, several = [shown(one) for one in options.records], len(paths) > 1
+    judged = list(judge_files(paths, options.baseline, options.machine, window))
     if options.json:
-        facts = [file_facts(one) for one in judged.values()]
+        facts = [file_facts(one) for one in judged]
         yield json_text(facts if several else facts[0])
+    elif several:
+        yield f"{files_grid(names, judged).to_text()}\n"
+        for name, one in zip(names, judged, strict=True):
+            yield from (f"Warning: {name}: {warning}" for warning in one.recorded.warnings)
     else:
-        yield f"{files_grid(judged).to_text()}\n" if several else file_words(*judged.values())
+        yield file_words(judged[0])
     if target is None:
         return
     from pipelines.runs.recording_page import write_recording_page
 
-    for place, (name, one) in enumerate(judged.items(), 1):
+    for place, (name, one) in enumerate(zip(names, judged, strict=True), 1):
         left = () if one.verdict is None else one.verdict.outlying
         healthy = [other for other in options.baseline if shown(other) not in left][:1]
         folder = target / str(place) if several else target

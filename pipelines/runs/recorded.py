@@ -279,14 +279,14 @@ def file_words(found: JudgedFile) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def files_grid(found: Mapping[str, JudgedFile]) -> Grid:
-    """Table of recordings by their names, all judged in the same way: speed, level, answer and strongest evidence."""
+def files_grid(names: Sequence[str], found: Sequence[JudgedFile]) -> Grid:
+    """Table of recordings that were judged in the same way: name, speed, level, answer and strongest evidence."""
     from pipelines.diagnosis.impacts import CLEAR
     from pipelines.diagnosis.words import STRENGTH, answer, strength
     from pipelines.signals.features.table import WHOLE
 
     rows: list[tuple[str, ...]] = []
-    for name, one in found.items():
+    for name, one in zip(names, found, strict=True):
         table = one.recorded.table
         rms = mean_features(table)[table.lines.index((WHOLE, "rms"))]
         result = ("-", "-", "-")
