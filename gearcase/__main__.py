@@ -9,6 +9,6 @@ if __name__ == "__main__":
     here = os.path.realpath(os.getcwd())
     if here != str(HOME):
         sys.path[:] = [entry for entry in sys.path if os.path.realpath(entry or here) != here]
-    from pipelines.cli.main import main
+    from pipelines.cli.main import program
 
-    sys.exit(main())
+    sys.exit(program())

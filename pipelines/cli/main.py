@@ -17,10 +17,17 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, TextIO
 
+from fem.processes.child import collect_rarely
 from pipelines.cli.command_line import Printed, command_parser, parser
 
 if TYPE_CHECKING:
     import argparse
+
+
+def program() -> int:
+    """`main` in a process of its own."""
+    collect_rarely()
+    return main()
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -182,4 +189,4 @@ def _log_to_terminal(verbose: bool) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(program())

@@ -24,7 +24,6 @@ from pipelines.engine.step import Graph, Step, StepRecord
 from pipelines.io.errors import WorkError
 from pipelines.machine.plant import Plant
 from pipelines.report.contents import RunCost
-from pipelines.report.report import write_report
 from pipelines.runs import run_folder
 from pipelines.runs.claims import claimed
 from pipelines.scene.file import LoadedScene, control_differences
@@ -202,6 +201,8 @@ class _Files:
             (self._folder / "diagnosis.txt").write_text(self._words[DIAGNOSIS], encoding="utf-8")
 
     def _write_report(self, found: Mapping[str, Any]) -> None:
+        from pipelines.report.report import write_report
+
         facts = _facts(self._loaded.name, self._study.plant, self.outcome)
         cost = RunCost(
             steps=[{name: row[name] for name in ("step", "seconds", "peak MB")} for row in facts["steps"]],

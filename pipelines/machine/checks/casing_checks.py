@@ -5,13 +5,13 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem.casing.geometry.dimensions import HousingError
 from fem.casing.geometry.housing import Housing
 from fem.casing.geometry.locators import ByCylinder, ByGroup, ByPlane, Locator
-from fem.casing.imported.casing import ForeignHousing
 from fem.casing.mesh.imported import ALONG_Y, OFF_AXIS, ImportedHousing
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.sizes import Sizes
@@ -24,6 +24,9 @@ from pipelines.machine.bearings import bearing_names, bearing_points
 from pipelines.machine.layout import Layout
 from pipelines.machine.plant import Plant
 from pipelines.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from fem.casing.imported.casing import ForeignHousing
 
 MOST_ELEMENTS = 1_500_000  # quadratic tetrahedra, 2 million nodes: their factorisation needs about 60 GB
 MOST_NODES = 2_000_000

@@ -22,7 +22,7 @@ Window = Annotated[tuple[Number, Number], Field(description="start and end of th
 class Table(BaseModel):
     """Base of all tables: unknown keys, NaN and infinity are refused, values cannot be edited."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
 
     @property
     def si(self) -> SIValues:
