@@ -118,6 +118,12 @@ def test_the_parser_imports_nothing_heavy():
     assert done.stdout.strip() == "[]", done.stderr
 
 
+def test_a_check_of_a_machine_needs_no_compiler_and_no_figures():
+    code = "import sys; from pipelines.cli.main import main; main(['check', 'minimal'])\n"
+    done = run_python(code + "print(sorted({'numba', 'scipy', 'matplotlib', 'pandas', 'xarray'} & set(sys.modules)))")
+    assert done.stdout.splitlines()[-1] == "[]", done.stderr
+
+
 def test_the_file_of_a_command_is_imported_for_that_command_alone():
     code = "import sys\nfrom pipelines.cli.command_line import COMMANDS, parser\nparser(%s).format_help()\n"
     code += "print([name for name in COMMANDS if f'pipelines.cli.{name}' in sys.modules])"

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from mbd.excitations.cage_slip import CageSlip
-from mbd.excitations.faulty_bearing import with_faults
 from mbd.excitations.spall import Spall
 from mbd.forces.bearing_models import Support
 from mbd.parts.bearings import BearingSpec
@@ -139,12 +138,16 @@ def bearing_specs(scene: Scene, problems: Problems) -> tuple[BearingSpec, ...]:
         spec: BearingSpec | None = problems.made(one.path, one.model.spec, one.name, at, one.support)
         if spec is None:
             continue
+        own = {number: fault.spall for number, fault in faults.items() if fault.bearing == one.name}
+        if not own and not one.model.cage_slip:
+            found.append(spec)
+            continue
+        from mbd.excitations.faulty_bearing import with_faults  # compiled code
+
         spalls: list[Spall] = []
-        for number, fault in faults.items():
-            if fault.bearing == one.name:
-                path = f"faults.{number}"
-                if problems.made(path, with_faults, spec, [*spalls, fault.spall]) is not None:
-                    spalls.append(fault.spall)
+        for number, spall in own.items():
+            if problems.made(f"faults.{number}", with_faults, spec, [*spalls, spall]) is not None:
+                spalls.append(spall)
         slip = None
         if one.model.cage_slip:
             slip = CageSlip(share=one.model.cage_slip, seed=(scene.deviations.seed, zlib.crc32(one.name.encode())))

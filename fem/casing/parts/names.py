@@ -14,3 +14,12 @@ COVER, FEET = "cover", "feet"
 MOUNTS = "mounts"  # springs under the feet
 JOINTS = "joints"  # bolts between two halves
 LARGEST_LOSS_FACTOR = 2.0  # a body of only such a part would not oscillate
+FEWEST_MOUNTS = 3  # feet on springs, which hold all rigid motions unless they are in one line
+
+
+def few_feet(count: int) -> str:
+    """What is wrong with a casing on springs that has less than `FEWEST_MOUNTS` feet, and what to do."""
+    return (
+        f"a casing on springs needs {FEWEST_MOUNTS} feet or more, because a mount has no stiffness against rotation; "
+        f"it has {count}. Set one item of casing.housing.grounds for each foot"
+    )

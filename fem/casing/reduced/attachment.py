@@ -20,7 +20,6 @@ from fem.elements.solids import rigid_body_modes
 
 AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
 FARTHEST_SENSOR = 0.05  # m: largest distance of a sensor from the surface
-FEWEST_MOUNTS = 3  # feet on springs, which hold all rigid motions unless they are in one line
 
 
 class AttachmentError(ValueError):
@@ -54,14 +53,6 @@ def mean_motion_rows(nodes: np.ndarray, facets: np.ndarray, centre: np.ndarray) 
     columns = (3 * facets[:, :, None].astype(np.int64) + np.arange(3)).ravel()
     rows = np.repeat(np.arange(6), columns.size)
     return sp.coo_matrix((weights.ravel(), (rows, np.tile(columns, 6))), shape=(6, 3 * len(nodes))).tocsr()
-
-
-def few_feet(count: int) -> str:
-    """What is wrong with a casing on springs that has less than `FEWEST_MOUNTS` feet, and what to do."""
-    return (
-        f"a casing on springs needs {FEWEST_MOUNTS} feet or more, because a mount has no stiffness against rotation; "
-        f"it has {count}. Set one item of casing.housing.grounds for each foot"
-    )
 
 
 def nearest_surface_point(

@@ -20,17 +20,10 @@ from fem.casing.enrichment.added import KINDS_APART, AddedUnknowns, added_functi
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.mesh.mesh import CasingMesh
 from fem.casing.parts.bolted_joint import BoltedJoint, joint_stiffness
-from fem.casing.parts.names import JOINTS, Attachment, Ground
+from fem.casing.parts.names import FEWEST_MOUNTS, JOINTS, Attachment, Ground, few_feet
 from fem.casing.parts.regions import Region, elements_inside
 from fem.casing.parts.split import split_mesh
-from fem.casing.reduced.attachment import (
-    AXES,
-    FEWEST_MOUNTS,
-    AttachmentError,
-    few_feet,
-    mean_motion_rows,
-    nearest_surface_point,
-)
+from fem.casing.reduced.attachment import AXES, AttachmentError, mean_motion_rows, nearest_surface_point
 from fem.casing.reduced.body import BEARING_AXES
 from fem.casing.reduced.halves import Places, choice_of, interface_of
 from fem.casing.reduced.reduction import Interface

@@ -17,7 +17,7 @@ from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.mesh.source import Geometry
 from fem.casing.models.casing import HousingCasing
-from fem.casing.reduced.attachment import FEWEST_MOUNTS, few_feet
+from fem.casing.parts.names import FEWEST_MOUNTS, few_feet
 from mbd.parts.layout import BEARING_PLACE_TOLERANCE
 from pipelines.io.errors import Problem
 from pipelines.machine.bearings import bearing_names, bearing_points
