@@ -175,7 +175,7 @@ def _relief(cases: Sequence[tuple[PairLaws, MeshState]]) -> Iterator[str]:
             words = f"{least} (least transmission error, with long) to {whole} (deflection of one tooth pair)"
         if max(amounts) > limit:
             words += (
-                f". The deflection of {1e6 * max(amounts):.3g} um is above the limit of amount_um, {1e6 * limit:.4g} um "
-                "(0.1 modules, at most 1 mm). Reduce the torque"
+                f". The deflection of {1e6 * max(amounts):.3g} um is above the limit of amount_um, {1e6 * limit:.4g} "
+                "um (0.1 modules, at most 1 mm). Reduce the torque"
             )
         yield f"for {state.force * gears.pinion.base_radius:.4g} N m on the pinion: amount_um = {words}"

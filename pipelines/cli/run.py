@@ -42,8 +42,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         metavar="N",
         type=count,
         default=0,
-        help="also simulate the scene and its control with the deviations of each seed from 1 to N, and without deviations "
-        "(default: only with the seed of the scene)",
+        help="also simulate the scene and its control with the deviations of each seed from 1 to N, and without "
+        "deviations (default: only with the seed of the scene)",
     )
     sub.add_argument(
         "--baseline",
