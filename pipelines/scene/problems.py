@@ -182,7 +182,7 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
         return Problem(where, "is missing", f"Set {_example(path, model, tree)}.")
     if kind in _LIMITS:
         words, name = _LIMITS[kind]
-        limit = _number(context[name])
+        limit = shown_number(context[name])
         return Problem(
             where,
             f"must be {words} {limit}{unit.removeprefix(' in')}",
@@ -364,7 +364,8 @@ def _unit(key: str) -> str:
     return f" in {unit}" if unit else ""
 
 
-def _number(value: Any) -> str:
+def shown_number(value: Any) -> str:
+    """A value of a key, a real number to six digits."""
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 

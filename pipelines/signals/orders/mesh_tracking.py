@@ -105,8 +105,8 @@ def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) ->
         "the speed cannot be found from the mesh vibration, for one of three reasons: no line at a mesh order of "
         f"stage {stage} has a steady phase, shaft 1 does not turn at {60.0 * nominal:.5g} rpm within "
         f"{100 * RANGE:g} %, or its speed changes by more than {change:.3g} Hz per second. In the machine file, "
-        "correct speed_rpm or set speed with its uncertainty. Or record a tachometer, or cut the recording to a part at steady "
-        "speed."
+        "correct speed_rpm or set speed with its uncertainty. Or record a tachometer, or cut the recording to a "
+        "part at steady speed."
     )
     angle, _, _ = _tracked(signals, angle, orders, size, unsteady, most=1)
     angle = _at_best_speed(signals, angle, rate, kinematics)
