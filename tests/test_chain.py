@@ -3,6 +3,7 @@
 import pytest
 
 from pipelines.engine.storage import digest
+from pipelines.io.errors import InputError
 from pipelines.machine.checks.design_warnings import design_warnings
 from pipelines.machine.machine import make_drivetrain, make_plant
 from pipelines.scene.file import load_scene
@@ -75,6 +76,11 @@ def test_the_loads_and_seeds_share_all_but_the_simulation():
     ]  # fmt: skip
     kinds = [stage.kind for stage in study.graph]
     assert (kinds.count("law"), kinds.count("casing-modes"), kinds.count("simulate")) == (3, 1, 12)
+
+
+def test_seeds_without_a_control_are_refused():
+    with pytest.raises(InputError, match=r"--seeds: there is no healthy control to compare with\. Set control"):
+        plan_study(load_scene("minimal"), seeds=2)
 
 
 def test_the_torque_beside_the_rope_is_the_shipped_torque_scene():

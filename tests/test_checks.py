@@ -311,6 +311,16 @@ def test_mounts_of_a_casing_that_is_held_are_a_warning(ground, warned):
     assert any("mounts_N_per_um is ignored" in text for text in found) == warned
 
 
+def test_sensors_at_one_place_or_in_another_unit_are_a_warning():
+    places = {"sensors.1.position_mm": [0.0, -0.08, 0.035], "sensors.2.position_mm": [0.0, -0.08, 0.035]}
+    scene = load_scene("bench", places).scene
+    found = " ".join(design_warnings(scene, make_drivetrain(scene)))
+    assert "sensors.1.position_mm: motor_side is 80 mm inside the outer walls" in found
+    assert "sensors.2.position_mm: brake_side is at the place of motor_side" in found
+    plain = load_scene("bench").scene
+    assert not [text for text in design_warnings(plain, make_drivetrain(plain)) if "sensors" in text]
+
+
 def test_contact_pressure_of_spur_gears_is_that_of_two_cylinders():
     """At the pitch point p = sqrt(F E*/(pi b R)), F along the line of action; the factor Z_eps aside."""
     scene = load_scene("minimal", {"stages.1.helix_angle_deg": 0.0, **NO_WINDOWS}).scene

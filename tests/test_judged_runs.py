@@ -94,5 +94,5 @@ def test_against_the_exact_control_limits_come_from_samples_of_the_sensor_noise(
 def test_healthy_machines_differ_by_their_deviations(tmp_path):
     with pytest.raises(InputError, match=r"--baseline: the gears of this scene have no deviations"):
         judged(tmp_path / "none", {**MISSING, "deviations.enabled": False}, baseline=6)
-    with pytest.raises(InputError, match=r"--baseline: the scene names no healthy control"):
+    with pytest.raises(InputError, match=r"--baseline: there is no healthy control"):
         judged(tmp_path / "none", {**MISSING, "control": None}, baseline=6)

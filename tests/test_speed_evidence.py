@@ -74,7 +74,7 @@ def test_a_speed_beyond_the_search_is_not_known(off):
     except RotationError:
         return
     assert set(found.conditional) == {"shaft_1", "shaft_2"}
-    with pytest.raises(FeatureError, match="no shaft of known speed"):
+    with pytest.raises(FeatureError, match="no shaft with a confirmed speed"):
         feature_table(recording, train(*PAIR), found)
 
 
@@ -102,7 +102,7 @@ def test_a_shaft_without_sidebands_is_conditional_and_not_diagnosed():
     recording, angle = vibration(machine, without=("shaft_1",))
     found = rotation_of(recording, machine)
     assert abs(error(found, angle)) < 1e-4
-    assert found.conditional == {"shaft_1": "it shows no sidebands at its own spacing"}
+    assert found.conditional == {"shaft_1": "its mesh lines have no sidebands at its revolution frequency"}
     table = feature_table(recording, machine, found)
     assert "stage 1 pinion" not in table.component
     assert "stage 1 wheel" in table.component

@@ -7,6 +7,7 @@ import pytest
 
 import gearcase
 from fem.gears.modifications import relief_lengths
+from pipelines.cli.gears import notes
 from pipelines.machine.layout import lay_out
 from pipelines.report.figures.plots import orders
 from pipelines.runs.gear_numbers import MeshState, gear_curves, gear_rows, relief_amounts, transmission_errors
@@ -80,6 +81,13 @@ def test_the_smaller_amount_with_long_reliefs_removes_most_of_the_transmission_e
     assert error(least) < 0.35 * plain
     assert error(least) < min(error(0.6 * least), error(1.4 * least))
     assert least < whole
+
+
+def test_a_proposed_amount_is_within_the_limit_of_its_key():
+    """Above 0.1 modules (0.3 mm) no relief can be set; the proposal gives the limit and the remedy."""
+    (line,) = (line for line in notes([(pair(), MeshState(force=1e7, tilt=0.0))]) if "amount_um" in line)
+    assert "amount_um = 300 (least" in line
+    assert "above the limit of amount_um, 300 um (0.1 modules, at most 1 mm). Reduce the torque" in line
 
 
 def test_orders_are_the_amplitudes_of_the_waves():

@@ -42,8 +42,8 @@ def check_body(
     least = THINNEST_RIM * normal_module
     require(
         rim >= least * (1.0 - 1e-9),
-        f"{label}: the rim below the root circle of {2000 * root_radius:.6g} mm is {1000 * rim:.6g} mm thick, at least "
-        f"{THINNEST_RIM} modules = {1000 * least:.6g} mm are needed. "
+        f"{label}: the rim below the root circle of {2000 * root_radius:.6g} mm is {1000 * rim:.4g} mm thick; at least "
+        f"{THINNEST_RIM} modules, {1000 * least:.4g} mm, are needed. "
         + ("Reduce the bore" if rim_thickness is None else "Raise rim_thickness_mm"),
     )
     if rim_thickness is None:

@@ -38,7 +38,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         metavar="N_M",
         type=positive,
         nargs="+",
-        help="torques on the pinion of each pair, N m, as in --torque 50 100 200 (default: of the scene)",
+        help="torques on the pinion of each pair, N m, as in --torque 50 100 200 (default: that of the scene)",
     )
     sub.add_argument(
         "--tilt",
@@ -156,7 +156,7 @@ def notes(cases: Sequence[tuple[PairLaws, MeshState]]) -> list[str]:
 
 def _relief(cases: Sequence[tuple[PairLaws, MeshState]]) -> Iterator[str]:
     """Lengths and amounts of tip relief for one pair at its loads, by the keys of a scene."""
-    from fem.gears.modifications import relief_lengths
+    from fem.gears.modifications import LARGEST_PART, relief_lengths
     from pipelines.runs.gear_numbers import relief_amounts
 
     gears = cases[0][0].pair
@@ -166,9 +166,16 @@ def _relief(cases: Sequence[tuple[PairLaws, MeshState]]) -> Iterator[str]:
         return
     short, long = (f"{1000 * length:.3g}" for length in lengths)
     yield f"usual tip relief of both gears: length_mm = {short} (short) or {long} (long)"
+    limit = min(LARGEST_PART * gears.pinion.normal_module, 1e-3)  # m, of the key amount_um
     for pair, state in cases:
-        least, whole = (f"{1e6 * amount:.3g}" for amount in relief_amounts(pair, state))
+        amounts = relief_amounts(pair, state)
+        least, whole = (f"{1e6 * min(amount, limit):.3g}" for amount in amounts)
         words = f"{whole} (mean deflection)"
         if not gears.pinion.helix_angle:
             words = f"{least} (least transmission error, with long) to {whole} (deflection of one tooth pair)"
+        if max(amounts) > limit:
+            words += (
+                f". The deflection of {1e6 * max(amounts):.3g} um is above the limit of amount_um, {1e6 * limit:.4g} "
+                "um (0.1 modules, at most 1 mm). Reduce the torque"
+            )
         yield f"for {state.force * gears.pinion.base_radius:.4g} N m on the pinion: amount_um = {words}"

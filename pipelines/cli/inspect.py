@@ -40,7 +40,10 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     )
     sub.add_argument("--stage", type=count, metavar="N", default=1, help="gear stage to show (default 1)")
     sub.add_argument(
-        "--torque", metavar="N_M", type=positive, help="torque on the pinion of this stage, N m (default: of the scene)"
+        "--torque",
+        metavar="N_M",
+        type=positive,
+        help="torque on the pinion of this stage, N m (default: that of the scene)",
     )
     sub.add_argument(
         "--position",

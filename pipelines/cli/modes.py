@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 HELP = """\
 Linearise the loaded machine about its static equilibrium. Print natural frequencies, damping and the share of each
-part in the total energy of each mode. The dominant part has the largest share of the strain energy; casing and rope,
-which have mass, are compared by the mean of their shares of strain and kinetic energy. Takes seconds if the cache holds
+part in the total energy of each mode. The dominant part has the largest share of the strain energy. Casing and rope
+also have mass: the mean of their shares of strain and kinetic energy is used instead. Takes seconds if the cache holds
 mesh stiffness and casing."""
 EXAMPLE = """\
 gearcase modes minimal

@@ -35,15 +35,15 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--one-load",
         action="store_true",
-        help="simulate a hanging load as it is (default: also with its weight as a constant torque)",
+        help="simulate a hanging load once (default: a second time with its weight as a constant torque)",
     )
     sub.add_argument(
         "--seeds",
         metavar="N",
         type=count,
         default=0,
-        help="repeat the simulation with the deviations of each seed from 1 to N, and once without deviations "
-        "(default: only the seed of the scene)",
+        help="also simulate the scene and its control with the deviations of each seed from 1 to N, and without "
+        "deviations (default: only with the seed of the scene)",
     )
     sub.add_argument(
         "--baseline",

@@ -24,7 +24,17 @@ from pipelines.machine.checks.validity import checked_plant
 from pipelines.machine.plant import Plant
 from pipelines.steps.graph import plant_steps
 
-_PARTS = {"law": "mesh law", "flanks": "mesh law with faults or modifications"}  # words for kinds of step
+_PARTS = {  # words for kinds of step; {s} and {es}: endings of the plural
+    "law": "mesh law{s}",
+    "flanks": "mesh law{s} with faults or modifications",
+    "crack-surface": "crack surface{s}",
+    "casing": "casing{s}",
+    "casing-mesh": "casing mesh{es}",
+    "casing-modes": "set{s} of casing modes",
+    "casing-coarser": "coarser casing{s}",
+    "casing-error": "estimate{s} of the casing error",
+    "casing-matrices": "casing{s} from matrices",
+}
 MOST_LOOKED_AT = 500  # scenes; of more the first ones are looked at
 _SAMPLE_BYTES = 4  # of a stored sample; angles and speeds take twice as much and pack better
 _STORED_SHARE = 0.9  # of the bytes that are left after packing: vibration is nearly noise
@@ -130,4 +140,7 @@ def _stored(step: Step, cache: Cache) -> bool:
 
 
 def _counted(counts: Counter[str]) -> str:
-    return ", ".join(f"{count} {name}" for name, count in sorted(counts.items()))
+    return ", ".join(
+        f"{count} {name.format(s='' if count == 1 else 's', es='' if count == 1 else 'es')}"
+        for name, count in sorted(counts.items())
+    )

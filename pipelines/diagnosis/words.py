@@ -92,9 +92,9 @@ def compared(verdict: Verdict) -> list[str]:
     """Sentences on the reference of the comparison and on the rates of false answers."""
     if verdict.exact:
         return [
-            "Compared with the same simulation without the fault, so that every increase is an effect of the fault. "
-            f"Limits follow from {verdict.healthy} samples of the sensor noise. Add --baseline 8 to compare with "
-            "healthy machines of other deviations."
+            "The reference is the same simulation without the fault, so that every increase is an effect of the fault. "
+            f"The limits follow from the scatter of {verdict.healthy} samples of the sensor noise. Add --baseline 8 to "
+            "compare with healthy machines of other deviations."
         ]
     many = f"Compared with {verdict.healthy} healthy recording{'s' if verdict.healthy > 1 else ''}."
     found = [many]

@@ -83,8 +83,9 @@ def picture(text: str) -> str:
 
 
 def share(text: str) -> float:
-    """A share, as a number or in percent."""
-    return positive(text.removesuffix("%")) / 100 if text.endswith("%") else positive(text)
+    """A share up to 1, as a number or in percent."""
+    value = positive(text.removesuffix("%")) / 100 if text.endswith("%") else positive(text)
+    return _accepted(value, value <= 1.0, f"{text!r} is above 1, that is above 100 %; for 2 per cent write 2%")
 
 
 def seconds(text: str) -> float:

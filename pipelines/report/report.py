@@ -32,8 +32,8 @@ ROLLING = (
 )
 SHAFTS = "Orders 1x and 2x of the shaft at the highest speed. The diagnosis evaluates these two lines."
 CASING = (
-    "Coordinates: degrees of freedom of the reduced model. The checks compare it with the finite-element model: "
-    "symmetry, rigid-body motions, mass, inertia and reactions. gearcase casing SCENE prints each of them."
+    "Coordinates: degrees of freedom of the reduced model. Checks, if listed, compare it with the finite-element "
+    "model: symmetry, rigid-body motions, mass, inertia and reactions. gearcase casing SCENE prints each of them."
 )
 ENERGY = (
     "Energies over the whole simulation, in joule. Stored: change of the stored energy. Parametric: work of "

@@ -52,7 +52,7 @@ def diagnose_folder(folder: Path, settings: Settings = ()) -> Diagnosis:
     if not (folder / run_folder.CONTROL).is_file():
         raise InputError(
             f"{folder}: there is no healthy control to compare the lines with. "
-            'Set control = "without-faults" in the scene and repeat gearcase run.'
+            'Set control = "without-faults" and a fault in the scene, and repeat gearcase run.'
         )
     with _pair(folder, train.looked_for.noise) as runs:
         return diagnoses([CaseSpec(settings=diagnosis, full=True)], runs)[0]

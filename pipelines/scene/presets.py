@@ -208,10 +208,11 @@ def preset_on(loaded: LoadedScene, preset: str) -> LoadedScene:
 def replaced(before: LoadedScene, after: LoadedScene) -> str:
     """The values of a scene that a preset replaced, as "simulation.step_us 20 -> 50, ..."; "" if none."""
     from pipelines.scene.merge import leaves
+    from pipelines.scene.problems import shown_number
 
     old, new = leaves(before.tree), leaves(after.tree)
     return ", ".join(
-        f"{'.'.join(map(str, path))} {old[path]} -> {new[path]}"
+        f"{'.'.join(map(str, path))} {shown_number(old[path])} -> {shown_number(new[path])}"
         for path in old
         if path in new and new[path] != old[path]
     )

@@ -37,6 +37,7 @@ _ELSEWHERE = {  # keys that are often written in a table that does not have them
 _MOST_WORDED = 50  # errors of one validation with a message; a file of another program has thousands
 _MOST_ITEMS = 30  # items of a list that are searched for keys
 _ONE_QUANTITY = 0.62  # share of common letters, without units, of two keys of one quantity; width and depth have 0.6
+_OF_OTHER_TABLE = 0.8  # share of common letters of a key and one of another table
 _Paths = Callable[[], list[tuple[str, ...]]]
 
 
@@ -181,7 +182,7 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
         return Problem(where, "is missing", f"Set {_example(path, model, tree)}.")
     if kind in _LIMITS:
         words, name = _LIMITS[kind]
-        limit = _number(context[name])
+        limit = shown_number(context[name])
         return Problem(
             where,
             f"must be {words} {limit}{unit.removeprefix(' in')}",
@@ -292,13 +293,17 @@ def _unknown_key(
     head = path[0] if len(path) > 1 else ""
     if other := nearest(path[-1], [key for start, key in _ELSEWHERE if start == head]):
         return message, _ELSEWHERE[head, other]
-    if longer := [key for key in known if key.endswith(f"_{path[-1]}")]:  # bore_mm: pinion_bore_mm, wheel_bore_mm
+    tail = nearest(path[-1], [key.partition("_")[2] for key in known if "_" in key]) or path[-1]
+    if longer := [key for key in known if key.endswith(f"_{tail}")]:  # bor_mm: pinion_bore_mm, wheel_bore_mm
         return message, f"Did you mean {' or '.join(longer)}?"
-    if len(path) > 1 and (joined := "_".join(path[-2:])) in _at(path[:-2], model, tree).keys:  # pinion.teeth
-        return message, f"Did you mean {'.'.join((*path[:-2], joined))}?"
-    elsewhere = [p for p in paths() if p[-1] == path[-1]]
-    if elsewhere:
-        return message, f"Did you mean {'.'.join(elsewhere[0])}?"
+    if len(path) > 1:
+        start = f"{path[-2]}_"
+        parts = [k.removeprefix(start) for k in _at(path[:-2], model, tree).keys if k.startswith(start)]
+        if part := nearest(path[-1], parts):  # pinion.teth: pinion_teeth
+            return message, f"Did you mean {'.'.join((*path[:-2], start + part))}?"
+    if other := nearest_name(path[-1], dict.fromkeys(p[-1] for p in paths()), _OF_OTHER_TABLE):
+        same_head_first = min((p for p in paths() if p[-1] == other), key=lambda p: p[0] != path[0])
+        return message, f"Did you mean {'.'.join(same_head_first)}?"
     return message, f"Known keys: {', '.join(known)}." if known else ""
 
 
@@ -359,7 +364,8 @@ def _unit(key: str) -> str:
     return f" in {unit}" if unit else ""
 
 
-def _number(value: Any) -> str:
+def shown_number(value: Any) -> str:
+    """A value of a key, a real number to six digits."""
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 

@@ -43,7 +43,8 @@ def _step_sentence(trajectory: Trajectory) -> str:
     needed = needed_step_us(trajectory.step_error, trajectory.step, trajectory.output_rate)
     other = "" if trajectory.integrator == "exponential" else ', or simulation.integrator = "exponential"'
     return (
-        f"The time step of {trajectory.step * 1e6:.4g} us is too long: the error of the accelerations is about "
+        f"The time step of {trajectory.step * 1e6:.4g} us (simulation.step_us, rounded down to a fraction of the "
+        f"output interval) is too long: the error of the accelerations is about "
         f"{100 * trajectory.step_error:.2g} % (RMS of the difference, sample by sample; limit "
         f"{100 * LARGEST_STEP_ERROR:g} %). Set simulation.step_us = {needed}{other}."
     )
@@ -90,4 +91,4 @@ def gathered(warnings: Iterable[Mapping[str, str]], kinds: Container[str] = KIND
 
 
 def _many(count: int, total: int) -> str:
-    return f"all {total} motions alike" if count == total else f"{count} of {total} motions"
+    return f"all {total} motions" if count == total else f"{count} of {total} motions"

@@ -90,13 +90,19 @@ def plan_study(
 
     Raises
     ------
-    SceneError, InputError : a scene or its control cannot be simulated, or there is no memory for its signals
+    SceneError, InputError : a scene or its control cannot be simulated, there is no memory for its signals, or there
+        are `seeds` but no control
     """
     control = control_of(loaded) if with_control else None
+    if seeds and control is None:
+        raise InputError(
+            '--seeds: there is no healthy control to compare with. Set control = "without-faults" and a fault, and do '
+            "not give --no-control."
+        )
     source = loaded.source.shown
     steps: list[Step] = []
     cases: list[Case] = []
-    for label, scene in _variants(loaded.scene, both_loads and control is not None, seeds if control else 0):
+    for label, scene in _variants(loaded.scene, both_loads and control is not None, seeds):
         machine = checked_plant(scene, source)
         faulty = list(add_steps(steps, plant_steps(machine), label).values())[-1]
         healthy = healthy_plant = None
@@ -127,7 +133,9 @@ def _baseline(loaded: LoadedScene, control: LoadedScene | None, count: int) -> I
             "deviations.enabled=true."
         )
     if control is None and fault_labels(scene):
-        raise InputError('--baseline: the scene names no healthy control. Set control = "without-faults".')
+        raise InputError(
+            '--baseline: there is no healthy control. Set control = "without-faults", and do not give --no-control.'
+        )
     for seed in islice((seed for seed in count_from(1) if seed != deviations.seed), count):
         other = scene.model_copy(update={"deviations": deviations.model_copy(update={"seed": seed})})
         yield seed, checked_plant(_like(other, loaded.scene, other.deviations), source.source.shown)

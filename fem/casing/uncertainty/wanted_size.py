@@ -38,8 +38,9 @@ def wanted_factor(limits: FrequencyLimits, error: float, trial: LowestModes, coa
     if not enough:
         left = limits.median_band_at(float(_FACTORS[-1]))
         raise ExtrapolationError(
-            f"casing.error: smaller elements do not reach {100 * error:g} %: with a fifth of "
-            f"{1000 * trial.element_size:.3g} mm the median uncertainty band is {100 * left:.2g} %. Set more than that"
+            f"casing.error: smaller elements do not reach {100 * error:g} %. With the smallest size, "
+            f"{1000 * _FACTORS[-1] * trial.element_size:.3g} mm, the median uncertainty band is {100 * left:.2g} %. "
+            "Set more"
         )
     factor = enough[0]
     unknowns = trial.unknowns * factor**-growth

@@ -105,8 +105,8 @@ def _clashes(first: list[Cylinder], second: list[Cylinder], layout: Layout) -> I
                 yield Problem(
                     one.path,
                     f"the {one.name} (radius {one.radius * 1000:.2f} mm) intersects the {two.name} (radius "
-                    f"{two.radius * 1000:.2f} mm): the distance of their axes is {distance * 1000:.2f} mm, more than "
-                    f"{needed * 1000:.2f} mm is needed",
+                    f"{two.radius * 1000:.2f} mm): the distance of their axes is {distance * 1000:.2f} mm and must be "
+                    f"more than {needed * 1000:.2f} mm",
                     "Move one of them along the shafts (position_mm), or reduce one of the diameters, "
                     "or turn the stage (direction_deg)",
                 )

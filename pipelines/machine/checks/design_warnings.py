@@ -5,8 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from mbd.parts.rolling_catalogue import bore_of
 from pipelines.machine.bearings import bearing_names, bearing_table
+from pipelines.machine.casing import dimensions
+from pipelines.machine.checks.collisions import FARTHEST_SENSOR
 from pipelines.machine.checks.flank_checks import flank_warnings
 from pipelines.machine.checks.strength import strength_warnings
 from pipelines.machine.checks.window_checks import bad_windows
@@ -16,6 +20,7 @@ from pipelines.machine.plant import Drivetrain
 from pipelines.scene.problems import other_unit
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import shaft_faults
+from pipelines.scene.tables.housing import HousingBase
 from pipelines.scene.tables.motion import LoadBase
 
 HARMONICS = 5  # of the fastest mesh that a good record holds
@@ -27,6 +32,7 @@ def design_warnings(scene: Scene, machine: Drivetrain) -> tuple[str, ...]:
     return (
         *_materials(scene),
         *_mounts(scene),
+        *_sensors(scene, layout),
         *_gears(scene, layout),
         *flank_warnings(scene, machine),
         *strength_warnings(scene, layout),
@@ -55,6 +61,22 @@ def _mounts(scene: Scene) -> Iterator[str]:
             'casing.mounts_N_per_um is ignored with casing.ground = "fixed". Set casing.ground = "springs", or delete '
             "casing.mounts_N_per_um"
         )
+
+
+def _sensors(scene: Scene, layout: Layout) -> Iterator[str]:
+    """Sensors at one place, and deep inside a parametric housing, as are positions in another unit."""
+    box = 1000 * np.array(dimensions(scene.housing, layout).box) if isinstance(scene.housing, HousingBase) else None
+    names: dict[tuple, str] = {}
+    for number, sensor in enumerate(scene.sensors, 1):
+        place = f"sensors.{number}.position_mm"
+        other = names.setdefault((*sensor.position_mm, *sensor.axes), sensor.name)
+        if other != sensor.name:
+            yield f"{place}: {sensor.name} is at the place of {other}, so their signals are equal. Correct one of them"
+        if box is not None and (depth := np.abs(box - sensor.position_mm).min()) > FARTHEST_SENSOR:
+            yield (
+                f"{place}: {sensor.name} is {depth:.0f} mm inside the outer walls, and measures at the nearest point "
+                "of the surface. Correct the position, in mm"
+            )
 
 
 def _gears(scene: Scene, layout: Layout) -> Iterator[str]:

@@ -76,13 +76,13 @@ def _short_window(
     if revolutions >= FEWEST_REVOLUTIONS:
         return
     held = (window[1] - window[0]) * frequency
-    cut = f"; the spectra use {revolutions} of them, a whole number of samples" if int(held) > revolutions else ""
+    cut = f", of which only {revolutions} fill a whole number of samples" if int(held) > revolutions else ""
     yield Problem(
         f"diagnosis.windows_s.{name}",
-        f"has {held:.1f} revolutions of {_gear(scene)}{cut}. The diagnosis needs {FEWEST_REVOLUTIONS}",
+        f"has {held:.1f} revolutions of {_gear(scene)}{cut}; the diagnosis needs {FEWEST_REVOLUTIONS}",
         f"Set a window of {(FEWEST_REVOLUTIONS + bool(cut)) / frequency:.2f} s or more, or run with --set "
-        "diagnosis.windows_s={} for signals without diagnosis. Windows of an extended scene stay unless one of the "
-        "same name replaces them",
+        "diagnosis.windows_s={} for signals without diagnosis. A window of the scene named by extends stays "
+        "unless one of the same name replaces it",
         f"[{window[0]:g}, {window[1]:g}]",
     )
 

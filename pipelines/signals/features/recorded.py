@@ -97,7 +97,7 @@ def feature_table(
             known_speed = ", correct teeth, set speed with its uncertainty, or record a tachometer"
             remedy = known_speed if rotation.conditional else " or one at a higher speed"
             raise FeatureError(
-                f"{name}: no shaft of known speed makes {FEWEST_TURNS} revolutions between {window[0]:g} and "
+                f"{name}: no shaft with a confirmed speed makes {FEWEST_TURNS} revolutions between {window[0]:g} and "
                 f"{min(window[1], float(time[-1])):g} s.{reasons} Set a longer window{remedy}."
             )
         speeds.append(turning[0][1].frequency / turning[0][0].ratio)

@@ -90,8 +90,9 @@ def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) ->
     orders = orders[orders * nominal * (1.0 + RANGE) < HIGHEST * rate]
     if not len(orders):
         raise RotationError(
-            f"the mesh of stage {stage} may lie at {(1.0 + RANGE) * mesh * nominal:.4g} Hz ({100 * RANGE:g} % above "
-            f"speed_rpm), beyond {HIGHEST:g} of the sampling rate, {rate:g} Hz. Sample faster, or record a tachometer."
+            f"the mesh frequency of stage {stage} at {1.0 + RANGE:g} times speed_rpm, "
+            f"{(1.0 + RANGE) * mesh * nominal:.4g} Hz, is above {HIGHEST * rate:.4g} Hz ({HIGHEST:g} of the sampling "
+            f"rate of {rate:g} Hz). Correct speed_rpm or the unit of time, sample faster, or record a tachometer."
         )
     search = _search_orders(kinematics, rate)
     middles, speeds = speed_path(signals, rate, search, nominal, 2.0 * seconds, change)
@@ -101,10 +102,11 @@ def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) ->
     size = round(seconds * rate)
     signals = _clearest(signals, angle, orders, size)
     unsteady = (
-        f"the speed cannot be found from the mesh vibration. Either no line at a mesh order of stage {stage} has a "
-        f"steady phase. Or shaft 1 does not turn at {60.0 * nominal:.5g} rpm within {100 * RANGE:g} %, or its speed "
-        f"changes by more than {change:.3g} Hz per second. Correct speed_rpm, set speed with its uncertainty, "
-        "record a tachometer, or cut the recording to a part at steady speed."
+        "the speed cannot be found from the mesh vibration, for one of three reasons: no line at a mesh order of "
+        f"stage {stage} has a steady phase, shaft 1 does not turn at {60.0 * nominal:.5g} rpm within "
+        f"{100 * RANGE:g} %, or its speed changes by more than {change:.3g} Hz per second. In the machine file, "
+        "correct speed_rpm or set speed with its uncertainty. Or record a tachometer, or cut the recording to a "
+        "part at steady speed."
     )
     angle, _, _ = _tracked(signals, angle, orders, size, unsteady, most=1)
     angle = _at_best_speed(signals, angle, rate, kinematics)
@@ -127,8 +129,9 @@ def _check_length(duration: float, seconds: float, stage: int) -> None:
     """Raise RotationError for a recording with fewer than FEWEST_WINDOWS windows of the phase."""
     if duration < (FEWEST_WINDOWS + 1) * seconds / 2:
         raise RotationError(
-            f"the recording lasts {duration:.3g} s; the phase of the mesh of stage {stage} needs "
-            f"{(FEWEST_WINDOWS + 1) * seconds / 2:.3g} s. Use a longer recording, or one with a tachometer."
+            f"the recording lasts {duration:.3g} s; to find the speed from the mesh of stage {stage} takes "
+            f"{(FEWEST_WINDOWS + 1) * seconds / 2:.3g} s at this speed. Correct speed_rpm, or use a longer recording "
+            "or one with a tachometer."
         )
 
 

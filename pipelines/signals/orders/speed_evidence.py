@@ -162,7 +162,7 @@ def _unlike(levels: OrderLevels, kinematics: Kinematics, shaft: Shaft, reach: in
     level = deviations(1)
     shown, between, other = level[0], level[-1], level[1 : 1 + len(neighbours)].max(initial=0.0)
     if max(shown, other) < CONFIRMED:
-        return "it shows no sidebands at its own spacing"
+        return "its mesh lines have no sidebands at its revolution frequency"
     if other > shown / CLEARLY:
         found = "another number of teeth" if other > shown else "one tooth more or less, too"
         return f"its sidebands have the spacing of a gear with {found}"
