@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -126,6 +125,7 @@ def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, 
     """Write a picture where the damage acts, or at the given position; with more than one frame also the animation."""
     import numpy as np
 
+    from pipelines.engine.progress import reported_count
     from pipelines.report.figures.mesh_pictures import write_film, write_still
     from pipelines.steps.pair_curves import acting
 
@@ -134,12 +134,9 @@ def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, 
     if frames == 1:
         return
 
-    def progress(part: float) -> None:
-        if not options.quiet:
-            sys.stderr.write(f"\rfilm {stem.name}: {100 * part:.0f} %" + "\n" * (part >= 1.0))
-            sys.stderr.flush()
-
-    yield from _listed(write_film, shown.mesh_view(_cycles(shown, options)), stem, progress)
+    with reported_count("pictures", quiet=options.quiet) as report:
+        written = _listed(write_film, shown.mesh_view(_cycles(shown, options)), stem, report)
+    yield from written
 
 
 def _write_casing(graph: Graph, machine: Plant, folder: Path, work: Work) -> Iterator[str]:

@@ -1,21 +1,11 @@
-"""The cost of a run, and tables of values in a report."""
+"""Tables of values in a report."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 from pipelines.io.grid import Grid
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class RunCost:
-    """Cost of a run: rows of its steps, a summary of what was computed, and versions and keys."""
-
-    steps: Sequence[Mapping[str, Any]] = ()
-    ledger: Mapping[str, Any] = field(default_factory=dict)
-    provenance: Mapping[str, Any] = field(default_factory=dict)
 
 
 def grid(title: str, rows: Sequence[Mapping[str, Any]]) -> Grid:

@@ -8,7 +8,6 @@ from pipelines.diagnosis.verdict import decibels
 from pipelines.diagnosis.words import STRENGTH
 from pipelines.io.grid import Grid
 from pipelines.report import page
-from pipelines.report.first_figures import Average, Envelope, average_figure, envelope_figure
 
 RANKED_AT_ONCE = 5  # components on the first screen; the others open on a click
 
@@ -18,8 +17,7 @@ def first_screen(
     sentences: Sequence[str] = (),
     found: bool | None = None,
     figures: Sequence[tuple[str, str]] = (),
-    average: Average | None = None,
-    envelope: Envelope | None = None,
+    evidence: Sequence[str] = (),
     ranking: Sequence[tuple[str, float, str, str]] = (),
     ranking_note: str = "",
 ) -> list[str]:
@@ -29,14 +27,14 @@ def first_screen(
     ----------
     sentences, found : the verdict, the answer first; whether damage is found, None without a diagnosis
     figures : names with their values: f_m, f_r, speed
-    average, envelope : the two figures that support the verdict
+    evidence : the figures that support the verdict, as HTML
     ranking : components with their increase in dB, their evidence ("-" where it has no limit), and a remark
     ranking_note : explains the columns of the ranking
     """
     return [
         *_verdict(sentences, found),
         *_figures(figures),
-        *_evidence(average, envelope),
+        *([f'<div id="evidence">{"".join(evidence)}</div>'] if evidence else []),
         *_ranking(ranking, ranking_note),
     ]
 
@@ -54,15 +52,6 @@ def _figures(figures: Sequence[tuple[str, str]]) -> list[str]:
         return []
     pairs = (f"<div><dt>{page.typeset(n)}</dt><dd>{page.typeset(v)}</dd></div>" for n, v in figures)
     return [f'<dl id="numbers">{"".join(pairs)}</dl>']
-
-
-def _evidence(average: Average | None, envelope: Envelope | None) -> list[str]:
-    parts = []
-    if average is not None:
-        parts.append(page.picture(average_figure(average), average.caption))
-    if envelope is not None:
-        parts.append(page.picture(envelope_figure(envelope), envelope.caption))
-    return [f'<div id="evidence">{"".join(parts)}</div>'] if parts else []
 
 
 def _ranking(ranking: Sequence[tuple[str, float, str, str]], note: str) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from pipelines.io.shown import shown
+from pipelines.io.shown import number_of, shown
 from pipelines.rexs.document import Document
 from pipelines.rexs.gear_unit import Note
 
@@ -77,7 +77,4 @@ def _times(count: int) -> str:
 
 def _empty(text: str) -> bool:
     """Whether a text is empty or zero."""
-    try:
-        return float(text or 0) == 0
-    except ValueError:
-        return False
+    return number_of(text or "0") == 0

@@ -23,7 +23,6 @@ from pipelines.engine.run_graph import Outcome, Work
 from pipelines.engine.step import Graph, Step, StepRecord
 from pipelines.io.errors import WorkError
 from pipelines.machine.plant import Plant
-from pipelines.report.contents import RunCost
 from pipelines.report.report import write_report
 from pipelines.runs import run_folder
 from pipelines.runs.claims import claimed
@@ -203,12 +202,7 @@ class _Files:
 
     def _write_report(self, found: Mapping[str, Any]) -> None:
         facts = _facts(self._loaded.name, self._study.plant, self.outcome)
-        cost = RunCost(
-            steps=[{name: row[name] for name in ("step", "seconds", "peak MB")} for row in facts["steps"]],
-            ledger=facts["ledger"],
-            provenance={name: value for name, value in facts.items() if name not in ("ledger", "steps")},
-        )
-        write_report(self._folder / run_folder.REPORT, self._study.plant.title, found["body"], cost)
+        write_report(self._folder / run_folder.REPORT, self._study.plant.title, found["body"], facts)
         run_folder.write_json(self._folder / run_folder.RUN, facts)
         self.left_out += found["left_out"]
 

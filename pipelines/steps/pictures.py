@@ -154,9 +154,9 @@ def rendered_casing(mesh: CasingMesh, sensors: Sequence[Sensor]) -> Picture:
     """Picture of the casing mesh with ground, bearing and sensor points."""
     from fem.casing.reduced.attachment import nearest_surface_point
     from pipelines.report.figures.render import render_casing
-    from pipelines.report.figures.shapes import casing_view
+    from pipelines.report.figures.shapes import casing_surface
 
     points = dict(zip(mesh.patch_names, mesh.patch_points, strict=True))
     for sensor in sensors:
         _, _, points[sensor.name] = nearest_surface_point(mesh.nodes, mesh.facets, np.array(sensor.position))
-    return render_casing(casing_view(mesh.nodes, mesh.facets, list(points), np.array(list(points.values()))))
+    return render_casing(*casing_surface(mesh.nodes, mesh.facets), points)

@@ -50,26 +50,24 @@ def write_still(view: MeshView, stem: Path) -> Path:
     return still
 
 
-def write_film(view: MeshView, stem: Path, progress: Callable[[float], None]) -> list[Path]:
+def write_film(view: MeshView, stem: Path, on_progress: Callable[[int, int], None]) -> list[Path]:
     """Write <stem>.gif and .html with all frames.
 
     Parameters
     ----------
     view : gears and states
     stem : of the files
-    progress : function called with the finished part, from 0 to 1
+    on_progress : called with the number of finished pictures and that of all
     """
-    progress(0.0)
     pictures = _rendered(view, FILM_SIZE)
-    frames, count = [], len(view.cycles)
-    for n in range(count):
-        progress(0.5 + 0.5 * n / count)
+    frames = []
+    for n in range(len(view.cycles)):
         frames.append(png(mesh_figure(view, [of_state[n] for of_state in pictures], n, _most(view))))
+        on_progress(len(frames), len(view.cycles))
     film, page = stem.with_suffix(".gif"), stem.with_suffix(".html")
     write_gif(frames, film, MILLISECONDS)
     labels = [f"mesh cycle {cycle:.3f}" for cycle in view.cycles]
     write_whole(page, film_page(view.title, frames, "position", labels, MILLISECONDS))
-    progress(1.0)
     return [film, page]
 
 

@@ -19,7 +19,7 @@ from pipelines.machine.plant import Plant
 from pipelines.report.figures.damage import drawn_tooth
 from pipelines.report.figures.scene_frame import scene_frame
 from pipelines.report.figures.tooth_shape import DrawnTooth
-from pipelines.report.figures.views import CasingView, GearPairView, GearView
+from pipelines.report.figures.views import GearPairView, GearView
 
 VISIBLE = 1 / 7  # of a turn before it meshes, where the other gear does not hide a damaged tooth
 
@@ -159,22 +159,17 @@ def outline(gear: Gear, centre_angle: float) -> np.ndarray:
     return np.concatenate(corners)
 
 
-def casing_view(nodes: np.ndarray, facets: np.ndarray, names: Sequence[str], positions: np.ndarray) -> CasingView:
-    """Surface of a casing by its corner nodes, and its key points.
+def casing_surface(nodes: np.ndarray, facets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Surface of a casing by its corner nodes: nodes float (m, 3), m, and triangles int (t, 3).
 
     Parameters
     ----------
     nodes : float (n, 3), m
     facets : int (f, k), see `fem.elements.facets`
-    names, positions : key points, float (p, 3), m
     """
     corners = corner_triangles(np.asarray(facets)).reshape(-1, 3)
     used, triangles = np.unique(corners, return_inverse=True)
-    return CasingView(
-        nodes=np.asarray(nodes, dtype=float)[used],
-        triangles=triangles.reshape(corners.shape),
-        points={name: np.asarray(place, dtype=float) for name, place in zip(names, positions, strict=True)},
-    )
+    return np.asarray(nodes, dtype=float)[used], triangles.reshape(corners.shape)
 
 
 def _open_end(pair: GearPair, sense: int) -> int:
