@@ -6,10 +6,14 @@ import html
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import xarray
 
 from pipelines.diagnosis.cases import Case, Damage, cases_grid
+from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.line_words import criterion, directions
+from pipelines.diagnosis.uncertainty.line_bars import LineBars
 from pipelines.diagnosis.words import note
 from pipelines.engine.progress import step_words
 from pipelines.io.grid import Grid
@@ -17,13 +21,7 @@ from pipelines.report import page, spectra
 from pipelines.report.contents import cell, grid, turned
 from pipelines.report.figures.plots import drive_figure
 from pipelines.report.figures.views import LeftOut
-
-if TYPE_CHECKING:
-    import xarray
-
-    from pipelines.diagnosis.control_diagnosis import Diagnosis
-    from pipelines.diagnosis.uncertainty.line_bars import LineBars
-    from pipelines.signals.analysis import DiagnosisSettings
+from pipelines.signals.analysis import DiagnosisSettings
 
 Rows = Sequence[Mapping[str, Any]]
 ROLLING = (

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from matplotlib.figure import Figure
 
 from pipelines.diagnosis.verdict import ALARM
 from pipelines.diagnosis.words import NAMES
@@ -12,9 +14,6 @@ from pipelines.io.grid import Grid
 from pipelines.io.shown import number_of
 from pipelines.studies.detect.probability import Detection, Share
 from pipelines.studies.detect.study import Detectability, Point
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 MOSTLY = 0.9  # of the damaged machines: a size that is found reliably
 
