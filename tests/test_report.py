@@ -16,9 +16,8 @@ from synthetic import MESH, WHEEL, response
 
 from pipelines.diagnosis.control_diagnosis import DiagnosisSettings, diagnose
 from pipelines.diagnosis.export import ExportError, export
-from pipelines.io.grid import Grid, GridError
+from pipelines.io.grid import Grid, GridError, cell, grid
 from pipelines.report import page, pictures
-from pipelines.report.contents import cell, grid
 from pipelines.report.figures.plots import StiffnessPlot, drive_figure, stiffness_figure, waveform_figure
 from pipelines.report.figures.views import LeftOut
 from pipelines.report.first_figures import average_figure, envelope_figure

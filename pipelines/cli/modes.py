@@ -101,7 +101,7 @@ def mode_rows(modes: LinearModes) -> list[dict[str, Any]]:
 
 def mode_table(title: str, modes: LinearModes) -> Grid:
     """One row per mode; shares of its strain and kinetic energy in per cent."""
-    from pipelines.report.contents import grid
+    from pipelines.io.grid import grid
 
     columns = {kind: words for kind, words in KINDS.items() if kind in modes.part_kinds}
     columns |= {name: name.replace("_", " ") for name in modes.mesh_names}

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from pipelines.diagnosis.verdict import decibels
 from pipelines.diagnosis.words import STRENGTH
-from pipelines.io.grid import Grid
+from pipelines.io.grid import grid
 from pipelines.report import page
 
 RANKED_AT_ONCE = 5  # components on the first screen; the others open on a click
@@ -57,12 +57,13 @@ def _figures(figures: Sequence[tuple[str, str]]) -> list[str]:
 def _ranking(ranking: Sequence[tuple[str, float, str, str]], note: str) -> list[str]:
     if not ranking:
         return []
-    rows = [(component, decibels(evidence), *others) for component, evidence, *others in ranking]
-    headers = ("component", "increase dB", STRENGTH, "remark")
-    first, more = rows[:RANKED_AT_ONCE], rows[RANKED_AT_ONCE:]
-    parts = [page.table(Grid(title="Components by their evidence", headers=headers, rows=tuple(first)))]
+    rows = [
+        {"component": component, "increase dB": decibels(increase), STRENGTH: strength, "remark": remark}
+        for component, increase, strength, remark in ranking
+    ]
+    more = rows[RANKED_AT_ONCE:]
+    parts = [page.table(grid("Components by their evidence", rows[:RANKED_AT_ONCE]))]
     if more:
-        rest = Grid(title="", headers=headers, rows=tuple(more))
-        parts.append(page.folded(f"{len(more)} more components", page.table(rest)))
+        parts.append(page.folded(f"{len(more)} more components", page.table(grid("", more))))
     parts += [page.note(note)] if note else []
     return [f'<div id="ranking">{"".join(parts)}</div>']

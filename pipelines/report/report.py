@@ -16,9 +16,8 @@ from pipelines.diagnosis.line_words import criterion, directions
 from pipelines.diagnosis.uncertainty.line_bars import LineBars
 from pipelines.diagnosis.words import note
 from pipelines.engine.progress import step_words
-from pipelines.io.grid import Grid
+from pipelines.io.grid import Grid, cell, grid, turned
 from pipelines.report import page, spectra
-from pipelines.report.contents import cell, grid, turned
 from pipelines.report.figures.plots import drive_figure
 from pipelines.report.figures.views import LeftOut
 from pipelines.signals.analysis import DiagnosisSettings

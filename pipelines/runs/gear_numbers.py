@@ -136,7 +136,9 @@ def gear_curves(pairs: Sequence[PairLaws], states: Sequence[MeshState]) -> xarra
         at = np.searchsorted(numbers, pair)
         spread[0, i, :, at], spread[1, i, :, at] = share.T, pressure.T
     torques = [curve.force * c.laws.pair.pinion.base_radius for c, curve in zip(cases, curves, strict=True)]
-    data = {name: (("case", "position"), np.array([getattr(c, name) for c in curves])) for name in _CURVES}
+    data: dict[str, Any] = {
+        name: (("case", "position"), np.array([getattr(c, name) for c in curves])) for name in _CURVES
+    }
     data |= {name: (("case", "position", "pair"), spread[i]) for i, name in enumerate(_BY_PAIR)}
     words = _CURVES | _BY_PAIR
     along = quantity("1", "mesh cycles from contact of the tooth at the pitch point")

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from pipelines.diagnosis.verdict import ALARM
 from pipelines.diagnosis.words import NAMES
-from pipelines.io.grid import Grid
+from pipelines.io.grid import Grid, grid
 from pipelines.io.shown import number_of
 from pipelines.studies.detect.probability import Detection, Share
 from pipelines.studies.detect.study import Detectability, Point
@@ -89,22 +89,18 @@ def false_alarm_grid(found: Detectability) -> Grid:
 
 def channel_grid(found: Detectability) -> Grid:
     """A row per sensor and axis alone, the best first."""
-    rows = tuple(
-        (
-            str(rank),
-            one.sensor,
-            one.axis,
-            f"{one.index:.1f}",
-            f"{one.component} {NAMES.get(one.feature, one.feature)}",
-            words(one.detected),
-        )
+    rows = [
+        {
+            "rank": rank,
+            "sensor": one.sensor,
+            "axis": one.axis,
+            "d'": f"{one.index:.1f}",
+            "by": f"{one.component} {NAMES.get(one.feature, one.feature)}",
+            "detected": words(one.detected),
+        }
         for rank, one in enumerate(found.channels, 1)
-    )
-    return Grid(
-        title=f"Each channel alone, over all values, with {found.noises[0]:g} m/s2 of noise",
-        headers=("rank", "sensor", "axis", "d'", "by", "detected"),
-        rows=rows,
-    )
+    ]
+    return grid(f"Each channel alone, over all values, with {found.noises[0]:g} m/s2 of noise", rows)
 
 
 def words(one: Share) -> str:

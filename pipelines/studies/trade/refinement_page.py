@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from pipelines.io.grid import Grid
-from pipelines.report.contents import grid
+from pipelines.io.grid import Grid, grid
 from pipelines.studies.trade.axes import AXES
 from pipelines.studies.trade.probes import POSITIONS
 from pipelines.studies.trade.refinement import RefinementStudy
