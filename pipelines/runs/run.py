@@ -176,9 +176,9 @@ class _Files:
         facts = _facts(loaded.name, study.plant, Outcome({name: results[name] for name in needed}))
         run_folder.write_json(self._folder / run_folder.RUN, facts)
         case = study.cases[0]
-        _write_response(self._folder / run_folder.RESPONSE, results[case.faulty].load(), case.plant, facts)
-        if case.healthy is not None and case.control is not None:
-            _write_response(self._folder / run_folder.CONTROL, results[case.healthy].load(), case.control, facts)
+        _write_response(self._folder / run_folder.RESPONSE, results[case.own.step].load(), case.own.plant, facts)
+        if (control := case.control) is not None:
+            _write_response(self._folder / run_folder.CONTROL, results[control.step].load(), control.plant, facts)
 
     def _write_verdict(self, found: Mapping[str, Any]) -> None:
         if found["failure"]:

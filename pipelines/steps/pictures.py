@@ -57,7 +57,7 @@ def picture_steps(machine: Plant, names: Iterable[str]) -> list[Step]:
                 name=CASING,
                 kind="casing-picture",
                 build=build_casing,
-                spec=CasingPictureSpec(sensors=machine.sensors),
+                spec=machine.sensors,
                 takes={"mesh": "casing mesh"},
                 libraries=("numpy", "matplotlib", "pyvista"),
                 seconds=2.0,
@@ -107,19 +107,12 @@ def build_curves(
     return {"gears": gears, "stiffness": pictures.stiffness(curves) if curves else ""}
 
 
-@dataclass(frozen=True, kw_only=True)
-class CasingPictureSpec:
-    """The sensors that are labelled in the picture."""
-
-    sensors: tuple[Sensor, ...]
-
-
-def build_casing(spec: CasingPictureSpec, *, mesh: CasingMesh) -> str | Unkept:
+def build_casing(sensors: Sequence[Sensor], *, mesh: CasingMesh) -> str | Unkept:
     """The picture of the casing with its key points as an element of the page, or why there is none."""
     from pipelines.report import pictures
 
     try:
-        return pictures.casing(rendered_casing(mesh, spec.sensors))
+        return pictures.casing(rendered_casing(mesh, sensors))
     except NotRendered as error:
         return Unkept(LeftOut(reason=str(error)))
 
