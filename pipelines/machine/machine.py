@@ -134,8 +134,19 @@ def _law_refusal(spec: LawSpec) -> str:
     return ""
 
 
-def _annulus(name: str, y: float, inner: float, outer: float, width: float, density: float) -> Disk:
-    """A hollow cylinder as a rigid disk: J_p = m (R^2 + r^2)/2 polar, J_d = m (3 (R^2 + r^2) + b^2)/12 diametral."""
+def gear_disk(name: str, y: float, gear: Gear, density: float) -> Disk:
+    """The gear body from its bore to its reference circle as a rigid hollow cylinder.
+
+    J_p = m (R^2 + r^2)/2 is the polar, J_d = m (3 (R^2 + r^2) + b^2)/12 the diametral moment of inertia.
+
+    Parameters
+    ----------
+    name : of the disk
+    y : m, place on the shaft
+    gear : the gear
+    density : kg/m3
+    """
+    inner, outer, width = gear.bore_radius, gear.reference_radius, gear.face_width
     mass = density * math.pi * (outer**2 - inner**2) * width
     square = outer**2 + inner**2
     return Disk(
@@ -145,19 +156,6 @@ def _annulus(name: str, y: float, inner: float, outer: float, width: float, dens
         polar_inertia=mass * square / 2,
         diametral_inertia=mass * (3 * square + width**2) / 12,
     )
-
-
-def gear_disk(name: str, y: float, gear: Gear, density: float) -> Disk:
-    """The gear body from its bore to its reference circle.
-
-    Parameters
-    ----------
-    name : of the disk
-    y : m, place on the shaft
-    gear : the gear
-    density : kg/m3
-    """
-    return _annulus(name, y, gear.bore_radius, gear.reference_radius, gear.face_width, density)
 
 
 def _disks(scene: Scene, layout: Layout, shaft: int) -> list[Disk]:

@@ -40,16 +40,12 @@ def first_screen(
 
 
 def _verdict(sentences: Sequence[str], found: bool | None) -> list[str]:
-    if not sentences:
-        return []
     style = {True: "fault", False: "none", None: "open"}[found]
     parts = [page.paragraph(sentence) for sentence in sentences]
     return [f'<div class="verdict {style}" id="verdict">{"".join(parts)}</div>']
 
 
 def _figures(figures: Sequence[tuple[str, str]]) -> list[str]:
-    if not figures:
-        return []
     pairs = (f"<div><dt>{page.typeset(n)}</dt><dd>{page.typeset(v)}</dd></div>" for n, v in figures)
     return [f'<dl id="numbers">{"".join(pairs)}</dl>']
 

@@ -338,8 +338,13 @@ def _render(
             reason = f"The picture of the {name} is left out: {failure.what}. {failure.remedy}"
             log.warning("%s", reason)
             raise NotRendered(reason)
+        from matplotlib.image import imread
+
         pixels = json.loads(Path(job["pixels"]).read_text("utf-8"))
-        return [Picture(image=_read_image(file), places=pixels) for file in job["images"]]
+        return [
+            Picture(image=np.rint(imread(file)[..., :3] * 255).astype(np.uint8), places=pixels)
+            for file in job["images"]
+        ]
 
 
 def _run_job(folder: Path, job: Mapping[str, Any], arrays: Mapping[str, Any], timeout: float | None) -> Failure | None:
@@ -366,9 +371,3 @@ def _run_child(job: Path, timeout: float | None) -> Failure | None:
     except subprocess.TimeoutExpired as error:
         return too_slow(error.timeout)
     return None if done.returncode == 0 else ended(done.returncode, done.stderr)
-
-
-def _read_image(path: str) -> np.ndarray:
-    from matplotlib.image import imread
-
-    return np.rint(imread(path)[..., :3] * 255).astype(np.uint8)
