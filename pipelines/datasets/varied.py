@@ -47,7 +47,8 @@ def sets(plan: Mapping[str, Any], variable: str) -> list[str]:
     name = re.compile(rf"\b{variable}\b")
     cases = [case for values in plan["cases"].values() for case in values.values()]
     trees = (plan["settings"], *cases)
-    found = [".".join(path) for tree in trees for path, text in expressions(tree) if name.search(text)]
+    paths = [".".join(path) for tree in trees for path, text in expressions(tree) if name.search(text)]
+    found = [re.sub(r"(\.\d+)+$", "", path) for path in paths]  # an item of a list has the key of the list
     return list(dict.fromkeys(found + [f"cases.{variable}"] * (variable in plan["cases"])))
 
 
