@@ -45,7 +45,7 @@ def export_dataset(folder: Path, form: str, out: str | None, **selection: Any) -
     folder : of the data set
     form : file format, a key of FORMATS
     out : file or folder; None for pieces.npz, pieces.hdf5, pieces-csv or pieces-mat in the data set
-    selection : runs and pieces, by the keywords of `_cut`
+    **selection : runs and pieces, by the keywords of `_cut`
 
     Raises
     ------
