@@ -42,10 +42,10 @@ class KeptRun:
     age: float  # s, since its signals were written
 
 
-def kept_runs(root: Path) -> tuple[KeptRun, ...]:
-    """All runs below a folder as ``runs/<scene>/<time>``, newest first."""
-    now = time.time()
-    return tuple(kept_run(number, folder, now) for number, folder in enumerate(finished_runs(root), 1))
+def kept_runs(root: Path, now: float | None = None) -> tuple[KeptRun, ...]:
+    """All runs below a folder as ``runs/<scene>/<time>``, newest first; `now` (s since 1970) is that of the clock."""
+    clock = time.time() if now is None else now
+    return tuple(kept_run(number, folder, clock) for number, folder in enumerate(finished_runs(root), 1))
 
 
 def kept_run(number: int, folder: Path, now: float) -> KeptRun:
