@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pipelines.cli.command_line import json_argument, scene_and_work, work_arguments
 from pipelines.io.argument_types import number, positive
@@ -73,7 +73,17 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         found = {
             "scene": loaded.name,
             "cycle": cycle,
-            "modes": mode_rows(modes),
+            "modes": [
+                {
+                    "frequency_Hz": frequency,
+                    "damping_ratio": damping,
+                    "dominant": dominant,
+                    "shares": dict(zip(modes.part_names, shares, strict=True)),
+                }
+                for frequency, damping, dominant, shares in zip(
+                    modes.frequencies, modes.damping_ratios, modes.dominant, modes.shares, strict=True
+                )
+            ],
             "foot_forces_N": dict(zip(modes.foot_names, modes.foot_forces.tolist(), strict=True)),
             "notes": notes(machine, modes, options.up_to),
         }
@@ -82,21 +92,6 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     title = f"{loaded.name}: small vibrations about the loaded static equilibrium, stage 1 at mesh cycle {cycle:.4g}"
     yield mode_table(title, modes).to_text() + "\n"  # a table without modes ends in an empty line
     yield from notes(machine, modes, options.up_to)
-
-
-def mode_rows(modes: LinearModes) -> list[dict[str, Any]]:
-    """One table per mode: Hz, damping ratio, what makes it, and the share (1) of every part in its energy."""
-    return [
-        {
-            "frequency_Hz": frequency,
-            "damping_ratio": damping,
-            "dominant": dominant,
-            "shares": dict(zip(modes.part_names, shares, strict=True)),
-        }
-        for frequency, damping, dominant, shares in zip(
-            modes.frequencies, modes.damping_ratios, modes.dominant, modes.shares, strict=True
-        )
-    ]
 
 
 def mode_table(title: str, modes: LinearModes) -> Grid:

@@ -86,7 +86,10 @@ def drivetrain(scene: Scene, layout: Layout, problems: Problems) -> Drivetrain:
         labels=labels(scene),
         models=scene.models(),
         layout=layout,
-        laws=tuple(law_specs(scene, layout)),
+        laws=tuple(  # without modifications and damage of the flanks
+            LawSpec(pair=replace(pair, backlash_allowance=0.0), mesh=loaded_model(stage.mesh.made(), facts.line_load))
+            for stage, pair, facts in zip(scene.stages, layout.pairs, layout.stages, strict=True)
+        ),
         flanks=tuple(
             flanks_spec(pair, modifications, faults, number)
             for number, (pair, modifications) in enumerate(zip(layout.pairs, layout.modifications, strict=True), 1)
@@ -111,17 +114,6 @@ def drivetrain(scene: Scene, layout: Layout, problems: Problems) -> Drivetrain:
             speed_is_known=isinstance(scene.drive, SpeedDrive),
         ),
     )
-
-
-def law_specs(scene: Scene, layout: Layout) -> list[LawSpec]:
-    """The mesh laws of a scene by stage, without modifications and damage of the flanks."""
-    return [
-        LawSpec(
-            pair=replace(pair, backlash_allowance=0.0),
-            mesh=loaded_model(stage.mesh.made(), facts.line_load),
-        )
-        for stage, pair, facts in zip(scene.stages, layout.pairs, layout.stages, strict=True)
-    ]
 
 
 @functools.lru_cache(maxsize=64)

@@ -87,7 +87,7 @@ def report_body(
     """The page without its cost: the answer on the first screen, then the signals, then all other sections, folded.
 
     Sections that do not apply to the run are omitted. Tables are rows of named cells (the keys are the headers);
-    numbers have four digits. Pictures and stiffness are elements of the page, see `pipelines.report.pictures`.
+    numbers have four digits. Pictures and stiffness are elements of the page, see `pipelines.steps.pictures`.
 
     Parameters
     ----------

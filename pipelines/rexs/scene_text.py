@@ -80,7 +80,18 @@ def scene_text(unit: GearUnit, name: str) -> SceneText:
         *(line for number, stage in enumerate(stages, 1) for line in _stage_lines(unit, number, stage)),
         *shafts,
         *joints,
-        *_plain_lines(grade),
+        "",
+        "[shaft_model]",
+        'model = "timoshenko"',
+        "",
+        "[deviations]",
+        "enabled = true",
+        f"iso_grade = {grade}",
+        "seed = 1",
+        "",
+        "[casing]",
+        'model = "none"  # signals are bearing forces; for sensors set a housing, see docs/scene-keys.md:',
+        '# model = "rigid", with [casing.housing] (box, or model = "step" with a file), [casing.material], [[sensors]]',
         *_motion_lines(unit, motion, stages),
     ]
     return SceneText("\n".join([*_head(unit, notes), *body, ""]), tuple(notes), motion.missing)
@@ -217,23 +228,6 @@ def _cylinders(unit: GearUnit, shaft: Shaft, notes: list[Note], path: str) -> It
                 "diameter_mm": section.outer[0] + middle * (section.outer[1] - section.outer[0]),
                 "bore_mm": section.inner[0] + middle * (section.inner[1] - section.inner[0]),
             }
-
-
-def _plain_lines(grade: int) -> list[str]:
-    return [
-        "",
-        "[shaft_model]",
-        'model = "timoshenko"',
-        "",
-        "[deviations]",
-        "enabled = true",
-        f"iso_grade = {grade}",
-        "seed = 1",
-        "",
-        "[casing]",
-        'model = "none"  # signals are bearing forces; for sensors set a housing, see docs/scene-keys.md:',
-        '# model = "rigid", with [casing.housing] (box, or model = "step" with a file), [casing.material], [[sensors]]',
-    ]
 
 
 def _motion_lines(unit: GearUnit, motion: MotionTables, stages: list[StageTable]) -> Iterator[str]:
