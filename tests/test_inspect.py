@@ -24,10 +24,10 @@ from pipelines.machine.flanks_spec import FlanksSpec
 from pipelines.report.figures import mesh_pictures
 from pipelines.report.figures.callouts import casing_figure, gear_figure
 from pipelines.report.figures.colours import GONE
-from pipelines.report.figures.mesh_frames import mesh_frames, passage
-from pipelines.report.figures.mesh_pictures import MeshView, mesh_figure, show_mesh, write_film, write_still
+from pipelines.report.figures.mesh_frames import MeshView, mesh_frames, passage
+from pipelines.report.figures.mesh_pictures import mesh_figure, write_film, write_still
 from pipelines.report.figures.plots import StiffnessPlot
-from pipelines.report.figures.render import render_gears, render_mesh, render_stress
+from pipelines.report.figures.render import render_gears, render_mesh, render_stress, show_mesh
 from pipelines.report.figures.scene_frame import placed, scene_frame
 from pipelines.report.figures.shapes import gear_view
 from pipelines.report.figures.stress_pictures import (

@@ -76,7 +76,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """Write the pictures of a stage and, of a meshed casing, casing.png; print why a picture is not rendered."""
     from pipelines.io.errors import InputError
     from pipelines.io.user_files import writable_folder
-    from pipelines.report.figures.mesh_pictures import show_mesh
+    from pipelines.report.figures.render import show_mesh
     from pipelines.runs.inspect_gears import InspectedStage
     from pipelines.runs.single_results import scene_graph
     from pipelines.steps.pair_curves import law_names, pair_laws

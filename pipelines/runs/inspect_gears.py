@@ -12,8 +12,7 @@ from fem.contact.faults.cracked_tooth import CrackedTooth
 from pipelines.machine.plant import Plant
 from pipelines.report.figures.damage import crack_depth
 from pipelines.report.figures.film import save_figure
-from pipelines.report.figures.mesh_frames import mesh_frames
-from pipelines.report.figures.mesh_pictures import MeshView
+from pipelines.report.figures.mesh_frames import MeshView, mesh_frames
 from pipelines.report.figures.pattern import contact_pattern, damaged_part
 from pipelines.report.figures.pattern_pictures import pattern_figure
 from pipelines.report.figures.shapes import PlacedPair, placed_pair, shown_cycle, stage_view

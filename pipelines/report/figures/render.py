@@ -11,7 +11,7 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ import numpy as np
 
 from fem.processes.child import command, environment
 from pipelines.io.errors import InputError
-from pipelines.report.figures.mesh_frames import MeshFrames
+from pipelines.report.figures.mesh_frames import MeshFrames, MeshView
 from pipelines.report.figures.render_failures import Failure, ended, no_picture, too_slow
 from pipelines.report.figures.scene_frame import placed, turned_away
 from pipelines.report.figures.solids import gear_surface, prism_surface, without_tooth
@@ -224,23 +224,8 @@ def _mesh_direction(view: GearPairView) -> tuple[float, float, float]:
     return -0.5, view.seen_from, 0.45
 
 
-def show_window(
-    title: str,
-    load: str,
-    cycles: np.ndarray,
-    gears: Sequence[GearPairView],
-    states: Sequence[MeshFrames],
-    marked: Sequence[str],
-    image: Path | None,
-) -> None:
-    """Show states of the teeth in a window with a slider, and stiffness and load share, until it is closed.
-
-    Parameters
-    ----------
-    title, load : texts of the window: its title, load and law
-    cycles : (frame,) mesh cycles
-    gears, states, marked : gears, contact lines and a name of the damaged tooth ("" for none) of every state
-    image : file for a picture, with which the window closes at once, or None
+def show_mesh(view: MeshView, image: Path | None = None) -> None:
+    """Show the states in a window with a slider for the position, until it is closed; with `image` until it is written.
 
     Raises
     ------
@@ -251,12 +236,11 @@ def show_window(
             "--screen: there is no display (DISPLAY is not set). Run it on a desktop or over ssh -X, or leave --screen "
             "out: the page mesh_<stage>.html has the same slider."
         )
-    most = max(float(np.nanmax(state.load)) for state in states)
-    arrays: dict[str, Any] = {"cycles": cycles}
-    for number, (view, state) in enumerate(zip(gears, states, strict=True)):
-        own, _, focus = _frame_arrays(view, cycles, state)
+    arrays: dict[str, Any] = {"cycles": view.cycles}
+    for number, state in enumerate(view.states):
+        own, _, focus = _frame_arrays(view.of_state(number), view.cycles, state)
         own |= {
-            "most_load": np.array(most),
+            "most_load": np.array(view.most_load),
             "toward": np.zeros(3),
             "seen": np.array([0.0, np.inf]),  # the user can turn and move the view
             "curve_cycle": state.curve.cycle,
@@ -270,11 +254,11 @@ def show_window(
             "kind": "screen",
             "images": [] if image is None else [str(image)],
             "size": [1500, 950],
-            "title": title,
-            "load": load,
-            "names": [state.name for state in states],
-            "marked": list(marked),
-            "direction": _mesh_direction(gears[-1]),
+            "title": view.title,
+            "load": f"load {view.force:.4g} N, model {view.model}",
+            "names": [state.name for state in view.states],
+            "marked": ["" if n == 0 or not view.marked else f", {view.marked} red" for n in range(len(view.states))],
+            "direction": _mesh_direction(view.of_state(len(view.states) - 1)),
             "up": UP,
             "focus": focus,
         }
