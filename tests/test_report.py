@@ -17,7 +17,7 @@ from synthetic import MESH, WHEEL, response
 from pipelines.diagnosis.control_diagnosis import DiagnosisSettings, diagnose
 from pipelines.diagnosis.export import ExportError, export
 from pipelines.io.grid import Grid, GridError, cell, grid
-from pipelines.report import page, pictures
+from pipelines.report import page
 from pipelines.report.figures.plots import StiffnessPlot, drive_figure, stiffness_figure, waveform_figure
 from pipelines.report.figures.views import LeftOut
 from pipelines.report.first_figures import average_figure, envelope_figure
@@ -25,6 +25,7 @@ from pipelines.report.first_page import first_screen
 from pipelines.report.page import typeset
 from pipelines.report.report import report_body, write_report
 from pipelines.report.zoom_data import extremes, largest
+from pipelines.steps import pictures
 
 LEFT_OUT = "The picture of the gear pair is left out: off-screen rendering ended with SIGSEGV. Install libegl1."
 WINDOWS = {"lifting": (0.5, 2.5), "lowering": (3.0, 5.0)}

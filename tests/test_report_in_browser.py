@@ -10,11 +10,12 @@ from browser import CHROMIUM, browser
 from synthetic import MESH, WHEEL, response
 
 from pipelines.diagnosis.control_diagnosis import DiagnosisSettings, diagnose
-from pipelines.report import page, pictures
+from pipelines.report import page
 from pipelines.report.figures.plots import StiffnessPlot
 from pipelines.report.first_figures import average_figure, envelope_figure
 from pipelines.report.first_page import first_screen
 from pipelines.report.report import report_body, write_report
+from pipelines.steps import pictures
 
 pytestmark = [
     pytest.mark.slow,

@@ -103,13 +103,13 @@ def build_curves(
     curves = stiffness_plots([state.with_laws(own, healthy) for state, own, healthy in states])
     first = curves.pop(spec.first - 1)
     if isinstance(picture, LeftOut):
-        return Unkept({"gears": picture, "stiffness": _stiffness([first, *curves])})
+        return Unkept({"gears": picture, "stiffness": stiffness([first, *curves])})
     caption = "The gear pair and its secant stiffness from bore to bore. One mesh cycle is the motion by one pitch."
     gears = page.picture(gear_figure(picture, first, spec.names), caption)
-    return {"gears": gears, "stiffness": _stiffness(curves) if curves else ""}
+    return {"gears": gears, "stiffness": stiffness(curves) if curves else ""}
 
 
-def _stiffness(curves: Sequence[StiffnessPlot]) -> str:
+def stiffness(curves: Sequence[StiffnessPlot]) -> str:
     """The stiffness of stages that no picture shows, as an element of the page."""
     from pipelines.report import page
     from pipelines.report.figures.plots import stiffness_figure
