@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-
-import xarray
+from typing import TYPE_CHECKING
 
 from gearcase.given import checked_file, checked_recording
 from pipelines.datasets import pieces as _views
 from pipelines.datasets import reading as _reading
+
+if TYPE_CHECKING:
+    import xarray
 
 _DATASET = "Give what gearcase.open_dataset returned."
 __all__ = ["open_dataset", "pieces"]

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-
-import xarray
+from typing import TYPE_CHECKING
 
 from gearcase.given import checked_file, checked_recording, checked_signal, refusal
 from gearcase.scenes import Scene, Settings, loaded_scene
@@ -17,6 +16,9 @@ from pipelines.runs.diagnosed import diagnose_folder, folder_bars
 from pipelines.runs.run import run_scene
 from pipelines.runs.run_folder import find_run, loaded_run
 from pipelines.signals.labelled_spectrum import labelled_spectrum
+
+if TYPE_CHECKING:
+    import xarray
 
 __all__ = ["Diagnosis", "LineBars", "diagnose", "error_bars", "open_run", "run", "spectrum"]
 

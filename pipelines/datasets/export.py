@@ -11,16 +11,18 @@ import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray
 
 from pipelines.datasets.pieces import pieces
 from pipelines.datasets.reading import open_dataset
 from pipelines.datasets.rows import DONE
 from pipelines.io.errors import InputError
 from pipelines.io.user_files import whole_file, writable_file, writable_folder
+
+if TYPE_CHECKING:
+    import xarray
 
 LABELS = "labels.csv"
 _LEFT_OUT = ("key", "status", "reason", "seconds", "loop_seconds")  # columns that describe only the computation

@@ -6,21 +6,23 @@ import html
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
-
-import xarray
+from typing import TYPE_CHECKING, Any
 
 from pipelines.diagnosis.cases import Case, Damage, cases_grid
-from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.line_words import criterion, directions
-from pipelines.diagnosis.uncertainty.line_bars import LineBars
 from pipelines.diagnosis.words import note
 from pipelines.engine.progress import step_words
 from pipelines.io.grid import Grid, cell, grid, turned
 from pipelines.report import page, spectra
 from pipelines.report.figures.plots import drive_figure
 from pipelines.report.figures.views import LeftOut
-from pipelines.signals.analysis import DiagnosisSettings
+
+if TYPE_CHECKING:
+    import xarray
+
+    from pipelines.diagnosis.control_diagnosis import Diagnosis
+    from pipelines.diagnosis.uncertainty.line_bars import LineBars
+    from pipelines.signals.analysis import DiagnosisSettings
 
 Rows = Sequence[Mapping[str, Any]]
 ROLLING = (

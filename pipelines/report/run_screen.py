@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray
 
 from pipelines.diagnosis import words
 from pipelines.diagnosis.cases import Case, Damage, any_found, sentences
@@ -23,6 +23,9 @@ from pipelines.signals.features.average import FEWEST_TURNS, average
 from pipelines.signals.features.turns import cut_turns
 from pipelines.signals.orders.kinematics import Gear, Kinematics
 from pipelines.signals.orders.rotation import Rotation
+
+if TYPE_CHECKING:
+    import xarray
 
 IN_MESH = 1.0  # pitches on either side of the pitch point, approximate range in which a tooth is in mesh
 

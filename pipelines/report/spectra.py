@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-
-import xarray
+from typing import TYPE_CHECKING
 
 from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.line_words import case_name, directions, lines_grid, seeds_grid
@@ -25,10 +24,14 @@ from pipelines.report.zoom_data import channels, views
 from pipelines.signals.analysis import Analysis, DiagnosisSettings, analyse, channel_names
 from pipelines.signals.levels import contact_sentence, level_grid
 from pipelines.signals.lines import LOADS
-from pipelines.signals.spectrum import Segment, Spectrum
 
-Runs = Mapping[str, xarray.Dataset]
-Windows = Mapping[str, tuple[float, float]]
+if TYPE_CHECKING:
+    import xarray
+
+    from pipelines.signals.spectrum import Segment, Spectrum
+
+    Runs = Mapping[str, xarray.Dataset]
+    Windows = Mapping[str, tuple[float, float]]
 
 
 def signals(

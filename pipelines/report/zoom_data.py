@@ -8,11 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray
 
 from pipelines.signals.analysis import DiagnosisSettings, analyse, channel, channel_names
+
+if TYPE_CHECKING:
+    import xarray
 
 POINTS = 4_000  # of every curve but those of the verdict's channel
 MOST_POINTS = 200_000  # of a curve of the verdict's channel: more would make the page larger than 5 MB

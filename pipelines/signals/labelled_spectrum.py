@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-import xarray
 
 from pipelines.io.errors import InputError
 from pipelines.signals.spectrum import amplitudes
+
+if TYPE_CHECKING:
+    import xarray
 
 FEWEST_SAMPLES = 4
 
@@ -18,6 +22,8 @@ def labelled_spectrum(signal: xarray.DataArray) -> xarray.DataArray:
     ------
     InputError : no dimension time, fewer than four samples, or unequal spacing
     """
+    import xarray
+
     if "time" not in signal.dims or "time" not in signal.coords:
         names = ", ".join(map(str, signal.dims)) or "none"
         raise InputError(

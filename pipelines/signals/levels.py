@@ -12,11 +12,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray
 
 from pipelines.io.grid import Grid, grid
+
+if TYPE_CHECKING:
+    import xarray
 
 BAND = (10.0, 1000.0)  # Hz
 OPEN = ":microseconds_open"  # follows the name of a mesh in the name of a counter

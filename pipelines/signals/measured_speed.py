@@ -11,11 +11,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray
 
 from pipelines.signals.analysis import DiagnosisError, DiagnosisSettings
+
+if TYPE_CHECKING:
+    import xarray
 
 QUARTER_PERIOD = math.pi / 2  # rad, phase of the highest line
 

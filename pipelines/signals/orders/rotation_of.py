@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-import xarray
 
 from pipelines.io.shown import shown
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.signals.orders.mesh_tracking import track
 from pipelines.signals.orders.rotation import Rotation, RotationError
 from pipelines.signals.orders.tachometer import angle_from_pulses, find_pulses
+
+if TYPE_CHECKING:
+    import xarray
 
 
 def rotation_of(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:

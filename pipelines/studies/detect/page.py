@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
-
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING, Any
 
 from pipelines.diagnosis.verdict import ALARM
 from pipelines.diagnosis.words import NAMES
@@ -14,6 +12,9 @@ from pipelines.io.grid import Grid, grid
 from pipelines.io.shown import number_of
 from pipelines.studies.detect.probability import Detection, Share
 from pipelines.studies.detect.study import Detectability, Point
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 MOSTLY = 0.9  # of the damaged machines: a size that is found reliably
 

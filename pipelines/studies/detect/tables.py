@@ -10,10 +10,9 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray
 
 from pipelines.datasets.layout import RunLayout, read_facts, stored_layout
 from pipelines.datasets.rows import RowJob, compute_rows, read_row
@@ -24,6 +23,9 @@ from pipelines.io.errors import InputError
 from pipelines.signals.features.recorded import FeatureError
 from pipelines.signals.features.table import FeatureTable
 from pipelines.signals.orders.rotation import RotationError
+
+if TYPE_CHECKING:
+    import xarray
 
 TABLES = "feature_tables"
 
@@ -85,6 +87,8 @@ def make_tables(
 
 def recording_of(folder: Path, run: int, layout: RunLayout) -> xarray.Dataset:
     """The stored signals of a run as a recording."""
+    import xarray
+
     signals = {one.name: (one.dims, read_run(folder, run, one.name)) for one in layout.signals}
     return xarray.Dataset(
         signals,

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import textwrap
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from fem.casing.recognition.contents import Contents
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 MOST_LABELS = 60
 _HEIGHT = 25.0  # deg above the horizon
@@ -25,6 +28,8 @@ def housing_picture(contents: Contents, seats: dict[int, str]) -> Figure:
     contents : what the file holds
     seats : name of the bearing by number of the bore
     """
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(14.0, 7.0), layout="tight")
     hidden = {bore.number for bore in contents.bores[:MOST_LABELS]}
     for place, azimuth in enumerate((-60.0, 120.0), 1):

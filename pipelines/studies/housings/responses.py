@@ -13,13 +13,17 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from fem.casing.reduced.body import ReducedBody
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from fem.casing.reduced.body import ReducedBody
 
 LINES = 2000  # frequencies of a response
 _COLOURS = {"x": "#2a6f97", "y": "#3a7d44", "z": "#c23b22"}

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from pipelines.io.grid import Grid, grid
 from pipelines.studies.trade.axes import AXES
 from pipelines.studies.trade.probes import POSITIONS
 from pipelines.studies.trade.refinement import RefinementStudy
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 MESH_MODELS = {  # error against converged three-dimensional contact, docs/choosing-a-model.md
     "iso": "about 10 % softer than plane, and another curve over the mesh cycle",

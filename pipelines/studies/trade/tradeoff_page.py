@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING
 
 from pipelines.io.grid import Grid, grid
 from pipelines.studies.trade.choices import PRESET
 from pipelines.studies.trade.tradeoff import Priced, Tradeoff
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 COLOURS = {
     "preset": "#111111", "mesh law": "#c23b22", "casing": "#2a6f97", "shafts": "#3a7d44", "bearings": "#7b4ea3",

@@ -12,10 +12,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-
-import xarray
+from typing import TYPE_CHECKING
 
 from pipelines.diagnosis.line_words import EQUAL
+
+if TYPE_CHECKING:
+    import xarray
 
 SHOWS = 6.0  # dB over the healthy control
 SIGNALS_DIFFER = -20.0  # dB; signals that differ by a tenth

@@ -24,9 +24,9 @@ McFadden (1986), J. Vib. Acoust. 108(2), 165-170 (sidebands, envelope); McFadden
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray
 
 from pipelines.diagnosis.control_diagnosis import STATES, diagnose
 from pipelines.diagnosis.line_words import modulation
@@ -35,6 +35,9 @@ from pipelines.signals.features.statistics import root_mean_square
 from pipelines.signals.lines import LineTable
 from pipelines.signals.orders.revolutions import revolutions
 from pipelines.signals.orders.rotation import Rotation
+
+if TYPE_CHECKING:
+    import xarray
 
 HIGH_BAND = (1000.0, 2000.0)  # Hz
 PLACES = 2048  # in a turn of the faulty shaft, which has 1833 samples

@@ -6,13 +6,15 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray
 
 from pipelines.io.grid import Grid
 from pipelines.studies.verification.claims import CLAIMS, UNTESTED, Claim, Evidence
+
+if TYPE_CHECKING:
+    import xarray
 
 HOLDS, FAILS, OPEN = "holds", "does not hold", "undecided"
 FEWEST = 2  # seeds of a standard error
