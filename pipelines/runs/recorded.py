@@ -34,10 +34,11 @@ Windows = Mapping[str, tuple[float, float]]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Recorded:
-    """A recorded file: its features, its rotation in words, and warnings."""
+    """A recorded file: its features, the relative uncertainty of its speed, its rotation in words, and warnings."""
 
     name: str
     table: FeatureTable
+    error: float
     turning: str
     warnings: tuple[str, ...]
 
@@ -239,7 +240,7 @@ def read_features(path: Path, machine: Machine, windows: Windows | None) -> Reco
         except (FeatureError, RotationError) as error:
             raise InputError(f"{shown(path)}: {error}") from error
     turning = _turning(rotation, time, machine.kinematics, windows)
-    return Recorded(name=path.name, table=table, turning=turning, warnings=warnings)
+    return Recorded(name=path.name, table=table, error=rotation.error, turning=turning, warnings=warnings)
 
 
 def _turning(rotation: Rotation, time: np.ndarray, kinematics: Kinematics, windows: Windows | None) -> str:
@@ -296,9 +297,10 @@ def files_grid(names: Sequence[str], found: Sequence[JudgedFile]) -> Grid:
         elif one.impacts:
             best = one.impacts[0]
             result = "damaged" if best.clear else "-", best.component, f"{best.level:.1f}"
-        rows.append((name, f"{60 * table.speed[0]:.5g}", f"{rms:.3g}", *result))
+        speed = f"{60 * table.speed[0]:.5g}", f"{100 * one.recorded.error:.1g}"
+        rows.append((name, *speed, f"{rms:.3g}", *result))
     evidence = f"impacts dB (limit {CLEAR:g})" if one.verdict is None else STRENGTH
-    headers = ("recording", "rpm", "rms m/s2", "answer", "strongest evidence", evidence)
+    headers = ("recording", "rpm", "known to %", "rms m/s2", "answer", "strongest evidence", evidence)
     return Grid(title=f"{len(rows)} recordings", headers=headers, rows=tuple(rows))
 
 
@@ -312,6 +314,8 @@ def file_facts(found: JudgedFile) -> dict[str, Any]:
     return {
         "recording": found.recorded.name,
         "turning": found.recorded.turning,
+        "speed_rpm": 60 * float(table.speed[0]),
+        "speed_uncertainty_percent": 100 * found.recorded.error,
         "warnings": found.recorded.warnings,
         "verdict": found.verdict,
         "impacts": found.impacts,

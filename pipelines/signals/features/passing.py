@@ -3,8 +3,8 @@
 Damage causes impacts, thus lines at its pass order and multiples of it. Slip shifts all of them by the same relative
 amount. The level of a pass order is therefore that of the best comb of lines at 1, 2 and 3 times an order within SLIP
 of it. Single lines of another cause do not fit a comb. Multiples of shaft speeds are omitted, since gears, unbalance
-and misalignment cause them. A speed of large uncertainty is first determined from these multiples. Otherwise all lines
-within the uncertainty of each multiple would have to be omitted.
+and misalignment cause them. If the speed has a large uncertainty, they are those of the speed at which they are highest
+(`pipelines.signals.orders.multiples`). Otherwise all lines within the uncertainty of each would have to be omitted.
 
 References
 ----------
@@ -18,8 +18,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
+from pipelines.signals.orders.rotation import Rotation
+
 PASS_HARMONICS = 3
-SHAFT_HARMONICS = 10  # multiples of a shaft speed, for the speed within its uncertainty
 FEWEST_HARMONICS = 2  # within the spectrum and not at a multiple of a shaft speed
 SLIP = 0.02  # of a pass order, to either side
 SCATTER = 0.001  # of a line, to either side, for slip that is not constant
@@ -30,7 +31,10 @@ _LOBE = 2.0  # half width in lines of an order with a Hann window
 
 
 def pass_levels(
-    envelope: np.ndarray, orders: Mapping[str, float], shafts: Sequence[float] = (1.0,), uncertainty: float = 0.0
+    envelope: np.ndarray,
+    orders: Mapping[str, float],
+    shafts: Sequence[float] = (1.0,),
+    rotation: Rotation | None = None,
 ) -> dict[str, np.ndarray]:
     """Level (channel,) of each pass order: lines of its best comb over their floors, geometric mean over harmonics.
 
@@ -42,35 +46,19 @@ def pass_levels(
     envelope : squared envelope (channel, turn, place)
     orders : name -> cycles per turn
     shafts : turns of all shafts per turn of this one
-    uncertainty : of the speed, relative, to either side
+    rotation : with the uncertainty of the speed; exact if None
     """
     channels, turns, places = envelope.shape
     laid = envelope.reshape(channels, turns * places)
     window = np.hanning(turns * places + 1)[:-1]
     lines = np.abs(np.fft.rfft((laid - laid.mean(axis=-1, keepdims=True)) * window, axis=-1))
     place, free = np.arange(lines.shape[1]), np.ones(lines.shape[1], dtype=bool)
-    per_order = turns * _speed_factor(lines, turns, uncertainty)
+    factor, error = (rotation.likely, rotation.error) if rotation else (1.0, 0.0)
+    per_order = turns * factor
     for step in (per_order * ratio for ratio in shafts if per_order * ratio >= FEWEST_LINES):
-        free &= np.abs(place - step * np.round(place / step)) > _LOBE + min(uncertainty, SCATTER) * place
+        free &= np.abs(place - step * np.round(place / step)) > _LOBE + min(error, SCATTER) * place
     found = {name: _level(lines, free, order * per_order) for name, order in orders.items()}
     return {name: level for name, level in found.items() if level is not None}
-
-
-def _speed_factor(lines: np.ndarray, turns: int, uncertainty: float) -> float:
-    """Speed of the shaft relative to the given one, within its uncertainty, at which its multiples are highest.
-
-    The level of a line is limited to LEAD, so that all multiples count, and not a few of them that are near the comb of
-    a damaged bearing.
-    """
-    tried = int(2.0 * uncertainty * turns * SHAFT_HARMONICS)  # to either side, half a line apart for the highest
-    factors = 1.0 + uncertainty * np.linspace(-1.0, 1.0, 2 * tried + 1)
-    highest = min(SHAFT_HARMONICS, int((lines.shape[1] - 1) / turns / (1.0 + uncertainty)))
-    if not tried or not highest:
-        return 1.0
-    at = np.rint(turns * np.arange(1, highest + 1)[:, None] * factors).astype(int)
-    floor = np.median(lines[:, at.min() : at.max() + 1], axis=-1)[:, None, None]
-    level = 20.0 * np.log10(np.maximum(lines[:, at] / np.maximum(floor, np.finfo(float).tiny), 1.0))
-    return float(factors[np.minimum(level, LEAD).mean(axis=(0, 1)).argmax()])
 
 
 def _level(lines: np.ndarray, free: np.ndarray, centre: float) -> np.ndarray | None:
