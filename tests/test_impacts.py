@@ -8,7 +8,7 @@ import pytest
 from pipelines.cli.main import main
 from pipelines.diagnosis.impacts import CLEAR
 from pipelines.runs.recorded import file_facts, file_words, files_grid, judge_files
-from pipelines.signals.features.passing import pass_levels
+from pipelines.signals.features.passing import PASSING, pass_levels
 
 RATE, SECONDS, SPEED = 12000, 6.0, 29.0  # Hz, s, Hz of the shaft
 OUTER, INNER = 3.585, 5.415  # passes per turn
@@ -143,7 +143,7 @@ def test_one_line_however_strong_is_no_comb():
     turns, places = 100, 256
     envelope = 1.0 + np.cos(2.0 * np.pi * OUTER * np.arange(turns * places) / places)
     envelope += 1e-5 * np.random.default_rng(2).standard_normal(envelope.shape)
-    (level,) = pass_levels(envelope.reshape(1, turns, places), {"BPFO": OUTER})["BPFO"]
+    (level,) = pass_levels(envelope.reshape(1, turns, places), {"BPFO": OUTER})["BPFO", PASSING]
     assert 20.0 * np.log10(level) < CLEAR
 
 

@@ -37,7 +37,6 @@ Lines = dict[tuple[str, str], np.ndarray]  # (component, feature) -> (channel,)
 OF_SIGNAL = ("rms", "crest_factor", "kurtosis")
 OF_SHAFT = {"order_1": 1, "order_2": 2}
 OF_PLAIN_SHAFT = ("tsa_rms", "tsa_kurtosis", "envelope_orders")  # of a shaft without known gears
-PASSING = "pass_order"
 OF_GEAR = ("difference_rms", "fm4", "envelope_orders", "whitened_kurtosis")  # of its shaft
 CONTRASTS = ("tooth_contrast", "whitened_contrast", "average_contrast")
 OF_WHITENED = ("whitened_kurtosis", *CONTRASTS[1:])
@@ -207,8 +206,7 @@ def _shaft_lines(
     power = dict.fromkeys([line for line in lines if line[1] not in OF_SHAFT], average_power(plain))
     for bearing in kinematics.bearings:
         if bearing.shaft == shaft.name:
-            levels = pass_levels(squares[1], bearing.strikes, ratios, rotation)
-            lines |= {(name, PASSING): level for name, level in levels.items()}
+            lines |= pass_levels(squares[1], bearing.strikes, ratios, rotation, bearing.sidebands)
     return lines, power, marks
 
 

@@ -49,6 +49,11 @@ class Bearing:
         named = ((twice.get(label, (label, 1.0)), order) for label, order in self.orders.items())
         return {f"{self.name} {label}": times * order for (label, times), order in named}
 
+    @property
+    def sidebands(self) -> dict[str, float]:
+        """Distance of the sidebands of the order in `strikes` of the rolling elements: the cage."""
+        return {f"{self.name} 2 BSF": self.orders["FTF"]} if {"BSF", "FTF"} <= self.orders.keys() else {}
+
 
 @dataclass(frozen=True, kw_only=True)
 class Kinematics:
