@@ -34,10 +34,11 @@ Windows = Mapping[str, tuple[float, float]]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Recorded:
-    """A recorded file: its features, its rotation in words, and warnings."""
+    """A recorded file: its features, the relative uncertainty of its speed, its rotation in words, and warnings."""
 
     name: str
     table: FeatureTable
+    error: float
     turning: str
     warnings: tuple[str, ...]
 
@@ -239,7 +240,7 @@ def read_features(path: Path, machine: Machine, windows: Windows | None) -> Reco
         except (FeatureError, RotationError) as error:
             raise InputError(f"{shown(path)}: {error}") from error
     turning = _turning(rotation, time, machine.kinematics, windows)
-    return Recorded(name=path.name, table=table, turning=turning, warnings=warnings)
+    return Recorded(name=path.name, table=table, error=rotation.error, turning=turning, warnings=warnings)
 
 
 def _turning(rotation: Rotation, time: np.ndarray, kinematics: Kinematics, windows: Windows | None) -> str:
@@ -297,8 +298,13 @@ def files_grid(names: Sequence[str], found: Sequence[JudgedFile]) -> Grid:
             best = one.impacts[0]
             result = "damaged" if best.clear else "-", best.component, f"{best.level:.1f}"
         evidence = f"impacts dB (limit {CLEAR:g})" if one.verdict is None else STRENGTH
+        known = {
+            "rpm": f"{60 * table.speed[0]:.5g}",
+            "known to %": f"{100 * one.recorded.error:.1g}",
+            "rms m/s2": f"{rms:.3g}",
+        }
         named = zip(("answer", "strongest evidence", evidence), result, strict=True)
-        rows.append({"recording": name, "rpm": f"{60 * table.speed[0]:.5g}", "rms m/s2": f"{rms:.3g}", **dict(named)})
+        rows.append({"recording": name, **known, **dict(named)})
     return grid(f"{len(rows)} recordings", rows)
 
 
@@ -312,6 +318,8 @@ def file_facts(found: JudgedFile) -> dict[str, Any]:
     return {
         "recording": found.recorded.name,
         "turning": found.recorded.turning,
+        "speed_rpm": 60 * float(table.speed[0]),
+        "speed_uncertainty_percent": 100 * found.recorded.error,
         "warnings": found.recorded.warnings,
         "verdict": found.verdict,
         "impacts": found.impacts,
