@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def program() -> int:
-    """`main` in a process of its own."""
+    """`main` in a separate process."""
     collect_rarely()
     return main()
 

@@ -79,7 +79,7 @@ def scene_text(unit: GearUnit, name: str) -> SceneText:
 
 def _head(unit: GearUnit, notes: Iterable[Note]) -> Iterator[str]:
     yield f"# From {shown(unit.source)}: REXS {shown(unit.version)}, written by {shown(unit.written_by, 60)}."
-    yield "# y is u of the file (against it where the input turns backwards there), z is w; places in mm."
+    yield "# y is u of the file (-u if the speed of its input is negative), z is w; positions in mm."
     for kind, heading in HEADINGS.items():
         found = [note for note in notes if note.kind == kind]
         if found:
@@ -268,4 +268,4 @@ def _case_text(case: LoadCase) -> str:
 def _missing(motion: MotionTables, table: str) -> Iterator[str]:
     for path, words in motion.missing.items():
         if path.startswith(f"{table}."):
-            yield f"# {path.partition('.')[2]} = ...  # TO GIVE: {words}"
+            yield f"# {path.partition('.')[2]} = ...  # TO BE SET: {words}"
