@@ -56,7 +56,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         nargs="+",
         default=[],
         help="write frequency responses (m/s2/N, CSV and PNG). The first POINT gives place and axis of the force, as "
-        "in bearing_1:z; the responses are those of the others (default: all sensors)",
+        "in bearing_1:z; the responses are at the other points (default: at all sensors)",
     )
     sub.add_argument(
         "--out",
