@@ -184,10 +184,11 @@ def relative_error(found: np.ndarray, exact: np.ndarray) -> float:
 
 def reference_cost(machine: System) -> str:
     """Why the adaptive method is not in the table: its measured cost of a few steps."""
+    from benchmarks.reference_integrator import Reference
     from mbd.system.statics import equilibrium
 
     step, n = 10e-6, 2
-    method: Integrator = make_integrator("reference", machine, step)
+    method: Integrator = Reference(machine, step)
     method.start(equilibrium(machine))
     profile = machine.machine.profile
     times = step * np.arange(1, n + 1)

@@ -8,6 +8,7 @@ import pytest
 from mbd_rigs import no_casing
 from test_rolling_bearings import loaded_shaft
 
+import benchmarks.reference_integrator  # noqa: F401 - registers it
 from mbd.elements.element import ENERGY
 from mbd.elements.rule_call import evaluated
 from mbd.excitations.cage_slip import PITCHES, CageSlip, lag_at

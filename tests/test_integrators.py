@@ -7,6 +7,7 @@ import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 from scipy.linalg import expm
 
+import benchmarks.reference_integrator  # noqa: F401 - registers it
 from benchmarks.checks.motion import spectral_radius
 from mbd.integrators import exponential, trapezoidal
 from mbd.integrators.base import join

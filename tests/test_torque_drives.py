@@ -8,6 +8,7 @@ import pytest
 from mbd_rigs import no_casing, train
 from scipy.integrate import solve_ivp
 
+import benchmarks.reference_integrator  # noqa: F401 - registers it
 from mbd.forces.induction_motor import InductionMotor
 from mbd.forces.speed_controller import SpeedController, controller_rule
 from mbd.forces.torque import SpeedTorque, Torque
