@@ -75,7 +75,7 @@ def assemble(
         count += int(cubic.moving.sum())
     own = own.astype(np.int32)
     indptr, indices = assembly.pattern(own, count)
-    stiffness, mass = np.zeros(9 * len(indices)), np.zeros(len(indices))
+    stiffness, mass = np.zeros((len(indices), 3, 3)), np.zeros(len(indices))
     parts = [(0, _products(nodes, elements[chosen]))]
     if cubic is not None:
         parts.append((elements.shape[1], cubic.products(chosen)))
@@ -83,11 +83,9 @@ def assemble(
         for members, products, masses in several:
             of_part = np.ascontiguousarray(own[members, : masses.shape[1]])
             assembly.add_elements(of_part, known, products, masses, lam, mu, indptr, indices, stiffness, mass)
-    places, ends = assembly.coupled(indptr, indices)
-    K = sp.csr_matrix((stiffness, places, ends), shape=(3 * count, 3 * count))
-    places, ends = assembly.uncoupled(indptr, indices)
-    M = sp.csr_matrix((density * assembly.thrice(indptr, mass), places, ends), shape=(3 * count, 3 * count))
-    return K, M
+    K = sp.bsr_matrix((stiffness, indices, indptr), shape=(3 * count, 3 * count)).tocsr()
+    of_axis = sp.csr_matrix((density * mass, indices, indptr), shape=(count, count))
+    return K, sp.csr_matrix(sp.kron(of_axis, sp.eye_array(3), format="csr"))
 
 
 def _products(nodes: np.ndarray, elements: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
