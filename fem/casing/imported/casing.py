@@ -22,6 +22,7 @@ from fem.casing.parts.names import Attachment
 from fem.casing.reduced.checkup import CheckUp
 from fem.casing.reduced.grounded import GROUND_AXES
 from fem.casing.reduced.modes import CasingModes
+from fem.numerics.places import in_mm
 
 _OFF = 0.0005  # m: largest distance of a single node from its bearing point, and
 _OFF_SHARE = 0.3  # of the middle of several nodes, as a share of their mean distance from it
@@ -104,10 +105,9 @@ def _check_place(body: ForeignBody, name: str, nodes: tuple[int, ...], wanted: t
     off = float(np.linalg.norm(places.mean(axis=0) - wanted))
     limit = max(_OFF, _OFF_SHARE * reach if len(nodes) > 1 else 0.0)
     if off > limit:
-        x, y, z = 1000 * places.mean(axis=0)
         raise ForeignError(
-            f"{name}: the middle of its {len(nodes)} nodes at ({x:.5g}, {y:.5g}, {z:.5g}) mm is "
-            f"{1000 * off:.4g} mm from the bearing at ({', '.join(f'{1000 * v:.5g}' for v in wanted)}) mm "
+            f"{name}: the middle of its {len(nodes)} nodes at {in_mm(places.mean(axis=0))} is "
+            f"{1000 * off:.4g} mm from the bearing at {in_mm(wanted)} "
             f"(limit {1000 * limit:.3g} mm). Correct the nodes, origin_mm or units"
         )
 

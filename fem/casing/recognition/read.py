@@ -13,7 +13,7 @@ from fem.casing.mesh.imported import STEP_SUFFIXES, STL_SUFFIXES, UNITS
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesh_file import read_mesh_file
 from fem.casing.mesh.sizes import MM
-from fem.casing.mesh.step_file import declared_unit, import_solids, open_place, read_triangles, touching
+from fem.casing.mesh.step_file import closed_triangles, declared_unit, import_solids, open_place, touching
 from fem.casing.recognition.contents import Contents, Solid
 from fem.casing.recognition.faces import split
 from fem.casing.recognition.features import bolt_patterns, faces_of
@@ -128,14 +128,7 @@ def outward(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
 
 def _of_triangles(path: Path, unit: str) -> Contents:
-    points, triangles = read_triangles(path)
-    points = UNITS[unit] * points
-    if (hole := open_place(triangles)) is not None:
-        x, y, z = MM * points[hole].mean(axis=0)
-        raise MeshError(
-            f"{path.name} is open: {len(hole) // 2} edges belong to one triangle only, around ({x:.5g}, {y:.5g}, "
-            f"{z:.5g}) mm if it is in {unit}. Close the hole in the program that wrote it: a volume needs that"
-        )
+    points, triangles = closed_triangles(path, unit)
     solid = 1 + _connected(triangles, len(points))
     triangles = np.vstack([outward(points, triangles[solid == n]) for n in range(1, solid.max() + 1)])
     return _by_edges(path, unit, points, triangles, np.sort(solid))

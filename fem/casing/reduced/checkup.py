@@ -24,6 +24,7 @@ from fem.casing.reduced.grounded import GroundedCasing
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.reduced.reduction import Reduction, largest_entry
 from fem.elements.solids import mass_properties, rigid_body_modes
+from fem.numerics.places import unknowns_of
 from fem.numerics.threads import side_by_side
 from fem.storage.records import Record, array, names, scalar
 
@@ -225,7 +226,7 @@ def _on_clamped_feet(
     feet, K_clamped = mesh.patches("ground_"), casing.K[clamped]
     motion = np.zeros((len(R), 6 * len(feet)))
     for index, name in enumerate(feet):
-        unknowns = (3 * np.unique(mesh.patch(name))[:, None] + np.arange(3)).ravel()
+        unknowns = unknowns_of(np.unique(mesh.patch(name)))
         motion[unknowns, 6 * index : 6 * index + 6] = R[unknowns]
     led = motion[clamped]
     motion -= E @ solve(E.T @ (K_clamped.T @ led))

@@ -31,6 +31,7 @@ from fem.casing.uncertainty.frequency_limits import LEAST_MODES, FrequencyLimits
 from fem.casing.uncertainty.laws import RATIOS, law_of
 from fem.casing.uncertainty.pairing import counterparts, sample_nodes
 from fem.elements.solid_elements import SOLIDS
+from fem.numerics.places import unknowns_of
 from fem.storage.records import Record, array, integer, scalar, text
 
 MODES = 60  # lowest natural modes that are compared
@@ -122,7 +123,7 @@ def quadratic_modes(assembled: AssembledCasing, reduction: Reduction, *, static:
 
 
 def _sampled(casing: GroundedCasing, frequencies: np.ndarray, vectors: np.ndarray) -> LowestModes:
-    unknowns = (3 * sample_nodes(casing.mesh.nodes)[:, None] + np.arange(3)).ravel()
+    unknowns = unknowns_of(sample_nodes(casing.mesh.nodes))
     return LowestModes(
         frequencies=frequencies,
         shapes=casing.expanded(vectors)[unknowns],

@@ -19,6 +19,7 @@ from scipy import sparse
 from fem.elements.sections import lagrange, stiffness
 from fem.gears.sector import SectorMesh
 from fem.numerics.linear_solver import SingularMatrixError, factorize
+from fem.numerics.places import unknowns_of
 from fem.storage.ledger import count
 
 
@@ -117,7 +118,7 @@ def reduce_sector(mesh: SectorMesh, young: float, poisson: float, loads: sparse.
     full = stiffness(mesh.points, mesh.elements, young, poisson, mesh.twist, mesh.filling)
     components = full.shape[0] // len(mesh.points)
     turn = cut_rotation(mesh, components)
-    cut = degrees_of(np.concatenate([mesh.cut_low, mesh.cut_high]), components)
+    cut = unknowns_of(np.concatenate([mesh.cut_low, mesh.cut_high]), components)
     schur, transfer, direct = condensed(mesh, (turn.T @ full @ turn).tocsc(), cut, loads)
     return SectorReduction(
         teeth=mesh.teeth, stiffness=(schur + schur.T) / 2, transfer=transfer, direct=(direct + direct.T) / 2
@@ -142,7 +143,7 @@ def condensed(
     """
     inner = np.ones(full.shape[0], dtype=bool)
     inner[kept] = False
-    inner[degrees_of(np.concatenate([mesh.bore, mesh.cut_bore]), full.shape[0] // len(mesh.points))] = False
+    inner[unknowns_of(np.concatenate([mesh.bore, mesh.cut_bore]), full.shape[0] // len(mesh.points))] = False
     k_ii, k_ic = full[inner][:, inner].tocsc(), full[inner][:, kept]
     try:
         factor = factorize(k_ii, block=full.shape[0] // len(mesh.points))
@@ -221,8 +222,3 @@ def cut_rotation(mesh: SectorMesh, components: int) -> sparse.csc_matrix:
     rows = np.concatenate([np.arange(size), components * nodes, components * nodes + 1])
     cols = np.concatenate([np.arange(size), components * nodes + 1, components * nodes])
     return sparse.csc_matrix((np.concatenate([diagonal, -y, y]), (rows, cols)), shape=(size, size))
-
-
-def degrees_of(nodes: np.ndarray, components: int) -> np.ndarray:
-    """Numbers of the unknowns of nodes, in node order."""
-    return (components * nodes[:, None] + np.arange(components)).ravel()
