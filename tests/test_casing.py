@@ -21,6 +21,7 @@ from fem.casing.reduced.attachment import AttachmentError
 from fem.casing.reduced.body import BEARING_AXES
 from fem.casing.reduced.checkup import _asymmetry, check_up
 from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.reduced.modes import CasingModes, casing_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.casing.reduced.rigid import housing_mass
@@ -150,13 +151,20 @@ def test_element_size_out_of_range_is_refused(small):
         mesh_housing(small, element_size=0.05).patch("bearing_9")
 
 
+def frequency_errors(casing, found, band):
+    """Frequencies of the reduced over those of the full grounded model up to a band (Hz), less 1."""
+    theta, _ = block_lanczos(casing.interface.factor.solve, casing.M_free, smallest=(2 * np.pi * band) ** -2.0)
+    return found.frequencies[: len(theta)] * 2 * np.pi * np.sqrt(theta) - 1.0
+
+
 def test_check_up_passes(casing, reduction):
-    found = check_up(casing, reduction, full_band=BAND)
+    found = check_up(casing, reduction)
     assert found.failures == ()
     assert found.rigid_eigenvalue < 1e-8
-    assert len(found.full_frequencies) >= 3
-    assert (found.frequency_error > -1e-9).all()  # from above
-    assert found.frequency_error.max() < 1e-3
+    errors = frequency_errors(casing, found, BAND)
+    assert len(errors) >= 3
+    assert errors.min() > -1e-9  # from above
+    assert errors.max() < 1e-3
     assert (found.effective_mass.sum(axis=0) <= found.movable * (1 + 1e-9)).all()
     text = found.report()
     assert "static_response" in text
@@ -262,9 +270,9 @@ def test_rig_housing_passes_its_check_up(rig):
     model = CraigBamptonCasing(band=2000.0, element_size=0.03)
     casing = ground_casing(model.meshed(Structure(housing=rig)).stage.build(), CAST_IRON)
     reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, highest=3000.0)
-    found = check_up(casing, reduction, full_band=2000.0)
+    found = check_up(casing, reduction)
     assert found.failures == ()
-    assert found.frequency_error.max() < 1e-3
+    assert frequency_errors(casing, found, 2000.0).max() < 1e-3
 
 
 @pytest.mark.parametrize("error", [1e-9, -1.0])

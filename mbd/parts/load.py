@@ -65,11 +65,9 @@ class Load(Component, ABC):
 
     def check_turned(self, angle: float, time: float) -> None:
         """Raise MachineError if its shaft cannot have turned by ``angle`` (rad) at a ``time`` (s)."""
-        return
 
     def check_run(self, profile: SpeedProfile, ratio: float, end: float) -> None:
         """Raise MachineError if the load does not allow the motion up to ``end`` (s)."""
-        return
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -20,7 +20,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg as la
 import scipy.sparse as sp
 
 from fem.casing.geometry.dimensions import Sensor
@@ -29,6 +28,7 @@ from fem.casing.reduced.body import MODES_OVER_BAND, ReducedBody
 from fem.casing.reduced.damping import DampingRatio, damping_ratios, ratios_with_parts
 from fem.casing.reduced.grounded import GROUND_AXES, ForcedPoint, GroundedCasing, point_rows
 from fem.casing.reduced.lanczos import block_lanczos
+from fem.casing.reduced.truncation import undamped_modes
 from fem.numerics.linear_solver import Solver, factorize
 from fem.storage.records import Record, array, names, scalar
 
@@ -109,7 +109,7 @@ def state_error(
     smallest = (2.0 * math.pi * MODES_OVER_BAND * band) ** -2.0
     theta, phi = block_lanczos(solve, casing.M_free, smallest=smallest)
     full = 1.0 / (2.0 * math.pi * np.sqrt(theta))
-    reduced = _frequencies(body)
+    reduced, _ = undamped_modes(body.stiffness, body.mass)
     inside = full[full <= band][: len(reduced)]
     thirds, frequencies = third_octaves(band)
     loads = casing.interface.rows
@@ -238,8 +238,3 @@ def reduced_response(
         dynamic = body.stiffness - omega**2 * body.mass + 1j * omega * body.damping
         out[number] = C @ np.linalg.solve(dynamic, B)
     return out
-
-
-def _frequencies(body: ReducedBody) -> np.ndarray:
-    square = la.eigh(body.stiffness, body.mass, eigvals_only=True)
-    return np.sqrt(np.maximum(square, 0.0)) / (2.0 * math.pi)

@@ -26,6 +26,7 @@ from fem.casing.reduced.grounded import AssembledCasing, GroundedCasing
 from fem.casing.reduced.halves import lowest
 from fem.casing.reduced.modes import CasingModes
 from fem.casing.reduced.reduction import Reduction, reduce_body
+from fem.casing.reduced.truncation import undamped_modes
 from fem.casing.uncertainty.cubic_limits import cubic_limits
 from fem.casing.uncertainty.frequency_limits import LEAST_MODES, FrequencyLimits, LimitError
 from fem.casing.uncertainty.laws import RATIOS, law_of
@@ -200,7 +201,6 @@ def stiffness_factor(limits: FrequencyLimits) -> float:
 
 def _elastic(stiffness: np.ndarray, mass: np.ndarray, ground: Ground | str) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies (m,) in Hz and vectors (coordinate, m) of the lowest `MODES` elastic modes, or of all."""
-    squares, vectors = la.eigh(stiffness, mass)
-    chosen = slice(RIGID_MOTIONS if ground == "springs" else 0, None)
-    squares, vectors = squares[chosen][:MODES], vectors[:, chosen][:, :MODES]
-    return np.sqrt(np.maximum(squares, 0.0)) / (2.0 * np.pi), vectors
+    first = RIGID_MOTIONS if ground == "springs" else 0
+    frequencies, vectors = undamped_modes(stiffness, mass)
+    return frequencies[first : first + MODES], vectors[:, first : first + MODES]

@@ -46,16 +46,6 @@ TIP_ROUNDING = 0.05  # m_n: radius of tip edges that the gear leaves open, for c
 POSITIONS: Any = {"ge": 16, "le": 1024, "text": "mesh positions per base pitch at which stiffness is tabulated"}
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class PairCompliance:
-    """Tables of one slice over the local position, see `MeshLaw` (per unit face width)."""
-
-    compliance: np.ndarray  # (position,), m2/N
-    neighbour_compliance: np.ndarray  # (neighbour, position), m2/N
-    contact_slope: float  # m2/N
-    contact_offset: np.ndarray  # (position,)
-
-
 @dataclass(frozen=True, kw_only=True)
 class PlaneSection:
     """Finite elements of both toothed rings in the transverse section.
@@ -87,7 +77,7 @@ class PlaneSection:
         grid = np.arange(math.floor(first * self.positions), math.ceil(last * self.positions) + 1) / self.positions
         return path_points(pair, grid, largest)
 
-    def tables(self, pair: GearPair, path: PathPoints) -> PairCompliance:
+    def tables(self, pair: GearPair, path: PathPoints) -> dict[str, Any]:
         """Compliances of one slice at the positions of `path`."""
         reach = max(1, math.ceil((len(path.xi) - 1) / self.positions) - 1)
         rings = self.rings(pair, reach)
@@ -101,7 +91,12 @@ class PlaneSection:
             for weight, ring, tooth in zip(weights, rings, (-n, n), strict=True):
                 between[n - 1] += np.einsum("pi,ij,pj->p", weight[behind], ring.matrix[tooth], weight)
         slope, offset = self.contact_terms(pair, path)
-        return PairCompliance(compliance=own, neighbour_compliance=between, contact_slope=slope, contact_offset=offset)
+        return {
+            "compliance": own,
+            "neighbour_compliance": between,
+            "contact_slope": slope,
+            "contact_offset": offset,
+        }
 
     def contact_terms(self, pair: GearPair, path: PathPoints) -> tuple[float, np.ndarray]:
         """A (m2/N) and B (position,) of the Hertz term."""

@@ -84,22 +84,27 @@ class FlankCompliance:
         return out, used
 
 
+def load_directions(mesh: SectorMesh) -> np.ndarray:
+    """Forces (flank, 3) on the flank nodes with the transverse part 1, normal to the flank in space, into the tooth.
+
+    The axial part is twist * (x n_y - y n_x), so that the moment about the axis is r_b on the involute.
+    """
+    normal, place = mesh.flank_normal, mesh.points[mesh.flank]
+    axial = mesh.twist * (place[:, 0] * normal[:, 1] - place[:, 1] * normal[:, 0])
+    return np.column_stack([-normal, axial])
+
+
 def flank_loads(mesh: SectorMesh) -> sparse.csc_matrix:
     """Unit forces into the tooth along the flank normal, one column per flank node; (dofs, flank).
 
     On a helical gear the transverse component is 1 and the axial one tan(beta) at the radius of the node times n_theta,
     so that the force is normal to the flank in space and its moment about the axis is r_b on the involute.
     """
-    normal, place = mesh.flank_normal, mesh.points[mesh.flank]
-    parts = [-normal[:, 0], -normal[:, 1]]
-    if mesh.twist:
-        parts.append(mesh.twist * (place[:, 0] * normal[:, 1] - place[:, 1] * normal[:, 0]))
-    components, count = len(parts), len(mesh.flank)
+    components, count = 3 if mesh.twist else 2, len(mesh.flank)
+    values = load_directions(mesh)[:, :components]
     rows = components * mesh.flank[:, None] + np.arange(components)
     cols = np.repeat(np.arange(count), components)
-    return sparse.csc_matrix(
-        (np.column_stack(parts).ravel(), (rows.ravel(), cols)), shape=(components * len(mesh.points), count)
-    )
+    return sparse.csc_matrix((values.ravel(), (rows.ravel(), cols)), shape=(components * len(mesh.points), count))
 
 
 def reduce_sector(mesh: SectorMesh, young: float, poisson: float, loads: sparse.spmatrix) -> SectorReduction:
