@@ -281,11 +281,6 @@ def test_breakdown_slip_gives_the_rated_torque_at_the_rated_slip():
     assert rated.at_start(0.96 * 157.08) == pytest.approx(20.0, rel=1e-12)
 
 
-def test_nothing_that_drives_is_refused():
-    with pytest.raises(MachineError, match="what drives it"):
-        replace(free(BRAKE), input_shaft="")
-
-
 def test_a_smooth_profile_goes_through_its_samples_and_does_not_step_the_acceleration():
     times = np.array([0.0, 0.1, 0.25, 0.4, 0.9])
     speeds = np.array([0.0, 40.0, 60.0, 61.0, 20.0])

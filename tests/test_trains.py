@@ -202,9 +202,8 @@ def test_cross_terms_turn_the_axes_of_a_bearing():
     found = simulate(assemble(run, rigid_casing(run)), Settings(end=0.02, output_rate=5e3, step=1e-5))
     for b in both:
         assert abs(found.energy(b.name, "residual")) <= 0.01 * found.energy(b.name, "scale")
-    for wrong, message in (((("ux", "uz", 1e9),), "not positive definite"), ((("ux", "ux", 1.0),), "two of")):
-        with pytest.raises(MachineError, match=message):
-            dataclasses.replace(bearing, cross=wrong)
+    with pytest.raises(MachineError, match="not positive definite"):
+        dataclasses.replace(bearing, cross=(("ux", "uz", 1e9),))
     skew = np.zeros((5, 5))
     skew[0, 2] = 1e3
     with pytest.raises(MachineError, match="not symmetric"):

@@ -36,8 +36,6 @@ class GeneralisedAlpha:
     flow: Flow | None = None
 
     def __init__(self, system: System, step: float, radius: float = DEFAULT_RADIUS) -> None:
-        if not 0.0 <= radius <= 1.0:
-            raise StepError(f"generalised-alpha: spectral radius {radius} must lie between 0 and 1.")
         n = system.layout.size
         self._system, self._step, self._radius = system, step, radius
         self._am, self._af = (2 * radius - 1) / (radius + 1), radius / (radius + 1)

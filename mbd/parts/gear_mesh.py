@@ -29,9 +29,9 @@ from typing import Any
 import numpy as np
 
 from fem.contact.law import MeshLaw
-from fem.contact.teeth import LawError, checked_terms
+from fem.contact.teeth import checked_terms
 from mbd.elements.component import Component, Link, Place
-from mbd.parts.checks import MachineError, finite, not_negative, positive
+from mbd.parts.checks import MachineError
 from mbd.parts.film import Film
 from mbd.parts.shafts import ShaftSpec
 
@@ -89,14 +89,6 @@ class MeshSpec(GearedShafts):
 
     def __post_init__(self) -> None:
         where = f"mesh {self.name}"
-        finite(f"{where} y", self.y)
-        finite(f"{where} cycle_at_start", self.cycle_at_start)
-        for name in ("base_radius_driving", "base_radius_driven", "pressure_angle"):
-            positive(f"{where} {name}", getattr(self, name))
-        for name in ("base_helix_angle", "backlash", "damping_time"):
-            not_negative(f"{where} {name}", getattr(self, name))
-        if self.driving == self.driven:
-            raise MachineError(f"{where}: both gears are on {self.driving}; they must be on two shafts.")
         z1, z2 = self.drive.pinion_teeth, self.drive.wheel_teeth
         if (z1, z2) != (self.coast.pinion_teeth, self.coast.wheel_teeth):
             raise MachineError(f"{where}: the coast law belongs to another tooth pair than the drive law {z1}/{z2}.")
@@ -112,10 +104,7 @@ class MeshSpec(GearedShafts):
 
     def _set_clearance(self, name: str, teeth: int) -> None:
         given = getattr(self, name)
-        try:
-            terms = checked_terms(name.rpartition("_")[2], teeth, given if len(given) else None)
-        except LawError as error:
-            raise MachineError(f"mesh {self.name} {name}: {error}.") from error
+        terms = checked_terms(name.rpartition("_")[2], teeth, given if len(given) else None)
         terms.flags.writeable = False
         object.__setattr__(self, name, terms)
 

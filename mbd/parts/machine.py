@@ -17,7 +17,6 @@ import numpy as np
 
 from mbd.elements.component import Component, Link
 from mbd.parts.bearings import BearingSpec
-from mbd.parts.checks import MachineError, finite, known, unique
 from mbd.parts.couplings import ShaftCoupling, check_coaxial
 from mbd.parts.drive import CouplingSpec, Drive, SpeedProfile
 from mbd.parts.gear_mesh import GearedShafts, MeshSpec, mesh_rows
@@ -81,20 +80,8 @@ class Machine(Train):
     meshes: tuple[MeshSpec, ...]
 
     def __post_init__(self) -> None:
-        shafts = [s.name for s in self.shafts]
-        unique("shafts", shafts)
-        unique("bearings", [b.name for b in self.bearings])
-        unique("meshes", [m.name for m in self.meshes])
-        unique("couplings", [c.name for c in self.couplings] + [j.name for j in self.shaft_couplings])
-        finite("gravity", self.gravity)
-        if not self.couplings and not self.input_shaft:
-            raise MachineError("machine: no motor coupling and no input shaft; state what drives it.")
-        if self.input_shaft:
-            known("input shaft", self.input_shaft, shafts)
-        unique("forces", [force.name for force in self.forces])
         for component in self.components:
             for what, shaft, y in component.places:
-                known(f"{what} shaft", shaft, shafts)
                 self.shaft(shaft).check_station(what, y)
         for coupling in self.shaft_couplings:
             check_coaxial(coupling, *(self.shaft(name) for name in coupling.shafts))
