@@ -96,7 +96,6 @@ def test_a_law_takes_the_deviations_of_every_tooth():
     [
         ((gear_pair((20, 55), 2, 12, 3), "pinion", 5, 1), "4 to 1200 mm"),
         ((PAIR, "pinion", 12, 1), "1 to 11"),
-        ((PAIR, "rack", 5, 1), "choose 'pinion' or 'wheel'"),
     ],
 )
 def test_outside_the_standard_is_refused(arguments, message):

@@ -84,12 +84,11 @@ def test_condensation_of_a_prism_with_empty_parts_equals_the_schur_complement_of
         here = prism.filled[:, layer]
         at = np.repeat(dofs[here], 27, axis=1).ravel(), np.tile(dofs[here], (1, 27)).ravel()
         plane, mixed, along = (
-            sparse.csr_matrix((block[here].ravel(), at), shape=(size, size))
-            for block in (prism.blocks.plane, prism.blocks.mixed, prism.blocks.axial)
+            sparse.csr_matrix((block[here].ravel(), at), shape=(size, size)) for block in prism.blocks
         )
         axial = axial_matrices(ends[layer : layer + 2])
-        across = sparse.kron(axial.mixed, mixed)
-        part = sparse.kron(axial.mass, plane) + across + across.T + sparse.kron(axial.stiffness, along)
+        across = sparse.kron(axial[1], mixed)
+        part = sparse.kron(axial[0], plane) + across + across.T + sparse.kron(axial[2], along)
         place = np.arange(3 * size) + 2 * layer * size
         spread = sparse.csr_matrix((np.ones(3 * size), (place, np.arange(3 * size))), shape=(7 * size, 3 * size))
         matrix = matrix + spread @ part @ spread.T

@@ -54,13 +54,8 @@ def tooth_terms(
     """
     terms = np.empty((teeth, len(COLUMNS)))
     given = (clearance, profile_slope, profile_curvature, lead_slope, lead_curvature, variant)
-    for k, (name, value) in enumerate(zip(COLUMNS, given, strict=True)):
-        column = np.asarray(value, dtype=float)
-        if column.shape not in ((), (teeth,)):
-            raise LawError(
-                f"tooth terms: {name} has shape {column.shape}, one value for each of its {teeth} teeth needed"
-            )
-        terms[:, k] = column
+    for k, value in enumerate(given):
+        terms[:, k] = value
     return checked_terms("gear", teeth, terms)
 
 
@@ -127,10 +122,8 @@ def with_variants(
 
     Raises
     ------
-    LawError : unknown gear, negative compliance
+    LawError : negative compliance
     """
-    if gear not in ("pinion", "wheel"):
-        raise LawError(f"tooth variant: gear is {gear!r}; choose 'pinion' or 'wheel'")
     shape = (1, law.face_coordinate.size, law.compliance.size)
     added = {"compliance": compliance, "gap": gap}
     if np.min(compliance) < 0.0:

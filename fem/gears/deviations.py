@@ -126,10 +126,8 @@ def sample_pitch_deviations(gear: Gear, grade: int, seed: int, *, use: float = 0
 
     Raises
     ------
-    GeometryError : outside ISO 1328-1, or `use` not in (0, 1]
+    GeometryError : outside ISO 1328-1
     """
-    if not 0.0 < use <= 1.0:
-        raise GeometryError(f"pitch deviations of gear z={gear.teeth}: use is {use!r}; give a value in (0, 1]")
     tolerance = pitch_tolerance(gear, grade)
     draw = np.random.default_rng(seed)
     direction = draw.uniform(0.0, 2.0 * math.pi)

@@ -111,12 +111,8 @@ def sample_flank_deviations(
 
     Raises
     ------
-    GeometryError : outside ISO 1328-1, unknown gear, or `use` not in (0, 1]
+    GeometryError : outside ISO 1328-1
     """
-    if gear not in ("pinion", "wheel"):
-        raise GeometryError(f"flank deviations: gear is {gear!r}; choose 'pinion' or 'wheel'")
-    if not 0.0 < use <= 1.0:
-        raise GeometryError(f"flank deviations: use is {use!r}; give a value in (0, 1]")
     own: Gear = getattr(pair, gear)
     tolerance = flank_tolerance(own, grade)
     draw = np.random.default_rng([seed, 1328])  # separate sequence: pitch deviations do not change

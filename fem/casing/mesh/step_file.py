@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from fem.casing.geometry.locators import ByCylinder
+from fem.casing.mesh.gmsh_session import numbered_nodes
 from fem.casing.mesh.imported import (
     STL_SUFFIXES,
     UNITS,
@@ -379,13 +380,11 @@ def _first_surface(gmsh: Any, housing: ImportedHousing, sizes: Sizes) -> tuple[S
     seats = [one.locator.diameter for one in housing.seats if isinstance(one.locator, ByCylinder)]
     gmsh.option.setNumber("Mesh.MeshSizeMin", MM * min(sizes.element, *seats) / 20)  # the tip of a cone has no radius
     gmsh.model.mesh.generate(2)
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    number = np.zeros(int(tags.max()) + 1, np.int64)
-    number[tags] = np.arange(len(tags))
+    points, row = numbered_nodes(gmsh)
     triangles, face = [], []
     for _, tag in gmsh.model.getEntities(2):
         for corners in gmsh.model.mesh.getElements(2, tag)[2]:
-            triangles.append(number[corners.reshape(-1, 3)])
+            triangles.append(row[corners.reshape(-1, 3)])
             face.append(np.full(len(triangles[-1]), tag))
     if Path(housing.path).suffix.lower() in STL_SUFFIXES:
         gmsh.model.mesh.generate(1)  # starts again; clearing would delete the triangles of the geometry
@@ -393,5 +392,4 @@ def _first_surface(gmsh: Any, housing: ImportedHousing, sizes: Sizes) -> tuple[S
         gmsh.model.mesh.clear()
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 0)
     gmsh.option.setNumber("Mesh.MeshSizeMin", 0)
-    points = housing.placed(coordinates.reshape(-1, 3), 1 / MM)
-    return Surface(points, np.vstack(triangles)), np.concatenate(face)
+    return Surface(housing.placed(points, 1 / MM), np.vstack(triangles)), np.concatenate(face)

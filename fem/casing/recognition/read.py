@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.casing.mesh.gmsh_session import session
+from fem.casing.mesh.gmsh_session import numbered_nodes, session
 from fem.casing.mesh.imported import STEP_SUFFIXES, STL_SUFFIXES, UNITS
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesh_file import read_mesh_file
@@ -88,10 +88,8 @@ def _surface(gmsh: Any, tags: list[int]) -> tuple[np.ndarray, np.ndarray, np.nda
         gmsh.model.mesh.generate(2)
     except Exception as error:  # gmsh raises this class itself
         _log.info("some faces cannot be meshed: %s", error)
-    node_tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    place = np.zeros(int(node_tags.max()) + 1, np.int64)
-    place[node_tags] = np.arange(len(node_tags))
-    points = coordinates.reshape(-1, 3) / MM
+    points, place = numbered_nodes(gmsh)
+    points = points / MM
     triangles, face, solid = [], [], []
     for number, tag in enumerate(tags, 1):
         own, of_face = [], []

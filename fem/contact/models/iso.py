@@ -55,10 +55,6 @@ def blank_factor(web_ratio: float, rim_ratio: float) -> float:
 
     A solid disc (b_s = b) has C_R = 1. For gears of different design use the mean of their factors.
     """
-    if not (web_ratio > 0.0 and rim_ratio > 0.0):
-        raise ModelError(
-            f"iso: web_ratio {web_ratio!r} and rim_ratio {rim_ratio!r} must be > 0 (solid disc: web_ratio 1)"
-        )
     return 1.0 + math.log(min(max(web_ratio, 0.2), 1.2)) / (5.0 * math.exp(max(rim_ratio, 1.0) / 5.0))
 
 
@@ -88,15 +84,6 @@ class Iso(MeshModel):
     blank_factor: float | None = None
     line_load: float | None = None
     edge_onset: float = 0.01
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not 0.0 <= self.edge_onset <= EDGE_GAP:
-            raise ModelError(f"iso: edge_onset is {self.edge_onset!r}; give a value in [0, {EDGE_GAP}]")
-        for name in ("blank_factor", "line_load"):
-            value = getattr(self, name)
-            if value is not None and not (math.isfinite(value) and value > 0.0):
-                raise ModelError(f"iso: {name} is {value!r}; give a value > 0 or leave it out")
 
     def stiffness(self, pair: GearPair) -> IsoStiffness:
         """c', c_gamma_alpha and c_gamma_beta of the pair.

@@ -63,13 +63,6 @@ class PlaneSection:
 
     def __post_init__(self) -> None:
         check_options(self, ModelError)
-        if not 0.02 <= self.patch <= 0.2:
-            raise ModelError(f"model plane: patch is {self.patch!r}; give a value in [0.02, 0.2]")
-        if self.patch * self.refinement < 0.04:
-            raise ModelError(
-                f"model plane: patch {self.patch} m_n is not resolved by flank elements of "
-                f"{0.05 / self.refinement:.3g} m_n; give refinement >= {0.04 / self.patch:.2g} or a larger patch"
-            )
 
     def path(self, pair: GearPair) -> PathPoints:
         """The path of contact on a uniform grid over its `bridging_window`."""
