@@ -136,7 +136,11 @@ class Reference:
         n = len(self._omega2)
         u, v = self._u_rows @ x[:n], self._v_rows @ x[n:]
         forces, now = np.zeros(len(v)), instant(self._system.table)
-        used = solve_rows(self._system.table, clock, u, v, *self._still, forces, u.copy(), v.copy(), now, TOLERANCE)
+        g_u, g_v = self._still
+        used = solve_rows(
+            self._system.table, clock, u_p=u, v_p=v, g_u=g_u, g_v=g_v, force=forces, u=u.copy(), v=v.copy(), now=now,
+            tolerance=TOLERANCE,
+        )  # fmt: skip
         if used < 0:
             raise StepError(f"reference, step {self.counters['steps']}: the state is not finite. Use a smaller step.")
         return forces, u, v, now

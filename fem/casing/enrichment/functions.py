@@ -132,15 +132,15 @@ class EdgeFunctions:
             lines.append(_along(kind, *turned)[part.line])
         found: tuple[np.ndarray, ...] = added_entries(
             self.mesh.nodes[self.mesh.elements[element]],
-            values,
-            slopes,
-            weights,
-            np.concatenate(tables),
-            np.array(lines),
-            np.array(owners),
-            np.array([part.sector.axes for part in own]),
-            np.array([part.frame for part in own]),
-            *lame(self.material.elastic_modulus, self.material.poisson_ratio),
+            values=values,
+            slopes=slopes,
+            weights=weights,
+            tables=np.concatenate(tables),
+            lines=np.array(lines),
+            owners=np.array(owners),
+            axes=np.array([part.sector.axes for part in own]),
+            frames=np.array([part.frame for part in own]),
+            lame=lame(self.material.elastic_modulus, self.material.poisson_ratio),
         )
         return found
 

@@ -48,7 +48,7 @@ def survey(path: Path, unit: str | None = None) -> Contents:
 
 
 def _of_solids(path: Path, unit: str | None) -> Contents:
-    declared = declared_unit(path) if suffix_is_step(path) else ""
+    declared = declared_unit(path) if path.suffix.lower() in (".step", ".stp") else ""
     with session() as gmsh:
         tags = import_solids(gmsh, path, unit)
         label, gaps = touching(gmsh, tags)
@@ -68,12 +68,17 @@ def _of_solids(path: Path, unit: str | None) -> Contents:
             )
         )
     apart = tuple((one + 1, two + 1, gap / MM, place / MM) for (one, two), (gap, place) in gaps.items())
-    return _contents(path, unit or declared or "mm", declared, points, triangles, face, solid, tuple(solids), apart)
-
-
-def suffix_is_step(path: Path) -> bool:
-    """Whether a file is STEP, which declares its unit."""
-    return path.suffix.lower() in (".step", ".stp")
+    return _contents(
+        path,
+        unit=unit or declared or "mm",
+        declared=declared,
+        points=points,
+        triangles=triangles,
+        face=face,
+        solid=solid,
+        solids=tuple(solids),
+        gaps=apart,
+    )
 
 
 def _surface(gmsh: Any, tags: list[int]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -162,19 +167,20 @@ def _by_edges(path: Path, unit: str, points: np.ndarray, triangles: np.ndarray, 
         )
         for n in range(1, int(solid.max()) + 1)
     )
-    return _contents(path, unit, "", points, triangles, face, solid, solids, ())
+    return _contents(path, unit=unit, points=points, triangles=triangles, face=face, solid=solid, solids=solids)
 
 
 def _contents(
     path: Path,
+    *,
     unit: str,
-    declared: str,
+    declared: str = "",
     points: np.ndarray,
     triangles: np.ndarray,
     face: np.ndarray,
     solid: np.ndarray,
     solids: tuple[Solid, ...],
-    gaps: tuple[tuple[int, int, float, np.ndarray], ...],
+    gaps: tuple[tuple[int, int, float, np.ndarray], ...] = (),
 ) -> Contents:
     bores, flats = faces_of(points, triangles, face, solid)
     return Contents(

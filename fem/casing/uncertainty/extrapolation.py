@@ -19,7 +19,6 @@ import numpy as np
 import scipy.linalg as la
 from threadpoolctl import threadpool_limits
 
-from fem.casing.mesh.sizes import Sizes
 from fem.casing.parts.names import Ground
 from fem.casing.reduced.body import MODES_OVER_BAND
 from fem.casing.reduced.grounded import AssembledCasing, GroundedCasing
@@ -29,7 +28,7 @@ from fem.casing.reduced.reduction import Reduction, reduce_body
 from fem.casing.reduced.truncation import undamped_modes
 from fem.casing.uncertainty.cubic_limits import cubic_limits
 from fem.casing.uncertainty.frequency_limits import LEAST_MODES, FrequencyLimits, LimitError
-from fem.casing.uncertainty.laws import RATIOS, law_of
+from fem.casing.uncertainty.laws import law_of
 from fem.casing.uncertainty.pairing import counterparts, sample_nodes
 from fem.elements.solid_elements import SOLIDS
 from fem.numerics.places import unknowns_of
@@ -54,11 +53,6 @@ class LowestModes(Record):
     element_size: float = scalar(units="m")
     unknowns: int = integer()
     element: str = text()  # of `fem.elements.solid_elements.SOLIDS`
-
-
-def coarser_sizes(sizes: Sizes) -> tuple[Sizes, ...]:
-    """Element sizes of the coarser meshes for the error estimate of quadratic tetrahedra."""
-    return tuple(sizes.times(ratio) for ratio in RATIOS)
 
 
 def lowest_modes(assembled: AssembledCasing, *, static: bool) -> LowestModes:
@@ -140,7 +134,8 @@ def measured_limits(modes: CasingModes, coarser: Sequence[LowestModes]) -> Frequ
     Parameters
     ----------
     modes : of the finest mesh
-    coarser : modes on the meshes of `coarser_sizes`, in this order, or those of quadratic elements on the same mesh
+    coarser : modes on meshes of elements `RATIOS` times as large, in this order, or those of quadratic elements
+        on the same mesh
 
     Raises
     ------
