@@ -18,12 +18,12 @@ else:
 class Settings:
     """Length (s) and output rate (Hz) of a run; ``step`` (s) is rounded down to a whole part of the output interval.
 
-    ``step`` None takes 3 steps per period of the highest mesh mode. ``integrator`` is a name of METHODS.
+    ``integrator`` is a name of METHODS.
     """
 
     end: float
     output_rate: float = 10e3
-    step: float | None = None
+    step: float = 33.4e-6
     integrator: str = "exponential"
 
     def __post_init__(self) -> None:
