@@ -184,18 +184,6 @@ def test_a_shaft_without_axial_hold_is_refused_by_name():
         assemble(spur, no_casing())
 
 
-def test_shafts_that_nothing_turns_are_refused():
-    with pytest.raises(MachineError, match="no mesh, coupling or motor turns"):
-        dataclasses.replace(train(1), meshes=())
-
-
-def test_shafts_that_turn_the_same_way_cannot_mesh():
-    machine = train(1)
-    same = tuple(dataclasses.replace(s, sense=1) for s in machine.shafts)
-    with pytest.raises(MachineError, match="opposite ways"):
-        dataclasses.replace(machine, shafts=same)
-
-
 @pytest.mark.parametrize(("times", "speeds"), [([0, 0.3, 0.2], [0, 1, 2]), ([0, 0], [0, 1]), ([0], [0, 1]), ([], [])])
 def test_a_speed_table_that_goes_back_in_time_is_refused(times, speeds):
     with pytest.raises(MachineError, match="speed profile"):

@@ -17,9 +17,9 @@ import numpy as np
 
 from mbd.elements.component import Component, Link
 from mbd.parts.bearings import BearingSpec
-from mbd.parts.couplings import ShaftCoupling, check_coaxial
+from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.drive import CouplingSpec, Drive, SpeedProfile
-from mbd.parts.gear_mesh import GearedShafts, MeshSpec, mesh_rows
+from mbd.parts.gear_mesh import GearedShafts, MeshSpec
 from mbd.parts.load import Excitation, Load, OutsideForce
 from mbd.parts.losses import Brake, Losses, NoLosses
 from mbd.parts.shafts import ShaftSpec
@@ -83,11 +83,6 @@ class Machine(Train):
         for component in self.components:
             for what, shaft, y in component.places:
                 self.shaft(shaft).check_station(what, y)
-        for coupling in self.shaft_couplings:
-            check_coaxial(coupling, *(self.shaft(name) for name in coupling.shafts))
-        for mesh in self.meshes:
-            mesh_rows(mesh, self.shaft(mesh.driving), self.shaft(mesh.driven))
-        self.ratios()
 
     def shaft(self, name: str) -> ShaftSpec:
         """The shaft called ``name``."""
@@ -124,7 +119,7 @@ class Machine(Train):
         ------
         MachineError : a shaft that no motor turns, or a closed loop whose ratios do not agree
         """
-        return shaft_ratios([s.name for s in self.shafts], self.links, self.driven)
+        return shaft_ratios(self.links, self.driven)
 
     def turned(self, angle: float) -> Machine:
         """The machine after its motors have rolled by ``angle`` (rad): mesh cycles, rope length and what turns with the
