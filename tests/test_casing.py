@@ -67,7 +67,7 @@ def test_rig_layout(rig):
     assert all((b.side < 0) == (int(b.name[-1]) % 2 == 1) for b in rig.bores)
     assert list(rig.ground_points()) == [f"ground_{i}" for i in range(1, 7)]
     assert [s.name for s in rig.sensors] == [f"sensor_{i}" for i in range(1, 10)]
-    bore, sensor = rig.bore("bearing_3"), rig.sensors[2].position
+    bore, sensor = next(one for one in rig.bores if one.name == "bearing_3"), rig.sensors[2].position
     distance = np.hypot(sensor[0] - bore.x, sensor[2] - bore.z)
     assert bore.diameter / 2 < distance < bore.boss_diameter / 2  # on the rim of its boss
     assert sensor[1] == -rig.width / 2
@@ -226,7 +226,9 @@ def test_model_rigid_moves_as_one_body(small):
     lift = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
     assert all(body.row(f"bearing_{i}:uz") @ lift == 1.0 for i in range(1, 5))
     turn = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0])  # about x: uz = y
-    assert body.row("bearing_2:uz") @ turn == pytest.approx(small.bore_centre(small.bore("bearing_2"))[1])
+    assert body.row("bearing_2:uz") @ turn == pytest.approx(
+        small.bore_centre(next(one for one in small.bores if one.name == "bearing_2"))[1]
+    )
     assert body.row("bearing_2:rx") @ turn == 1.0
     assert body.row("sensor_9:uy") @ turn == pytest.approx(centre[2] - small.sensors[-1].position[2])
 

@@ -230,8 +230,6 @@ def _fixed_modes(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Theta = 1/omega^2 (m,), descending, and modes (n, m) of P M."""
     n, held = M.shape[0], interface.rows.shape[0]
-    if (highest is None) == (count is None):
-        raise ValueError("give either `highest` or `count`")
     smallest = None if highest is None else (2.0 * math.pi * highest) ** -2.0
     if count == 0:
         return np.zeros(0), np.zeros((n, 0))
