@@ -227,7 +227,7 @@ def reduced_body(
     Raises
     ------
     AttachmentError : a sensor far from the surface
-    ValueError : damping out of range, mounts that do not fit, more modes than stored, an unknown part
+    ValueError : mounts that do not fit, more modes than stored, an unknown part
     """
     springs = modes.springs(mounts)
     chosen = kept_modes(modes, springs, limit=limit, frequency_error=frequency_error)

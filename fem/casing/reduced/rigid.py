@@ -69,19 +69,12 @@ def rigid_body(
 
     Parameters
     ----------
-    housing : parametric and `plain`
+    housing : parametric and `plain`: with ribs, a flange, bolt pads or fillets the mass needs the mesh
     density : kg/m3
     mount_stiffness : N/m of each foot, in x, y and z
     damping_ratio : of all six modes, or rows (Hz, ratio)
     sensors : three rows each, along their own axes
-
-    Raises
-    ------
-    ValueError : mount stiffness or density not positive, damping ratio out of range, or a housing with ribs, a flange,
-        bolt pads or fillets, whose mass needs its mesh
     """
-    if not housing.plain:
-        raise ValueError("rigid casing: ribs, flange, bolt pads and fillets need the mesh; use `rigid_from_mesh`")
     bearings = {bore.name: housing.bore_centre(bore) for bore in housing.bores}
     mass = housing_mass(housing, density)
     return _on_springs(mass, housing.ground_points(), bearings, mount_stiffness, damping_ratio, sensors)
@@ -104,7 +97,6 @@ def rigid_from_mesh(
 
     Raises
     ------
-    ValueError : mount stiffness or density not positive, damping ratio out of range
     AttachmentError : a sensor far from the surface
     """
     mass = mass_properties(mesh.nodes, mesh.elements, density)
