@@ -34,12 +34,6 @@ def positive(where: str, value: float, remedy: str = "") -> None:
         raise MachineError(f"{where}: {value!r} must be finite and greater than 0. {remedy}".rstrip())
 
 
-def finite(where: str, value: float) -> None:
-    """Raise MachineError unless ``value`` is finite."""
-    if not math.isfinite(value):
-        raise MachineError(f"{where}: {value!r} is not a finite number.")
-
-
 def freeze_pairs(owner: object, name: str, places: str, levels: str) -> None:
     """Make two fields of an object read-only arrays (n,) of pairs.
 

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fem.casing.enrichment.edge_section import EdgeSection
 from fem.casing.enrichment.fans import Chain, Fan, Sector, Topology
-from fem.casing.enrichment.plane_section import PlaneSection
 
 ALONG = (0.0, 0.5, 1.0)  # s of the nodes of a fan
 _IN_PLANE, _ALONG_EDGE = 3, 1  # largest numbers of functions of a node
@@ -45,7 +45,7 @@ def profiles(
         here = np.asarray(closed[own].any(axis=0))
         if (at := here.tobytes()) not in found:
             alike = [fan for fan in range(count) if (closed[fan] == here).all()] or own
-            section = plane_section(topology, chain.fans[alike[len(alike) // 2]], here, clamped)
+            section = edge_section(topology, chain.fans[alike[len(alike) // 2]], here, clamped)
             if (key := section.key) not in known:
                 known[key] = list(section.functions(poisson_ratio, _IN_PLANE, _ALONG_EDGE))
             found[at] = known[key]
@@ -53,7 +53,7 @@ def profiles(
     return out
 
 
-def plane_section(topology: Topology, fan: Fan, closed: np.ndarray, clamped: np.ndarray) -> PlaneSection:
+def edge_section(topology: Topology, fan: Fan, closed: np.ndarray, clamped: np.ndarray) -> EdgeSection:
     """The section across a fan and its ring, half-way along the edge.
 
     Parameters
@@ -71,7 +71,7 @@ def plane_section(topology: Topology, fan: Fan, closed: np.ndarray, clamped: np.
     _, number, times = np.unique(faces, return_inverse=True, return_counts=True)
     alone = times[number].reshape(faces.shape) == 1
     held = clamped[faces]
-    return PlaneSection(
+    return EdgeSection(
         points=points.reshape(-1, 3, 3, 2),
         corners=np.array([_parallel_sides(topology, sector) for sector in sectors]),
         sides=faces,

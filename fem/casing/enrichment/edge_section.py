@@ -30,7 +30,7 @@ _RIGID = 1e-9  # of the largest energy: motions without strain
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class PlaneSection:
+class EdgeSection:
     """Sections of elements, those of the fan first and in order, with the conditions on their sides.
 
     The sides of an element are xi = 0, xi = 1, eta = 0, eta = 1; xi = 0 of one element in a fan is eta = 0 of the next.
