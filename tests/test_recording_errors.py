@@ -172,8 +172,9 @@ def test_time_in_single_precision_is_as_even_as_its_digits_allow(tmp_path):
         assert found.time.values[-1] == pytest.approx(time[-1], abs=1e-5)
 
 
-def test_time_that_falls_or_has_unknown_units_is_refused(tmp_path):
+def test_time_that_falls_or_stands_or_has_unknown_units_is_refused(tmp_path):
     assert "it must increase" in refusal(timed(tmp_path, -np.arange(3000) / RATE))
+    assert "it must increase" in refusal(timed(tmp_path, np.full(3000, 7.0)))
     write_text(tmp_path / "r.csv", signals())
     text = (tmp_path / "r.csv").read_text(encoding="utf-8").replace("time [s]", "time [fortnights]")
     (tmp_path / "r.csv").write_text(text, encoding="utf-8")

@@ -47,6 +47,7 @@ def test_rattle_is_told_with_what_to_do():
     assert 50 < rattling.parting_rate < 1000
     sentence = motion_warnings(rattling)["repeat"]
     assert "cannot be repeated sample by sample" in sentence
+    assert f"doubles every {1000 * np.log(2.0) / rattling.parting_rate:.2g} ms" in sentence
     assert "gearcase starts" in sentence
 
 
