@@ -77,7 +77,7 @@ def benchmarks_page(result: dict[str, Any]) -> str:
          loop_table),
         ("Campaigns", "Scenes per hour of `gearcase campaign`, counted after every process has done two scenes. The "
          "bare loop repeats the motion of one assembled machine in as many processes, before and after the campaign. "
-         "The ratio is that of the campaign to the mean of both.", "campaign", campaign_table),
+         "The ratio is the campaign over the mean of the two loops.", "campaign", campaign_table),
         ("Scenes in lockstep", "Scenes that share their modes could advance together, as columns of a matrix. Only the "
          "arithmetic over modes would be faster, not the forces. The gain is that of the whole step.",
          "lockstep", lockstep_table),

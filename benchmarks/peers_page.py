@@ -83,7 +83,8 @@ def motion_table(found: Found) -> str:
         rows.append([name, "not reached" if seconds is None else f"{seconds:.3g}", f"{ratio:.1f}" if ratio else ""])
     lead = (
         f"One gear stage in linear bearings, {found['coordinates']} coordinates, {found['span_s']:g} s at 900 rpm. "
-        f"All have an error of {found['error']:g} of the dynamic approach and use the same compiled mesh force."
+        f"All methods have an RMS error of {found['error']:g} standard deviations of the approach, and use the same "
+        "compiled mesh force."
     )
     return f"{lead}\n\n{markdown(('method', 'time, s', 'ratio to gearcase'), rows)}"
 

@@ -179,10 +179,10 @@ def test_an_error_that_is_not_reached_and_what_the_bands_leave_out_are_stated(el
     casing = Casing(body=body, natural=natural, limits=limits, requested_error=0.01, **fields)
     assert missed_error(casing) == (
         "casing.error = 1 % is not reached: half of the natural frequencies have uncertainty bands above 2 %. "
-        'Set casing.element = "tetrahedron-20", or a smaller casing.error.'
+        'Set casing.element = "tetrahedron-20", or a smaller casing.error for smaller elements.'
     )
     cubic = replace(casing, limits=SimpleNamespace(**vars(limits) | {"orders": np.full(4, np.nan)}))
-    assert missed_error(cubic).endswith("above 2 %. Set a smaller casing.error.")
+    assert missed_error(cubic).endswith("above 2 %. Set a smaller casing.error for smaller elements.")
     assert missed_error(replace(casing, requested_error=0.021)) == ""
     assert missed_error(replace(casing, requested_error=None)) == ""
     assert "casing.band_Hz = 1000 Hz" in reduction_words(to_band=True, band=1e3)

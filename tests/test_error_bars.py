@@ -267,7 +267,7 @@ def test_a_trade_says_how_well_lines_are_known_before_it_compares_them():
         )  # fmt: skip
 
     told = widths(LineBars(bars=(bar(0.2), bar(0.6), bar(0.4), bar(9.0, detected=False)), notes=()))
-    assert "uncertainty of 0.4 dB in the median and 0.6 dB at most of the 3 detected lines" in told
+    assert "levels of the 3 detected lines of the fault uncertain by 0.4 dB in the median and 0.6 dB at most" in told
     missing = {"kind": "missing-tooth", "stage": 1, "gear": "pinion", "tooth": 0}
     scene = load_scene("minimal", {"faults": [missing], "control": "without-faults", "diagnosis.gear": "pinion"})
     assert "Set casing.extrapolated = true" in known_lines(scene, Work())

@@ -381,7 +381,7 @@ def test_the_check_up_says_what_is_wrong_with_a_foreign_body(native):
     skew = sp.lil_matrix(K)
     skew[0, 3] += 0.5 * abs(K).max()
     assert "not symmetric" in found(skew)
-    with pytest.raises(ForeignError, match=r"stiffness has .* equations, mass .* export both of one set"):
+    with pytest.raises(ForeignError, match=r"stiffness has .* equations, mass .* Export both for the same set"):
         found(mass=sp.eye_array(9))
     with pytest.raises(ForeignError, match="neither three nor six per node"):
         foreign_body("body", sp.eye_array(7), sp.eye_array(7), nodes=np.eye(3))

@@ -300,7 +300,7 @@ def test_stated_deviations_stay_in_the_healthy_control_and_leave_with_all_others
     assert control.scene.stages[0].wheel.deviations.eccentricity_um == 20
     off = load_scene("bench", (*STATED[:1], "deviations.enabled=false")).scene
     assert make_plant(off).machine.meshes[0].wheel.prescribed is None
-    assert any("have no effect" in text for text in design_warnings(off, make_drivetrain(off)))
+    assert any("these keys have no effect" in text for text in design_warnings(off, make_drivetrain(off)))
 
 
 def test_what_no_gear_has_is_refused_or_questioned_with_its_place():

@@ -124,7 +124,7 @@ def warn_without(root: Path, error: OSError) -> None:
     reason = error.strerror or str(error)
     warn_once(
         f"the cache {root} cannot be used ({reason}). Work continues without it: results are not kept, and code is "
-        "compiled again in every process, which takes a minute or more. Free space there, or set "
+        "compiled again in every process, which takes about 20 seconds. Free space there, or set "
         "GEARCASE_CACHE to a folder that can be "
         "written and is yours alone."
     )

@@ -32,7 +32,8 @@ class CageSlip:
     def __post_init__(self) -> None:
         if not 0.0 <= self.share <= LARGEST:
             raise MachineError(
-                f"cage slip: {self.share!r} must be from 0 to {LARGEST}; cages with more skid, which is not modelled."
+                f"cage slip: {self.share!r} must be from 0 to {LARGEST}. A cage with more slip skids, which is not "
+                "modelled."
             )
 
     def walk(self, pitch: float) -> np.ndarray:

@@ -90,7 +90,8 @@ class CasingForce(Excitation):
         row = lay.casing_row(self.casing_rows[0])
         if not row.any():
             raise MachineError(
-                f"{self.name}: {self.point} does not move; a force on the casing needs one that does (casing.model)."
+                f"{self.name}: {self.point} does not move in this casing. Set another casing.model, or delete the "
+                "force."
             )
         yield _element(self.name, self.force, row)
 

@@ -200,7 +200,7 @@ class Rope(Load):
         """Raise MachineError if the drums have wound more than the length of the rope by then."""
         if self.follow_length and self.travel_per_radian * angle >= self.length:
             raise MachineError(
-                f"rope: its {self.length:.4g} m are wound up at t = {time:.4g} s. Start with a longer rope, lower the "
+                f"rope: its {self.length:.4g} m are wound up at t = {time:.4g} s. Raise load.rope_length_m, lower the "
                 "torque of the drive, or end the run before."
             )
 
@@ -215,5 +215,5 @@ class Rope(Load):
             when = times[wound >= self.length].min()
             raise MachineError(
                 f"rope: its {self.length:.4g} m are wound up at t = {when:.4g} s (by {end:.4g} s the drums would take "
-                f"{wound.max():.4g} m). Start with a longer rope, or lift less."
+                f"{wound.max():.4g} m). Raise load.rope_length_m, or lift less."
             )

@@ -51,8 +51,8 @@ def approach_at(
     except LawError as error:
         reason, cause = f"{reason} ({error})", error
     raise EquilibriumError(
-        f"{law.model} law, {law.flank} flank, cycle {cycle:.3f}: {reason}. Too many teeth are missing (choose another "
-        "mesh phase at the start), or the load is beyond the law."
+        f"{law.model} law, {law.flank} flank, cycle {cycle:.3f}: {reason}. Too many teeth are missing (set another "
+        "stages.cycle_at_start), or the load is beyond the law (reduce it)."
     ) from cause
 
 

@@ -76,7 +76,7 @@ def _check_blur(squares: np.ndarray, highest: np.ndarray, mass: np.ndarray, name
     if blur > LARGEST_BLUR:
         i = int(np.argmax(abs(highest) * np.sqrt(np.diag(mass))))
         raise MachineError(
-            f"mass matrix: a motion dominated by {names[i]} has almost no mass; with its "
-            f"{np.sqrt(squares[-1]) / (2 * np.pi):.3g} Hz round-off hides frequencies near {blur:.3g} Hz (limit "
-            f"{LARGEST_BLUR:g} Hz). Raise the density, or make sections and elements longer."
+            f"mass matrix: a motion dominated by {names[i]} has almost no mass. Its frequency is "
+            f"{np.sqrt(squares[-1]) / (2 * np.pi):.3g} Hz, so that round-off hides frequencies below {blur:.3g} Hz "
+            f"(limit {LARGEST_BLUR:g} Hz). Raise the density, or make sections and elements longer."
         )

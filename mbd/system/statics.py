@@ -145,7 +145,7 @@ def _loaded(
         loads = ", ".join(f"{contact.contacts[0].name} {contact.nominal:.4g} N" for contact in contacts)
         raise EquilibriumError(
             f"equilibrium at t = 0: not found within {LARGEST_APPROACH * 1e3:g} mm (nominal mesh forces: {loads}). "
-            "Lower the load, or start where teeth are in mesh (mesh phase at the start)."
+            "Lower the load, or start where teeth are in mesh (stages.cycle_at_start)."
         )
     return found, now
 

@@ -56,7 +56,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         nargs="+",
         default=[],
         help="write frequency responses (m/s2/N, CSV and PNG). The first POINT gives place and axis of the force, as "
-        "in bearing_1:z; the responses are those of the others (default: all sensors)",
+        "in bearing_1:z; the responses are at the other points (default: at all sensors)",
     )
     sub.add_argument(
         "--out",
@@ -231,7 +231,7 @@ def band_words(limits: FrequencyLimits, factor: float, relative: np.ndarray) -> 
     by_sizes = bool(np.isfinite(limits.orders).any())  # meshes of one size give no order
     how = f"three element sizes, common order {limits.order:.2f}" if by_sizes else "cubic and quadratic elements"
     return (
-        f"Hz: for the stiffness times {factor:.4f}. This factor is extrapolated to zero element size from {how}.\n"
+        f"Hz: with the stiffness multiplied by {factor:.4f}, a factor extrapolated to zero element size from {how}.\n"
         f"+-: uncertainty band, {100 * np.nanmedian(relative):.2f} % in the median, "
         f"{100 * np.nanmax(relative):.2f} % at most.\n"
         "--json also prints the frequencies without extrapolation, and those extrapolated mode by mode."
@@ -264,7 +264,7 @@ def missed_error(casing: Casing) -> str:
     other = 'casing.element = "tetrahedron-20", or ' if by_sizes else ""
     return (
         f"casing.error = {100 * casing.requested_error:.3g} % is not reached: half of the natural frequencies have "
-        f"uncertainty bands above {100 * median:.3g} %. Set {other}a smaller casing.error."
+        f"uncertainty bands above {100 * median:.3g} %. Set {other}a smaller casing.error for smaller elements."
     )
 
 

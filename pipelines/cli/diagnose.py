@@ -51,7 +51,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         metavar=("START", "END"),
         type=number,
         nargs=2,
-        help="time window to analyse, s (default: the windows of the scene, or all)",
+        help="time window to analyse, s (default: the windows of the scene, or the whole recording)",
     )
     sub.add_argument(
         "--out",

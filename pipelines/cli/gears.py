@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from pipelines.steps.pair_curves import PairLaws
 
 HELP = """\
-Compute the mesh stiffness, transmission error and load sharing of every gear pair, healthy and faulty, over the mesh
-cycles in which one tooth is in contact. Print tables and a proposal for tip relief. --plot plots the transmission
+Compute the mesh stiffness, transmission error and load sharing of every gear pair, healthy and faulty, from the
+first to the last contact of one tooth. Print tables and a proposal for tip relief. --plot plots the transmission
 error, --out writes the curves. Takes seconds, and up to a minute for each pair with the mesh model `solid`."""
 EXAMPLE = """\
 gearcase gears pair --torque 50 100 --plot te.png
@@ -146,10 +146,10 @@ def notes(cases: Sequence[tuple[PairLaws, MeshState]]) -> list[str]:
         )
         lines += [f"stage {stage}: {line}" for line in _relief(own)]
     lines.append(
-        "All values refer to the mesh cycles in which one tooth pair is in contact: that of the damaged tooth, or any "
-        "pair of healthy gears. secant, tangent, TE: means. least: smallest secant stiffness, at this position in mesh "
-        "cycles from the pitch point (at). TE p-p: peak-to-peak. share: largest load share. pressure: largest Hertz "
-        "pressure on the active flank."
+        "All values refer to the mesh cycles from the first to the last contact of one tooth pair: that of the damaged "
+        "tooth, or any pair of healthy gears. secant, tangent, TE: means. least: smallest secant stiffness, at this "
+        "position in mesh cycles from the pitch point (at). TE p-p: peak-to-peak. share: largest load share. pressure: "
+        "largest Hertz pressure on the active flank."
     )
     return lines
 

@@ -50,8 +50,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         metavar="N",
         type=count,
         default=0,
-        help="compare the machine with N healthy ones, which have other deviations; p-values need 5 or more "
-        "(default 0)",
+        help="compare the machine with N healthy ones, which have other deviations; limits need 5 or more (default 0)",
     )
 
 

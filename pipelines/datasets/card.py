@@ -192,8 +192,8 @@ def _provenance(found: Summary, scene: Scene | None) -> str:
     errors = _numbers(found, "step_error")
     if errors.size:
         lines.append(
-            f"Error of the accelerations by the time step, as share of their rms: median {100 * np.median(errors):.2g} "
-            f"%, worst {100 * errors.max():.2g} %."
+            f"Error of the accelerations caused by the time step, as share of their rms: median "
+            f"{100 * np.median(errors):.2g} %, worst {100 * errors.max():.2g} %."
         )
     until = _numbers(found, "repeatable_until_s")
     layout = found.facts["layout"]
@@ -219,7 +219,7 @@ def _limits(found: Summary, scene: Scene | None) -> Iterator[str]:
     yield f"Signals are low-pass filtered before they are sampled at {rate:g} Hz."
     band = getattr(scene.casing, "band_Hz", None) if scene is not None else None
     if band:
-        yield f"The casing model has its modes up to {band:g} Hz. Above that, the casing responds too stiffly."
+        yield f"The casing model contains modes up to {band:g} Hz. Above that, the casing responds too stiffly."
     yield "The signals hold no sensor noise: `gearcase.pieces` and `gearcase dataset export` add it."
     yield "Every run contains its run-up: leave it out where a steady state is required."
     yield "The page docs/choosing-a-model.md of gearcase gives the limits of each model with measured errors."

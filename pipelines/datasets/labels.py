@@ -16,14 +16,15 @@ COLUMNS = {  # meaning of all columns of a data set that are not variables of it
     "group": "runs of one group are in one part of the split",
     "split": "train, test or validation",
     "label": "kinds of all faults, or healthy",
-    "places": "where they are, in words",
+    "places": "places of all faults, in words",
     "severity": "size of the first fault: the value of the key severity_key in its table",
     "severity_key": "key of that size with its unit, for example depth_mm",
     "faults": "all faults with all their values, JSON",
-    "step_error": "estimated error of the accelerations by the time step, share of their rms",
+    "step_error": "estimated error of the accelerations caused by the time step, share of their rms",
     "repeatable_until_s": "time after which the motion depends on rounding (rattling gears); else that of the last "
     "sample",
-    "warnings": "kinds of warning: step (step_error above 5 %), repeat (see above), energy (balance does not close)",
+    "warnings": "kinds of warning: step (step_error above 5 %), repeat (repeatable_until_s is before the end), energy "
+    "(balance does not close)",
     "seconds": "computing time of the run, s",
     "loop_seconds": "part of it in the time loop, s",
 }

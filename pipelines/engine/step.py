@@ -153,7 +153,7 @@ class Graph:
         for step in steps:
             missing = [name for name in step.inputs if name not in self.steps]
             if missing or step.name in self.steps:
-                wrong = f"takes {missing[0]!r}, which does not stand before it" if missing else "is given twice"
+                wrong = f"takes {missing[0]!r}, which is no earlier step" if missing else "is given twice"
                 raise ValueError(f"step {step.name!r} {wrong}")
             self.steps[step.name] = step
 

@@ -37,10 +37,10 @@ CASING = (
 ENERGY = (
     "Energies over the whole simulation, in joule. Stored: change of the stored energy. Parametric: work of "
     "springs whose stiffness changes in time. Residual: received plus parametric minus dissipated minus stored; 0 "
-    "except for numerical errors. Scale: what to compare the residual with. For a part it is the dissipated energy, or "
-    "the largest stored energy if it has almost no damping; for the total, the work of all sources, each counted as "
-    "positive. The part drive is the motor couplings; the work of the motors and the rotation of the shafts are in the "
-    "total only."
+    "except for numerical errors. Scale: energy with which the residual is compared. For a part this is the dissipated "
+    "energy, or the largest stored energy if the part has almost no damping; for the total, the work of all sources, "
+    "each counted as positive. The part drive is the motor couplings; the work of the motors and the rotation of the "
+    "shafts are in the total only."
 )
 
 
@@ -189,7 +189,7 @@ def _cost(facts: Mapping[str, Any]) -> list[str]:
             for row in rows
         ]
         note = (
-            "A step is stored in the cache. Of a reused step, time and memory are those of its first computation. "
+            "A step is stored in the cache. Time and memory of a reused step are those of its first computation. "
             "Steps may run at the same time."
         )
         parts = [page.table(grid("Computing time and memory of each step", steps)), page.note(note)]

@@ -190,7 +190,7 @@ def all_lines(diagnoses: Sequence[Diagnosis], seeds: Sequence[Diagnosis]) -> lis
             f"of {diagnoses[0].noise:.3g} m/s² rms."
             + (
                 ' The last column gives the natural frequency of the container on its rope. "on this line" marks lines '
-                "that it can raise without a fault."
+                "that this oscillation can raise without a fault."
                 if settings.rope_mode
                 else ""
             )

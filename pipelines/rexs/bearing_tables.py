@@ -111,7 +111,11 @@ def _springs(
     )
     kind = "roller" if "roller" in bearing.kind else "ball"
     radial = RADIAL[kind] * bore if bearing.radial else least
-    given = "" if bearing.radial_stiffness is None else f"; its {bearing.radial_stiffness:g} N/m mean rigid"
+    given = (
+        ""
+        if bearing.radial_stiffness is None
+        else f"; its {bearing.radial_stiffness:g} N/m are taken as rigid and not used"
+    )
     if bearing.radial_stiffness is not None and 0 < bearing.radial_stiffness < RIGID * 1e6:
         radial, given = bearing.radial_stiffness / 1e6, "; radial stiffness of the file"
     axial = least if bearing.axial == "no_direction" else radial / 2

@@ -142,8 +142,8 @@ class _Train:
         named = [end for end in ends if document.components[end.number_in_file].text("defines_speed") == "true"]
         source = named[0] if named else ends[0]
         sink = ends[1] if source is ends[0] else ends[0]
-        reason = "no torque determines where power enters" + (
-            "; it defines the speed" if named else "; the first in the file"
+        reason = "no torque determines where power enters; taken because " + (
+            "this shaft defines the speed" if named else "it is the first in the file"
         )
         return source, sink, [Note(kind="assumed", where="input", value=source.label, reason=reason)]
 

@@ -99,7 +99,7 @@ def scene_text(unit: GearUnit, name: str) -> SceneText:
 
 def _head(unit: GearUnit, notes: Iterable[Note]) -> Iterator[str]:
     yield f"# From {shown(unit.source)}: REXS {shown(unit.version)}, written by {shown(unit.written_by, 60)}."
-    yield "# y is u of the file (against it where the input turns backwards there), z is w; places in mm."
+    yield "# y is u of the file (-u if the speed of its input is negative), z is w; positions in mm."
     comment = textwrap.TextWrapper(118, initial_indent="# ", subsequent_indent="#   ", break_long_words=False)
     for kind, heading in HEADINGS.items():
         found = [note for note in notes if note.kind == kind]
@@ -255,4 +255,4 @@ def _motion_lines(unit: GearUnit, motion: MotionTables, stages: list[StageTable]
 def _missing(motion: MotionTables, table: str) -> Iterator[str]:
     for path, words in motion.missing.items():
         if path.startswith(f"{table}."):
-            yield f"# {path.partition('.')[2]} = ...  # TO GIVE: {words}"
+            yield f"# {path.partition('.')[2]} = ...  # TO BE SET: {words}"

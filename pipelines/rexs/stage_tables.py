@@ -167,7 +167,7 @@ def _bore(
     diameter, largest = max(section.outer), root - 2 * THINNEST_RIM * gear.module
     if diameter <= largest:
         return diameter, []
-    reason = f"{THINNEST_RIM} modules under the root circle: cut from its shaft of {diameter:g} mm, stiff up to there"
+    reason = f"{THINNEST_RIM} modules below the root circle: the gear is cut on its shaft of {diameter:g} mm"
     return largest, [Note(kind="assumed", where=path, value=_text(largest), reason=reason)]
 
 

@@ -240,6 +240,7 @@ def _check_speed(run: xarray.Dataset, rate: float, segment: Segment, settings: D
     frequency = abs(float(speed.mean())) / (2 * np.pi)
     if abs(frequency / settings.revolution_frequency - 1) > SPEED_TOLERANCE:
         raise DiagnosisError(
-            f"window {window!r}: {settings.shaft} turns at {frequency:.4f} Hz in the mean, but the lines are for "
-            f"{settings.revolution_frequency:.4f} Hz (within {SPEED_TOLERANCE:g}). Choose a window at constant speed."
+            f"window {window!r}: {settings.shaft} turns at {frequency:.4f} Hz in the mean, but the lines need "
+            f"{settings.revolution_frequency:.4f} Hz within {100 * SPEED_TOLERANCE:g} %. Choose a window at constant "
+            "speed."
         )

@@ -175,8 +175,8 @@ def _flange_problems(housing: Dimensions) -> Iterator[str]:
             # distance from the flange to the boss, seen from the side on which the flange passes
             if -ligament < edge - radius < ligament and abs(edge - radius) > _TOUCH:
                 yield (
-                    f"the {name} of the flange passes the boss of {bore.name} at {_mm(edge - radius)} (allowed: "
-                    f"{_mm(ligament)} or more outside the boss, or {_mm(-ligament)} or less, inside it). Correct "
+                    f"the {name} of the flange is {_mm(edge - radius)} outside the boss of {bore.name} (negative: "
+                    f"inside; allowed: {_mm(ligament)} or more, or {_mm(-ligament)} or less). Correct "
                     "flange.split_plane_mm"
                 )
 

@@ -90,7 +90,9 @@ def foreign_body(
         raise ForeignError(f"units {system!r} are not one of {', '.join(SYSTEMS)}")
     K, M = (_whole(name, what, matrix) for what, matrix in (("stiffness", stiffness), ("mass", mass)))
     if K.shape != M.shape:
-        raise ForeignError(f"{name}: stiffness has {K.shape[0]} equations, mass {M.shape[0]}; export both of one set")
+        raise ForeignError(
+            f"{name}: stiffness has {K.shape[0]} equations, mass {M.shape[0]}. Export both for the same set"
+        )
     length, unit_mass, time = SYSTEMS[system]
     numbers, places = _nodes(name, nodes)
     node, axis = _equations(name, equations, K.shape[0], numbers)
@@ -99,7 +101,7 @@ def foreign_body(
         places = np.full((len(numbers), 3), np.nan)
     if len(unknown := np.setdiff1d(node[axis != MODAL], numbers)):
         raise ForeignError(
-            f"{name}: equations belong to nodes without a place: {_some(unknown)}. Give a file of all nodes"
+            f"{name}: equations belong to nodes without coordinates: {_some(unknown)}. Give a file of all nodes"
         )
     if frames is not None:
         turn = _turned(name, node, axis, numbers, frames)

@@ -177,7 +177,10 @@ def _dense(K: np.ndarray, M: np.ndarray) -> np.ndarray | None:
 def _wrong(asymmetry: list[float], mass: float, grounding: float, rigid: int, negative: int) -> Iterator[str]:
     for name, value in zip(("stiffness", "mass"), asymmetry, strict=True):
         if value > _SYMMETRIC:
-            yield f"the {name} matrix is not symmetric ({value:.1e}, limit {_SYMMETRIC:.0e}); gyroscopic, or cut off"
+            yield (
+                f"the {name} matrix is not symmetric ({value:.1e}, limit {_SYMMETRIC:.0e}): it contains gyroscopic "
+                "terms, or the file is cut off"
+            )
     if negative:
         yield (
             f"{negative} modes have negative stiffness: the matrices are those of a loaded or damaged model, or are "
@@ -189,7 +192,7 @@ def _wrong(asymmetry: list[float], mass: float, grounding: float, rigid: int, ne
             "is held, or the node coordinates are wrong. Export the free body, and state its feet in the scene"
         )
     elif np.isfinite(grounding) and rigid > 6:
-        yield f"{rigid} modes have no stiffness, 6 are those of a free body: a part is not connected"
+        yield f"{rigid} modes have no stiffness, a free body has 6 of them: a part is not connected"
     if np.isfinite(mass) and not mass > 0.0:
         yield "its mass is zero: no densities in the model, or a mass matrix of other equations"
 

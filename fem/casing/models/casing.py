@@ -109,10 +109,10 @@ class HousingCasing(Casing):
         "without flange, ribs, fillets and pads, or a mesh file",
     )
     bore_element_size: float | None = option(
-        None, unit="mm", gt=0, text="edge length at the bearing seats, where smaller"
+        None, unit="mm", gt=0, text="edge length at the bearing seats, if smaller than element_size_mm"
     )
     foot_element_size: float | None = option(
-        None, unit="mm", gt=0, text="edge length at the ground faces, where smaller"
+        None, unit="mm", gt=0, text="edge length at the ground faces, if smaller than element_size_mm"
     )
     damping_ratio: float | tuple[tuple[Frequency, float], ...] = option(
         0.01,

@@ -49,9 +49,9 @@ def split_mesh(mesh: CasingMesh, plane: Plane) -> SplitMesh:
     if crossed.any():
         middle = 1000 * mesh.nodes[mesh.elements[crossed][0]].mean(axis=0)
         raise MeshError(
-            f"{where}: {int(crossed.sum())} of {len(crossed)} elements cross it, one around "
-            f"({', '.join(f'{value:.4g}' for value in middle)}) mm; two solids must touch in it (of a STEP file: with "
-            "glue = true), a parametric housing without flange needs its cover there"
+            f"{where}: {int(crossed.sum())} of {len(crossed)} elements cross this plane, one around "
+            f"({', '.join(f'{value:.4g}' for value in middle)}) mm. Set through_mm and normal of a plane that "
+            "no element crosses (of a STEP file with glue = true: where two solids touch)"
         )
     upper = corners.mean(axis=1) > 0.0
     shared = np.intersect1d(mesh.elements[upper], mesh.elements[~upper])

@@ -39,8 +39,8 @@ def cubic_limits(cubic: np.ndarray, quadratic: np.ndarray, *, corners: int) -> F
     known = np.isfinite(excess)
     if known.sum() < LEAST_MODES:
         raise LimitError(
-            f"{int(known.sum())} modes have counterparts among those of quadratic elements (least {LEAST_MODES}); "
-            "use a smaller element size"
+            f"{int(known.sum())} modes have counterparts among those of quadratic elements, at least {LEAST_MODES} are "
+            "needed; use a smaller element size"
         )
     usual = float(np.median(excess[known]))
     excess = np.where(known, excess, usual)

@@ -88,8 +88,8 @@ class Changes:
             raise LimitError(f"sizes {h.tolist()} and frequencies {f.shape}: give rising sizes, a row of modes each")
         if self.known.sum() < LEAST_MODES or not abs(self.large[self.known]).max() > 0.0:
             raise LimitError(
-                f"{int(self.known.sum())} modes of the finest mesh have counterparts that differ on the others (least "
-                f"{LEAST_MODES}); use smaller elements on all meshes"
+                f"{int(self.known.sum())} modes of the finest mesh have counterparts of other frequency on the other "
+                f"meshes, at least {LEAST_MODES} are needed; use smaller elements on all meshes"
             )
 
     @property

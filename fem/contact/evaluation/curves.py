@@ -158,9 +158,9 @@ def _balanced(
             state, r = trial, r_trial
         else:
             raise LawError(
-                f"mesh law {evaluator.law.model!r}: no balanced tilt at cycle {c[i]:.6g}, F = {load:.6g} N (rest "
-                f"{slope} N): the clearances leave a single line of contact off mid face, or the tip-edge gaps end too "
-                "early"
+                f"mesh law {evaluator.law.model!r}: no tilt centres the load at cycle {c[i]:.6g}, F = {load:.6g} N "
+                f"(rest {slope} N): only one slice off mid face touches, or the deflection is beyond the tip-edge gaps "
+                "of the law. Give the tilt as a number"
             )
         delta[i], tilt[i] = state[0], state[1] / half
     return delta, tilt

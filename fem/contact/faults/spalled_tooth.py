@@ -14,7 +14,7 @@ from fem.options import option
 
 @dataclass(frozen=True, kw_only=True)
 class SpalledTooth(FlankDamage):
-    """A spall of a flank; the mating tooth bridges it on its edge.
+    """A spall of a flank; the mating tooth rests on the edges of the spall.
 
     Parts beyond the flank are ignored.
     """

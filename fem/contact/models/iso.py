@@ -117,10 +117,10 @@ class Iso(MeshModel):
         for bad, what in (
             (
                 pair.transverse_contact_ratio < 1.2,
-                f"eps_alpha is {pair.transverse_contact_ratio:.4f}, the limit >= 1.2",
+                f"eps_alpha is {pair.transverse_contact_ratio:.4f}, below the limit 1.2",
             ),
-            (p.helix_angle > MAX_HELIX, f"beta is {math.degrees(p.helix_angle):.3f} deg, the limit 30 deg"),
-            (not -0.5 <= shift <= 2.0, f"x1 + x2 is {shift:.4f}, the range [-0.5, 2]"),
+            (p.helix_angle > MAX_HELIX, f"beta is {math.degrees(p.helix_angle):.3f} deg, above the limit 30 deg"),
+            (not -0.5 <= shift <= 2.0, f"x1 + x2 is {shift:.4f}, outside the range -0.5 to 2"),
         ):
             if bad:
                 raise ModelError(

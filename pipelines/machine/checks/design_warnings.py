@@ -154,7 +154,7 @@ def _drive(scene: Scene, layout: Layout) -> Iterator[str]:
         yield (
             f"drive: the motors give at most {given:.4g} N m, and the load takes {needed:.4g} N m at their shaft. "
             "Unless "
-            "it falls with the speed, it drives the machine backwards. Reduce the load, or set a stronger motor"
+            "the load falls with the speed, it drives the machine backwards. Reduce it, or set a stronger motor"
         )
 
 

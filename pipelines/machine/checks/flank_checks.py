@@ -62,8 +62,8 @@ def _prescribed_warnings(scene: Scene, layout: Layout) -> Iterator[str]:
                 continue
             if not scene.deviations.enabled:
                 yield (
-                    f"{place}: have no effect, because deviations.enabled = false. Set deviations.enabled = true, and "
-                    "deviations.include = [] for no further deviations"
+                    f"{place}: these keys have no effect, because deviations.enabled = false. Set deviations.enabled = "
+                    "true, and deviations.include = [] for no further deviations"
                 )
                 continue
             try:

@@ -25,7 +25,7 @@ def bad_windows(scene: Scene, machine: Drivetrain) -> Iterator[Problem]:
     if layout.turns == 0.0 and not known:
         yield Problem(
             "diagnosis.windows_s",
-            "a diagnosis needs the approximate speed of the machine, and the drive gives none but 0",
+            "a diagnosis needs the approximate speed of the machine, and the drive states only the speed 0",
             "Set drive.highest_rpm, or windows_s = {} for signals without diagnosis",
         )
         return

@@ -77,7 +77,7 @@ def drawn_tooth(
 
 def _with_wear(tooth: DrawnTooth, section: Section, pair: GearPair, fault: ToothFault) -> DrawnTooth:
     deepest = 1e6 * tooth.depth.max()
-    return _told(tooth, f"up to {deepest:.3g} µm gone from the flank{_scaled(tooth)}")
+    return _told(tooth, f"up to {deepest:.3g} µm removed from the flank{_scaled(tooth)}")
 
 
 def _with_spall(tooth: DrawnTooth, section: Section, pair: GearPair, fault: SpalledTooth) -> DrawnTooth:

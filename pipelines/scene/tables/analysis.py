@@ -20,7 +20,9 @@ class LookedFor:
     `possible` is False without windows or sensors; `speed_is_known` is True if motors prescribe the speed.
     """
 
-    sensor: str | None = option(None, text="name of the sensor whose signal is diagnosed; without it: the first sensor")
+    sensor: str | None = option(
+        None, text="name of the sensor whose lines are listed (verdict: all sensors); without it: the first sensor"
+    )
     axis: Literal["x", "y", "z", "resultant"] = option(
         "z", text="channel of that sensor; resultant: root of the sum of squares"
     )

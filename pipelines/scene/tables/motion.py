@@ -41,8 +41,8 @@ class SpeedDrive(Table):
         Number,
         Field(
             ge=0,
-            description="torque of a holding brake on that shaft at the first motor, which is closed "
-            "while the motors stand still; 0: no brake",
+            description="torque of a holding brake on that shaft at the first motor. The brake is closed while "
+            "the motors stand still; 0: no brake",
         ),
     ] = 0.0
 

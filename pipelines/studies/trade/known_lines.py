@@ -41,7 +41,7 @@ def widths(error_bars: LineBars) -> str:
     if not found:
         return "No detected line has an error bar."
     return (
-        f"Casing mesh and time step cause an uncertainty of {median(found):.2g} dB in the median and {max(found):.2g} "
-        f"dB at most of the {len(found)} detected lines of the fault (half the error bar, 5 to 95 %). Choices that "
-        "differ by less cannot be distinguished."
+        f"Casing mesh and time step make the levels of the {len(found)} detected lines of the fault uncertain by "
+        f"{median(found):.2g} dB in the median and {max(found):.2g} dB at most (half the error bar, 5 to 95 %). "
+        "Choices that differ by less cannot be distinguished."
     )

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MESH_MODELS = {  # error against converged three-dimensional contact, docs/choosing-a-model.md
-    "iso": "about 10 % softer than plane, and another curve over the mesh cycle",
-    "energy": "within 10 % in single contact, up to half too stiff in double contact",
+    "iso": "about 10 % softer than plane, with a different variation over the mesh cycle",
+    "energy": "within 10 % in single contact, up to 50 % too stiff in double contact",
     "plane": "too stiff by 2 to 3 % (wide pairs), 5 % (narrow spur pairs) or 7 to 14 % (narrow helical pairs)",
     "solid": "within 0.6 % of converged contact in space",
 }
