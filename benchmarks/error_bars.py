@@ -108,13 +108,12 @@ def first_bars() -> tuple[Diagnosis, LineBars]:
     loaded = load_scene("rig-missing-tooth", {**SHORT, **MESHES[FIRST]})
     study = plan_study(loaded, both_loads=False)
     step, case = bars_step(study), study.cases[0]
-    assert case.healthy is not None
     assert case.control is not None
-    assert case.plant.diagnosis is not None
-    outcome = Work(processes=1).build(Graph([*study.graph, step]), [step.name, case.faulty, case.healthy])
-    runs = (make_response(outcome.value(case.faulty), case.plant.labels),
-            make_response(outcome.value(case.healthy), case.control.labels))  # fmt: skip
-    return diagnose(*runs, case.plant.diagnosis), outcome.value(step.name)
+    assert case.own.plant.diagnosis is not None
+    outcome = Work(processes=1).build(Graph([*study.graph, step]), [step.name, case.own.step, case.control.step])
+    runs = (make_response(outcome.value(case.own.step), case.own.plant.labels),
+            make_response(outcome.value(case.control.step), case.control.plant.labels))  # fmt: skip
+    return diagnose(*runs, case.own.plant.diagnosis), outcome.value(step.name)
 
 
 def levels(motion: Trajectory, plant: Plant, diagnosis: Diagnosis, bars: LineBars) -> np.ndarray:

@@ -15,8 +15,8 @@ _LAWS = (
 )
 _MODELS = (
     "`rig-healthy` with one model changed, 0.3 s of motion, 900 rpm from 0.05 s on. Acceleration and mesh force are "
-    "standard deviations from 0.1 s to 0.3 s; the container on its rope causes most of that of the mesh force. Without "
-    "a casing the acceleration is that of the journal of bearing 3."
+    "standard deviations from 0.1 s to 0.3 s; for the mesh force the container on its rope causes most of this value. "
+    "Without a casing the acceleration is that of the journal of bearing 3."
 )
 _PRECISION = (
     "The full rig over 0.2 s of motion, acceleration of sensor_3 along z after the output filter. Error: RMS of the "

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator
 from concurrent.futures import Executor
 from pathlib import Path
 
@@ -59,10 +58,9 @@ def campaign(
     (3, 0, 'campaigns/few')
     """
     found = load_plan(checked_file("plan", plan, "the plan of a campaign"))
-    workers = local_workers(processes) if executor is None else _given(executor, at_once)
+    workers = (
+        local_workers(processes)
+        if executor is None
+        else contextlib.nullcontext(Workers(executor=executor, count=lambda: at_once))
+    )
     return run_campaign(found, out or f"campaigns/{found.name}", workers, Work())
-
-
-@contextlib.contextmanager
-def _given(executor: Executor, at_once: int) -> Iterator[Workers]:
-    yield Workers(executor=executor, count=lambda: at_once)

@@ -68,6 +68,12 @@ def test_an_even_load_on_a_crack_over_the_whole_face_is_plane():
         assert (np.diag(even) * FACE).mean() == pytest.approx(plane.mean(), rel=0.01)
 
 
+def test_refinement_divides_the_distance_of_the_nodes_of_a_crack():
+    found = [surface(SPUR, refinement=r, elements=2).slit_node for r in (0.6, 0.9)]
+    coarse, fine = (np.ptp(one) / (len(one) - 1) for one in found)
+    assert coarse / fine == pytest.approx(0.9 / 0.6, rel=0.15)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("series", ["depth", "extent", "far depth"])
 def test_compliance_grows_evenly_with_the_crack_from_nothing(series):

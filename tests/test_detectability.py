@@ -26,7 +26,7 @@ from pipelines.studies.detect.design import DAMAGED, HEALTHY, Design, detection_
 from pipelines.studies.detect.over import Over, parse_over
 from pipelines.studies.detect.page import words
 from pipelines.studies.detect.probability import Machines, Share, detection
-from pipelines.studies.detect.tables import TableJob, make_tables
+from pipelines.studies.detect.tables import make_tables, table_job
 
 KINEMATICS = Kinematics(
     shafts=(Shaft(name="shaft_1", ratio=1.0), Shaft(name="shaft_2", ratio=20 / 55)),
@@ -251,7 +251,7 @@ def test_features_of_runs_are_made_once_per_noise(folder):
 
     def jobs(noise):
         sums = read_row(folder, 2)["checksums"]
-        return [TableJob(folder=folder, run=2, settings=settings, noise=noise, checksums=sums)]
+        return [table_job(folder=folder, run=2, settings=settings, noise=noise, checksums=sums)]
 
     made = []
     (clean,) = make_tables(jobs(0.0), InOrder(), lambda done, left: made.append(left))
@@ -268,7 +268,7 @@ def test_runs_without_features_say_why(folder):
     sums = read_row(folder, 2)["checksums"]
     settings = FeatureSettings(kinematics=KINEMATICS, windows={"short": (0.1, 0.12)})
     with pytest.raises(InputError, match="no shaft with a confirmed speed makes"):
-        make_tables([TableJob(folder=folder, run=2, settings=settings, noise=0.0, checksums=sums)], InOrder())
+        make_tables([table_job(folder=folder, run=2, settings=settings, noise=0.0, checksums=sums)], InOrder())
 
 
 @pytest.mark.slow

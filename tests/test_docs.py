@@ -3,14 +3,14 @@
 import re
 from pathlib import Path
 
-from pipelines.scene.keys import scene_keys, slug
+from benchmarks.scene_keys import scene_keys, slug
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 
 
 def test_the_reference_of_scene_keys_is_current():
     stored = (DOCS / "scene-keys.md").read_text(encoding="utf-8")
-    assert stored == scene_keys(), "run: python -m pipelines.scene.keys docs/scene-keys.md"
+    assert stored == scene_keys(), "run: python -m benchmarks.scene_keys docs/scene-keys.md"
 
 
 def test_every_link_of_the_scene_keys_leads_to_one_heading():

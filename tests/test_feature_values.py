@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from pipelines.signals.features.average import average, average_power
-from pipelines.signals.features.band import banded
 from pipelines.signals.features.envelope import envelope_orders, marked_tooth, tooth_contrast, tooth_energies
-from pipelines.signals.features.passing import pass_levels
+from pipelines.signals.features.passing import PASSING, SIDEBANDS, pass_levels
 from pipelines.signals.features.statistics import kurtosis
 from pipelines.signals.features.synchronous import synchronous
+from pipelines.signals.orders.band import banded
 
 PLACES, TURNS = 1024, 30
 THETA = 2 * np.pi * np.arange(PLACES) / PLACES
@@ -108,8 +108,21 @@ def test_impulses_that_pass_stand_above_the_floor_and_others_do_not():
     signal[places[places < length]] += 3.0
     envelope = np.abs(banded(signal[None], (0.1, 0.45), 0.05)[0].reshape(1, TURNS, PLACES)) ** 2
     found = pass_levels(envelope, {"BPFO": 3.58, "BPFI": 4.6})
-    assert found["BPFO"][0] > 20.0
-    assert found["BPFI"][0] < 5.0
+    assert found["BPFO", PASSING][0] > 20.0
+    assert found["BPFI", PASSING][0] < 5.0
+
+
+def test_a_rolling_element_is_recognised_by_the_sidebands_of_the_cage():
+    random = np.random.default_rng(9)
+    turn = np.arange(60 * 256) / 256
+    bursts = np.exp(30.0 * (np.cos(2.0 * np.pi * 4.8 * turn) - 1.0))
+    in_load_zone = np.exp(5.0 * (np.cos(2.0 * np.pi * 0.4 * turn) - 1.0))
+    noise = 0.03 * random.standard_normal(len(turn))
+    envelopes = np.stack([bursts * in_load_zone + noise, bursts + noise]).reshape(2, 60, 256)
+    found = pass_levels(envelopes, {"2 BSF": 4.8}, sidebands={"2 BSF": 0.4})
+    modulated, even = 20.0 * np.log10(found["2 BSF", SIDEBANDS])
+    assert modulated > even + 10.0
+    assert modulated > 20.0
 
 
 def test_pass_orders_need_turns_enough():

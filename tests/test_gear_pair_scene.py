@@ -5,6 +5,7 @@ import re
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import gearcase
 from pipelines.cli.main import main
@@ -120,12 +121,12 @@ def test_the_pattern_of_a_missing_tooth_is_that_of_its_neighbours(tmp_path, monk
     fault = {"kind": "missing-tooth", "stage": 1, "gear": "pinion", "tooth": 24}
     (laws,) = gearcase.laws(gearcase.Scene.from_dict({"extends": "pair", "faults": [fault]}))
     seen = []
-    monkeypatch.setattr(inspect_gears, "write_pattern", lambda view, path: seen.append(view))
+    monkeypatch.setattr(inspect_gears, "pattern_figure", lambda *given, **_: seen.append(given) or Figure())
     plant = plan_study(load_scene("pair", {"faults": [fault]}), with_control=False, both_loads=False).plant
     inspect_gears.InspectedStage(machine=plant, laws=laws).write_pattern(tmp_path / "pattern.png")
-    (view,) = seen
-    assert view.title.endswith("neighbours of the missing tooth 24 of the pinion")
-    healthy, before, after = view.patterns
+    ((title, patterns),) = seen
+    assert title.endswith("neighbours of the missing tooth 24 of the pinion")
+    healthy, before, after = patterns
     assert before.name.startswith("tooth 23,")
     assert after.name.startswith("tooth 0,")
     assert np.nanmean(before.pressure) > 1.05 * np.nanmean(healthy.pressure)

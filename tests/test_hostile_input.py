@@ -341,7 +341,6 @@ def test_a_scene_with_a_long_list_is_copied_at_once(tmp_path):
 
 
 def test_markup_in_a_title_stays_text(tmp_path):
-    from pipelines.report.contents import RunCost
     from pipelines.report.figures.callouts import plain
     from pipelines.report.figures.film import film_page
     from pipelines.report.figures.plots import dress, new_figure
@@ -354,7 +353,7 @@ def test_markup_in_a_title_stays_text(tmp_path):
         tmp_path / "report.html",
         title,
         report_body(title, first=first, summary={title: title}),
-        RunCost(),
+        {},
     )
     for text in (page.read_text(encoding="utf-8"), film_page(title, [], title, [], 40)):
         assert "<script>alert" not in text

@@ -7,8 +7,8 @@ import pytest
 
 from pipelines.cli.main import main
 from pipelines.diagnosis.impacts import CLEAR
-from pipelines.runs.recorded import file_words, judge_files
-from pipelines.signals.features.passing import pass_levels
+from pipelines.runs.recorded import file_facts, file_words, files_grid, judge_files
+from pipelines.signals.features.passing import PASSING, pass_levels
 
 RATE, SECONDS, SPEED = 12000, 6.0, 29.0  # Hz, s, Hz of the shaft
 OUTER, INNER = 3.585, 5.415  # passes per turn
@@ -65,6 +65,25 @@ def test_a_speed_known_within_5_percent_follows_from_the_multiples_of_the_shaft(
     assert abs(found.level - exact.level) < 1.0
 
 
+def test_the_speed_that_the_multiples_of_the_shaft_show_is_stated_if_no_other_is_possible(tmp_path):
+    random = np.random.default_rng(1)
+    signal = unbalanced(random) + 2.0 * impacts(OUTER, 0.0, random)
+    nominal = MACHINE.replace("rpm = 1740, uncertainty_percent = 0.3", "rpm = 1675, uncertainty_percent = 5")
+    facts = file_facts(judged(tmp_path, signal, nominal))
+    assert abs(facts["speed_rpm"] / (60.0 * SPEED) - 1.0) < 1e-3
+    assert facts["speed_uncertainty_percent"] < 1.0
+    assert "the multiples of the shafts in the envelope determine it better" in facts["turning"]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_speed_of_noise_is_the_nominal_one_with_its_uncertainty(tmp_path, seed):
+    noise = np.random.default_rng(seed).standard_normal(round(RATE * SECONDS))
+    nominal = MACHINE.replace("rpm = 1740, uncertainty_percent = 0.3", "rpm = 1675, uncertainty_percent = 2")
+    found = judged(tmp_path, noise, nominal)
+    assert "1675 rpm (known to 2 %)" in found.recorded.turning
+    assert files_grid(["a"], [found]).rows[0][1:3] == ("1675", "2")
+
+
 @pytest.mark.parametrize("rpm", [1675, 1790])
 def test_multiples_of_a_shaft_of_roughly_known_speed_are_no_impacts_of_a_bearing(tmp_path, rpm):
     time = np.arange(round(RATE * SECONDS)) / RATE
@@ -93,8 +112,8 @@ def test_several_recordings_give_a_table_and_a_page_each(tmp_path, capsys):
     given = [*files, "--machine", str(tmp_path / "machine.toml"), "--out", str(tmp_path / "seen")]
     assert main(["diagnose", *given]) == 0
     rows = [line.split() for line in capsys.readouterr().out.splitlines() if line.startswith(files[0][:-10])]
-    assert [row[3] for row in rows] == ["-", "damaged"]
-    assert rows[1][4:6] == ["DE", "BPFO"]
+    assert [row[4] for row in rows] == ["-", "damaged"]
+    assert rows[1][5:7] == ["DE", "BPFO"]
     assert all((tmp_path / "seen" / number / "report.html").is_file() for number in "12")
 
 
@@ -124,7 +143,7 @@ def test_one_line_however_strong_is_no_comb():
     turns, places = 100, 256
     envelope = 1.0 + np.cos(2.0 * np.pi * OUTER * np.arange(turns * places) / places)
     envelope += 1e-5 * np.random.default_rng(2).standard_normal(envelope.shape)
-    (level,) = pass_levels(envelope.reshape(1, turns, places), {"BPFO": OUTER})["BPFO"]
+    (level,) = pass_levels(envelope.reshape(1, turns, places), {"BPFO": OUTER})["BPFO", PASSING]
     assert 20.0 * np.log10(level) < CLEAR
 
 

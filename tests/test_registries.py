@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from benchmarks.gear_pairs import gear_pair
+from benchmarks.scene_keys import values
 from fem.casing.models.registry import CASINGS, casing_class
 from fem.contact.faults.registry import FAULTS, fault_class
 from fem.contact.frame import ModelError
@@ -20,7 +21,6 @@ from pipelines.engine.storage import class_modules
 from pipelines.io.errors import SceneError
 from pipelines.machine.machine import make_plant
 from pipelines.scene.file import load_scene, validate
-from pipelines.scene.keys import values
 from pipelines.scene.merge import Merged
 from pipelines.scene.tables.casing import CASING_TABLES, FlexibleBase
 from pipelines.scene.tables.derived import table

@@ -4,8 +4,8 @@ import base64
 import csv
 import json
 import re
-from dataclasses import replace
 from html.parser import HTMLParser
+from types import MappingProxyType
 
 import numpy as np
 import pytest
@@ -16,16 +16,16 @@ from synthetic import MESH, WHEEL, response
 
 from pipelines.diagnosis.control_diagnosis import DiagnosisSettings, diagnose
 from pipelines.diagnosis.export import ExportError, export
-from pipelines.io.grid import Grid, GridError
-from pipelines.report import pictures
-from pipelines.report.contents import RunCost, cell, grid
+from pipelines.io.grid import Grid, GridError, cell, grid
+from pipelines.report import page
 from pipelines.report.figures.plots import StiffnessPlot, drive_figure, stiffness_figure, waveform_figure
 from pipelines.report.figures.views import LeftOut
-from pipelines.report.first_figures import Average, Envelope, average_figure
+from pipelines.report.first_figures import average_figure, envelope_figure
 from pipelines.report.first_page import first_screen
 from pipelines.report.page import typeset
 from pipelines.report.report import report_body, write_report
 from pipelines.report.zoom_data import extremes, largest
+from pipelines.steps import pictures
 
 LEFT_OUT = "The picture of the gear pair is left out: off-screen rendering ended with SIGSEGV. Install libegl1."
 WINDOWS = {"lifting": (0.5, 2.5), "lowering": (3.0, 5.0)}
@@ -56,26 +56,23 @@ def diagnosis(runs):
     return diagnose(runs["missing tooth"], runs["healthy"], settings)
 
 
+AVERAGE = {
+    "place": np.arange(55.0),
+    "value": np.sin(np.arange(55.0)),
+    "reference": np.zeros(55),
+    "across": "teeth",
+    "marked": (20.0, 22.0),
+    "marked_name": "tooth 21",
+}
+ENVELOPE = {"line": np.arange(60.0), "amplitude": np.ones(60), "marked": [(5.4545, "f_r")], "band": "1 to 2 kHz"}
 FIRST = {
     "sentences": ["One tooth of the stage 1 wheel missing.", "False alarms: 1 in 300 (0.01 to 1.8 %)."],
     "found": True,
     "figures": [("Speed", "900 rpm"), ("Tooth meshing f_m", "300 Hz"), ("Turns of shaft 2, f_r", "5.4545 Hz")],
-    "average": Average(
-        place=np.arange(55.0),
-        value=np.sin(np.arange(55.0)),
-        reference=np.zeros(55),
-        across="teeth",
-        marked=(20.0, 22.0),
-        marked_name="tooth 21",
-        caption="Average over 9 turns.",
-    ),
-    "envelope": Envelope(
-        line=np.arange(60.0),
-        amplitude=np.ones(60),
-        marked=[(5.4545, "f_r")],
-        band="1 to 2 kHz",
-        caption="Envelope spectrum.",
-    ),
+    "evidence": [
+        page.picture(average_figure(**AVERAGE), "Average over 9 turns."),
+        page.picture(envelope_figure(**ENVELOPE), "Envelope spectrum."),
+    ],
     "ranking": [(f"gear {i}", 14.0 - i, "-", "") for i in range(7)],
 }
 
@@ -113,11 +110,8 @@ class Page(HTMLParser):
             self.words.append(data)
 
 
-NO_COST = RunCost()
-
-
-def written(folder, contents, cost=NO_COST):
-    path = write_report(folder / "report.html", contents["title"], report_body(**contents), cost)
+def written(folder, contents, facts=MappingProxyType({})):
+    path = write_report(folder / "report.html", contents["title"], report_body(**contents), facts)
     text = path.read_text(encoding="utf-8")
     return text, Page(text)
 
@@ -138,11 +132,12 @@ def full(tmp_path_factory, runs, diagnosis):
         "windows": WINDOWS,
         "energy": ({"part": "mesh 1", "residual": 1e-4},),
     }
-    cost = RunCost(
-        steps=({"step": "laws", "seconds": 1.25}, {"step": "run", "seconds": 3.0}),
-        provenance={"gearcase": "0.1.0", "models": {"mesh": "plane"}},
-    )
-    return written(tmp_path_factory.mktemp("full"), contents, cost)
+    facts = {
+        "steps": ({"step": "laws", "seconds": 1.25}, {"step": "run", "seconds": 3.0}),
+        "gearcase": "0.1.0",
+        "models": {"mesh": "plane"},
+    }
+    return written(tmp_path_factory.mktemp("full"), contents, facts)
 
 
 def test_a_report_is_one_sound_file_that_fetches_nothing(full):
@@ -175,10 +170,10 @@ def test_the_first_screen_has_verdict_numbers_figures_and_ranking_in_this_order(
 
 
 def test_an_average_is_shown_with_its_difference_from_the_control():
-    upper, lower = average_figure(FIRST["average"]).axes
-    np.testing.assert_array_equal(upper.lines[1].get_ydata(), FIRST["average"].value)
-    np.testing.assert_array_equal(lower.lines[0].get_ydata(), FIRST["average"].value - FIRST["average"].reference)
-    assert len(average_figure(replace(FIRST["average"], reference=None)).axes) == 1
+    upper, lower = average_figure(**AVERAGE).axes
+    np.testing.assert_array_equal(upper.lines[1].get_ydata(), AVERAGE["value"])
+    np.testing.assert_array_equal(lower.lines[0].get_ydata(), AVERAGE["value"] - AVERAGE["reference"])
+    assert len(average_figure(**AVERAGE | {"reference": None}).axes) == 1
 
 
 def test_what_follows_the_first_screen_is_folded_but_for_the_signals(full):
@@ -278,7 +273,7 @@ def test_a_table_is_never_wider_than_paper(tmp_path):
     values = {f"{k} Hz": k for k in range(14)}
     gears = [{"stage": 1 + i // 2, "gear": ("pinion", "wheel")[i % 2], **values} for i in range(6)]
     steps = [{"seconds": 1.0, **{f"column {k}": k for k in range(20)}}]
-    _, page = written(tmp_path, {"title": "Wide", "gears": gears}, RunCost(steps=steps))
+    _, page = written(tmp_path, {"title": "Wide", "gears": gears}, {"steps": steps})
     assert page.columns == [7, 9, 9, 7]
     words = [word for word in page.words if word.strip()]
     assert words[words.index("stage 1 pinion") + 5] == "stage 3 wheel"

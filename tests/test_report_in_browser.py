@@ -10,12 +10,12 @@ from browser import CHROMIUM, browser
 from synthetic import MESH, WHEEL, response
 
 from pipelines.diagnosis.control_diagnosis import DiagnosisSettings, diagnose
-from pipelines.report import pictures
-from pipelines.report.contents import RunCost
+from pipelines.report import page
 from pipelines.report.figures.plots import StiffnessPlot
-from pipelines.report.first_figures import Average, Envelope
+from pipelines.report.first_figures import average_figure, envelope_figure
 from pipelines.report.first_page import first_screen
 from pipelines.report.report import report_body, write_report
+from pipelines.steps import pictures
 
 pytestmark = [
     pytest.mark.slow,
@@ -47,6 +47,15 @@ def report(tmp_path_factory):
     diagnosis = diagnose(runs["missing tooth"], runs["healthy"], replace(settings, rope_mode={"lifting": 7.9}))
     place = np.linspace(-27.5, 27.5, 1800)
     own = diagnosis.envelopes["faulty", "lifting"]
+    average = average_figure(
+        place,
+        np.exp(-(place**2)),
+        0.1 * np.cos(place),
+        across="teeth",
+        marked=(-1.0, 1.0),
+        marked_name="tooth 21",
+    )
+    envelope = envelope_figure(own.frequency[:120], own.amplitude[:120], marked=[(WHEEL, "f_r")], band="1 to 2 kHz")
     first = first_screen(
         sentences=[
             "A tooth of gear 2 (55 teeth, shaft 2) is damaged: tooth 21 +- 1.",
@@ -61,22 +70,10 @@ def report(tmp_path_factory):
             ("Gear looked at", "stage 1 wheel, 55 teeth"),
             ("Channel", "sensor_3, z"),
         ],
-        average=Average(
-            place=place,
-            value=np.exp(-(place**2)),
-            reference=0.1 * np.cos(place),
-            across="teeth",
-            marked=(-1.0, 1.0),
-            marked_name="tooth 21",
-            caption="Average over 9 turns of shaft 2 without its mesh orders.",
-        ),
-        envelope=Envelope(
-            line=own.frequency[:120],
-            amplitude=own.amplitude[:120],
-            marked=[(WHEEL, "f_r")],
-            band="1 to 2 kHz",
-            caption="Envelope spectrum in the chosen band.",
-        ),
+        evidence=[
+            page.picture(average, "Average over 9 turns of shaft 2 without its mesh orders."),
+            page.picture(envelope, "Envelope spectrum in the chosen band."),
+        ],
         ranking=[(f"gear {i}", 14.2 - i, "0.002", "") for i in range(1, 8)],
     )
     gears = [
@@ -97,12 +94,12 @@ def report(tmp_path_factory):
         "sensor": "sensor_3",
         "energy": [{"part": f"mesh {i}", **{f"{k} J": 1.234e-5 for k in range(7)}} for i in range(40)],
     }
-    cost = RunCost(
-        steps=[{"seconds": 1.5, **{f"column {k}": 1234.5 for k in range(22)}}],
-        provenance={"keys": {f"step {i}": "0123456789abcdef" * 2 for i in range(9)}},
-    )
+    facts = {
+        "steps": [{"seconds": 1.5, **{f"column {k}": 1234.5 for k in range(22)}}],
+        "keys": {f"step {i}": "0123456789abcdef" * 2 for i in range(9)},
+    }
     path = tmp_path_factory.mktemp("report") / "report.html"
-    return write_report(path, contents["title"], report_body(**contents), cost)
+    return write_report(path, contents["title"], report_body(**contents), facts)
 
 
 def boxes(shown, *selectors):
@@ -158,7 +155,7 @@ def test_a_chart_zooms_where_the_mouse_is_dragged_and_comes_back(shown, report):
 
 def test_every_channel_and_window_is_drawn_with_its_own_numbers(shown, report):
     shown.show(report, *SCREEN)
-    top = "Math.max(...document.getElementById('zoom').charts[0].data[1])"
+    top = "Math.max(...document.getElementById('zoom').charts[0].data.at(-1))"  # the run of the scene is drawn last
     choose = "((list, i) => { list.value = i; list.onchange(); })(document.querySelector('select[name=\"%s\"]'), %d)"
     own, signal = shown.value(top), response(sensors=3).acceleration.sel(sensor="sensor_3", axis="z")
     assert own == pytest.approx(float(signal.max()), rel=1e-4)

@@ -84,13 +84,16 @@ def test_a_full_disk_ends_the_log_and_not_the_work(tmp_path, caplog):
         def write(self, _):
             raise OSError(28, "No space left on device")
 
+        def flush(self):
+            raise OSError(28, "No space left on device")
+
         def close(self):
             pass
 
     logger = logging.getLogger("pipelines")
     with run_folder.logged_to(tmp_path / "log.jsonl"):
         handler = next(h for h in logger.handlers if isinstance(h, run_folder.JsonLines))
-        handler._file.close()
-        handler._file = Full()
+        handler.stream.close()
+        handler.stream = Full()
         logger.info("made")
     assert "is incomplete" in caplog.text

@@ -279,15 +279,15 @@ def test_the_most_frequent_load_case_is_taken_and_the_others_are_listed(scene_of
 
 
 def test_speed_and_torque_that_the_file_lacks_are_left_to_the_user(written, tmp_path):
-    made = new_scene_from_rexs(tmp_path / "my.toml", written(unit(speed=None, torque=None)))
+    path, made = new_scene_from_rexs(tmp_path / "my.toml", written(unit(speed=None, torque=None)))
     assert set(made.missing) == {"drive.speeds_rpm", "load.torque_N_m"}
     with pytest.raises(SceneError, match=r"(?s)drive\.speeds_rpm.*load: has no torque. Set torque_N_m"):
-        load_scene(made.path)
+        load_scene(path)
 
 
 def test_the_scene_passes_the_check_without_a_change(written, tmp_path):
-    made = new_scene_from_rexs(tmp_path / "my.toml", written(unit()))
-    found = check_scene(load_scene(str(made.path)))
+    path, _ = new_scene_from_rexs(tmp_path / "my.toml", written(unit()))
+    found = check_scene(load_scene(str(path)))
     assert found.plant.facts.total_ratio == pytest.approx(61 * 44 / (20 * 19))
     assert found.warnings == ()
 

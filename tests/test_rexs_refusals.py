@@ -32,8 +32,8 @@ def imported(tmp_path):
         path = tmp_path / "box.rexs"
         path.write_text(xml(document), encoding="utf-8")
         (tmp_path / "my.toml").unlink(missing_ok=True)
-        made = new_scene_from_rexs(tmp_path / "my.toml", path)
-        return made, load_scene(str(made.path)).scene
+        target, made = new_scene_from_rexs(tmp_path / "my.toml", path)
+        return made, load_scene(str(target)).scene
 
     return make
 

@@ -15,9 +15,9 @@ from pipelines.report.figures import render, render_failures
 from pipelines.report.figures.callouts import casing_figure, gear_figure, spread
 from pipelines.report.figures.plots import StiffnessPlot
 from pipelines.report.figures.render import render_casing, render_gears
-from pipelines.report.figures.shapes import casing_view, gear_view
+from pipelines.report.figures.shapes import casing_surface, gear_view
 from pipelines.report.figures.solids import gear_surface, prism_surface, without_tooth
-from pipelines.report.figures.views import CasingView, GearPairView, GearView, NotRendered, Picture
+from pipelines.report.figures.views import GearPairView, GearView, NotRendered, Picture
 
 
 def area(outline):
@@ -85,13 +85,13 @@ def test_gears_of_the_picture_touch_at_the_pitch_point_without_overlap(missing):
     assert np.arctan2(*middle[::-1]) == pytest.approx((view.marked_angle + np.pi) % (2 * np.pi) - np.pi, abs=1e-6)
 
 
-def test_casing_view_keeps_the_surface_alone():
+def test_the_casing_surface_keeps_the_surface_alone():
     nodes, triangles = box()
     padded = np.vstack([nodes[:3], [[9.0, 9.0, 9.0]], nodes[3:]])  # a node inside the body, of no facet
     shifted = np.where(triangles >= 3, triangles + 1, triangles)
-    view = casing_view(padded, np.column_stack([shifted, shifted]), ["ground_1"], np.zeros((1, 3)))
-    np.testing.assert_array_equal(view.nodes[view.triangles], nodes[triangles])
-    assert len(view.nodes) == 8
+    kept, corners = casing_surface(padded, np.column_stack([shifted, shifted]))
+    np.testing.assert_array_equal(kept[corners], nodes[triangles])
+    assert len(kept) == 8
 
 
 def test_labels_do_not_overlap_and_stay_near():
@@ -117,7 +117,7 @@ def test_pictures_show_gears_and_casing_where_they_are_said_to_be():
 
     nodes, triangles = box()
     points = key_points()
-    casing = render_casing(CasingView(nodes=nodes, triangles=triangles, points=points), (700, 450))
+    casing = render_casing(nodes, triangles, points, (700, 450))
     assert isinstance(casing, Picture)
     for name, channel in (("bearing_3", 0), ("sensor_3", 1)):
         column, row = (round(v) for v in casing.places[name])

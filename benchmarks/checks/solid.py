@@ -87,9 +87,9 @@ def _body_check(body: gear_bodies.Body) -> Check:
 
 def _crack_check(name: str) -> Check:
     place, helix = name.removesuffix(" deg").split(", ")
-    where = f"at a {place}" if place == "corner" else f"over {place}"
+    where = {"corner": "at a corner", "whole face": "over the whole face"}.get(place, f"over {place}")
     return Check(
-        f"deflection added by a crack {where}, under a uniform load and three loads on the cracked half, "
+        f"deflection added by a crack {where}, under a uniform load and three loads on a cracked half of the face, "
         f"z 20, m_n 2 mm, b 12 mm, β {helix}°",
         "ten-node tetrahedra, extrapolated (`python -m benchmarks.cracked_teeth`)",
         "nm/N",

@@ -48,7 +48,7 @@ def main(options: argparse.Namespace) -> Printed:
 
     plan = load_plan(options.plan)
     if options.dry_run:
-        yield estimate(plan, sampled_scenes(plan)).to_text()
+        yield estimate(plan, sampled_scenes(plan)).text
         return 0
     if options.cluster or options.scheduler:
         workers = dask_workers(options.scheduler, options.processes)

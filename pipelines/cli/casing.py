@@ -280,16 +280,20 @@ def modal_ratios(body: ReducedBody) -> np.ndarray:
 
 def part_table(natural: NaturalModes, ratios: np.ndarray, count: int) -> str:
     """Damping of the natural modes, and what parts of the casing store of their strain energy."""
-    from pipelines.io.grid import Grid
+    from pipelines.io.grid import grid
 
     shares = 100.0 * natural.shares.T
-    headers = ("mode", "Hz", "damping %", *(f"{name} %" for name in natural.part_names), "rest %")
     rows = [
-        (str(i + 1), f"{natural.frequencies[i]:.2f}", f"{100 * ratios[i]:.3g}", *(f"{v:.2f}" for v in share),
-         f"{100.0 - share.sum():.2f}")
+        {
+            "mode": i + 1,
+            "Hz": f"{natural.frequencies[i]:.2f}",
+            "damping %": f"{100 * ratios[i]:.3g}",
+            **{f"{name} %": f"{v:.2f}" for name, v in zip(natural.part_names, share, strict=True)},
+            "rest %": f"{100.0 - share.sum():.2f}",
+        }
         for i, share in enumerate(shares[: min(count, len(ratios))])
-    ]  # fmt: skip
-    return Grid(title="Damping ratio, strain energy by part", headers=headers, rows=tuple(rows)).to_text()
+    ]
+    return grid("Damping ratio, strain energy by part", rows).to_text()
 
 
 def describe(modes: CasingModes) -> str:

@@ -165,17 +165,19 @@ def _features(options: argparse.Namespace) -> Iterator[str]:
 
 
 def _export(options: argparse.Namespace) -> Iterator[str]:
-    from pipelines.datasets.export import Selection, export_dataset
+    from pipelines.datasets.export import export_dataset
 
-    selection = Selection(
-        splits=tuple(options.split),
-        labels=tuple(options.label),
-        sensors=tuple(options.sensors),
+    target, count = export_dataset(
+        Path(options.folder),
+        options.form,
+        options.out,
+        splits=options.split,
+        labels=options.label,
+        sensors=options.sensors,
         start=options.start,
         seconds=options.seconds,
         overlap=options.overlap,
         noise_m_s2=options.noise,
         seed=options.seed,
     )
-    target, count = export_dataset(Path(options.folder), options.form, selection, options.out)
     yield f"{count} pieces\n{target}"

@@ -92,8 +92,8 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     if options.dry_run:
         expected = estimate(plan, sampled_scenes(plan))
         if expected.refused:
-            raise InputError(f"detect: {expected.refused} scenes cannot be run; the first: {expected.first_refusal}")
-        yield expected.to_text()
+            raise InputError(f"detect: {len(expected.refused)} scenes cannot be run; the first: {expected.refused[0]}")
+        yield expected.text
         return
     folder = Path(options.out or f"campaigns/{plan.name}")
     finished = run_campaign(plan, folder, local_workers(options.processes), work_of(options), quiet=options.quiet)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -80,7 +79,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """Write the pictures of a stage and, of a meshed casing, casing.png; print why a picture is not rendered."""
     from pipelines.io.errors import InputError
     from pipelines.io.user_files import writable_folder
-    from pipelines.report.figures.mesh_pictures import show_mesh
+    from pipelines.report.figures.render import show_mesh
     from pipelines.runs.inspect_gears import InspectedStage
     from pipelines.runs.single_results import scene_graph
     from pipelines.steps.pair_curves import law_names, pair_laws
@@ -129,6 +128,7 @@ def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, 
     """Write a picture where the damage acts, or at the given position; with more than one frame also the animation."""
     import numpy as np
 
+    from pipelines.engine.progress import reported_count
     from pipelines.report.figures.mesh_pictures import write_film, write_still
     from pipelines.steps.pair_curves import acting
 
@@ -137,12 +137,9 @@ def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, 
     if frames == 1:
         return
 
-    def progress(part: float) -> None:
-        if not options.quiet:
-            sys.stderr.write(f"\rfilm {stem.name}: {100 * part:.0f} %" + "\n" * (part >= 1.0))
-            sys.stderr.flush()
-
-    yield from _listed(write_film, shown.mesh_view(_cycles(shown, options)), stem, progress)
+    with reported_count("pictures", quiet=options.quiet) as report:
+        written = _listed(write_film, shown.mesh_view(_cycles(shown, options)), stem, report)
+    yield from written
 
 
 def _write_casing(graph: Graph, machine: Plant, folder: Path, work: Work) -> Iterator[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pipelines.cli.command_line import json_argument, scene_and_work, work_arguments
 from pipelines.io.argument_types import number, positive
@@ -73,7 +73,17 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         found = {
             "scene": loaded.name,
             "cycle": cycle,
-            "modes": mode_rows(modes),
+            "modes": [
+                {
+                    "frequency_Hz": frequency,
+                    "damping_ratio": damping,
+                    "dominant": dominant,
+                    "shares": dict(zip(modes.part_names, shares, strict=True)),
+                }
+                for frequency, damping, dominant, shares in zip(
+                    modes.frequencies, modes.damping_ratios, modes.dominant, modes.shares, strict=True
+                )
+            ],
             "foot_forces_N": dict(zip(modes.foot_names, modes.foot_forces.tolist(), strict=True)),
             "notes": notes(machine, modes, options.up_to),
         }
@@ -84,24 +94,9 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     yield from notes(machine, modes, options.up_to)
 
 
-def mode_rows(modes: LinearModes) -> list[dict[str, Any]]:
-    """One table per mode: Hz, damping ratio, what makes it, and the share (1) of every part in its energy."""
-    return [
-        {
-            "frequency_Hz": frequency,
-            "damping_ratio": damping,
-            "dominant": dominant,
-            "shares": dict(zip(modes.part_names, shares, strict=True)),
-        }
-        for frequency, damping, dominant, shares in zip(
-            modes.frequencies, modes.damping_ratios, modes.dominant, modes.shares, strict=True
-        )
-    ]
-
-
 def mode_table(title: str, modes: LinearModes) -> Grid:
     """One row per mode; shares of its strain and kinetic energy in per cent."""
-    from pipelines.report.contents import grid
+    from pipelines.io.grid import grid
 
     columns = {kind: words for kind, words in KINDS.items() if kind in modes.part_kinds}
     columns |= {name: name.replace("_", " ") for name in modes.mesh_names}

@@ -45,8 +45,8 @@ def _from_scene(options: argparse.Namespace) -> Iterator[str]:
 def _from_rexs(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.rexs.new import new_scene_from_rexs
 
-    made = new_scene_from_rexs(options.file, options.source)
+    path, made = new_scene_from_rexs(options.file, options.source)
     yield from map(str, made.notes)
-    yield from (f"still to be set: {path}: {words}" for path, words in made.missing.items())
+    yield from (f"still to be set: {key}: {words}" for key, words in made.missing.items())
     step = "Set the missing keys" if made.missing else "Check what was assumed, set a housing"
-    yield f"{made.path} written from {options.source}. {step}, then: gearcase check {made.path}"
+    yield f"{path} written from {options.source}. {step}, then: gearcase check {path}"

@@ -242,7 +242,7 @@ def _natural_over_speed(loaded: LoadedScene, work: Work, speeds: np.ndarray, up_
 
 def _table(found: Waterfall, orders: list[float], read: _RunUp) -> str:
     """Table of the highest amplitude of each order, and the speed at which it occurs."""
-    from pipelines.io.grid import Grid
+    from pipelines.io.grid import grid
 
     rows = []
     for order in orders:
@@ -250,8 +250,12 @@ def _table(found: Waterfall, orders: list[float], read: _RunUp) -> str:
         at = int(cut.argmax())
         speed = float(found.speed[at])
         rows.append(
-            (f"{order:g}", f"{cut[at]:.3g}", f"{speed * 30 / math.pi:.0f}", f"{order * speed / (2 * math.pi):.1f}")
+            {
+                "order": f"{order:g}",
+                f"highest {read.units}": f"{cut[at]:.3g}",
+                "at rpm": f"{speed * 30 / math.pi:.0f}",
+                "at Hz": f"{order * speed / (2 * math.pi):.1f}",
+            }
         )
-    headers = ("order", f"highest {read.units}", "at rpm", "at Hz")
     title = f"{read.place} over the orders of {read.shaft.replace('_', ' ')}, {len(found.speed)} windows"
-    return Grid(title=title, headers=headers, rows=tuple(rows)).to_text()
+    return grid(title, rows).to_text()

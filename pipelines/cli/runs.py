@@ -12,12 +12,16 @@ from typing import TYPE_CHECKING
 
 from pipelines.cli.command_line import RUN_HELP, action_parsers, json_argument, run_argument
 from pipelines.io.argument_types import count, days, path
+from pipelines.io.errors import InputError, WorkError
+from pipelines.io.grid import Grid
+from pipelines.io.json_text import json_text
+from pipelines.io.shown import shown, shown_value
+from pipelines.runs.kept_runs import KeptRun, differing, kept_run, kept_runs, run_grid, run_settings
+from pipelines.runs.run_folder import LATEST, REPORT, RESPONSE, ROOT, find_run, finished_runs, note_latest, opened_run
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from pipelines.io.grid import Grid
-    from pipelines.runs.kept_runs import KeptRun
 
 HELP = (
     "List the finished runs under ./runs, open the report of one, compare several, or remove old ones. Takes seconds."
@@ -100,10 +104,6 @@ def main(options: argparse.Namespace) -> Iterator[str]:
 
 
 def _list(options: argparse.Namespace) -> Iterator[str]:
-    from pipelines.io.json_text import json_text
-    from pipelines.runs.kept_runs import differing, kept_runs, run_grid
-    from pipelines.runs.run_folder import ROOT
-
     found = kept_runs(ROOT)
     if options.scene is not None:
         found = tuple(run for run in found if run.scene == options.scene)
@@ -124,9 +124,6 @@ def _list(options: argparse.Namespace) -> Iterator[str]:
 def _open(options: argparse.Namespace) -> Iterator[str]:
     import webbrowser
 
-    from pipelines.io.errors import InputError
-    from pipelines.runs.run_folder import REPORT, find_run
-
     report = find_run(options.run) / REPORT
     if not report.is_file():
         raise InputError(
@@ -137,8 +134,6 @@ def _open(options: argparse.Namespace) -> Iterator[str]:
 
 
 def _compare(options: argparse.Namespace) -> Iterator[str]:
-    from pipelines.io.json_text import json_text
-
     found = compared_runs([_kept(name) for name in options.runs])
     if options.json:
         yield json_text([dict(zip(("key", *found.headers[1:]), row, strict=True)) for row in found.rows])
@@ -148,10 +143,6 @@ def _compare(options: argparse.Namespace) -> Iterator[str]:
 
 
 def _clean(options: argparse.Namespace) -> Iterator[str]:
-    from pipelines.io.errors import InputError
-    from pipelines.runs.kept_runs import kept_runs, run_grid
-    from pipelines.runs.run_folder import ROOT, find_run
-
     if not options.runs and options.older_than is None and options.keep is None:
         raise InputError("runs clean: no runs chosen. Give their names, --older-than DAYS or --keep N.")
     age = None if options.older_than is None else DAY * options.older_than
@@ -166,9 +157,6 @@ def _clean(options: argparse.Namespace) -> Iterator[str]:
 
 
 def _kept(name: str) -> KeptRun:
-    from pipelines.runs.kept_runs import kept_run
-    from pipelines.runs.run_folder import ROOT, find_run, finished_runs
-
     folder = find_run(name)
     known = [path.resolve() for path in finished_runs(ROOT)]
     number = known.index(folder.resolve()) + 1 if folder.resolve() in known else 0
@@ -177,10 +165,6 @@ def _kept(name: str) -> KeptRun:
 
 def compared_runs(runs: Sequence[KeptRun]) -> Grid:
     """Table with a column for each run: verdict, settings that differ, and rms of the acceleration at each sensor."""
-    from pipelines.io.grid import Grid
-    from pipelines.io.shown import shown_value
-    from pipelines.runs.kept_runs import run_settings
-
     settings = [run_settings(run.folder) for run in runs]
     keys = sorted({key for one in settings for key in one})
     rows = [("verdict", *(run.verdict or "not diagnosed" for run in runs))]
@@ -199,8 +183,6 @@ def compared_runs(runs: Sequence[KeptRun]) -> Grid:
 
 def sensor_levels(folder: Path) -> dict[str, float]:
     """Root mean square of the acceleration by sensor, m/s2, of all axes together; empty for a run without sensors."""
-    from pipelines.runs.run_folder import RESPONSE, opened_run
-
     with opened_run(folder / RESPONSE) as run:
         if "acceleration" not in run:
             return {}
@@ -240,10 +222,6 @@ def remove_runs(runs: Iterable[KeptRun]) -> int:
     ------
     WorkError : a folder cannot be removed
     """
-    from pipelines.io.errors import WorkError
-    from pipelines.io.shown import shown
-    from pipelines.runs.run_folder import LATEST, finished_runs, note_latest
-
     freed = 0
     for run in runs:
         try:

@@ -60,11 +60,6 @@ class Finished:
     warnings: tuple[str, ...] = ()
 
     @property
-    def per_hour(self) -> float:
-        """Scenes per hour of this command."""
-        return 3600.0 * self.simulated / self.seconds if self.simulated else 0.0
-
-    @property
     def share(self) -> float:
         """Time of the workers that went into the time loop: scenes per hour against those of the bare loop."""
         return self.loop_seconds / (self.seconds * self.workers) if self.simulated else 0.0
@@ -80,8 +75,8 @@ class Finished:
         out = [f"{counted}{failed}"]
         if self.simulated:
             out.append(
-                f"{self.per_hour:.0f} scenes per hour with {self.workers} workers; {100 * self.share:.0f} % of their "
-                "time is time integration"
+                f"{3600.0 * self.simulated / self.seconds:.0f} scenes per hour with {self.workers} workers; "
+                f"{100 * self.share:.0f} % of their time is time integration"
             )
         return [*out, *(f"warning: {text}" for text in self.warnings), f"data set: {self.folder}"]
 

@@ -42,41 +42,14 @@ _STORED_SHARE = 0.9  # of the bytes that are left after packing: vibration is ne
 
 @dataclass(frozen=True, kw_only=True)
 class Estimate:
-    """Counts over the scenes that were looked at, and costs of all."""
+    """What a campaign takes, as `gearcase campaign --dry-run` prints it.
 
-    runs: int
-    distinct: int
-    looked_at: int
-    refused: int
-    first_refusal: str
+    `labels` counts the scenes that were looked at; `refused` are the messages of those that cannot be run.
+    """
+
     labels: Counter[str]
-    splits: Counter[str]
-    groups_by: tuple[str, ...]
-    kinds: Counter[str]  # distinct results that motions are made of, by the kind of step
-    missing_seconds: float  # what it takes to build those that the cache lacks
-    motion_seconds: float
-    bytes: float
-    files: int  # of a simulation
-
-    def to_text(self) -> str:
-        """What `gearcase campaign --dry-run` prints."""
-        cores = os.cpu_count() or 1
-        part = "" if self.looked_at == self.runs else f" (of the first {self.looked_at} scenes)"
-        total = (self.missing_seconds + self.motion_seconds) / cores
-        by = f"groups of equal {', '.join(self.groups_by)}" if self.groups_by else "every scene is a separate group"
-        lines = [
-            f"scenes      {self.runs}{'' if self.distinct == self.runs else f', {self.distinct} of them distinct'}",
-            f"labels      {_counted(self.labels)}{part}",
-            f"split       {_counted(self.splits)}; {by}",
-            f"distinct    {_counted(self.kinds)}{part}",
-            f"time        about {duration(total)} on {cores} cores: {duration(self.motion_seconds)} of processor time "
-            f"for motions, {duration(self.missing_seconds)} for mesh laws and casings that are not in the cache",
-            f"disk        about {size_words(self.bytes)} in {self.runs * self.files} files, {self.files} for each "
-            "simulation",
-        ]
-        if self.refused:
-            lines.append(f"refused     {self.refused}{part}; the first: {self.first_refusal}")
-        return "".join(f"{line}\n" for line in lines)
+    refused: tuple[str, ...]
+    text: str
 
 
 def estimate(plan: Plan, sampled: Sequence[SampledScene]) -> Estimate:
@@ -108,22 +81,29 @@ def estimate(plan: Plan, sampled: Sequence[SampledScene]) -> Estimate:
             distinct.setdefault(digest([step.kind, step.spec, [step.code]]), step)
     if not found:
         raise refused[0]
-    share = len(sampled) / len(looked)
-    return Estimate(
-        runs=len(sampled),
-        distinct=len({json.dumps(one.values) for one in sampled}),
-        looked_at=len(looked),
-        refused=len(refused),
-        first_refusal=" ".join(str(refused[0]).split()) if refused else "",
-        labels=found,
-        splits=Counter(one.split for one in sampled),
-        groups_by=group_variables(plan.table),
-        kinds=Counter(_PARTS.get(step.kind, step.kind) for step in distinct.values()),
-        missing_seconds=sum(step.seconds for step in distinct.values() if not _stored(step, cache)),
-        motion_seconds=share * seconds,
-        bytes=share * size,
-        files=1 + len(plan.table.signals or CASING_SIGNALS),  # its row, and one of every signal
-    )
+    runs, cores = len(sampled), os.cpu_count() or 1
+    share = runs / len(looked)
+    messages = tuple(" ".join(str(error).split()) for error in refused)
+    different = len({json.dumps(one.values) for one in sampled})
+    groups_by = group_variables(plan.table)
+    kinds = Counter(_PARTS.get(step.kind, step.kind) for step in distinct.values())
+    missing = sum(step.seconds for step in distinct.values() if not _stored(step, cache))
+    files = 1 + len(plan.table.signals or CASING_SIGNALS)  # of a run: its row, and one of every signal
+    part = "" if len(looked) == runs else f" (of the first {len(looked)} scenes)"
+    by = f"groups of equal {', '.join(groups_by)}" if groups_by else "every scene is a separate group"
+    lines = [
+        f"scenes      {runs}{'' if different == runs else f', {different} of them distinct'}",
+        f"labels      {_counted(found)}{part}",
+        f"split       {_counted(Counter(one.split for one in sampled))}; {by}",
+        f"distinct    {_counted(kinds)}{part}",
+        f"time        about {duration((missing + share * seconds) / cores)} on {cores} cores: "
+        f"{duration(share * seconds)} of processor time for motions, {duration(missing)} for mesh laws and casings "
+        "that are not in the cache",
+        f"disk        about {size_words(share * size)} in {runs * files} files, {files} for each simulation",
+    ]
+    if messages:
+        lines.append(f"refused     {len(messages)}{part}; the first: {messages[0]}")
+    return Estimate(labels=found, refused=messages, text="".join(f"{line}\n" for line in lines))
 
 
 def _stored_channels(plan: Plan, machine: Plant, channels: int) -> float:

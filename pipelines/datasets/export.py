@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipelines.datasets.pieces import pieces, pieces_per_run
+from pipelines.datasets.pieces import pieces
 from pipelines.datasets.reading import open_dataset
 from pipelines.datasets.rows import DONE
 from pipelines.io.errors import InputError
@@ -26,20 +26,6 @@ if TYPE_CHECKING:
 
 LABELS = "labels.csv"
 _LEFT_OUT = ("key", "status", "reason", "seconds", "loop_seconds")  # columns that describe only the computation
-
-
-@dataclass(frozen=True, kw_only=True)
-class Selection:
-    """Runs to export, and pieces to cut from them as in `pipelines.datasets.pieces.pieces`; an empty list is all."""
-
-    splits: tuple[str, ...] = ()
-    labels: tuple[str, ...] = ()
-    sensors: tuple[str, ...] = ()
-    start: float = 0.0  # s; earlier samples are omitted
-    seconds: float | None = None
-    overlap: float = 0.0
-    noise_m_s2: float = 0.0
-    seed: int = 0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -53,15 +39,15 @@ class Cut:
     named: dict[str, np.ndarray]  # sensor, axis, time in s, rate_Hz
 
 
-def export_dataset(folder: Path, form: str, selection: Selection, out: str | None = None) -> tuple[Path, int]:
+def export_dataset(folder: Path, form: str, out: str | None, **selection: Any) -> tuple[Path, int]:
     """Write the selected pieces in a file format; the file or folder, and the number of pieces.
 
     Parameters
     ----------
     folder : of the data set
     form : file format, a key of FORMATS
-    selection : runs and pieces
-    out : file or folder; by default pieces.npz, pieces.hdf5, pieces-csv or pieces-mat in the data set
+    out : file or folder; None for pieces.npz, pieces.hdf5, pieces-csv or pieces-mat in the data set
+    **selection : runs and pieces, by the keywords of `_cut`
 
     Raises
     ------
@@ -70,7 +56,7 @@ def export_dataset(folder: Path, form: str, selection: Selection, out: str | Non
     write, one_file = FORMATS[form]
     place = out or str(folder / (f"pieces.{form}" if one_file else f"pieces-{form}"))
     target = writable_file(place) if one_file else writable_folder(place)
-    cut = _cut(folder, selection)
+    cut = _cut(folder, **selection)
     try:
         if one_file:
             with whole_file(target) as partial:
@@ -83,10 +69,30 @@ def export_dataset(folder: Path, form: str, selection: Selection, out: str | Non
     return target, cut.count
 
 
-def _cut(folder: Path, selection: Selection) -> Cut:
+def _cut(
+    folder: Path,
+    *,
+    splits: Sequence[str],
+    labels: Sequence[str],
+    sensors: Sequence[str],
+    start: float,
+    seed: int,
+    **options: Any,
+) -> Cut:
+    """The pieces of the selected runs.
+
+    Parameters
+    ----------
+    folder : of the data set
+    splits, labels : of the runs; empty for all
+    sensors : their names; empty for all
+    start : s; earlier samples are omitted
+    seed : of the noise
+    options : seconds, overlap, noise_m_s2, as in `pipelines.datasets.pieces.pieces`
+    """
     dataset = open_dataset(folder)
     chosen = dataset.status.values == DONE
-    for name, values in (("split", selection.splits), ("label", selection.labels)):
+    for name, values in (("split", splits), ("label", labels)):
         known = sorted(set(map(str, dataset[name].values[dataset.status.values == DONE]))) if name in dataset else []
         if missing := [value for value in values if value not in known]:
             raise InputError(
@@ -99,15 +105,10 @@ def _cut(folder: Path, selection: Selection) -> Cut:
         raise InputError(
             f"{folder}: no finished run matches --split, --label and --sensors together. Leave one of them out."
         )
-    part = _from(part, selection.start)
-    options: dict[str, Any] = {
-        "seconds": selection.seconds,
-        "overlap": selection.overlap,
-        "noise_m_s2": selection.noise_m_s2,
-    }
-    runs = pieces(part, **options, seed=selection.seed, sensors=selection.sensors or None)
-    first = next(pieces(part.isel(run=[0]), **options, sensors=selection.sensors or None))
-    each = pieces_per_run(part.sizes["time"], dataset.attrs["rate_Hz"], selection.seconds, selection.overlap)
+    part = _from(part, start)
+    runs = pieces(part, **options, seed=seed, sensors=sensors or None)
+    first = next(pieces(part.isel(run=[0]), **options, sensors=sensors or None))
+    each = len(first)
     columns = {
         str(name): np.repeat(column.values, each)
         for name, column in part.coords.items()

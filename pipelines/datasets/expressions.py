@@ -100,12 +100,9 @@ def _check(node: ast.AST, names: dict[str, None]) -> None:
     )
     if not known:
         raise ExpressionError(f"{ast.unparse(node)!r} is not allowed; allowed functions: {', '.join(FUNCTIONS)}")
-    for child in node.args if isinstance(node, ast.Call) else _operands(node):
-        _check(child, names)
-
-
-def _operands(node: Any) -> list[ast.AST]:
-    return [child for child in ast.iter_child_nodes(node) if isinstance(child, ast.expr)]
+    for child in node.args if isinstance(node, ast.Call) else ast.iter_child_nodes(node):
+        if isinstance(child, ast.expr):
+            _check(child, names)
 
 
 def _value(node: Any, values: Mapping[str, Any]) -> Any:

@@ -8,9 +8,9 @@ from these rows, with a line for each run, sensor and axis.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -37,39 +37,6 @@ from pipelines.signals.orders.rotation import Rotation
 FEATURE_ROWS = "feature_rows"
 FEATURES = "features.parquet"
 ANGLE = "shaft_angle"
-
-
-@dataclass(frozen=True, kw_only=True)
-class FeatureJob(RowJob):
-    """Computation of the features of a run from its signal, shaft angles and mesh orders."""
-
-    signal: str
-    sensors: tuple[str, ...]
-    axes: tuple[str, ...]
-    shafts: tuple[str, ...]  # empty if their angles were not stored
-    meshes: tuple[Mapping[int, int], ...]
-    rate: float
-    start: float
-    noise: float
-
-    @property
-    def rows(self) -> str:
-        """The folder of the rows."""
-        return FEATURE_ROWS
-
-    @property
-    def made_of(self) -> dict[str, Any]:
-        """Everything that the features depend on: code, checksums of the signals, start, and noise."""
-        code = code_version(
-            "pipelines.signals.features.statistics",
-            "pipelines.signals.features.synchronous",
-            "pipelines.signals.features.turns",
-        )
-        return {"code": code, "start_s": self.start, "noise_m_s2": self.noise, "checksums": self.checksums}
-
-    def computed(self) -> dict[str, Any]:
-        """The features of every channel."""
-        return {"channels": list(_channels(self))}
 
 
 def make_features(
@@ -102,7 +69,7 @@ def make_features(
     return count, write_parquet(folder / FEATURES, lambda: _lines(folder))
 
 
-def _jobs(folder: Path, facts: Mapping[str, Any], start: float, noise: float) -> Iterator[FeatureJob]:
+def _jobs(folder: Path, facts: Mapping[str, Any], start: float, noise: float) -> Iterator[RowJob]:
     layout = facts["layout"]
     stored = [one["name"] for one in layout["signals"]]
     signal = next((name for name in VIBRATION if name in stored), None)
@@ -115,41 +82,63 @@ def _jobs(folder: Path, facts: Mapping[str, Any], start: float, noise: float) ->
     if not 0.0 <= start < length:
         raise InputError(f"--start {start:g}: the runs last {length:g} s. Set a time from 0 to below that.")
     plan = stored_plan(facts)
-    angle = ANGLE in stored
+    code = code_version(
+        "pipelines.signals.features.statistics",
+        "pipelines.signals.features.synchronous",
+        "pipelines.signals.features.turns",
+    )
     for row in read_rows(folder):
         if row["status"] == DONE:
-            yield FeatureJob(
+            sums = [row["checksums"].get(name) for name in (signal, ANGLE)]
+            meshes = _shaft_meshes(plan, row["values"]) if ANGLE in stored else []
+            yield RowJob(
                 folder=folder,
                 run=row["run"],
-                signal=signal,
-                sensors=tuple(layout["names"]["sensor" if signal == VIBRATION[0] else "bearing"]),
-                axes=tuple(layout["names"]["axis"]),
-                shafts=tuple(layout["names"]["shaft"]) if angle else (),
-                meshes=tuple(_shaft_meshes(plan, row["values"])),
-                rate=layout["rate"],
-                start=start,
-                noise=noise,
-                checksums=[row["checksums"].get(name) for name in (signal, ANGLE)],
+                rows=FEATURE_ROWS,
+                made_of={"code": code, "start_s": start, "noise_m_s2": noise, "checksums": sums},
+                computed=partial(_computed, folder, row["run"], layout, signal, meshes, start, noise),
             )
 
 
-def _channels(job: FeatureJob) -> Iterator[dict[str, Any]]:
-    """The features of every channel; None for a feature without a finite value."""
-    first = math.ceil(job.start * job.rate)
-    stored = read_run(job.folder, job.run, job.signal)
-    signal = noisy_run(stored, job.run, job.sensors, job.axes, job.noise, seed=0)[..., first:].astype(float)
-    time = np.arange(signal.shape[-1]) / job.rate
+def _computed(
+    folder: Path,
+    run: int,
+    layout: Mapping[str, Any],
+    signal_name: str,
+    meshes: Sequence[Meshes],
+    start: float,
+    noise: float,
+) -> dict[str, Any]:
+    """The features of every channel of a run; None for a feature without a finite value.
+
+    Parameters
+    ----------
+    folder, run : data set, and number of the run
+    layout : of the stored signals
+    signal_name : of the accelerations
+    meshes : numbers of teeth on each shaft by stage; empty if the shaft angles were not stored
+    start : time before which signals are ignored, s
+    noise : rms of the added sensor noise, m/s2
+    """
+    names, rate = layout["names"], layout["rate"]
+    sensors = names["sensor" if signal_name == VIBRATION[0] else "bearing"]
+    first = math.ceil(start * rate)
+    stored = read_run(folder, run, signal_name)
+    signal = noisy_run(stored, run, sensors, names["axis"], noise, seed=0)[..., first:].astype(float)
+    time = np.arange(signal.shape[-1]) / rate
     found = statistics(signal)
-    if job.shafts:
-        angles = read_run(job.folder, job.run, ANGLE)[:, first:]
-        for shaft, angle, meshes in zip(job.shafts, angles, job.meshes, strict=True):
-            of_shaft = _of_shaft(signal, time, angle, meshes)
-            found |= {f"{shaft}_{name}": values for name, values in of_shaft.items()}
-    for i, sensor in enumerate(job.sensors):
-        for j, axis in enumerate(job.axes):
+    if meshes:
+        angles = read_run(folder, run, ANGLE)[:, first:]
+        for shaft, angle, of_shaft in zip(names["shaft"], angles, meshes, strict=True):
+            features = _of_shaft(signal, time, angle, of_shaft)
+            found |= {f"{shaft}_{name}": values for name, values in features.items()}
+    channels = []
+    for i, sensor in enumerate(sensors):
+        for j, axis in enumerate(names["axis"]):
             values = {name: float(value[i, j]) for name, value in found.items()}
             finite = {name: value if math.isfinite(value) else None for name, value in values.items()}
-            yield {"sensor": sensor, "axis": axis, **finite}
+            channels.append({"sensor": sensor, "axis": axis, **finite})
+    return {"channels": channels}
 
 
 def _of_shaft(signal: np.ndarray, time: np.ndarray, angle: np.ndarray, meshes: Meshes) -> dict[str, np.ndarray]:

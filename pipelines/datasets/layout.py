@@ -13,7 +13,7 @@ import numpy as np
 from mbd.output.trajectory import Trajectory
 from pipelines.io.errors import InputError, WorkError
 from pipelines.io.shown import shown
-from pipelines.signals.labelled import Signal, coordinates, read, signals
+from pipelines.signals.labelled import coordinates, read, signals
 
 FACTS = "campaign.json"  # identity and layout of a data set, written when its campaign begins
 CASING_SIGNALS = ("acceleration", "shaft_angle", "motor_speed", "motor_torque")
@@ -110,11 +110,8 @@ def run_arrays(motion: Trajectory, layout: RunLayout) -> dict[str, np.ndarray]:
                 f"{name}: this scene has {', '.join(map(str, names.get(name, ('none',))))}, the campaign "
                 f"{', '.join(map(str, values))}. Set sensors, probes and shafts alike in all scenes."
             )
-    return {one.name: _time_last(motion, found[one.name]) for one in layout.signals}
-
-
-def _time_last(motion: Trajectory, signal: Signal) -> np.ndarray:
-    return np.ascontiguousarray(np.moveaxis(read(motion, signal, slice(None)), 0, -1))
+    arrays = {one.name: read(motion, found[one.name], slice(None)) for one in layout.signals}
+    return {name: np.ascontiguousarray(np.moveaxis(one, 0, -1)) for name, one in arrays.items()}  # time last
 
 
 def read_facts(folder: str | Path) -> dict[str, Any]:

@@ -74,18 +74,6 @@ def pieces(
     return _pieces(dataset, signal, rate, round(begin * rate), size, step, noise_m_s2, seed)
 
 
-def pieces_per_run(samples: int, rate: float, seconds: float | None, overlap: float) -> int:
-    """Number of pieces that `pieces` cuts from a run.
-
-    Parameters
-    ----------
-    samples, rate : of a run; the rate in Hz
-    seconds, overlap : as in `pieces`
-    """
-    size = samples if seconds is None else round(seconds * rate)
-    return (samples - size) // max(1, round(size * (1.0 - overlap))) + 1
-
-
 def _pieces(
     dataset: xarray.Dataset,
     signal: xarray.DataArray,

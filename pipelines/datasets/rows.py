@@ -11,7 +11,6 @@ import itertools
 import json
 import os
 import re
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass
@@ -118,26 +117,18 @@ def flat(row: Mapping[str, Any]) -> dict[str, Any]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class RowJob(ABC):
-    """A row to be computed from the stored signals of a run; `checksums` are those of the signals."""
+class RowJob:
+    """A row to be computed from the stored signals of a run.
+
+    `rows` is its folder in the data set. `made_of` is what it depends on, as JSON holds it: with anything else it is
+    computed again. `computed` returns its content in the process of a worker.
+    """
 
     folder: Path  # of the data set
     run: int
-    checksums: Any
-
-    @property
-    @abstractmethod
-    def rows(self) -> str:
-        """The folder of the row in the data set."""
-
-    @property
-    @abstractmethod
-    def made_of(self) -> dict[str, Any]:
-        """What the row depends on, as JSON holds it: with anything else it is computed again."""
-
-    @abstractmethod
-    def computed(self) -> dict[str, Any]:
-        """The content of the row."""
+    rows: str
+    made_of: Mapping[str, Any]
+    computed: Callable[[], Mapping[str, Any]]
 
     def is_stored(self) -> bool:
         """True if the row is there and made in this way."""

@@ -46,13 +46,15 @@ class Summary:
         layout, plan = self.facts["layout"], self.facts["facts"]["plan"]
         seconds = layout["samples"] / layout["rate"]
         missing = f"; without a row: {stretches(self.missing)}" if self.missing else ""
+        by = ", ".join(self.groups_by)
+        kept = f"{self.groups} groups of equal {by}" if by else "every run is a separate group"
         lines = [
             self.title,
             f"  runs     {self.runs}: {words(self.statuses)}{missing}",
             f"  signals  {', '.join(one['name'] for one in layout['signals'])}; {seconds:g} s at {layout['rate']:g} Hz",
             f"  bytes    {self.bytes / 1e6:.1f} MB of signals",
             f"  labels   {words(self.labels)}",
-            f"  split    {words(self.splits)}; {self.kept_together()}",
+            f"  split    {words(self.splits)}; {kept}",
             f"  design   {design_words(plan)}",
             *(f"  warnings {text}" for text in self.warnings or ("none",)),
         ]
@@ -60,11 +62,6 @@ class Summary:
         if table.rows:
             lines += [f"  {line}" for line in table.to_text().splitlines()[1:]]
         return "".join(f"{line}\n" for line in lines)
-
-    def kept_together(self) -> str:
-        """Which runs are a group, and how many groups there are."""
-        by = ", ".join(self.groups_by)
-        return f"{self.groups} groups of equal {by}" if by else "every run is a separate group"
 
 
 def summarised(folder: Path) -> Summary:

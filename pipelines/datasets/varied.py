@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from pipelines.io.grid import Grid
+from pipelines.io.grid import Grid, grid
 
 _DESIGNS = {
     "grid": "every point of a grid",
@@ -27,11 +27,18 @@ def varied_grid(plan: Mapping[str, Any], columns: Mapping[str, np.ndarray]) -> G
     plan : that of campaign.json
     columns : see `pipelines.datasets.columns.read_columns`
     """
-    rows = [
-        (name, distribution(variable), ", ".join(sets(plan, name)), observed(columns.get(name, np.array([]))))
-        for name, variable in plan["variables"].items()
-    ]
-    return Grid(title="", headers=("variable", "distribution", "sets", "in the rows"), rows=tuple(rows))
+    return grid(
+        "",
+        (
+            {
+                "variable": name,
+                "distribution": distribution(variable),
+                "sets": ", ".join(sets(plan, name)),
+                "in the rows": observed(columns.get(name, np.array([]))),
+            }
+            for name, variable in plan["variables"].items()
+        ),
+    )
 
 
 def sets(plan: Mapping[str, Any], variable: str) -> list[str]:

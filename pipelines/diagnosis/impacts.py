@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from pipelines.signals.features.recorded import PASSING
+from pipelines.signals.features.passing import PASSING
 
 if TYPE_CHECKING:
     from pipelines.signals.features.table import FeatureTable

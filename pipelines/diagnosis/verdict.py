@@ -47,6 +47,7 @@ from pipelines.diagnosis.prediction import (
     moderated,
     probability,
 )
+from pipelines.signals.features.passing import SIDEBANDS
 from pipelines.signals.features.recorded import OF_SHAFT, OF_WHITENED
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
@@ -254,7 +255,7 @@ class _Lines:
         groups: dict[tuple[str, str | bool], list[int]] = {}
         for number, (component, feature) in enumerate(table.lines):
             if component != WHOLE:
-                kind = feature if feature in OF_SHAFT else feature in OF_WHITENED
+                kind = feature if feature in OF_SHAFT or feature == SIDEBANDS else feature in OF_WHITENED
                 groups.setdefault((component, kind), []).append(number)
         self.groups = [(component, tuple(own)) for (component, _), own in groups.items()]
         self.of_impacts = np.array([in_race_or_element(*table.lines[own[0]]) for _, own in self.groups])

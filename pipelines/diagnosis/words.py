@@ -18,6 +18,7 @@ NAMES = {
     "envelope_orders": "envelope",
     "tooth_contrast": "energy of one tooth",
     "pass_order": "pass order in the envelope",
+    "pass_sidebands": "pass order and sidebands in the envelope",
     "order_1": "1x",
     "order_2": "2x",
     "tsa_rms": "average",

@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 from fem.numerics.compiled_files import compiled_folder
@@ -160,24 +161,18 @@ def one_thread() -> Iterator[None]:
                 os.environ[name] = value
 
 
-class Peak:
-    """Largest resident memory seen, in bytes."""
-
-    bytes = 0
-
-
 @contextlib.contextmanager
-def peak_memory(interval: float = 0.05) -> Iterator[Peak]:
-    """Sample the resident memory of this process while the block runs."""
+def peak_memory() -> Iterator[SimpleNamespace]:
+    """Largest resident memory of this process while the block runs, sampled every 50 ms: `bytes`."""
     import psutil
 
-    process, peak, done = psutil.Process(), Peak(), threading.Event()
+    process, peak, done = psutil.Process(), SimpleNamespace(bytes=0), threading.Event()
 
     def look() -> None:
         peak.bytes = max(peak.bytes, process.memory_info().rss)
 
     def watch() -> None:
-        while not done.wait(interval):
+        while not done.wait(0.05):
             look()
 
     thread = threading.Thread(target=watch, name="peak memory", daemon=True)

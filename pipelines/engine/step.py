@@ -298,7 +298,8 @@ def _differences(step: Step, entry: Entry, facts: Mapping[str, Any]) -> list[str
         if before.get(path) != after.get(path) or (path in before) != (path in after)
     ]
     were, are = _each(old["takes"]), _each(facts["takes"])
-    if old["takes"].keys() != facts["takes"].keys() or len(were) != len(are) or len(changed) > _comparable(len(after)):
+    most = max(3, min(10, len(after) // 4))  # values that may differ between variants of one scene
+    if old["takes"].keys() != facts["takes"].keys() or len(were) != len(are) or len(changed) > most:
         return None
     out = [f"{path or 'input'} {_change(before, after, path)}" for path in changed]
     pairs = zip(step.inputs, were, are, strict=True)
@@ -313,11 +314,6 @@ def _differences(step: Step, entry: Entry, facts: Mapping[str, Any]) -> list[str
 def _each(taken: Mapping[str, str | Sequence[str]]) -> tuple[str, ...]:
     """Names or digests in one sequence."""
     return tuple(one for ones in taken.values() for one in ([ones] if isinstance(ones, str) else ones))
-
-
-def _comparable(values: int) -> int:
-    """Number of values that may differ between variants of one scene; with more, an entry is of another scene."""
-    return max(3, min(10, values // 4))
 
 
 def whole(entry: Entry) -> bool:

@@ -47,18 +47,12 @@ def several(text: str) -> int:
 
 def number(text: str) -> float:
     """A finite number."""
+    from pipelines.io.shown import number_of
+
     parts = text.replace(";", ",").split(",")
     remedy = f". Separate numbers by blanks: {' '.join(parts)}" if len(parts) > 1 and all(parts) else ""
-    value = _read(text)
+    value = number_of(text)
     return _accepted(value, math.isfinite(value), f"{text!r} is not a finite number{remedy}")
-
-
-def _read(text: str) -> float:
-    """The number of a text; NaN if it is not a number."""
-    try:
-        return float(text)
-    except ValueError:
-        return math.nan
 
 
 def positive(text: str) -> float:
@@ -98,7 +92,9 @@ def seconds(text: str) -> float:
 
 def days(text: str) -> float:
     """Days from 0."""
-    value = _read(text)
+    from pipelines.io.shown import number_of
+
+    value = number_of(text)
     return _accepted(value, 0 <= value < math.inf, f"{text!r} is not a number of days, 0 or more")
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 
 class GridError(ValueError):
@@ -65,3 +66,41 @@ class Grid:
 
 def _starts_like_number(cell: str) -> bool:
     return cell.lstrip("+-−")[:1].isdigit()
+
+
+def grid(title: str, rows: Iterable[Mapping[str, Any]], marked: frozenset[int] = frozenset()) -> Grid:
+    """A table from rows of named cells; a cell that a row lacks stays empty.
+
+    Parameters
+    ----------
+    title : above the table
+    rows : cells by the head of their column
+    marked : numbers of the rows that are emphasised, from 0
+    """
+    rows = list(rows)
+    headers = tuple(dict.fromkeys(name for row in rows for name in row))
+    cells = tuple(tuple(cell(row.get(head, "")) for head in headers) for row in rows)
+    return Grid(title=title, headers=headers, rows=cells, marked=marked)
+
+
+def turned(table: Grid, named: Sequence[str]) -> Grid:
+    """A transposed table: a row for each quantity, a column for each row, headed by the columns `named`."""
+    at = [table.headers.index(name) for name in named]
+    quantities = [i for i in range(len(table.headers)) if i not in at]
+    headers = [" ".join(f"{name} {row[i]}" if row[i].isdigit() else row[i] for name, i in zip(named, at, strict=True))
+               for row in table.rows]  # fmt: skip
+    rows = tuple((table.headers[i], *(row[i] for row in table.rows)) for i in quantities)
+    return Grid(title=table.title, headers=("", *headers), rows=rows)
+
+
+def cell(value: Any) -> str:
+    """A value as text: floats with four significant digits, lists joined, "" for None."""
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    if isinstance(value, (list, tuple)):
+        return ", ".join(cell(v) for v in value)
+    return str(value)

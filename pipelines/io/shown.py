@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import difflib
 import itertools
+import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -48,6 +49,14 @@ def nearest_name(word: str, names: Iterable[str], cutoff: float = 0.6) -> str:
     begun = [name for name in some if len(word) >= _SHORTEST_BEGINNING and name.startswith(word)]
     close = difflib.get_close_matches(word[:MOST_CHARACTERS], some, n=1, cutoff=cutoff)
     return ending or (begun[0] if len(begun) == 1 else next(iter(close), ""))
+
+
+def number_of(text: str | None) -> float:
+    """A number from its text; nan if it is not a number."""
+    try:
+        return float(text or "")
+    except ValueError:
+        return math.nan
 
 
 def duration(seconds: float) -> str:

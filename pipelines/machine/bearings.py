@@ -79,11 +79,6 @@ class _Placed:
     model: Any
     path: str
 
-    @property
-    def support(self) -> Support:
-        """The part that carries the bearing."""
-        return "ground" if self.name.startswith("ground") else "casing"
-
 
 def _placed(scene: Scene) -> list[_Placed]:
     found = []
@@ -135,7 +130,8 @@ def bearing_specs(scene: Scene, problems: Problems) -> tuple[BearingSpec, ...]:
     found = []
     for one in _placed(scene):
         at = (f"shaft_{one.shaft + 1}", one.y)
-        spec: BearingSpec | None = problems.made(one.path, one.model.spec, one.name, at, one.support)
+        support: Support = "ground" if one.name.startswith("ground") else "casing"
+        spec: BearingSpec | None = problems.made(one.path, one.model.spec, one.name, at, support)
         if spec is None:
             continue
         own = {number: fault.spall for number, fault in faults.items() if fault.bearing == one.name}

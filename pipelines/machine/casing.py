@@ -6,7 +6,7 @@ The housing is parametric, with bores at the shafts, or imported from a file, wh
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +20,7 @@ from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
 from fem.casing.mesh.source import Geometry
 from fem.casing.models.casing import Casing, Structure
 from fem.casing.models.registry import casing_class
-from mbd.parts.bearings import BEARING_AXES, BearingSpec
+from mbd.parts.bearings import BEARING_AXES
 from pipelines.io.errors import Problem, SceneError
 from pipelines.machine.bearings import bearing_points
 from pipelines.machine.layout import Layout
@@ -58,8 +58,11 @@ def casing(scene: Scene, layout: Layout, machine: MachineParts) -> tuple[Casing,
         model, found = casing_class("matrices")(of=model), Structure(housing=made)
     else:
         found = _shaped(table, made)
-    loads, forced = loaded_axes(machine.bearings), forced_points(machine, found.sensors)
-    return model, replace(found, interfaces=loads, forced=forced)
+    loads = {  # an axis without stiffness needs no interface
+        spec.name: tuple(axis for axis, k in zip(BEARING_AXES, spec.stiffness, strict=True) if k > 0.0)
+        for spec in machine.bearings
+    }
+    return model, replace(found, interfaces=loads, forced=forced_points(machine, found.sensors))
 
 
 def _shaped(table: FlexibleBase, made: Geometry) -> Structure:
@@ -91,14 +94,6 @@ def forced_points(machine: MachineParts, sensors: Sequence[Sensor]) -> tuple[For
 
     points = ((s, tuple(axis for axis in GROUND_AXES if f"{s.name}:{axis}" in pulled)) for s in sensors)
     return tuple(ForcedPoint(sensor=sensor, axes=axes) for sensor, axes in points if axes)
-
-
-def loaded_axes(bearings: Iterable[BearingSpec]) -> dict[str, tuple[str, ...]]:
-    """Axes along which every bearing loads the casing; an axis without stiffness needs no interface."""
-    return {
-        spec.name: tuple(axis for axis, k in zip(BEARING_AXES, spec.stiffness, strict=True) if k > 0.0)
-        for spec in bearings
-    }
 
 
 def bores(table: HousingBase, layout: Layout) -> tuple[Bore, ...]:
@@ -163,10 +158,6 @@ def housing(
         raise SceneError("scene", problems)
     if isinstance(table, MatricesHousingTable):
         return foreign_housing(table, sensors, points)
-    return _imported(table, points, sensors)
-
-
-def _imported(table: ImportedTable, points: Sequence[Point], placed: tuple[Sensor, ...]) -> ImportedHousing:
     path = find_file(table.file)
     return ImportedHousing(
         path=str(path),
@@ -184,7 +175,7 @@ def _imported(table: ImportedTable, points: Sequence[Point], placed: tuple[Senso
             if seat.name == f"bearing_{number}"
         ),
         grounds=tuple(ground.made() for ground in table.grounds),
-        sensors=placed,
+        sensors=sensors,
     )
 
 

@@ -7,7 +7,6 @@ import numpy as np
 from mbd.forces.torque_source import TorqueSource
 from mbd.parts.drive import CouplingSpec, SpeedProfile
 from pipelines.io.errors import Problem, SceneError
-from pipelines.machine.places import shaft_ends
 from pipelines.scene.tables.motion import DriveModel, SpeedDrive, TorqueDrive
 from pipelines.scene.tables.samples import ColumnTable, pairs
 from pipelines.scene.tables.shafts import ShaftTable
@@ -18,7 +17,7 @@ def motor_places(drive: DriveModel, shaft: ShaftTable) -> tuple[float, ...]:
     """y of the motors (m) on their shaft."""
     if not isinstance(drive, SpeedDrive) and drive.position_mm is not None:
         return (drive.si.position,)
-    return shaft_ends(shaft)[: drive.motors]
+    return shaft.ends[: drive.motors]
 
 
 def speed_profile(drive: DriveModel) -> SpeedProfile:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from mbd.forces.load_models import HangingLoad
 from mbd.forces.torque_source import TorqueSource
 from mbd.parts.load import Load
-from pipelines.machine.places import shaft_ends
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.motion import LoadBase, LoadModel, TorqueLoad
 from pipelines.scene.tables.shafts import ShaftTable
@@ -19,8 +18,8 @@ def loaded_shaft(scene: Scene) -> int:
 def load_places(table: LoadModel, shaft: ShaftTable) -> tuple[float, ...]:
     """y (m) where the load acts on its shaft: the drums, or the position of a torque, by default the +y end."""
     if isinstance(table, LoadBase):
-        return table.si.drum_positions or shaft_ends(shaft)
-    return (shaft_ends(shaft)[1] if table.position_mm is None else table.si.position,)
+        return table.si.drum_positions or shaft.ends
+    return (shaft.ends[1] if table.position_mm is None else table.si.position,)
 
 
 def load_torque(table: LoadModel, shaft: int) -> float:

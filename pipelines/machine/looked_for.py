@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from mbd.forces.load_models import HangingLoad
 from mbd.parts.drive import SpeedProfile
-from mbd.parts.rolling_elements import pass_frequencies
 from pipelines.machine.bearings import BearingFault, RollingBearing
+from pipelines.machine.kinematics import pass_orders
 from pipelines.machine.layout import Layout
 from pipelines.scene.shaft_faults import ShaftFault
 from pipelines.scene.tables.analysis import LookedFor
@@ -63,16 +63,15 @@ def diagnosis_settings(
 
 def _bearing_frequencies(layout: Layout, rolling: Sequence[RollingBearing]) -> dict[str, float]:
     """Pass frequencies (Hz) of all rolling bearings at the highest motor speed: "bearing_3 BPFO", BPFI, BSF, FTF."""
-    found: dict[str, float] = {}
-    for bearing in rolling:
-        found |= {f"{bearing.name} {label}": value for label, value in pass_rates(layout, bearing).items()}
-    return found
+    return {
+        f"{bearing.name} {label}": value for bearing in rolling for label, value in pass_rates(layout, bearing).items()
+    }
 
 
 def pass_rates(layout: Layout, bearing: RollingBearing) -> dict[str, float]:
     """BPFO, BPFI, BSF, FTF (Hz) of a bearing at the highest motor speed."""
-    turn, per = _turns(layout, bearing.shaft), pass_frequencies(bearing.elements)
-    return {"BPFO": turn * per.outer, "BPFI": turn * per.inner, "BSF": turn * per.spin, "FTF": turn * per.cage}
+    turn = _turns(layout, bearing.shaft)
+    return {label: turn * order for label, order in pass_orders(bearing.elements).items()}
 
 
 def shaft_lines(layout: Layout, fault: ShaftFault) -> ShaftLines:

@@ -86,7 +86,10 @@ def drivetrain(scene: Scene, layout: Layout, problems: Problems) -> Drivetrain:
         labels=labels(scene),
         models=scene.models(),
         layout=layout,
-        laws=tuple(law_specs(scene, layout)),
+        laws=tuple(  # without modifications and damage of the flanks
+            LawSpec(pair=replace(pair, backlash_allowance=0.0), mesh=loaded_model(stage.mesh.made(), facts.line_load))
+            for stage, pair, facts in zip(scene.stages, layout.pairs, layout.stages, strict=True)
+        ),
         flanks=tuple(
             flanks_spec(pair, modifications, faults, number)
             for number, (pair, modifications) in enumerate(zip(layout.pairs, layout.modifications, strict=True), 1)
@@ -113,17 +116,6 @@ def drivetrain(scene: Scene, layout: Layout, problems: Problems) -> Drivetrain:
     )
 
 
-def law_specs(scene: Scene, layout: Layout) -> list[LawSpec]:
-    """The mesh laws of a scene by stage, without modifications and damage of the flanks."""
-    return [
-        LawSpec(
-            pair=replace(pair, backlash_allowance=0.0),
-            mesh=loaded_model(stage.mesh.made(), facts.line_load),
-        )
-        for stage, pair, facts in zip(scene.stages, layout.pairs, layout.stages, strict=True)
-    ]
-
-
 @functools.lru_cache(maxsize=64)
 def _law_refusal(spec: LawSpec) -> str:
     """The reason why the settings or the path of contact do not allow a mesh law; "" if none is known."""
@@ -134,8 +126,19 @@ def _law_refusal(spec: LawSpec) -> str:
     return ""
 
 
-def _annulus(name: str, y: float, inner: float, outer: float, width: float, density: float) -> Disk:
-    """A hollow cylinder as a rigid disk: J_p = m (R^2 + r^2)/2 polar, J_d = m (3 (R^2 + r^2) + b^2)/12 diametral."""
+def gear_disk(name: str, y: float, gear: Gear, density: float) -> Disk:
+    """The gear body from its bore to its reference circle as a rigid hollow cylinder.
+
+    J_p = m (R^2 + r^2)/2 is the polar, J_d = m (3 (R^2 + r^2) + b^2)/12 the diametral moment of inertia.
+
+    Parameters
+    ----------
+    name : of the disk
+    y : m, place on the shaft
+    gear : the gear
+    density : kg/m3
+    """
+    inner, outer, width = gear.bore_radius, gear.reference_radius, gear.face_width
     mass = density * math.pi * (outer**2 - inner**2) * width
     square = outer**2 + inner**2
     return Disk(
@@ -145,19 +148,6 @@ def _annulus(name: str, y: float, inner: float, outer: float, width: float, dens
         polar_inertia=mass * square / 2,
         diametral_inertia=mass * (3 * square + width**2) / 12,
     )
-
-
-def gear_disk(name: str, y: float, gear: Gear, density: float) -> Disk:
-    """The gear body from its bore to its reference circle.
-
-    Parameters
-    ----------
-    name : of the disk
-    y : m, place on the shaft
-    gear : the gear
-    density : kg/m3
-    """
-    return _annulus(name, y, gear.bore_radius, gear.reference_radius, gear.face_width, density)
 
 
 def _disks(scene: Scene, layout: Layout, shaft: int) -> list[Disk]:

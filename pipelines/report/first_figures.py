@@ -6,7 +6,6 @@ They are half a screen wide, so that their letters are as large as those of the 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,63 +13,50 @@ from matplotlib.figure import Figure
 
 from pipelines.report.figures.plots import FAULTY, HEALTHY, MARK, dress, fixed_figure, legend, plain, plain_symbols
 
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Average:
-    """A time-synchronous average over one turn of a shaft, at rising places.
-
-    `reference` is that of the healthy control, None if there is none; `marked` the places of the tooth that is a
-    candidate, None without one, and `marked_name` words for it.
-    """
-
-    place: np.ndarray  # (n,), deg or teeth
-    value: np.ndarray  # (n,), m/s2
-    reference: np.ndarray | None = None  # (n,), m/s2
-    across: str  # what `place` is, with its unit: "tooth of the stage 1 wheel in mesh"
-    marked: tuple[float, float] | None = None
-    marked_name: str = ""
-    caption: str
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Envelope:
-    """An envelope spectrum; `marked` are lines (place, label) that the verdict reads, `band` the words for its band."""
-
-    line: np.ndarray  # (n,), Hz
-    amplitude: np.ndarray  # (n,), m/s2
-    reference: np.ndarray | None = None  # (n,), m/s2
-    marked: Sequence[tuple[float, str]] = ()
-    band: str
-    caption: str
-
-
 SIZE = (2.9, 5.0)  # height and width, inches
 LETTERS = 8.5  # points
 STRONGEST = "#f3c9a5"
 DIFFERENCE = "#5c3d7a"
 
 
-def average_figure(average: Average) -> Figure:
-    """The averages over one turn of this run and its control, and their difference; the marked tooth is shaded."""
-    if average.reference is not None:
+def average_figure(
+    place: np.ndarray,
+    value: np.ndarray,
+    reference: np.ndarray | None = None,
+    *,
+    across: str,
+    marked: tuple[float, float] | None = None,
+    marked_name: str = "",
+) -> Figure:
+    """The averages over one turn of this run and its control, and their difference; the marked tooth is shaded.
+
+    Parameters
+    ----------
+    place : (n,), rising, deg or teeth
+    value, reference : (n,), m/s2; time-synchronous averages of the run and of the healthy control, None without one
+    across : what `place` is, with its unit: "tooth of the stage 1 wheel in mesh"
+    marked, marked_name : places of the tooth that is a candidate, None without one, and words for it
+    """
+    compared = reference is not None
+    if reference is not None:
         figure = fixed_figure(*SIZE, rows=2, down=0.3)
         first, last = figure.subplots(2, 1, sharex=True)
-        last.plot(average.place, average.value - average.reference, color=DIFFERENCE, lw=0.9)
+        last.plot(place, value - reference, color=DIFFERENCE, lw=0.9)
     else:
         figure = fixed_figure(*SIZE)
         first = last = figure.subplots()
-    _draw(first, average.place, average.value, average.reference)
-    first.set_xlim(average.place[0], average.place[-1])
+    _draw(first, place, value, reference)
+    first.set_xlim(place[0], place[-1])
     for axes in dict.fromkeys((first, last)):
-        if average.marked is not None:
-            axes.axvspan(*average.marked, color=STRONGEST, lw=0, zorder=0)
+        if marked is not None:
+            axes.axvspan(*marked, color=STRONGEST, lw=0, zorder=0)
         axes.margins(y=0.15)
-    if average.marked is not None:
-        middle = sum(average.marked) / 2
-        beyond = middle > average.place.mean()
+    if marked is not None:
+        middle = sum(marked) / 2
+        beyond = middle > place.mean()
         first.annotate(
-            plain(average.marked_name) + " " if beyond else " " + plain(average.marked_name),
-            (average.marked[0 if beyond else 1], 1.0),
+            plain(marked_name) + " " if beyond else " " + plain(marked_name),
+            (marked[0 if beyond else 1], 1.0),
             xycoords=("data", "axes fraction"),
             xytext=(0, -3),
             textcoords="offset points",
@@ -80,25 +66,38 @@ def average_figure(average: Average) -> Figure:
             color=FAULTY,
             fontweight="bold",
         )
-    across = plain(average.across)
-    compared = average.reference is not None
-    _finish(first, "Time-synchronous average", "" if compared else across, "m/s²", compared)
+    _finish(first, "Time-synchronous average", "" if compared else plain(across), "m/s²", compared)
     if compared:
-        _finish(last, "Difference: this run minus healthy", across, "m/s²", compared=False)
+        _finish(last, "Difference: this run minus healthy", plain(across), "m/s²", compared=False)
     return figure
 
 
-def envelope_figure(envelope: Envelope) -> Figure:
-    """The envelope spectrum and that of the healthy recordings, the lines of the verdict named."""
+def envelope_figure(
+    line: np.ndarray,
+    amplitude: np.ndarray,
+    reference: np.ndarray | None = None,
+    *,
+    marked: Sequence[tuple[float, str]],
+    band: str,
+) -> Figure:
+    """The envelope spectrum and that of the healthy recordings, the lines of the verdict named.
+
+    Parameters
+    ----------
+    line : (n,), Hz
+    amplitude, reference : (n,), m/s2; of the run and of the healthy control, None without one
+    marked : places (Hz) and labels of the lines that the verdict reads
+    band : words for the demodulated band
+    """
     figure = fixed_figure(*SIZE)
     axes = figure.subplots()
-    _draw(axes, envelope.line, envelope.amplitude, envelope.reference)
-    axes.set_xlim(envelope.line[0], envelope.line[-1])
-    top = float(np.max(envelope.amplitude))
-    if envelope.reference is not None:
-        top = max(top, float(np.max(envelope.reference)))
+    _draw(axes, line, amplitude, reference)
+    axes.set_xlim(line[0], line[-1])
+    top = float(np.max(amplitude))
+    if reference is not None:
+        top = max(top, float(np.max(reference)))
     axes.set_ylim(0.0, 1.18 * top if top > 0.0 else 1.0)
-    for place, name in envelope.marked:
+    for place, name in marked:
         axes.axvline(place, color=MARK, lw=0.6, ls=(0, (4, 3)), zorder=0)
         axes.annotate(
             plain_symbols(name),
@@ -112,8 +111,8 @@ def envelope_figure(envelope: Envelope) -> Figure:
             color=MARK,
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
         )
-    title = f"Envelope, {plain(envelope.band)}"
-    _finish(axes, title, "frequency, Hz", "amplitude, m/s²", envelope.reference is not None)
+    title = f"Envelope, {plain(band)}"
+    _finish(axes, title, "frequency, Hz", "amplitude, m/s²", reference is not None)
     return figure
 
 

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 
 from pipelines.diagnosis.verdict import decibels
 from pipelines.diagnosis.words import STRENGTH
-from pipelines.io.grid import Grid
+from pipelines.io.grid import grid
 from pipelines.report import page
-from pipelines.report.first_figures import Average, Envelope, average_figure, envelope_figure
 
 RANKED_AT_ONCE = 5  # components on the first screen; the others open on a click
 
@@ -18,8 +17,7 @@ def first_screen(
     sentences: Sequence[str] = (),
     found: bool | None = None,
     figures: Sequence[tuple[str, str]] = (),
-    average: Average | None = None,
-    envelope: Envelope | None = None,
+    evidence: Sequence[str] = (),
     ranking: Sequence[tuple[str, float, str, str]] = (),
     ranking_note: str = "",
 ) -> list[str]:
@@ -29,51 +27,39 @@ def first_screen(
     ----------
     sentences, found : the verdict, the answer first; whether damage is found, None without a diagnosis
     figures : names with their values: f_m, f_r, speed
-    average, envelope : the two figures that support the verdict
+    evidence : the figures that support the verdict, as HTML
     ranking : components with their increase in dB, their evidence ("-" where it has no limit), and a remark
     ranking_note : explains the columns of the ranking
     """
     return [
         *_verdict(sentences, found),
         *_figures(figures),
-        *_evidence(average, envelope),
+        *([f'<div id="evidence">{"".join(evidence)}</div>'] if evidence else []),
         *_ranking(ranking, ranking_note),
     ]
 
 
 def _verdict(sentences: Sequence[str], found: bool | None) -> list[str]:
-    if not sentences:
-        return []
     style = {True: "fault", False: "none", None: "open"}[found]
     parts = [page.paragraph(sentence) for sentence in sentences]
     return [f'<div class="verdict {style}" id="verdict">{"".join(parts)}</div>']
 
 
 def _figures(figures: Sequence[tuple[str, str]]) -> list[str]:
-    if not figures:
-        return []
     pairs = (f"<div><dt>{page.typeset(n)}</dt><dd>{page.typeset(v)}</dd></div>" for n, v in figures)
     return [f'<dl id="numbers">{"".join(pairs)}</dl>']
-
-
-def _evidence(average: Average | None, envelope: Envelope | None) -> list[str]:
-    parts = []
-    if average is not None:
-        parts.append(page.picture(average_figure(average), average.caption))
-    if envelope is not None:
-        parts.append(page.picture(envelope_figure(envelope), envelope.caption))
-    return [f'<div id="evidence">{"".join(parts)}</div>'] if parts else []
 
 
 def _ranking(ranking: Sequence[tuple[str, float, str, str]], note: str) -> list[str]:
     if not ranking:
         return []
-    rows = [(component, decibels(evidence), *others) for component, evidence, *others in ranking]
-    headers = ("component", "increase dB", STRENGTH, "remark")
-    first, more = rows[:RANKED_AT_ONCE], rows[RANKED_AT_ONCE:]
-    parts = [page.table(Grid(title="Components by their evidence", headers=headers, rows=tuple(first)))]
+    rows = [
+        {"component": component, "increase dB": decibels(increase), STRENGTH: strength, "remark": remark}
+        for component, increase, strength, remark in ranking
+    ]
+    more = rows[RANKED_AT_ONCE:]
+    parts = [page.table(grid("Components by their evidence", rows[:RANKED_AT_ONCE]))]
     if more:
-        rest = Grid(title="", headers=headers, rows=tuple(more))
-        parts.append(page.folded(f"{len(more)} more components", page.table(rest)))
+        parts.append(page.folded(f"{len(more)} more components", page.table(grid("", more))))
     parts += [page.note(note)] if note else []
     return [f'<div id="ranking">{"".join(parts)}</div>']

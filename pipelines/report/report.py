@@ -12,9 +12,8 @@ from pipelines.diagnosis.cases import Case, Damage, cases_grid
 from pipelines.diagnosis.line_words import criterion, directions
 from pipelines.diagnosis.words import note
 from pipelines.engine.progress import step_words
-from pipelines.io.grid import Grid
+from pipelines.io.grid import Grid, cell, grid, turned
 from pipelines.report import page, spectra
-from pipelines.report.contents import RunCost, cell, grid, turned
 from pipelines.report.figures.plots import drive_figure
 from pipelines.report.figures.views import LeftOut
 
@@ -45,16 +44,16 @@ ENERGY = (
 )
 
 
-def write_report(path: Path | str, title: str, body: str, cost: RunCost) -> Path:
+def write_report(path: Path | str, title: str, body: str, facts: Mapping[str, Any]) -> Path:
     """Write the report as one HTML file with all pictures inside; returns the path.
 
     Parameters
     ----------
     path, title : of the file
     body : by `report_body`
-    cost : of the run
+    facts : content of run.json: rows of its steps, a summary of what was computed (ledger), versions and keys
     """
-    last = [("Cost", _cost(cost)), ("Provenance", _provenance(cost))]
+    last = [("Cost", _cost(facts)), ("Provenance", _provenance(facts))]
     parts = [body, *(page.section(heading, found) for heading, found in last if found)]
     path = Path(path)
     path.write_text(page.document(title, parts), encoding="utf-8")
@@ -90,7 +89,7 @@ def report_body(
     """The page without its cost: the answer on the first screen, then the signals, then all other sections, folded.
 
     Sections that do not apply to the run are omitted. Tables are rows of named cells (the keys are the headers);
-    numbers have four digits. Pictures and stiffness are elements of the page, see `pipelines.report.pictures`.
+    numbers have four digits. Pictures and stiffness are elements of the page, see `pipelines.steps.pictures`.
 
     Parameters
     ----------
@@ -180,32 +179,33 @@ def _drive(runs: Mapping[str, xarray.Dataset], windows: Mapping[str, tuple[float
     return [page.picture(drive_figure(run, windows), caption)]
 
 
-def _cost(cost: RunCost) -> list[str]:
+def _cost(facts: Mapping[str, Any]) -> list[str]:
     parts = []
-    if cost.steps:
-        longest = max(row["seconds"] for row in cost.steps) or 1.0
+    if rows := facts.get("steps"):
+        longest = max(row["seconds"] for row in rows) or 1.0
         steps = [
-            {**row, "": "█" * round(30 * row["seconds"] / longest), "result": _step_words(str(row.get("step", "")))}
-            for row in cost.steps
+            {name: value for name, value in row.items() if name not in ("reused", "ledger")}
+            | {"": "█" * round(30 * row["seconds"] / longest), "result": _step_words(str(row.get("step", "")))}
+            for row in rows
         ]
         note = (
             "A step is stored in the cache. Time and memory of a reused step are those of its first computation. "
             "Steps may run at the same time."
         )
         parts = [page.table(grid("Computing time and memory of each step", steps)), page.note(note)]
-    if cost.ledger:
-        rows = tuple(
-            (_COUNTS.get(name, name.replace("_", " ")), cell(value)) for name, value in cost.ledger.items() if value
-        )
-        parts.append(page.table(Grid(title="Size of the computation", headers=("quantity", "count"), rows=rows)))
+    if ledger := facts.get("ledger"):
+        counts = [
+            {"quantity": _COUNTS.get(name, name.replace("_", " ")), "count": value}
+            for name, value in ledger.items()
+            if value
+        ]
+        parts.append(page.table(grid("Size of the computation", counts)))
     return parts
 
 
-def _provenance(cost: RunCost) -> list[str]:
-    if not cost.provenance:
-        return []
-    simple = {k: v for k, v in cost.provenance.items() if not isinstance(v, (Mapping, list, tuple))}
-    nested = {k: v for k, v in cost.provenance.items() if k not in simple}
+def _provenance(facts: Mapping[str, Any]) -> list[str]:
+    simple = {k: v for k, v in facts.items() if not isinstance(v, (Mapping, list, tuple))}
+    nested = {k: v for k, v in facts.items() if k not in (*simple, "steps", "ledger")}
     rows = tuple((name, cell(value)) for name, value in simple.items())
     parts = [page.table(Grid(title="", headers=("", ""), rows=rows))] if rows else []
     for name, value in nested.items():

@@ -14,8 +14,8 @@ from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.verdict import Finding, Verdict
 from pipelines.machine.kinematics import kinematics_of
 from pipelines.machine.plant import Plant
-from pipelines.report import first_page
-from pipelines.report.first_figures import Average, Envelope
+from pipelines.report import first_page, page
+from pipelines.report.first_figures import average_figure, envelope_figure
 from pipelines.report.zoom_data import ENVELOPE_ORDERS, streams
 from pipelines.scene.tables.analysis import LookedFor
 from pipelines.signals.analysis import DiagnosisSettings, analyse, noisy_signal
@@ -51,12 +51,15 @@ def first_screen(
     cases, damages : verdicts, that of the scene in its first window first, empty without a reference; known damage
     """
     verdict = cases[0].verdict if cases else None
+    evidence = []
+    if settings is not None:
+        evidence = _average(machine, settings, runs, verdict)
+        evidence.append(_envelope(settings, diagnoses[0].band if diagnoses else None, runs))
     return first_page.first_screen(
         sentences=sentences(cases, damages) if cases else [_no_verdict(machine, failure)],
         found=any_found(cases, damages) if cases else None,
         figures=_numbers(machine, settings),
-        average=None if settings is None else _average(machine, settings, runs, verdict),
-        envelope=None if settings is None else _envelope(settings, diagnoses[0].band if diagnoses else None, runs),
+        evidence=evidence,
         ranking=() if verdict is None else [_ranked(finding) for finding in verdict.findings],
         ranking_note="" if verdict is None else _ranking_note(verdict),
     )
@@ -123,11 +126,11 @@ def shown_gear(machine: Plant, verdict: Verdict | None, kinematics: Kinematics) 
 
 def _average(
     machine: Plant, settings: DiagnosisSettings, runs: Sequence[xarray.Dataset], verdict: Verdict | None
-) -> Average | None:
-    """Time-synchronous average over the teeth of a gear with a marked tooth in the middle.
+) -> list[str]:
+    """The figure of the time-synchronous average over the teeth of a gear with a marked tooth in the middle.
 
-    The marked tooth is that of the verdict if it finds the gear damaged, else the damaged one of the scene. The result
-    is None if the shaft makes too few turns in the first window.
+    The marked tooth is that of the verdict if it finds the gear damaged, else the damaged one of the scene. The list
+    is empty if the shaft makes too few turns in the first window.
     """
     kinematics = kinematics_of(machine.layout, ())
     gear = shown_gear(machine, verdict, kinematics)
@@ -145,7 +148,7 @@ def _average(
         for run, stream in zip(runs, streams(len(runs)), strict=True)
     ]
     if found[0] is None:
-        return None
+        return []
     place, values, turns = found[0]
     axis = int(np.ptp(values, axis=1).argmax())  # with the largest peak-to-peak value
     other = found[1] if len(found) > 1 else None
@@ -164,15 +167,15 @@ def _average(
         whys = ["which is damaged in the scene"] * (marked in damaged)
         whys += ["whose envelope has the highest energy"] * (marked in named)
         caption += f" Shaded: the engagement of tooth {marked}, {' and '.join(whys)}. Teeth are numbered from 0."
-    return Average(
-        place=place,
-        value=values[axis],
-        reference=reference,
+    figure = average_figure(
+        place,
+        values[axis],
+        reference,
         across=across,
         marked=None if marked is None else (-IN_MESH, IN_MESH),
         marked_name="" if marked is None else f"tooth {marked}",
-        caption=caption,
     )
+    return [page.picture(figure, caption)]
 
 
 def over_teeth(
@@ -205,10 +208,11 @@ def over_teeth(
     return place[order], residual[:, order], turns.count
 
 
-def _envelope(
-    settings: DiagnosisSettings, band: tuple[float, float] | None, runs: Sequence[xarray.Dataset]
-) -> Envelope:
-    """Envelope spectrum of the first window up to ENVELOPE_ORDERS orders of the shaft; `band` (Hz) as for `analyse`."""
+def _envelope(settings: DiagnosisSettings, band: tuple[float, float] | None, runs: Sequence[xarray.Dataset]) -> str:
+    """The figure of the envelope spectrum of the first window, up to ENVELOPE_ORDERS orders of the shaft.
+
+    `band` (Hz) is that of `analyse`.
+    """
     window = next(iter(settings.windows))
     own, *healthy = (
         analyse(run, settings, stream=stream, band=band).envelopes[window]
@@ -216,14 +220,15 @@ def _envelope(
     )
     f_r = settings.revolution_frequency
     shown = own.frequency <= ENVELOPE_ORDERS * f_r
-    return Envelope(
-        line=own.frequency[shown],
-        amplitude=own.amplitude[shown],
-        reference=healthy[0].amplitude[shown] if healthy else None,
+    figure = envelope_figure(
+        own.frequency[shown],
+        own.amplitude[shown],
+        healthy[0].amplitude[shown] if healthy else None,
         marked=[(k * f_r, "f_r" if k == 1 else f"{k} f_r") for k in range(1, settings.envelope_harmonics + 1)],
         band=f"band {own.band_low:.4g} to {own.band_high:.4g} Hz",
-        caption=(
-            f"Envelope spectrum of {settings.sensor} ({settings.axis}) in the window {window}. "
-            f"Marked: harmonics of the revolution frequency f_r = {f_r:.4f} Hz. A damaged tooth raises them."
-        ),
     )
+    caption = (
+        f"Envelope spectrum of {settings.sensor} ({settings.axis}) in the window {window}. "
+        f"Marked: harmonics of the revolution frequency f_r = {f_r:.4f} Hz. A damaged tooth raises them."
+    )
+    return page.picture(figure, caption)

@@ -12,7 +12,6 @@ from pipelines.diagnosis.uncertainty.words import bars_grid
 from pipelines.report import page
 from pipelines.report.figures.plots import waveform_figure
 from pipelines.report.figures.spectrum_plots import (
-    Trace,
     comparison_figure,
     error_bars_figure,
     healthy_faulty_figure,
@@ -29,7 +28,7 @@ from pipelines.signals.lines import LOADS
 if TYPE_CHECKING:
     import xarray
 
-    from pipelines.signals.spectrum import Segment
+    from pipelines.signals.spectrum import Segment, Spectrum
 
     Runs = Mapping[str, xarray.Dataset]
     Windows = Mapping[str, tuple[float, float]]
@@ -157,9 +156,9 @@ def two_windows(diagnoses: Sequence[Diagnosis]) -> list[str]:
         windows = list(diagnosis.settings.windows)[:2]
         if len(windows) < 2:
             continue
-        traces = [_trace(diagnosis, window, window) for window in windows]
+        pairs = {window: _faulty(diagnosis, window) for window in windows}
         title = f"Faulty run, {' and '.join(windows)}, {LOADS.get(diagnosis.load, diagnosis.load)}"
-        parts.append(page.picture(comparison_figure(traces, diagnosis.settings, title), title + "."))
+        parts.append(page.picture(comparison_figure(pairs, diagnosis.settings, title), title + "."))
         parts.append(page.paragraph(directions(diagnosis)))
     return parts
 
@@ -171,9 +170,9 @@ def two_loads(diagnoses: Sequence[Diagnosis]) -> list[str]:
     rope, torque = by_load["rope"], by_load["static-torque"]
     parts = []
     for window in rope.settings.windows:
-        traces = [_trace(rope, window, LOADS["rope"]), _trace(torque, window, LOADS["static-torque"])]
+        pairs = {LOADS["rope"]: _faulty(rope, window), LOADS["static-torque"]: _faulty(torque, window)}
         title = f"Faulty run, rope and constant torque, {window}"
-        figure = comparison_figure(traces, rope.settings, title, window=window)
+        figure = comparison_figure(pairs, rope.settings, title, window=window)
         parts.append(page.picture(figure, title + "."))
     return parts
 
@@ -213,10 +212,8 @@ def _window_name(settings: DiagnosisSettings) -> str:
     return f"{settings.spectrum_window.capitalize()} window"
 
 
-def _trace(diagnosis: Diagnosis, window: str, name: str) -> Trace:
-    return Trace(
-        name=name, spectrum=diagnosis.spectra["faulty", window], envelope=diagnosis.envelopes["faulty", window]
-    )
+def _faulty(diagnosis: Diagnosis, window: str) -> tuple[Spectrum, Spectrum]:
+    return diagnosis.spectra["faulty", window], diagnosis.envelopes["faulty", window]
 
 
 def _named(diagnosis: Diagnosis, window: str) -> str:

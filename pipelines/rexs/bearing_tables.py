@@ -106,7 +106,9 @@ def _one_way(bearing: Bearing, path: str, both: str) -> list[Note]:
 def _springs(
     bearing: Bearing, shaft: Shaft, path: str, why: str, least: float = FREE
 ) -> tuple[dict[str, Any], list[Note]]:
-    bore = bearing.inner_diameter or _seat(bearing, shaft)
+    bore = bearing.inner_diameter or max(  # that of the shaft
+        max(s.outer) for s in shaft.sections if s.start - 1e-6 <= bearing.y <= s.end + 1e-6
+    )
     kind = "roller" if "roller" in bearing.kind else "ball"
     radial = RADIAL[kind] * bore if bearing.radial else least
     given = (
@@ -126,11 +128,6 @@ def _springs(
     value = f"springs of {radial:g} N/um radial, {axial:g} N/um axial"
     assumed = _assumed(path, value, f"{bearing.label}: {why}; by its bore of {bore:g} mm{given}")
     return table, [assumed, *_one_way(bearing, path, "springs hold both")]
-
-
-def _seat(bearing: Bearing, shaft: Shaft) -> float:
-    """Diameter of the shaft at a bearing (mm)."""
-    return max(max(s.outer) for s in shaft.sections if s.start - 1e-6 <= bearing.y <= s.end + 1e-6)
 
 
 def _assumed(path: str, value: str, reason: str) -> Note:

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from pipelines.io.errors import InputError
-from pipelines.io.shown import shown
+from pipelines.io.shown import number_of, shown
 
 _UNITS = {  # unit: (quantity, factor to the first unit of that quantity)
     "mm": ("length", 1.0),
@@ -83,10 +83,7 @@ class Component:
         found = self.attributes.get(key)
         if found is None or not (text := found.text.strip()):
             return None
-        try:
-            value = float(text)
-        except ValueError:
-            value = math.nan
+        value = number_of(text)
         if not math.isfinite(value):
             raise self.error(f'{key} = "{shown(text)}" is not a finite number. Correct it.')
         return value * self._factor(key, found.unit, unit)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from pipelines.io.shown import shown
+from pipelines.io.shown import number_of, shown
 from pipelines.rexs.document import Document
 from pipelines.rexs.gear_unit import Note
 
@@ -63,7 +63,7 @@ def left_out(document: Document) -> Iterator[Note]:
         (component.kind, key, attribute.text.strip())
         for component in document.components.values()
         for key, attribute in component.attributes.items()
-        if key in _ATTRIBUTES and not _empty(attribute.text)
+        if key in _ATTRIBUTES and number_of(attribute.text or "0") != 0
     )
     for (kind, key, text), count in sorted(values.items()):
         yield Note(
@@ -73,11 +73,3 @@ def left_out(document: Document) -> Iterator[Note]:
 
 def _times(count: int) -> str:
     return "once" if count == 1 else f"{count} times"
-
-
-def _empty(text: str) -> bool:
-    """Whether a text is empty or zero."""
-    try:
-        return float(text or 0) == 0
-    except ValueError:
-        return False

@@ -60,7 +60,7 @@ def read_operation(document: Document, carried: Mapping[int, int], senses: Mappi
     if len(cases) > 1:
         reason = f"the most frequent of {len(cases)} load cases; the others are comments at [drive]"
         notes.append(Note(kind="assumed", where="load case", value=described[chosen].name, reason=reason))
-    loads = [load for load in document.parts(sink, "external_load") if _transmits(load)]
+    loads = train.loads(document, sink)
     return Operation(
         document=cases[chosen],
         shafts=shafts,
@@ -119,7 +119,7 @@ class _Train:
 
     def ends(self, document: Document) -> tuple[Component, Component]:
         """The two shafts with external torques; RexsError if they are not two."""
-        loaded = [shaft for shaft in self.shafts.values() if self._loads(document, shaft)]
+        loaded = [shaft for shaft in self.shafts.values() if self.loads(document, shaft)]
         free = [shaft for number, shaft in self.shafts.items() if self.meshes[number] == 1 and shaft not in loaded]
         if len(loaded) < 2 and len(loaded) + len(free) == 2:
             loaded += free
@@ -176,18 +176,16 @@ class _Train:
         speed = (given[known[0]] or 0.0) * self.senses[known[0]]
         return speed * self.ratios(self.shafts[known[0]])[shaft.number_in_file]
 
-    def _loads(self, document: Document, shaft: Component) -> list[Component]:
-        return [load for load in document.parts(shaft, "external_load") if _transmits(load)]
+    def loads(self, document: Document, shaft: Component) -> list[Component]:
+        """The external loads of a shaft that transmit torque."""
+        loads = document.parts(shaft, "external_load")
+        return [load for load in loads if load.text("transmits_torque") != "false"]
 
     def _torque(self, document: Document, shaft: Component) -> float | None:
         """Sum of the external torques on a shaft about y (N m); None if the file gives none."""
-        torques = [load.optional("torque_around_u_axis", "N m") for load in self._loads(document, shaft)]
+        torques = [load.optional("torque_around_u_axis", "N m") for load in self.loads(document, shaft)]
         given = [torque for torque in torques if torque is not None]
         return self.senses[shaft.number_in_file] * sum(given) if given else None
-
-
-def _transmits(load: Component) -> bool:
-    return load.text("transmits_torque") != "false"
 
 
 def _gears(document: Document, stage: Component) -> Gears:

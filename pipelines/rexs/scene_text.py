@@ -12,7 +12,7 @@ from pipelines.io.shown import shown
 from pipelines.io.toml_text import format_value
 from pipelines.rexs.bearing_tables import bearing_table, between_table
 from pipelines.rexs.document import RexsError
-from pipelines.rexs.gear_unit import GearUnit, LoadCase, Material, Note, Section, Shaft
+from pipelines.rexs.gear_unit import GearUnit, Material, Note, Section, Shaft
 from pipelines.rexs.motion_tables import MotionTables, motion_tables
 from pipelines.rexs.stage_tables import StageTable, stage_table
 
@@ -22,6 +22,15 @@ JOINT = 1e-6  # mm: sections with a smaller gap are connected
 STEEL = Material(elastic_modulus=206_000.0, poisson_ratio=0.3, density=7.85)
 GRADE = 5
 HARMONICS = 20  # least output rate divided by the fastest mesh frequency: ten harmonics
+SIMPLEST = (
+    Note(
+        kind="assumed",
+        where="casing.model",
+        value="none",
+        reason="bearings are held by the ground: REXS has no housing",
+    ),
+    Note(kind="assumed", where="stages.mesh.model", value="iso", reason="a first look within seconds"),
+)
 HEADINGS = {
     "assumed": "Assumed: not given in the file.",
     "changed": "Changed: a scene cannot express it as the file has it.",
@@ -56,7 +65,7 @@ def scene_text(unit: GearUnit, name: str) -> SceneText:
     notes += more
     material, more = _material(unit)
     grade, graded = _grade(unit)
-    notes += [*more, *graded, *_simplest()]
+    notes += [*more, *graded, *SIMPLEST]
     body = [
         f"title = {format_value(shown(name, 100))}",
         "",
@@ -71,7 +80,18 @@ def scene_text(unit: GearUnit, name: str) -> SceneText:
         *(line for number, stage in enumerate(stages, 1) for line in _stage_lines(unit, number, stage)),
         *shafts,
         *joints,
-        *_plain_lines(grade),
+        "",
+        "[shaft_model]",
+        'model = "timoshenko"',
+        "",
+        "[deviations]",
+        "enabled = true",
+        f"iso_grade = {grade}",
+        "seed = 1",
+        "",
+        "[casing]",
+        'model = "none"  # signals are bearing forces; for sensors set a housing, see docs/scene-keys.md:',
+        '# model = "rigid", with [casing.housing] (box, or model = "step" with a file), [casing.material], [[sensors]]',
         *_motion_lines(unit, motion, stages),
     ]
     return SceneText("\n".join([*_head(unit, notes), *body, ""]), tuple(notes), motion.missing)
@@ -80,6 +100,7 @@ def scene_text(unit: GearUnit, name: str) -> SceneText:
 def _head(unit: GearUnit, notes: Iterable[Note]) -> Iterator[str]:
     yield f"# From {shown(unit.source)}: REXS {shown(unit.version)}, written by {shown(unit.written_by, 60)}."
     yield "# y is u of the file (-u if the speed of its input is negative), z is w; positions in mm."
+    comment = textwrap.TextWrapper(118, initial_indent="# ", subsequent_indent="#   ", break_long_words=False)
     for kind, heading in HEADINGS.items():
         found = [note for note in notes if note.kind == kind]
         if found:
@@ -87,12 +108,8 @@ def _head(unit: GearUnit, notes: Iterable[Note]) -> Iterator[str]:
             yield f"# {heading}"
         for note in found:
             value = f" = {note.value}" if note.value else ""
-            yield from _comment(f"- {note.where}{value}: {note.reason}")
+            yield from comment.wrap(shown(f"- {note.where}{value}: {note.reason}", 1000))
     yield ""
-
-
-def _comment(text: str) -> list[str]:
-    return textwrap.wrap(shown(text, 1000), 118, initial_indent="# ", subsequent_indent="#   ", break_long_words=False)
 
 
 def _keys(table: Mapping[str, Any]) -> list[str]:
@@ -131,16 +148,6 @@ def _grade(unit: GearUnit) -> tuple[int, list[Note]]:
     reason = f"the coarsest of {sorted(grades)}" if grades else "the file gives none"
     grade = max(grades, default=GRADE)
     return grade, [Note(kind="assumed", where="deviations.iso_grade", value=f"{grade}", reason=reason)]
-
-
-def _simplest() -> Iterator[Note]:
-    yield Note(
-        kind="assumed",
-        where="casing.model",
-        value="none",
-        reason="bearings are held by the ground: REXS has no housing",
-    )
-    yield Note(kind="assumed", where="stages.mesh.model", value="iso", reason="a first look within seconds")
 
 
 def _stage_lines(unit: GearUnit, number: int, stage: StageTable) -> Iterator[str]:
@@ -223,29 +230,14 @@ def _cylinders(unit: GearUnit, shaft: Shaft, notes: list[Note], path: str) -> It
             }
 
 
-def _plain_lines(grade: int) -> list[str]:
-    return [
-        "",
-        "[shaft_model]",
-        'model = "timoshenko"',
-        "",
-        "[deviations]",
-        "enabled = true",
-        f"iso_grade = {grade}",
-        "seed = 1",
-        "",
-        "[casing]",
-        'model = "none"  # signals are bearing forces; for sensors set a housing, see docs/scene-keys.md:',
-        '# model = "rigid", with [casing.housing] (box, or model = "step" with a file), [casing.material], [[sensors]]',
-    ]
-
-
 def _motion_lines(unit: GearUnit, motion: MotionTables, stages: list[StageTable]) -> Iterator[str]:
     yield ""
     yield "[drive]"
     yield f"# load case {unit.load_case.name}"
     for case in unit.other_cases:
-        yield f"# load case {case.name}: {_case_text(case)}"
+        turning = "no speed" if case.speed is None else f"{case.speed:g} rpm"
+        twisting = "no torque" if case.torque is None else f"{case.torque:g} N m at the input"
+        yield f"# load case {case.name}: {turning}, {twisting}"
     yield from _keys(motion.drive)
     yield from _missing(motion, "drive")
     yield ""
@@ -258,11 +250,6 @@ def _motion_lines(unit: GearUnit, motion: MotionTables, stages: list[StageTable]
     yield ""
     yield "[simulation]"
     yield from _keys({"end_s": motion.drive["times_s"][-1], "output_rate_Hz": rate, "step_us": 20.0})
-
-
-def _case_text(case: LoadCase) -> str:
-    speed = "no speed" if case.speed is None else f"{case.speed:g} rpm"
-    return f"{speed}, {'no torque' if case.torque is None else f'{case.torque:g} N m at the input'}"
 
 
 def _missing(motion: MotionTables, table: str) -> Iterator[str]:

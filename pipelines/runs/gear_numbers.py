@@ -19,7 +19,7 @@ from fem.contact.evaluation.evaluator import LawEvaluator
 from pipelines.io.errors import InputError
 from pipelines.io.user_files import whole_file
 from pipelines.report.figures.plots import TransmissionErrors
-from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, Passage, engagement
+from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, Passage, engagement, quantity
 
 if TYPE_CHECKING:
     import xarray
@@ -121,41 +121,43 @@ def gear_curves(pairs: Sequence[PairLaws], states: Sequence[MeshState]) -> xarra
             cases.append(case)
             curves.append(curve)
             by_pair.append(_pressures(case, curve))
-            greatest.append(_greatest_pressure(case, state))
+            pattern = case.laws.pattern(
+                tooth=round(case.passage.cycle),
+                faulty=case.faulty,
+                modified=case.modified,
+                force=state.force,
+                tilt=state.tilt,
+            )
+            greatest.append(float(np.nanmax(pattern.values, initial=0.0)))
             ranges.append(_peak_to_peak(case, state, position, curve.transmission_error))
     numbers = np.unique(np.concatenate([pair for pair, _, _ in by_pair]))
     spread = np.zeros((2, len(cases), position.size, numbers.size))
     for i, (pair, share, pressure) in enumerate(by_pair):
         at = np.searchsorted(numbers, pair)
         spread[0, i, :, at], spread[1, i, :, at] = share.T, pressure.T
+    torques = [curve.force * c.laws.pair.pinion.base_radius for c, curve in zip(cases, curves, strict=True)]
     data: dict[str, Any] = {
         name: (("case", "position"), np.array([getattr(c, name) for c in curves])) for name in _CURVES
     }
     data |= {name: (("case", "position", "pair"), spread[i]) for i, name in enumerate(_BY_PAIR)}
-    coords: dict[str, Any] = {
-        "position": position,
-        "pair": numbers,
-        "stage": ("case", [case.laws.stage for case in cases]),
-        "state": ("case", [case.state for case in cases]),
-        "cycle": ("case", [case.passage.cycle for case in cases]),
-        "force": ("case", [curve.force for curve in curves]),
-        "torque": (
-            "case",
-            [curve.force * c.laws.pair.pinion.base_radius for c, curve in zip(cases, curves, strict=True)],
-        ),
-    }
-    data["greatest_pressure"] = ("case", greatest)
-    data["peak_to_peak"] = ("case", ranges)
-    found_set = xarray.Dataset(data, coords=coords)
-    for name, (units, words) in (_CURVES | _BY_PAIR).items():
-        found_set[name].attrs.update(units=units, long_name=words)
-    found_set["position"].attrs.update(units="1", long_name="mesh cycles from contact of the tooth at the pitch point")
-    found_set["cycle"].attrs.update(units="1", long_name="mesh cycle at position 0")
-    found_set["force"].attrs.update(units="N", long_name="on the transverse line of action")
-    found_set["torque"].attrs.update(units="N m", long_name="on the pinion")
-    found_set["greatest_pressure"].attrs.update(units="Pa", long_name="greatest Hertz pressure of the contact pattern")
-    found_set["peak_to_peak"].attrs.update(units="m", long_name="peak-to-peak transmission error")
-    return found_set
+    words = _CURVES | _BY_PAIR
+    along = quantity("1", "mesh cycles from contact of the tooth at the pitch point")
+    return xarray.Dataset(
+        {name: (dims, values, quantity(*words[name])) for name, (dims, values) in data.items()}
+        | {
+            "greatest_pressure": ("case", greatest, quantity("Pa", "greatest Hertz pressure of the contact pattern")),
+            "peak_to_peak": ("case", ranges, quantity("m", "peak-to-peak transmission error")),
+        },
+        coords={
+            "position": ("position", position, along),
+            "pair": numbers,
+            "stage": ("case", [case.laws.stage for case in cases]),
+            "state": ("case", [case.state for case in cases]),
+            "cycle": ("case", [case.passage.cycle for case in cases], quantity("1", "mesh cycle at position 0")),
+            "force": ("case", [curve.force for curve in curves], quantity("N", "on the transverse line of action")),
+            "torque": ("case", torques, quantity("N m", "on the pinion")),
+        },
+    )
 
 
 def _cases(found: PairLaws) -> list[_Case]:
@@ -183,18 +185,6 @@ def _pressures(case: _Case, curve: StiffnessCurve) -> tuple[np.ndarray, np.ndarr
         found = contact_pressure(pair, law, float(c), pairs, loads)
         row[np.searchsorted(curve.pair, pairs)] = np.where(on_flank, found, 0.0).max(axis=1)
     return curve.pair - round(case.passage.cycle), curve.share, pressure
-
-
-def _greatest_pressure(case: _Case, state: MeshState) -> float:
-    """Greatest pressure (Pa) in the contact pattern of the damaged tooth, as `gearcase inspect` shows it."""
-    pattern = case.laws.pattern(
-        tooth=round(case.passage.cycle),
-        faulty=case.faulty,
-        modified=case.modified,
-        force=state.force,
-        tilt=state.tilt,
-    )
-    return float(np.nanmax(pattern.values, initial=0.0))
 
 
 def _in_contact(pair: GearPair, position: np.ndarray) -> slice:

@@ -9,13 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from fem.contact.faults.cracked_tooth import CrackedTooth
-from pipelines.machine.flanks import Fault
 from pipelines.machine.plant import Plant
 from pipelines.report.figures.damage import crack_depth
-from pipelines.report.figures.mesh_frames import mesh_frames
-from pipelines.report.figures.mesh_pictures import MeshView
+from pipelines.report.figures.film import save_figure
+from pipelines.report.figures.mesh_frames import MeshView, mesh_frames
 from pipelines.report.figures.pattern import contact_pattern, damaged_part
-from pipelines.report.figures.pattern_pictures import PatternView, write_pattern
+from pipelines.report.figures.pattern_pictures import pattern_figure
 from pipelines.report.figures.shapes import PlacedPair, placed_pair, shown_cycle, stage_view
 from pipelines.steps.pair_curves import PairLaws
 
@@ -37,11 +36,6 @@ class InspectedStage:
     def placed(self) -> PlacedPair:
         """The pair in its position, with the fault that is shown."""
         return placed_pair(self.machine, self.laws.stage)
-
-    @property
-    def fault(self) -> Fault | None:
-        """The fault that is shown; None for a healthy pair."""
-        return self.placed.fault
 
     @property
     def marked(self) -> str:
@@ -70,7 +64,7 @@ class InspectedStage:
 
     def gears_title(self) -> str:
         """Title of the overview: scene, position in mesh, load and size."""
-        pair, fault = self.laws.pair, self.fault
+        pair, fault = self.laws.pair, self.placed.fault
         cycle = shown_cycle(pair, None if fault is None else (fault.gear, fault.tooth or 0))
         meshes = "" if fault is None else f" (damaged tooth in mesh at {fault.tooth or 0})"
         size = f"centre distance {1000 * pair.axis_distance:.4g} mm, face width {1000 * pair.face_width:.4g} mm"
@@ -85,7 +79,6 @@ class InspectedStage:
     def write_overview(self, path: Path) -> Path:
         """Write a picture of the pair, the damaged tooth enlarged, and the stiffness."""
         from pipelines.report.figures.callouts import gear_figure
-        from pipelines.report.figures.film import save_figure
         from pipelines.report.figures.render import render_gears, render_tooth
         from pipelines.steps.pictures import gear_names, stiffness_plots
 
@@ -102,10 +95,10 @@ class InspectedStage:
 
     def write_pattern(self, path: Path) -> Path:
         """Write the contact pattern of the damaged tooth, of both neighbours of a missing one, or of pinion tooth 0."""
-        found, pair, fault = self.laws, self.laws.pair, self.fault
+        found, pair, placed = self.laws, self.laws.pair, self.placed
+        fault = placed.fault
         gear, tooth = ("pinion", 0) if fault is None else (fault.gear, fault.tooth or 0)
         patterns = [contact_pattern("healthy", pair, found.healthy, gear, tooth, found.force, found.teeth())]
-        damage = self.placed.damage
         shown = f"tooth {tooth} of the {gear}"
         states = [] if fault is None else [(self.marked, tooth)]
         if fault is not None and fault.kind == "missing-tooth":  # the neighbours carry the load
@@ -117,18 +110,18 @@ class InspectedStage:
         patterns += [
             contact_pattern(name, pair, found.drive, gear, number, found.force, teeth) for name, number in states
         ]
-        cracks = [crack_depth(one, pair.face_width)[0] for one in damage if isinstance(one, CrackedTooth)]
+        cracks = [crack_depth(one, pair.face_width)[0] for one in placed.damage if isinstance(one, CrackedTooth)]
         radius = pair.working_radii[0 if gear == "pinion" else 1]
-        view = PatternView(
-            title=f"{self.title}, {shown}",
-            model=found.drive.model,
-            force=found.force,
+        figure = pattern_figure(
+            f"{self.title}, {shown}",
+            patterns,
+            load=f"load {found.force:.4g} N, model {found.drive.model}",
             gear=gear,
-            patterns=patterns,
-            damaged=damaged_part(pair, found.healthy, gear, damage),
+            damaged=damaged_part(pair, found.healthy, gear, placed.damage),
             crack=(float(cracks[0][0]), float(cracks[0][-1])) if cracks else None,
             pitch_diameter=2 * radius,
             face_width=pair.face_width,
             sense=found.sense,
         )
-        return write_pattern(view, path)
+        save_figure(figure, path, dpi=115)
+        return path

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from pipelines.io.errors import InputError
-from pipelines.io.grid import Grid
+from pipelines.io.grid import Grid, grid
 from pipelines.io.shown import shown, shown_value
 from pipelines.io.toml_text import TomlError, read_toml
 from pipelines.io.user_files import is_regular_file, read_text
@@ -96,20 +96,19 @@ def run_grid(runs: Iterable[KeptRun]) -> Grid:
     """A row per run."""
     runs = tuple(runs)
     unlike = differing(runs)
-    rows = tuple(
-        (
-            str(run.number),
-            run.scene,
-            run.folder.name,
-            age_text(run.age),
-            f"{run.bytes / 1e6:.1f}",
-            settings_text(unlike[run.number]),
-            run.verdict or "not diagnosed",
-        )
+    rows = [
+        {
+            "run": run.number,
+            "scene": run.scene,
+            "folder": run.folder.name,
+            "age": age_text(run.age),
+            "MB": f"{run.bytes / 1e6:.1f}",
+            "differs in": settings_text(unlike[run.number]),
+            "verdict": run.verdict or "not diagnosed",
+        }
         for run in runs
-    )
-    headers = ("run", "scene", "folder", "age", "MB", "differs in", "verdict")
-    return Grid(title="Runs, newest first", headers=headers, rows=rows)
+    ]
+    return grid("Runs, newest first", rows)
 
 
 def settings_text(settings: Mapping[str, Any]) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipelines.io.errors import InputError
-from pipelines.io.grid import Grid
+from pipelines.io.grid import Grid, grid
 from pipelines.io.shown import shown
 from pipelines.io.user_files import is_regular_file
 from pipelines.runs import run_folder
@@ -34,10 +34,11 @@ Windows = Mapping[str, tuple[float, float]]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Recorded:
-    """A recorded file: its features, its rotation in words, and warnings."""
+    """A recorded file: its features, the relative uncertainty of its speed, its rotation in words, and warnings."""
 
     name: str
     table: FeatureTable
+    error: float
     turning: str
     warnings: tuple[str, ...]
 
@@ -239,7 +240,7 @@ def read_features(path: Path, machine: Machine, windows: Windows | None) -> Reco
         except (FeatureError, RotationError) as error:
             raise InputError(f"{shown(path)}: {error}") from error
     turning = _turning(rotation, time, machine.kinematics, windows)
-    return Recorded(name=path.name, table=table, turning=turning, warnings=warnings)
+    return Recorded(name=path.name, table=table, error=rotation.error, turning=turning, warnings=warnings)
 
 
 def _turning(rotation: Rotation, time: np.ndarray, kinematics: Kinematics, windows: Windows | None) -> str:
@@ -285,7 +286,7 @@ def files_grid(names: Sequence[str], found: Sequence[JudgedFile]) -> Grid:
     from pipelines.diagnosis.words import STRENGTH, answer, strength
     from pipelines.signals.features.table import WHOLE
 
-    rows: list[tuple[str, ...]] = []
+    rows = []
     for name, one in zip(names, found, strict=True):
         table = one.recorded.table
         rms = mean_features(table)[table.lines.index((WHOLE, "rms"))]
@@ -296,10 +297,15 @@ def files_grid(names: Sequence[str], found: Sequence[JudgedFile]) -> Grid:
         elif one.impacts:
             best = one.impacts[0]
             result = "damaged" if best.clear else "-", best.component, f"{best.level:.1f}"
-        rows.append((name, f"{60 * table.speed[0]:.5g}", f"{rms:.3g}", *result))
-    evidence = f"impacts dB (limit {CLEAR:g})" if one.verdict is None else STRENGTH
-    headers = ("recording", "rpm", "rms m/s2", "answer", "strongest evidence", evidence)
-    return Grid(title=f"{len(rows)} recordings", headers=headers, rows=tuple(rows))
+        evidence = f"impacts dB (limit {CLEAR:g})" if one.verdict is None else STRENGTH
+        known = {
+            "rpm": f"{60 * table.speed[0]:.5g}",
+            "known to %": f"{100 * one.recorded.error:.1g}",
+            "rms m/s2": f"{rms:.3g}",
+        }
+        named = zip(("answer", "strongest evidence", evidence), result, strict=True)
+        rows.append({"recording": name, **known, **dict(named)})
+    return grid(f"{len(rows)} recordings", rows)
 
 
 def file_facts(found: JudgedFile) -> dict[str, Any]:
@@ -312,6 +318,8 @@ def file_facts(found: JudgedFile) -> dict[str, Any]:
     return {
         "recording": found.recorded.name,
         "turning": found.recorded.turning,
+        "speed_rpm": 60 * float(table.speed[0]),
+        "speed_uncertainty_percent": 100 * found.recorded.error,
         "warnings": found.recorded.warnings,
         "verdict": found.verdict,
         "impacts": found.impacts,
@@ -331,8 +339,13 @@ def features_grid(table: FeatureTable) -> Grid:
     """Table with a row for each component and feature, as the mean over the channels."""
     from pipelines.diagnosis.words import NAMES
 
-    rows = tuple(
-        (component, NAMES.get(feature, feature), f"{mean:.3g}", f"{20 * math.log10(mean):.1f}")
+    rows = [
+        {
+            "component": component,
+            "feature": NAMES.get(feature, feature),
+            "value": f"{mean:.3g}",
+            "dB": f"{20 * math.log10(mean):.1f}",
+        }
         for (component, feature), mean in zip(table.lines, mean_features(table), strict=True)
-    )
-    return Grid(title="Features, mean over all channels", headers=("component", "feature", "value", "dB"), rows=rows)
+    ]
+    return grid("Features, mean over all channels", rows)

@@ -23,7 +23,6 @@ from pipelines.engine.run_graph import Outcome, Work
 from pipelines.engine.step import Graph, Step, StepRecord
 from pipelines.io.errors import WorkError
 from pipelines.machine.plant import Plant
-from pipelines.report.contents import RunCost
 from pipelines.runs import run_folder
 from pipelines.runs.claims import claimed
 from pipelines.scene.file import LoadedScene, control_differences
@@ -176,9 +175,9 @@ class _Files:
         facts = _facts(loaded.name, study.plant, Outcome({name: results[name] for name in needed}))
         run_folder.write_json(self._folder / run_folder.RUN, facts)
         case = study.cases[0]
-        _write_response(self._folder / run_folder.RESPONSE, results[case.faulty].load(), case.plant, facts)
-        if case.healthy is not None and case.control is not None:
-            _write_response(self._folder / run_folder.CONTROL, results[case.healthy].load(), case.control, facts)
+        _write_response(self._folder / run_folder.RESPONSE, results[case.own.step].load(), case.own.plant, facts)
+        if (control := case.control) is not None:
+            _write_response(self._folder / run_folder.CONTROL, results[control.step].load(), control.plant, facts)
 
     def _write_verdict(self, found: Mapping[str, Any]) -> None:
         if found["failure"]:
@@ -204,12 +203,7 @@ class _Files:
         from pipelines.report.report import write_report
 
         facts = _facts(self._loaded.name, self._study.plant, self.outcome)
-        cost = RunCost(
-            steps=[{name: row[name] for name in ("step", "seconds", "peak MB")} for row in facts["steps"]],
-            ledger=facts["ledger"],
-            provenance={name: value for name, value in facts.items() if name not in ("ledger", "steps")},
-        )
-        write_report(self._folder / run_folder.REPORT, self._study.plant.title, found["body"], cost)
+        write_report(self._folder / run_folder.REPORT, self._study.plant.title, found["body"], facts)
         run_folder.write_json(self._folder / run_folder.RUN, facts)
         self.left_out += found["left_out"]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import logging
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -124,39 +125,31 @@ def write_json(path: Path, content: Any) -> None:
     write_whole(path, json.dumps(content, indent=1, ensure_ascii=False) + "\n")
 
 
-class JsonLines(logging.Handler):
+class JsonLines(logging.FileHandler):
     """Log records as lines of JSON: time, level, logger, message. A full disk ends the log, not the work."""
 
-    def __init__(self, path: Path) -> None:
-        super().__init__(logging.INFO)
-        self._file = open(path, "wb", buffering=0)  # noqa: SIM115 - closed with the handler
-        self.failure: OSError | None = None
+    failure: BaseException | None = None
 
-    def emit(self, record: logging.LogRecord) -> None:
-        """Write one line."""
+    def format(self, record: logging.LogRecord) -> str:
+        """The line of a record."""
         line = {
             "time": round(record.created, 3),
             "level": record.levelname,
             "logger": record.name,
             "message": record.getMessage(),
         }
-        text = json.dumps(line | getattr(record, "facts", {}), ensure_ascii=False) + "\n"
-        try:
-            if self.failure is None:
-                self._file.write(text.encode("utf-8", errors="replace"))
-        except OSError as error:
-            self.failure = error
+        return json.dumps(line | getattr(record, "facts", {}), ensure_ascii=False)
 
-    def close(self) -> None:
-        """Close the file."""
-        self._file.close()
-        super().close()
+    def handleError(self, record: logging.LogRecord) -> None:
+        """Note what prevented a line."""
+        self.failure = sys.exc_info()[1]
 
 
 @contextlib.contextmanager
 def logged_to(path: Path) -> Iterator[None]:
     """Everything our packages log at INFO or above goes to the file while the block runs."""
-    handler = JsonLines(path)
+    handler = JsonLines(path, "w", encoding="utf-8", errors="replace")
+    handler.setLevel(logging.INFO)
     loggers = [logging.getLogger(name) for name in ("fem", "mbd", "pipelines")]
     levels = [logger.level for logger in loggers]
     for logger in loggers:
@@ -168,6 +161,7 @@ def logged_to(path: Path) -> Iterator[None]:
         for logger, level in zip(loggers, levels, strict=True):
             logger.removeHandler(handler)
             logger.setLevel(level)
-        handler.close()
+        with contextlib.suppress(OSError):  # of the lines for which the disk had no room
+            handler.close()
         if handler.failure is not None:
             _LOG.warning("%s is incomplete: %s", path, handler.failure)

@@ -253,10 +253,7 @@ def user_states(source: Source, key: str) -> bool:
     while source.folder is not None and identity(source) not in seen:
         seen.add(identity(source))
         tree = parse(source)
-        node: Any = tree
-        for part in key.split("."):
-            node = node.get(part) if isinstance(node, Mapping) else None
-        if node is not None:
+        if _at(tree, tuple(key.split("."))) is not None:
             return True
         if "extends" not in tree:
             return False

@@ -12,7 +12,7 @@ import numpy as np
 
 from fem.gears.prescribed import FLANKS, MeasuredFlanks
 from pipelines.io.errors import SceneError
-from pipelines.io.shown import shown
+from pipelines.io.shown import number_of, shown
 from pipelines.io.user_files import read_text
 from pipelines.scene.tables.samples import reading, refused
 
@@ -95,10 +95,7 @@ def _from_csv(text: str, path: str) -> xarray.DataArray:
 
 
 def _number(cell: str | None, line: int, column: str, path: str) -> float:
-    try:
-        value = float(cell or "")
-    except ValueError:
-        value = math.nan
+    value = number_of(cell)
     if not math.isfinite(value):
         raise _refused(path, f"line {line}: {column} is {shown(cell or 'empty')}", "Write a number")
     return value

@@ -108,7 +108,8 @@ def preset_settings(scene: Scene, preset: str) -> Settings:
     level = LEVELS[preset]
     settings: Settings = {"simulation.step_us": level.step_us}
     for number, stage in enumerate(scene.stages, start=1):
-        slices = min(max(level.slices, math.ceil(_overlap_ratio(stage) / level.slice_width)), most_slices())
+        overlap_ratio = stage.face_width_mm * math.sin(stage.si.helix_angle) / (math.pi * stage.module_mm)  # ISO 21771
+        slices = min(max(level.slices, math.ceil(overlap_ratio / level.slice_width)), most_slices())
         settings[f"stages.{number}.mesh"] = {"model": "solid", "refinement": level.refinement, "slices": slices}
     if isinstance(scene.casing, ElasticBase):
         settings |= _casing_mesh(scene, scene.casing, level)
@@ -122,11 +123,6 @@ def most_slices() -> int:
     from fem.contact.models.mesh_model import MeshModel
 
     return int(option_of(MeshModel, "slices").le or 0)
-
-
-def _overlap_ratio(stage: StageTable) -> float:
-    """Overlap ratio eps_beta (ISO 21771)."""
-    return stage.face_width_mm * math.sin(stage.si.helix_angle) / (math.pi * stage.module_mm)
 
 
 def _casing_mesh(scene: Scene, casing: ElasticBase, level: Level) -> Settings:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipelines.io.grid import Grid
+from pipelines.io.grid import Grid, grid
 
 if TYPE_CHECKING:
     import xarray
@@ -60,23 +60,15 @@ def level_grid(run: xarray.Dataset, windows: Mapping[str, tuple[float, float]]) 
         for i, sensor in enumerate(part.sensor.values):
             top = int(velocity[i].argmax())
             rows.append(
-                (
-                    str(sensor),
-                    name,
-                    f"{np.linalg.norm(acceleration[i]):.3g}",
-                    f"{velocity[i, top]:.3g} ({part.axis.values[top]})",
-                    f"{np.linalg.norm(velocity[i]):.3g}",
-                )
+                {
+                    "sensor": sensor,
+                    "window": name,
+                    "acceleration, resultant m/s²": f"{np.linalg.norm(acceleration[i]):.3g}",
+                    "velocity, largest axis mm/s": f"{velocity[i, top]:.3g} ({part.axis.values[top]})",
+                    "velocity, resultant mm/s": f"{np.linalg.norm(velocity[i]):.3g}",
+                }
             )
-    headers = (
-        "sensor",
-        "window",
-        "acceleration, resultant m/s²",
-        "velocity, largest axis mm/s",
-        "velocity, resultant mm/s",
-    )
-    title = "RMS levels of this run; velocity from 10 to 1000 Hz (ISO 20816-1)"
-    return Grid(title=title, headers=headers, rows=tuple(rows))
+    return grid("RMS levels of this run; velocity from 10 to 1000 Hz (ISO 20816-1)", rows)
 
 
 def contact_sentence(run: xarray.Dataset) -> str:

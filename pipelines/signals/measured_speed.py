@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,15 +23,6 @@ if TYPE_CHECKING:
 QUARTER_PERIOD = math.pi / 2  # rad, phase of the highest line
 
 
-class _Turned(NamedTuple):
-    """Rotation of a shaft in a window: time (s), angle (rad) in its sense of rotation, mean speed (rad/s)."""
-
-    window: str
-    time: np.ndarray
-    angle: np.ndarray
-    speed: float
-
-
 def at_measured_speed(settings: DiagnosisSettings, runs: Sequence[xarray.Dataset]) -> DiagnosisSettings:
     """The settings with the frequencies of all lines of shafts scaled to the mean speed in the windows of the runs.
 
@@ -41,18 +32,18 @@ def at_measured_speed(settings: DiagnosisSettings, runs: Sequence[xarray.Dataset
         the highest line
     """
     pieces = list(_pieces(settings, runs))
-    speed = float(np.mean([piece.speed for piece in pieces]))
+    speed = float(np.mean([own for *_, own in pieces]))
     if speed == 0.0:
         raise DiagnosisError(
             f"{settings.shaft} does not turn in the windows of the diagnosis. Set windows in which it turns."
         )
     limit = QUARTER_PERIOD / settings.highest_order
-    for piece in pieces:
-        deviation = piece.angle - speed * piece.time
+    for window, time, angle, own in pieces:
+        deviation = angle - speed * time
         most = float(np.ptp(deviation)) / 2
         if most > limit:
             raise DiagnosisError(
-                f"window {piece.window!r}: {settings.shaft} turns at {piece.speed / (2 * math.pi):.5g} Hz in the mean "
+                f"window {window!r}: {settings.shaft} turns at {own / (2 * math.pi):.5g} Hz in the mean "
                 f"and its angle deviates by up to {most:.3g} rad from an even rotation at {speed / (2 * math.pi):.5g} "
                 "Hz, the mean of all windows and both runs. The highest line, of the order "
                 f"{settings.highest_order:.4g}, allows {limit:.3g} rad. "
@@ -61,7 +52,10 @@ def at_measured_speed(settings: DiagnosisSettings, runs: Sequence[xarray.Dataset
     return _scaled(settings, speed / (2 * math.pi) / settings.revolution_frequency)
 
 
-def _pieces(settings: DiagnosisSettings, runs: Sequence[xarray.Dataset]) -> Iterator[_Turned]:
+def _pieces(
+    settings: DiagnosisSettings, runs: Sequence[xarray.Dataset]
+) -> Iterator[tuple[str, np.ndarray, np.ndarray, float]]:
+    """Every window with times (s), angle (rad) of the shaft in its sense of rotation and its mean speed (rad/s)."""
     for run in runs:
         if "shaft_angle" not in run or settings.shaft not in run.shaft.values:
             raise DiagnosisError(
@@ -74,7 +68,7 @@ def _pieces(settings: DiagnosisSettings, runs: Sequence[xarray.Dataset]) -> Iter
             if len(time) < 2:
                 raise DiagnosisError(f"window {name!r}: fewer than two samples. Choose a window inside the record.")
             speed = float(np.polyfit(time - time.mean(), turned, 1)[0])
-            yield _Turned(name, time, turned if speed >= 0.0 else -turned, abs(speed))
+            yield name, time, turned if speed >= 0.0 else -turned, abs(speed)
 
 
 def _scaled(settings: DiagnosisSettings, factor: float) -> DiagnosisSettings:

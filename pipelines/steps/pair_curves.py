@@ -144,10 +144,10 @@ class PairLaws(PairState):
         states = {"healthy": False, "faulty": True} if self.faults else {"healthy": False}
         curves = [self.stiffness(cycle, faulty=faulty, force=force) for faulty in states.values()]
         data = {
-            name: (("state", "cycle"), np.array([getattr(curve, name) for curve in curves]), _words(units, text))
+            name: (("state", "cycle"), np.array([getattr(curve, name) for curve in curves]), quantity(units, text))
             for name, (units, text) in _COLUMNS.items()
         }
-        where = {"state": list(states), "cycle": ("cycle", np.asarray(cycle, float), _words("1", "mesh cycle"))}
+        where = {"state": list(states), "cycle": ("cycle", np.asarray(cycle, float), quantity("1", "mesh cycle"))}
         told = {"stage": self.stage, "model": self.drive.model, "force_N": curves[0].force, "faults": self.faults}
         return xarray.Dataset(data, coords=where, attrs=told)
 
@@ -188,10 +188,11 @@ class PairLaws(PairState):
             tilt=tilt,
         )
         where = {
-            "diameter": ("diameter", found.diameter, _words("m", f"diameter on the {gear}")),
-            "face": ("face", found.face, _words("m", "face coordinate from mid face")),
+            "diameter": ("diameter", found.diameter, quantity("m", f"diameter on the {gear}")),
+            "face": ("face", found.face, quantity("m", "face coordinate from mid face")),
         }
-        return xarray.DataArray(found.pressure, where, ("diameter", "face"), "pressure", _words("Pa", "Hertz pressure"))
+        words = quantity("Pa", "Hertz pressure")
+        return xarray.DataArray(found.pressure, where, ("diameter", "face"), "pressure", words)
 
     def __repr__(self) -> str:
         return f"<PairLaws: {self._words()}, {self.faults or 'healthy'}>"
@@ -281,5 +282,5 @@ def engagement(pair: GearPair) -> tuple[float, float]:
     return middle - half, middle + half
 
 
-def _words(units: str, text: str) -> dict[str, str]:
+def quantity(units: str, text: str) -> dict[str, str]:
     return {"units": units, "long_name": text}

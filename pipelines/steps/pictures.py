@@ -57,7 +57,7 @@ def picture_steps(machine: Plant, names: Iterable[str]) -> list[Step]:
                 name=CASING,
                 kind="casing-picture",
                 build=build_casing,
-                spec=CasingPictureSpec(sensors=machine.sensors),
+                spec=machine.sensors,
                 takes={"mesh": "casing mesh"},
                 libraries=("numpy", "matplotlib", "pyvista"),
                 seconds=2.0,
@@ -96,32 +96,40 @@ def build_curves(
     spec, picture : the pairs, and the rendered gears
     laws, unmodified : laws of each pair with modifications and faults, and without
     """
-    from pipelines.report import pictures
+    from pipelines.report import page
+    from pipelines.report.figures.callouts import gear_figure
 
     states = zip(spec.pairs, laws, unmodified, strict=True)
     curves = stiffness_plots([state.with_laws(own, healthy) for state, own, healthy in states])
     first = curves.pop(spec.first - 1)
     if isinstance(picture, LeftOut):
-        return Unkept({"gears": picture, "stiffness": pictures.stiffness([first, *curves])})
-    gears = pictures.gears(picture, first, spec.names)
-    return {"gears": gears, "stiffness": pictures.stiffness(curves) if curves else ""}
+        return Unkept({"gears": picture, "stiffness": stiffness([first, *curves])})
+    caption = "The gear pair and its secant stiffness from bore to bore. One mesh cycle is the motion by one pitch."
+    gears = page.picture(gear_figure(picture, first, spec.names), caption)
+    return {"gears": gears, "stiffness": stiffness(curves) if curves else ""}
 
 
-@dataclass(frozen=True, kw_only=True)
-class CasingPictureSpec:
-    """The sensors that are labelled in the picture."""
+def stiffness(curves: Sequence[StiffnessPlot]) -> str:
+    """The stiffness of stages that no picture shows, as an element of the page."""
+    from pipelines.report import page
+    from pipelines.report.figures.plots import stiffness_figure
 
-    sensors: tuple[Sensor, ...]
+    caption = "Secant mesh stiffness of the other stages from bore to bore. One mesh cycle is the motion by one pitch."
+    return page.picture(stiffness_figure(curves), caption)
 
 
-def build_casing(spec: CasingPictureSpec, *, mesh: CasingMesh) -> str | Unkept:
+def build_casing(sensors: Sequence[Sensor], *, mesh: CasingMesh) -> str | Unkept:
     """The picture of the casing with its key points as an element of the page, or why there is none."""
-    from pipelines.report import pictures
+    from pipelines.report import page
+    from pipelines.report.figures.callouts import casing_figure
 
     try:
-        return pictures.casing(rendered_casing(mesh, spec.sensors))
+        picture = rendered_casing(mesh, sensors)
     except NotRendered as error:
         return Unkept(LeftOut(reason=str(error)))
+    return page.picture(
+        casing_figure(picture), "The casing with its feet (yellow), bearings (red) and sensors (green)."
+    )
 
 
 def stiffness_plots(pairs: Sequence[PairLaws]) -> list[StiffnessPlot]:
@@ -154,9 +162,9 @@ def rendered_casing(mesh: CasingMesh, sensors: Sequence[Sensor]) -> Picture:
     """Picture of the casing mesh with ground, bearing and sensor points."""
     from fem.casing.reduced.attachment import nearest_surface_point
     from pipelines.report.figures.render import render_casing
-    from pipelines.report.figures.shapes import casing_view
+    from pipelines.report.figures.shapes import casing_surface
 
     points = dict(zip(mesh.patch_names, mesh.patch_points, strict=True))
     for sensor in sensors:
         _, _, points[sensor.name] = nearest_surface_point(mesh.nodes, mesh.facets, np.array(sensor.position))
-    return render_casing(casing_view(mesh.nodes, mesh.facets, list(points), np.array(list(points.values()))))
+    return render_casing(*casing_surface(mesh.nodes, mesh.facets), points)

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mbd.forces.load_models import HangingLoad
 from pipelines.engine.step import Unkept
 from pipelines.machine.looked_for import pass_rates, shaft_lines
 from pipelines.machine.plant import Plant
@@ -145,7 +144,13 @@ def _settings(
 
 def _summary(machine: Plant) -> dict[str, Any]:
     facts, models, labels = machine.facts, machine.models, machine.labels
-    hoist = {} if machine.hoist is None else _hoist_summary(machine.hoist, facts.rope_frequency)
+    hoist = {}
+    if machine.hoist is not None:
+        frequency = f"{facts.rope_frequency:.3g} Hz" if facts.rope_frequency else "no rope"
+        hoist = {
+            "mass of the container": f"{machine.hoist.container_mass:g} kg",
+            "natural frequency on the rope at the start": frequency,
+        }
     return {
         "motor speed": f"{facts.motor_speed * 30 / np.pi:.4g} rpm",
         "total ratio": facts.total_ratio,
@@ -161,13 +166,6 @@ def _summary(machine: Plant) -> dict[str, Any]:
         if labels["seed"] == "none"
         else f"ISO 1328-1 flank tolerance class {labels['iso_grade']}, random seed {labels['seed']}",
         "time integration": models["integrator"],
-    }
-
-
-def _hoist_summary(hoist: HangingLoad, rope_frequency: float | None) -> dict[str, str]:
-    return {
-        "mass of the container": f"{hoist.container_mass:g} kg",
-        "natural frequency on the rope at the start": f"{rope_frequency:.3g} Hz" if rope_frequency else "no rope",
     }
 
 

@@ -37,38 +37,37 @@ def verdict_steps(study: Study) -> list[Step]:
 
     machine, exact = study.plant, not study.baseline
     cases = study.cases if exact else study.cases[:1]
-    healthy = [(one.plant, one.motion) for one in study.baseline]
+    healthy = [*study.baseline]
     if exact:  # a scene without faults is its own control
-        pairs = [(one.control, one.healthy) for one in cases if one.healthy != one.faulty]
-        healthy = [(control, motion) for control, motion in pairs if control is not None and motion is not None]
+        healthy = [one.control for one in cases if one.control is not None and one.control.step != one.own.step]
     if not healthy or not machine.looked_for.possible:
         return []
     kinematics = kinematics_of(machine.layout, machine.rolling)
     settings = FeatureSettings(kinematics=kinematics, windows=machine.looked_for.windows)
     made = {
-        motion: Step(
-            name=f"features {motion}",
+        one.step: Step(
+            name=f"features {one.step}",
             kind="features",
             build=features.build,
-            spec=features.FeaturesSpec(settings=settings, labels=one.labels, samples=samples),
-            takes={"motion": motion},
+            spec=features.FeaturesSpec(settings=settings, labels=one.plant.labels, samples=samples),
+            takes={"motion": one.step},
             libraries=_NUMERIC,
             seconds=0.5 * samples,
         )
-        for one, motion, samples in [
-            *((case.plant, case.faulty, 1) for case in cases),
-            *((machine, motion, FEWEST_FOR_P if exact else 1) for machine, motion in healthy),
+        for one, samples in [
+            *((case.own, 1) for case in cases),
+            *((motion, FEWEST_FOR_P if exact else 1) for motion in healthy),
         ]
     }
     spec = verdict.VerdictSpec(
         kinematics=kinematics,
         damages=verdict.known_damages(machine),
-        cases=tuple((str(case.plant.labels["load"]), deviation_name(case.plant.labels)) for case in cases),
+        cases=tuple((str(one.own.plant.labels["load"]), deviation_name(one.own.plant.labels)) for one in cases),
         exact=exact,
     )
     takes = {
-        "own": tuple(made[case.faulty].name for case in cases),
-        "healthy": tuple(made[motion].name for _, motion in healthy),
+        "own": tuple(made[case.own.step].name for case in cases),
+        "healthy": tuple(made[motion.step].name for motion in healthy),
     }
     judging = Step(name=VERDICT, kind="verdict", build=verdict.build, spec=spec, takes=takes, libraries=_NUMERIC)
     return [*made.values(), judging]
@@ -78,12 +77,12 @@ def diagnosis_step(study: Study) -> Step | None:
     """All cases against their controls; None without a control, a fault to look for, windows or sensors."""
     cases, motions, labels = [], [], []
     for number, case in enumerate(study.cases):
-        settings = case.plant.diagnosis
-        if settings is None or case.healthy is None or case.control is None:
+        settings = case.own.plant.diagnosis
+        if settings is None or case.control is None:
             return None
         cases.append(diagnosing.CaseSpec(settings=settings, full=number == 0 or case.label == "torque"))
-        motions += [case.faulty, case.healthy]
-        labels += [case.plant.labels, case.control.labels]
+        motions += [case.own.step, case.control.step]
+        labels += [case.own.plant.labels, case.control.plant.labels]
     return Step(
         name=DIAGNOSIS,
         kind="diagnose",
@@ -98,13 +97,12 @@ def bars_step(study: Study) -> Step:
     """The error bars of the lines of the first case of a study that has a control."""
     case, laws = study.cases[0], study.plant.law_names
     assert case.control is not None, "a diagnosis has one"
-    assert case.healthy is not None, "a diagnosis has one"
     return Step(
         name=BARS,
         kind="error-bars",
         build=bars.build,
-        spec=bars.BarsSpec(plant=case.plant, control=case.control),
-        takes={"motion": case.faulty, "control": case.healthy, "laws": laws, **casing_taken(study.graph)},
+        spec=bars.BarsSpec(plant=case.own.plant, control=case.control.plant),
+        takes={"motion": case.own.step, "control": case.control.step, "laws": laws, **casing_taken(study.graph)},
         libraries=_NUMERIC,
         seconds=2.5,  # short, so that it is built in parallel with the motions of other cases
     )
@@ -141,7 +139,7 @@ def _report_step(loaded: LoadedScene, study: Study, known: dict[str, Step]) -> S
             ),
         ),
         takes={
-            "motions": compared.takes["motions"] if compared else (study.cases[0].faulty,),
+            "motions": compared.takes["motions"] if compared else (study.cases[0].own.step,),
             "curves": CURVES,
             "body": "casing",
             **{key: name for key, name in optional.items() if name in known},

@@ -27,22 +27,20 @@ HEALTHY = "healthy "  # prefix of the steps that only a control has
 
 
 @dataclass(frozen=True, kw_only=True)
-class Case:
-    """One comparison: label ("" for the scene itself), both machines, and names of the steps of their motions."""
+class Motion:
+    """A machine, and the name of the step of its motion."""
 
-    label: str
     plant: Plant
-    control: Plant | None
-    faulty: str
-    healthy: str | None
+    step: str
 
 
 @dataclass(frozen=True, kw_only=True)
-class Healthy:
-    """A healthy machine with other deviations, and the name of the step of its motion."""
+class Case:
+    """A motion of the scene, and that of its healthy control under the same load and deviations; None without one."""
 
-    plant: Plant
-    motion: str
+    label: str
+    own: Motion
+    control: Motion | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,22 +50,18 @@ class Study:
     graph: Graph
     cases: tuple[Case, ...]
     control: LoadedScene | None
-    baseline: tuple[Healthy, ...] = ()
+    baseline: tuple[Motion, ...] = ()
 
     @property
     def plant(self) -> Plant:
         """The machine of the scene in SI."""
-        return self.cases[0].plant
+        return self.cases[0].own.plant
 
     @property
     def machines(self) -> dict[str, Plant]:
         """The machine of every motion by the name of its step, first that of the scene, then that of its control."""
-        found = {}
-        for case in self.cases:
-            found[case.faulty] = case.plant
-            if case.healthy is not None and case.control is not None:
-                found[case.healthy] = case.control
-        return found | {healthy.motion: healthy.plant for healthy in self.baseline}
+        of_cases = [one for case in self.cases for one in (case.own, case.control) if one is not None]
+        return {one.step: one.plant for one in (*of_cases, *self.baseline)}
 
     @property
     def motions(self) -> tuple[str, ...]:
@@ -102,20 +96,18 @@ def plan_study(
     source = loaded.source.shown
     steps: list[Step] = []
     cases: list[Case] = []
+
+    def added(machine: Plant, prefix: str) -> Motion:
+        return Motion(plant=machine, step=list(add_steps(steps, plant_steps(machine), prefix).values())[-1])
+
     for label, scene in _variants(loaded.scene, both_loads and control is not None, seeds):
-        machine = checked_plant(scene, source)
-        faulty = list(add_steps(steps, plant_steps(machine), label).values())[-1]
-        healthy = healthy_plant = None
+        own = added(checked_plant(scene, source), label)
+        healthy = None
         if control is not None:
-            healthy_plant = checked_plant(_like(control.scene, scene, scene.deviations), control.source.shown)
-            healthy = list(add_steps(steps, plant_steps(healthy_plant), f"{label}{HEALTHY}").values())[-1]
-        cases.append(Case(label=label.strip(), plant=machine, control=healthy_plant, faulty=faulty, healthy=healthy))
-    others = [
-        Healthy(
-            plant=machine, motion=list(add_steps(steps, plant_steps(machine), f"healthy seed {seed} ").values())[-1]
-        )
-        for seed, machine in _baseline(loaded, control, baseline)
-    ]
+            like = _like(control.scene, scene, scene.deviations)
+            healthy = added(checked_plant(like, control.source.shown), f"{label}{HEALTHY}")
+        cases.append(Case(label=label.strip(), own=own, control=healthy))
+    others = [added(machine, f"healthy seed {seed} ") for seed, machine in _baseline(loaded, control, baseline)]
     study = Study(graph=Graph(steps), cases=tuple(cases), control=control, baseline=tuple(others))
     check_room(tuple(study.machines.values()), source)
     return study

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipelines.diagnosis.comparison.part import Channel, Part
-from pipelines.signals.features.band import banded
 from pipelines.signals.features.recorded import FeatureError, envelope_band
+from pipelines.signals.orders.band import banded
 from pipelines.signals.orders.revolutions import HIGHEST, revolutions
 
 MOST_TURNS = 64  # in a block; a finer resolution would not be visible in a figure

@@ -134,18 +134,13 @@ def casing_figure(picture: Picture, title: str = "Casing and key points") -> Fig
     return figure
 
 
-def spread(places: Sequence[float], distance: float) -> list[float]:
+def spread(places: Sequence[float], distance: float) -> np.ndarray:
     """Ascending positions nearest to the given ones, at a distance of at least `distance` (least squares, pooled
     blocks)."""
-    blocks: list[tuple[float, int]] = []  # mean of (position - i distance) and size, ascending means
-    for i, place in enumerate(places):
-        blocks.append((place - i * distance, 1))
-        while len(blocks) > 1 and blocks[-2][0] >= blocks[-1][0]:
-            (mean_a, size_a), (mean_b, size_b) = blocks[-2:]
-            size = size_a + size_b
-            blocks[-2:] = [((mean_a * size_a + mean_b * size_b) / size, size)]
-    means = [mean for mean, size in blocks for _ in range(size)]
-    return [mean + i * distance for i, mean in enumerate(means)]
+    from scipy.optimize import isotonic_regression
+
+    steps = distance * np.arange(len(places))
+    return isotonic_regression(np.array(places) - steps).x + steps
 
 
 def show(axes: Axes, picture: Picture, *, whole: bool = False) -> tuple[float, float, float, float]:

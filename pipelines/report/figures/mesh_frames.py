@@ -16,6 +16,7 @@ from fem.contact.evaluation.curves import StiffnessCurve, stiffness_curve
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.law import MeshLaw
 from fem.gears.geometry import GearPair
+from pipelines.report.figures.views import PairStates
 
 PASSAGE = 2.5  # pitches before and after
 CURVE_POINTS = 161
@@ -30,6 +31,22 @@ class MeshFrames:
     load: np.ndarray  # (frame, pair, slice), N/m
     pressure: np.ndarray  # (frame, pair, slice), Pa
     curve: StiffnessCurve  # over the whole passage
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MeshView(PairStates):
+    """The gears, the mesh cycles of the frames, and one or two states of the teeth, the healthy one first.
+
+    `marked` names the damaged tooth of the second state, "" without one.
+    """
+
+    cycles: np.ndarray
+    states: tuple[MeshFrames, ...]
+
+    @property
+    def most_load(self) -> float:
+        """Highest line load of all states, N/m."""
+        return max(float(np.nanmax(state.load)) for state in self.states)
 
 
 def passage(middle: float, frames: int) -> np.ndarray:

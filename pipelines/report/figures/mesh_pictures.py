@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -22,54 +21,41 @@ from pipelines.io.user_files import write_whole
 from pipelines.report.figures.callouts import corner_axes, show
 from pipelines.report.figures.colours import GONE, LOAD_COLOURS, PAIR_COLOURS, PINION, WHEEL
 from pipelines.report.figures.film import film_page, png, save_figure, write_gif
-from pipelines.report.figures.mesh_frames import MeshFrames
+from pipelines.report.figures.mesh_frames import MeshFrames, MeshView
 from pipelines.report.figures.plots import FAULTY, HEALTHY, dress, legend, new_figure, plain
-from pipelines.report.figures.render import render_mesh, show_window
-from pipelines.report.figures.views import PairStates, Picture
+from pipelines.report.figures.render import render_mesh
+from pipelines.report.figures.views import Picture
 
 MILLISECONDS = 160  # per frame of an animation
 STILL_SIZE, FILM_SIZE = (1000, 690), (600, 414)  # pixels of a rendered state
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class MeshView(PairStates):
-    """The gears, the mesh cycles of the frames, and one or two states of the teeth, the healthy one first.
-
-    `marked` names the damaged tooth of the second state, "" without one.
-    """
-
-    cycles: np.ndarray
-    states: tuple[MeshFrames, ...]
 
 
 def write_still(view: MeshView, stem: Path) -> Path:
     """Write <stem>.png of the middle frame."""
     pictures = _rendered(view)
     middle, still = len(view.cycles) // 2, stem.with_suffix(".png")
-    save_figure(mesh_figure(view, [frames[middle] for frames in pictures], middle, _most(view)), still, dpi=115)
+    save_figure(mesh_figure(view, [frames[middle] for frames in pictures], middle, view.most_load), still, dpi=115)
     return still
 
 
-def write_film(view: MeshView, stem: Path, progress: Callable[[float], None]) -> list[Path]:
+def write_film(view: MeshView, stem: Path, on_progress: Callable[[int, int], None]) -> list[Path]:
     """Write <stem>.gif and .html with all frames.
 
     Parameters
     ----------
     view : gears and states
     stem : of the files
-    progress : function called with the finished part, from 0 to 1
+    on_progress : called with the number of finished pictures and that of all
     """
-    progress(0.0)
     pictures = _rendered(view, FILM_SIZE)
-    frames, count = [], len(view.cycles)
-    for n in range(count):
-        progress(0.5 + 0.5 * n / count)
-        frames.append(png(mesh_figure(view, [of_state[n] for of_state in pictures], n, _most(view))))
+    frames = []
+    for n in range(len(view.cycles)):
+        frames.append(png(mesh_figure(view, [of_state[n] for of_state in pictures], n, view.most_load)))
+        on_progress(len(frames), len(view.cycles))
     film, page = stem.with_suffix(".gif"), stem.with_suffix(".html")
     write_gif(frames, film, MILLISECONDS)
     labels = [f"mesh cycle {cycle:.3f}" for cycle in view.cycles]
     write_whole(page, film_page(view.title, frames, "position", labels, MILLISECONDS))
-    progress(1.0)
     return [film, page]
 
 
@@ -77,25 +63,7 @@ def _rendered(view: MeshView, size: tuple[int, int] = STILL_SIZE) -> list[list[P
     """All frames of every state; the states are rendered in parallel, because each takes one processor."""
     gears = [view.of_state(n) for n in range(len(view.states))]
     with ThreadPoolExecutor(len(gears)) as pool:
-        return list(pool.map(lambda g, s: render_mesh(g, view.cycles, s, _most(view), size), gears, view.states))
-
-
-def _most(view: MeshView) -> float:
-    """Highest line load of all states, N/m."""
-    return max(float(np.nanmax(state.load)) for state in view.states)
-
-
-def show_mesh(view: MeshView, image: Path | None = None) -> None:
-    """Show the states in a window with a slider for the position, until it is closed; with `image` until it is written.
-
-    Raises
-    ------
-    InputError : no display, or the window cannot be opened
-    """
-    gears = [view.of_state(n) for n in range(len(view.states))]
-    marked = ["" if n == 0 or not view.marked else f", {view.marked} red" for n in range(len(view.states))]
-    load = f"load {view.force:.4g} N, model {view.model}"
-    show_window(view.title, load, view.cycles, gears, view.states, marked, image)
+        return list(pool.map(lambda g, s: render_mesh(g, view.cycles, s, view.most_load, size), gears, view.states))
 
 
 def mesh_figure(view: MeshView, pictures: Sequence[Picture], frame: int, most: float) -> Figure:
@@ -108,7 +76,6 @@ def mesh_figure(view: MeshView, pictures: Sequence[Picture], frame: int, most: f
     frame : its number, from 0
     most : N/m, line load at the end of the colour scale
     """
-
     rows = len(pictures)
     figure = new_figure(2.4 + 3.4 * rows, 13.0)
     cycle = float(view.cycles[frame])
@@ -129,7 +96,6 @@ def mesh_figure(view: MeshView, pictures: Sequence[Picture], frame: int, most: f
 
 
 def _draw_picture(axes: Axes, picture: Picture, view: MeshView, state: MeshFrames, frame: int) -> None:
-
     show(axes, picture, whole=True)
     corner_axes(axes, picture)
     most = np.nanmax(state.pressure[frame]) / 1e6 if np.isfinite(state.pressure[frame]).any() else 0.0
@@ -149,7 +115,6 @@ def _draw_picture(axes: Axes, picture: Picture, view: MeshView, state: MeshFrame
 
 
 def _draw_stiffness(axes: Axes, view: MeshView, cycle: float) -> None:
-
     for state, colour in zip(view.states, (HEALTHY, FAULTY), strict=False):
         curve = state.curve
         axes.plot(curve.cycle, curve.secant / 1e6, color=colour, label=state.name)
@@ -163,7 +128,6 @@ def _draw_stiffness(axes: Axes, view: MeshView, cycle: float) -> None:
 
 
 def _draw_shares(axes: Axes, state: MeshFrames, cycle: float) -> None:
-
     curve = state.curve
     for number, share in zip(curve.pair, curve.share.T, strict=True):
         loaded = np.where(share > 0.0, share, np.nan)

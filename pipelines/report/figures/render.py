@@ -11,7 +11,7 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -19,17 +19,18 @@ import numpy as np
 
 from fem.processes.child import command, environment
 from pipelines.io.errors import InputError
-from pipelines.report.figures.mesh_frames import MeshFrames
+from pipelines.report.figures.mesh_frames import MeshFrames, MeshView
 from pipelines.report.figures.render_failures import Failure, ended, no_picture, too_slow
 from pipelines.report.figures.scene_frame import placed, turned_away
 from pipelines.report.figures.solids import gear_surface, prism_surface, without_tooth
 from pipelines.report.figures.tooth_shape import DrawnTooth, turned_in
-from pipelines.report.figures.views import CasingView, GearPairView, NotRendered, Picture, Teeth
+from pipelines.report.figures.views import GearPairView, NotRendered, Picture, Teeth
 
 log = logging.getLogger(__name__)
 
 KINDS = ("ground", "bearing", "sensor")
 UP = (0.0, 0.0, 1.0)
+FROM_FRONT = (-0.55, -1.0, 0.75)  # from the casing to the camera
 AXES_PLACES = ("origin", "x", "y", "z")  # reserved names
 TIMEOUT = 900.0  # s, for a renderer that hangs; a software renderer on a busy machine takes minutes
 RENDERER = "pipelines.report.figures.view"
@@ -44,7 +45,7 @@ def render_gears(view: GearPairView, size: tuple[int, int] = (1100, 900)) -> Pic
     """Render the gear pair in three dimensions, the damaged tooth in red; places "pinion", "wheel", "marked"."""
     arrays, places = _gear_arrays(view)
     direction = (0.25, view.seen_from, 0.4)
-    return _render("gears", "gear pair", arrays, _in_scene(places, view), size, direction, UP, 1.3)[0]
+    return _render("gears", "gear pair", arrays, _in_scene(places, view), size=size, direction=direction, zoom=1.3)[0]
 
 
 def render_tooth(view: GearPairView, size: tuple[int, int] = (900, 900)) -> Picture:
@@ -64,7 +65,7 @@ def render_tooth(view: GearPairView, size: tuple[int, int] = (900, 900)) -> Pict
     middle = placed(turned_in(np.array([radius, 0.0, 0.0]), view.marked_angle, centre), view.frame)
     named = {"mesh": middle} | _directions(middle, 0.2 * half)
     focus = (*middle.tolist(), half)
-    return _render("gears", "damaged tooth", arrays, named, size, direction, up, 1.0, focus=focus)[0]
+    return _render("gears", "damaged tooth", arrays, named, size=size, direction=direction, up=up, focus=focus)[0]
 
 
 def _in_scene(places: Mapping[str, np.ndarray], view: GearPairView) -> dict[str, np.ndarray]:
@@ -114,20 +115,24 @@ def _tooth_arrays(tooth: DrawnTooth, angle: float, centre: float) -> dict[str, A
     }
 
 
-def render_casing(view: CasingView, size: tuple[int, int] = (1400, 900)) -> Picture:
-    """Render the casing with its key points; places are the points' names and "origin", "x", "y", "z" for the axes."""
-    arrays: dict[str, Any] = {
-        "nodes": np.asarray(view.nodes, dtype=float),
-        "triangles": np.asarray(view.triangles, dtype=int),
-    }
+def render_casing(
+    nodes: np.ndarray, triangles: np.ndarray, points: Mapping[str, np.ndarray], size: tuple[int, int] = (1400, 900)
+) -> Picture:
+    """Render the casing with its key points; places are the points' names and "origin", "x", "y", "z" for the axes.
+
+    Parameters
+    ----------
+    nodes, triangles : float (n, 3), m, and int (t, 3), surface of the casing
+    points : (3,), m, by name
+    size : width and height of the picture, pixels
+    """
+    arrays: dict[str, Any] = {"nodes": nodes, "triangles": triangles}
     for kind in KINDS:
-        chosen = [np.asarray(place, dtype=float) for name, place in view.points.items() if kind_of(name) == kind]
-        arrays[f"{kind}_points"] = np.array(chosen).reshape(-1, 3)
-    low = arrays["nodes"].min(axis=0)
-    length = 0.12 * float(np.linalg.norm(np.ptp(arrays["nodes"], axis=0)))
-    places = {name: np.asarray(place, dtype=float) for name, place in view.points.items()}
-    places |= {"origin": low} | {axis: low + length * np.eye(3)[i] for i, axis in enumerate("xyz")}
-    return _render("casing", "casing", arrays, places, size, (-0.55, -1.0, 0.75), (0.0, 0.0, 1.0), 1.1)[0]
+        chosen = [place for name, place in points.items() if kind_of(name) == kind]
+        arrays[f"{kind}_points"] = np.array(chosen, dtype=float).reshape(-1, 3)
+    low = nodes.min(axis=0)
+    places = {**points, "origin": low, **_directions(low, 0.12 * float(np.linalg.norm(np.ptp(nodes, axis=0))))}
+    return _render("casing", "casing", arrays, places, size=size, direction=FROM_FRONT, zoom=1.1)[0]
 
 
 def render_mode(
@@ -145,10 +150,8 @@ def render_mode(
     diagonal, low = float(np.linalg.norm(np.ptp(nodes, axis=0))), nodes.min(axis=0)
     arrays = {"nodes": nodes, "triangles": triangles, "shape": shape, "reach": np.array(0.08 * diagonal)}
     arrays["frames"] = np.array(frames)
-    places = {"origin": low} | {axis: low + 0.1 * diagonal * np.eye(3)[i] for i, axis in enumerate("xyz")}
-    return _render(
-        "mode", "casing mode", arrays, places, size, (-0.55, -1.0, 0.75), (0.0, 0.0, 1.0), 1.35, frames=frames
-    )
+    places = {"origin": low} | _directions(low, 0.1 * diagonal)
+    return _render("mode", "casing mode", arrays, places, size=size, direction=FROM_FRONT, zoom=1.35, frames=frames)
 
 
 def render_mesh(
@@ -167,9 +170,15 @@ def render_mesh(
     arrays, places, focus = _frame_arrays(view, cycles, frames)
     arrays["most_load"] = np.array(most_load)
     return _render(
-        "mesh", "contact lines", arrays, places, size, _mesh_direction(view), UP, 1.0,
-        frames=len(cycles), focus=focus,
-    )  # fmt: skip
+        "mesh",
+        "contact lines",
+        arrays,
+        places,
+        size=size,
+        direction=_mesh_direction(view),
+        frames=len(cycles),
+        focus=focus,
+    )
 
 
 def _frame_arrays(
@@ -215,23 +224,8 @@ def _mesh_direction(view: GearPairView) -> tuple[float, float, float]:
     return -0.5, view.seen_from, 0.45
 
 
-def show_window(
-    title: str,
-    load: str,
-    cycles: np.ndarray,
-    gears: Sequence[GearPairView],
-    states: Sequence[MeshFrames],
-    marked: Sequence[str],
-    image: Path | None,
-) -> None:
-    """Show states of the teeth in a window with a slider, and stiffness and load share, until it is closed.
-
-    Parameters
-    ----------
-    title, load : texts of the window: its title, load and law
-    cycles : (frame,) mesh cycles
-    gears, states, marked : gears, contact lines and a name of the damaged tooth ("" for none) of every state
-    image : file for a picture, with which the window closes at once, or None
+def show_mesh(view: MeshView, image: Path | None = None) -> None:
+    """Show the states in a window with a slider for the position, until it is closed; with `image` until it is written.
 
     Raises
     ------
@@ -242,12 +236,11 @@ def show_window(
             "--screen: there is no display (DISPLAY is not set). Run it on a desktop or over ssh -X, or leave --screen "
             "out: the page mesh_<stage>.html has the same slider."
         )
-    most = max(float(np.nanmax(state.load)) for state in states)
-    arrays: dict[str, Any] = {"cycles": cycles}
-    for number, (view, state) in enumerate(zip(gears, states, strict=True)):
-        own, _, focus = _frame_arrays(view, cycles, state)
+    arrays: dict[str, Any] = {"cycles": view.cycles}
+    for number, state in enumerate(view.states):
+        own, _, focus = _frame_arrays(view.of_state(number), view.cycles, state)
         own |= {
-            "most_load": np.array(most),
+            "most_load": np.array(view.most_load),
             "toward": np.zeros(3),
             "seen": np.array([0.0, np.inf]),  # the user can turn and move the view
             "curve_cycle": state.curve.cycle,
@@ -261,11 +254,11 @@ def show_window(
             "kind": "screen",
             "images": [] if image is None else [str(image)],
             "size": [1500, 950],
-            "title": title,
-            "load": load,
-            "names": [state.name for state in states],
-            "marked": list(marked),
-            "direction": _mesh_direction(gears[-1]),
+            "title": view.title,
+            "load": f"load {view.force:.4g} N, model {view.model}",
+            "names": [state.name for state in view.states],
+            "marked": ["" if n == 0 or not view.marked else f", {view.marked} red" for n in range(len(view.states))],
+            "direction": _mesh_direction(view.of_state(len(view.states) - 1)),
             "up": UP,
             "focus": focus,
         }
@@ -294,7 +287,7 @@ def render_stress(
     sides = (("pinion", -1), ("wheel", 1))
     named = {name: np.array([pitch + side * 3.2 * module, 0.0, 0.0]) + _front(view) for name, side in sides}
     places |= _in_scene(named, view)
-    return _render("stress", "stress", arrays, places, size, _mesh_direction(view), UP, 1.0, focus=focus)[0]
+    return _render("stress", "stress", arrays, places, size=size, direction=_mesh_direction(view), focus=focus)[0]
 
 
 def _render(
@@ -302,10 +295,11 @@ def _render(
     name: str,
     arrays: dict[str, Any],
     places: Mapping[str, np.ndarray],
+    *,
     size: tuple[int, int],
     direction: tuple[float, float, float],
-    up: tuple[float, float, float],
-    zoom: float,
+    up: tuple[float, float, float] = UP,
+    zoom: float = 1.0,
     frames: int = 1,
     focus: tuple[float, float, float, float] | None = None,
 ) -> list[Picture]:
@@ -328,8 +322,13 @@ def _render(
             reason = f"The picture of the {name} is left out: {failure.what}. {failure.remedy}"
             log.warning("%s", reason)
             raise NotRendered(reason)
+        from matplotlib.image import imread
+
         pixels = json.loads(Path(job["pixels"]).read_text("utf-8"))
-        return [Picture(image=_read_image(file), places=pixels) for file in job["images"]]
+        return [
+            Picture(image=np.rint(imread(file)[..., :3] * 255).astype(np.uint8), places=pixels)
+            for file in job["images"]
+        ]
 
 
 def _run_job(folder: Path, job: Mapping[str, Any], arrays: Mapping[str, Any], timeout: float | None) -> Failure | None:
@@ -356,9 +355,3 @@ def _run_child(job: Path, timeout: float | None) -> Failure | None:
     except subprocess.TimeoutExpired as error:
         return too_slow(error.timeout)
     return None if done.returncode == 0 else ended(done.returncode, done.stderr)
-
-
-def _read_image(path: str) -> np.ndarray:
-    from matplotlib.image import imread
-
-    return np.rint(imread(path)[..., :3] * 255).astype(np.uint8)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,7 +18,7 @@ from pipelines.machine.plant import Plant
 from pipelines.report.figures.damage import drawn_tooth
 from pipelines.report.figures.scene_frame import scene_frame
 from pipelines.report.figures.tooth_shape import DrawnTooth
-from pipelines.report.figures.views import CasingView, GearPairView, GearView
+from pipelines.report.figures.views import GearPairView, GearView
 
 VISIBLE = 1 / 7  # of a turn before it meshes, where the other gear does not hide a damaged tooth
 
@@ -90,13 +89,15 @@ def placed_pair(machine: Plant, stage: int) -> PlacedPair:
     pinion, wheel = machine.layout.pair_shafts[stage - 1]
     sense = machine.layout.pinion_senses[stage - 1]
     axes = machine.layout.axes
-    fault = shown_fault(machine.faults, stage)
+    faults = machine.faults_of(stage)
+    fault = first_tooth_fault(faults, stage) or next(iter(faults), None)  # else one of all teeth, shown on tooth 0
+    damage = [] if fault is None else [one for one in faults if one.gear == fault.gear]
     return PlacedPair(
         pair=machine.layout.pairs[stage - 1],
         frame=scene_frame(axes[pinion], axes[wheel], machine.machine.meshes[stage - 1].y, sense),
         sense=sense,
         fault=fault,
-        damage=() if fault is None else tooth_damage(machine.faults, fault),
+        damage=tuple(one.damage for one in damage if fault and one.tooth in (None, fault.tooth or 0)),
     )
 
 
@@ -121,17 +122,6 @@ def stage_view(placed: PlacedPair, law: MeshLaw | None, *, in_mesh: bool = False
     return view if damaged else replace(view, marked_gear="", tooth=None)
 
 
-def shown_fault(faults: Sequence[Fault], stage: int) -> Fault | None:
-    """Fault of a stage (from 1) for pictures: first that of a single tooth, else one of all teeth, on tooth 0."""
-    return first_tooth_fault(faults, stage) or next((fault for fault in faults if fault.stage == stage), None)
-
-
-def tooth_damage(faults: Sequence[Fault], shown: Fault) -> tuple[ToothFault, ...]:
-    """All damage of the tooth with the given fault."""
-    same = (fault for fault in faults if (fault.stage, fault.gear) == (shown.stage, shown.gear))
-    return tuple(fault.damage for fault in same if fault.tooth in (None, shown.tooth or 0))
-
-
 def shown_cycle(pair: GearPair, marked: tuple[str, int] | None) -> int:
     """Mesh cycle of a picture of the pair out of mesh."""
     return 0 if marked is None else marked[1] - round(VISIBLE * getattr(pair, marked[0]).teeth)
@@ -151,30 +141,22 @@ def outline(gear: Gear, centre_angle: float) -> np.ndarray:
     """Transverse profile of all teeth, counter-clockwise (n, 2) in m, the middle of one tooth at `centre_angle`."""
     half = half_tooth_profile(gear, n_fillet=6, n_flank=8, n_tip=2).points  # mid space at x > 0 to mid tooth on +y
     tooth = np.vstack([half[:-1], half[::-1] * [-1.0, 1.0]])[:-1]  # counter-clockwise, mid space kept once
-    corners = []
-    for number in range(gear.teeth):
-        angle = centre_angle - math.pi / 2 + 2 * math.pi * number / gear.teeth
-        rotation = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
-        corners.append(tooth @ rotation)
-    return np.concatenate(corners)
+    angle = centre_angle - math.pi / 2 + 2 * math.pi * np.arange(gear.teeth) / gear.teeth
+    rotations = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    return (tooth @ np.moveaxis(rotations, 2, 0)).reshape(-1, 2)
 
 
-def casing_view(nodes: np.ndarray, facets: np.ndarray, names: Sequence[str], positions: np.ndarray) -> CasingView:
-    """Surface of a casing by its corner nodes, and its key points.
+def casing_surface(nodes: np.ndarray, facets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Surface of a casing by its corner nodes: nodes float (m, 3), m, and triangles int (t, 3).
 
     Parameters
     ----------
     nodes : float (n, 3), m
     facets : int (f, k), see `fem.elements.facets`
-    names, positions : key points, float (p, 3), m
     """
     corners = corner_triangles(np.asarray(facets)).reshape(-1, 3)
     used, triangles = np.unique(corners, return_inverse=True)
-    return CasingView(
-        nodes=np.asarray(nodes, dtype=float)[used],
-        triangles=triangles.reshape(corners.shape),
-        points={name: np.asarray(place, dtype=float) for name, place in zip(names, positions, strict=True)},
-    )
+    return np.asarray(nodes, dtype=float)[used], triangles.reshape(corners.shape)
 
 
 def _open_end(pair: GearPair, sense: int) -> int:

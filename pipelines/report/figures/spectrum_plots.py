@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -35,13 +34,7 @@ OFFSET = 0.006  # of the width of an axes, from the numerical error bar to that 
 DECADES = 5.0  # range of a spectrum below its top
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Trace:
-    """One case in a comparison of spectra: its name, spectrum and envelope spectrum."""
-
-    name: str
-    spectrum: Spectrum
-    envelope: Spectrum
+Spectra = Mapping[str, tuple[Spectrum, Spectrum]]  # spectrum and envelope spectrum of each case by its name
 
 
 def spectrum_figure(diagnosis: Diagnosis, window: str) -> Figure:
@@ -93,12 +86,11 @@ def healthy_faulty_figure(diagnosis: Diagnosis, window: str, bars: Sequence[Line
     ----------
     diagnosis, window : the diagnosis, and one of its windows
     """
-    traces = [
-        Trace(name=state, spectrum=diagnosis.spectra[state, window], envelope=diagnosis.envelopes[state, window])
-        for state in ("healthy", "faulty")
-    ]
+    spectra = {
+        state: (diagnosis.spectra[state, window], diagnosis.envelopes[state, window]) for state in ("healthy", "faulty")
+    }
     title = f"Healthy and faulty, {window}, {LOADS.get(diagnosis.load, diagnosis.load)}"
-    figure = comparison_figure(traces, diagnosis.settings, title, (HEALTHY, FAULTY), window)
+    figure = comparison_figure(spectra, diagnosis.settings, title, (HEALTHY, FAULTY), window)
     for axes, kind, n in zip(figure.axes, ("envelope", "sideband", "sideband"), (0, 1, 2), strict=False):
         lines = diagnosis.lines.where(window=window, kind=kind, mesh_harmonic=n, detected=1)
         if len(lines):
@@ -165,7 +157,7 @@ def pass_figure(diagnosis: Diagnosis, window: str, spall: PassLines) -> Figure:
 
 
 def comparison_figure(
-    traces: Sequence[Trace],
+    spectra: Spectra,
     settings: DiagnosisSettings,
     title: str,
     colours: Sequence[str] = (FIRST, SECOND),
@@ -175,7 +167,7 @@ def comparison_figure(
 
     Parameters
     ----------
-    traces : one case or two
+    spectra : of one case or two
     settings : f_r, f_m, the rope modes and the channel
     title : of the figure
     colours : of the cases
@@ -187,12 +179,12 @@ def comparison_figure(
     panels = figure.subplot_mosaic([["envelope", "envelope"], ["first", "second"]])
     top, left, right = (panels[name] for name in ("envelope", "first", "second"))
     rope = settings.rope_mode.get(window, 0.0) if window else 0.0
-    low, high = traces[0].envelope.band_low, traces[0].envelope.band_high
+    _, first = next(iter(spectra.values()))
     spans = ((0.3 * f_r, 8.4 * f_r), (f_m - 6.4 * f_r, f_m + 6.4 * f_r), (2 * f_m - 6.4 * f_r, 2 * f_m + 6.4 * f_r))
-    for trace, colour, thickness in zip(traces, colours, (2.0, 1.0), strict=False):  # thin over thick: equal lines show
+    thicknesses = (2.0, 1.0)  # thin over thick: equal lines show
+    for (name, pair), colour, thickness in zip(spectra.items(), colours, thicknesses, strict=False):
         for axes, span in zip((top, left, right), spans, strict=True):
-            spectrum = trace.envelope if axes is top else trace.spectrum
-            _draw_spectrum(axes, spectrum, span, colour, trace.name, thickness)
+            _draw_spectrum(axes, pair[axes is top], span, colour, name, thickness)
     for axes in (top, left, right):
         _limit_decades(axes)
     _mark(top, [(k * f_r, "fᵣ" if k == 1 else f"{k} fᵣ") for k in range(1, 9)])
@@ -200,7 +192,12 @@ def comparison_figure(
         top.axvline(rope, color=ROPE, ls=":", lw=1.6, label=f"rope mode {rope:.2f} Hz")
     for axes, centre, name in ((left, f_m, "fₘ"), (right, 2 * f_m, "2 fₘ")):
         _mark(axes, [(centre + k * f_r, f"{k:+d}" if k else name) for k in range(-4, 5)])
-    dress(top, f"Envelope spectrum, band {low:.4g} to {high:.4g} Hz", "frequency, Hz", "amplitude, m/s²")
+    dress(
+        top,
+        f"Envelope spectrum, band {first.band_low:.4g} to {first.band_high:.4g} Hz",
+        "frequency, Hz",
+        "amplitude, m/s²",
+    )
     dress(left, "Spectrum around fₘ, sidebands k fᵣ", "frequency, Hz", "amplitude, m/s²")
     dress(right, "Spectrum around 2 fₘ, sidebands k fᵣ", "frequency, Hz", "")
     legend(top)

@@ -43,8 +43,7 @@ class StressView(PairStates):
 
 def teeth_in_mesh(pair: GearPair, found: LoadedTeeth) -> Teeth:
     """Both gears turned to their places; of a missing tooth the rim below the root circle remains."""
-    points, cells, gears, numbers, motion, stress = [], [], [], [], [], []
-    count = 0
+    teeth, count = [], 0
     for number, (name, field) in enumerate((("pinion", found.pinion), ("wheel", found.wheel)), 1):
         gear: Gear = getattr(pair, name)
         radius = pair.working_radii[number - 1]
@@ -60,20 +59,19 @@ def teeth_in_mesh(pair: GearPair, found: LoadedTeeth) -> Teeth:
             if found.missing[number - 1, tooth]:
                 corner = np.linalg.norm(field.points[tooth, :, :2], axis=1)[own]
                 own = own[corner.mean(axis=1) <= gear.root_radius]
-            points.append(field.points[tooth] @ place.T + [centre, 0.0, 0.0])
-            motion.append(field.displacement[tooth] @ place.T)
-            stress.append(field.von_mises[tooth])
-            cells.append(own[:, order] + count)
-            gears.append(np.full(len(own), number))
-            numbers.append(np.full(len(own), field.pair[tooth]))
-            count += len(points[-1])
+            teeth.append(
+                {
+                    "points": field.points[tooth] @ place.T + [centre, 0.0, 0.0],
+                    "cells": own[:, order] + count,
+                    "gear": np.full(len(own), number),
+                    "tooth_pair": np.full(len(own), field.pair[tooth]),
+                    "displacement": field.displacement[tooth] @ place.T,
+                    "von_mises": field.von_mises[tooth],
+                }
+            )
+            count += len(field.points[tooth])
     return Teeth(
-        points=np.vstack(points),
-        cells=np.vstack(cells),
-        gear=np.concatenate(gears),
-        tooth_pair=np.concatenate(numbers),
-        displacement=np.vstack(motion),
-        von_mises=np.concatenate(stress),
+        **{name: np.concatenate([tooth[name] for tooth in teeth]) for name in teeth[0]},
         line_points=contact_places(pair, found.xi, found.hand * found.face),
         line_load=np.where(found.line_load > 0.0, found.line_load, np.nan),
     )

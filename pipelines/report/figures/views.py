@@ -67,15 +67,6 @@ class PairStates:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class CasingView:
-    """Surface of a casing, nodes float (n, 3) m, triangles int (m, 3), and its key points name -> (3,) m."""
-
-    nodes: np.ndarray
-    triangles: np.ndarray
-    points: Mapping[str, np.ndarray]
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
 class Teeth:
     """Loaded teeth of both gears in the frame of `mesh_frames`, in one mesh; nodes of neighbours coincide."""
 

@@ -16,7 +16,7 @@ from pydantic import Discriminator, Field, Tag
 
 from fem.storage.hdf5 import blocks_missing
 from pipelines.io.errors import InputError, Problem, SceneError
-from pipelines.io.shown import nearest_name, shown
+from pipelines.io.shown import nearest_name, number_of, shown
 from pipelines.io.user_files import read_text, regular_file
 from pipelines.scene.tables.base import Number, Table
 
@@ -135,10 +135,7 @@ def _column(text: str, given: ColumnTable, path: str) -> np.ndarray:
         if not row:
             continue
         cell = row[place].strip() if place < len(row) else ""
-        try:
-            value = float(cell)
-        except ValueError:
-            value = math.nan
+        value = number_of(cell)
         if not math.isfinite(value):
             what = f"{shown(cell)} is not a number" if cell else "the cell is empty"
             raise refused(f"{path}.file", f"line {rows.line_num}: {what}", "Correct or delete that line", given.file)

@@ -77,6 +77,11 @@ class ShaftTable(Table):
         tuple[BearingModel, ...], Field(description="one model per bearing; empty: [bearings] for all")
     ] = ()
 
+    @property
+    def ends(self) -> tuple[float, float]:
+        """y of both ends, m."""
+        return self.sections[0].si.start, self.sections[-1].si.end
+
     @model_validator(mode="after")
     def _joined(self) -> ShaftTable:
         for left, right in zip(self.sections, self.sections[1:], strict=False):

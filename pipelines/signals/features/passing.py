@@ -2,13 +2,19 @@
 
 Damage causes impacts, thus lines at its pass order and multiples of it. Slip shifts all of them by the same relative
 amount. The level of a pass order is therefore that of the best comb of lines at 1, 2 and 3 times an order within SLIP
-of it. Single lines of another cause do not fit a comb. Multiples of shaft speeds are omitted, since gears, unbalance
-and misalignment cause them. A speed of large uncertainty is first determined from these multiples. Otherwise all lines
-within the uncertainty of each multiple would have to be omitted.
+of it. Single lines of another cause do not fit a comb. A damaged rolling element passes the load zone once per turn of
+the cage, so that there are also sidebands at this distance, often as high as the lines themselves. A damaged outer race
+has none, those of an inner race are at the distance of the shaft speed. The level with the sidebands is a second
+feature of rolling elements. It scatters less, because it is the mean of more lines.
+
+Multiples of shaft speeds are omitted, since gears, unbalance and misalignment cause them. If the speed has a large
+uncertainty, they are those of the speed at which they are highest (`pipelines.signals.orders.multiples`). Otherwise all
+lines within the uncertainty of each would have to be omitted.
 
 References
 ----------
-Randall & Antoni (2011), Mech. Syst. Signal Process. 25(2), 485-520 (squared envelope spectrum, slip of 1 to 2 %).
+Randall & Antoni (2011), Mech. Syst. Signal Process. 25(2), 485-520 (squared envelope spectrum, slip of 1 to 2 %,
+sidebands at the speed of the cage).
 """
 
 from __future__ import annotations
@@ -18,9 +24,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
+from pipelines.signals.orders.rotation import Rotation
+
+PASSING, SIDEBANDS = "pass_order", "pass_sidebands"  # features
 PASS_HARMONICS = 3
-SHAFT_HARMONICS = 10  # multiples of a shaft speed, for the speed within its uncertainty
-FEWEST_HARMONICS = 2  # within the spectrum and not at a multiple of a shaft speed
+SIDES = 2  # sidebands on each side
+FEWEST = 2 / 3  # share of the lines within the spectrum and not at a multiple of a shaft speed
 SLIP = 0.02  # of a pass order, to either side
 SCATTER = 0.001  # of a line, to either side, for slip that is not constant
 LEAD = 20.0  # dB, upper limit of the strongest line over the second strongest, since a single line is no comb
@@ -30,68 +39,65 @@ _LOBE = 2.0  # half width in lines of an order with a Hann window
 
 
 def pass_levels(
-    envelope: np.ndarray, orders: Mapping[str, float], shafts: Sequence[float] = (1.0,), uncertainty: float = 0.0
-) -> dict[str, np.ndarray]:
+    envelope: np.ndarray,
+    orders: Mapping[str, float],
+    shafts: Sequence[float] = (1.0,),
+    rotation: Rotation | None = None,
+    sidebands: Mapping[str, float] | None = None,
+) -> dict[tuple[str, str], np.ndarray]:
     """Level (channel,) of each pass order: lines of its best comb over their floors, geometric mean over harmonics.
 
-    The floor is the median of the spectrum around a harmonic. Orders that are too low for the number of turns, or
-    beyond the spectrum, are omitted.
+    The result has the level of each name as PASSING, and with its sidebands as SIDEBANDS. The floor is the median of
+    the spectrum around a line. Orders that are too low for the number of turns, or beyond the spectrum, are omitted.
 
     Parameters
     ----------
     envelope : squared envelope (channel, turn, place)
     orders : name -> cycles per turn
     shafts : turns of all shafts per turn of this one
-    uncertainty : of the speed, relative, to either side
+    rotation : with the uncertainty of the speed; exact if None
+    sidebands : name -> their distance, in cycles per turn
     """
     channels, turns, places = envelope.shape
     laid = envelope.reshape(channels, turns * places)
     window = np.hanning(turns * places + 1)[:-1]
     lines = np.abs(np.fft.rfft((laid - laid.mean(axis=-1, keepdims=True)) * window, axis=-1))
     place, free = np.arange(lines.shape[1]), np.ones(lines.shape[1], dtype=bool)
-    per_order = turns * _speed_factor(lines, turns, uncertainty)
+    factor, error = (rotation.likely, rotation.error) if rotation else (1.0, 0.0)
+    per_order = turns * factor
     for step in (per_order * ratio for ratio in shafts if per_order * ratio >= FEWEST_LINES):
-        free &= np.abs(place - step * np.round(place / step)) > _LOBE + min(uncertainty, SCATTER) * place
-    found = {name: _level(lines, free, order * per_order) for name, order in orders.items()}
+        free &= np.abs(place - step * np.round(place / step)) > _LOBE + min(error, SCATTER) * place
+    found = {(name, PASSING): _level(lines, free, order * per_order) for name, order in orders.items()}
+    for name, distance in (sidebands or {}).items():
+        found[name, SIDEBANDS] = _level(lines, free, orders[name] * per_order, distance * per_order)
     return {name: level for name, level in found.items() if level is not None}
 
 
-def _speed_factor(lines: np.ndarray, turns: int, uncertainty: float) -> float:
-    """Speed of the shaft relative to the given one, within its uncertainty, at which its multiples are highest.
+def _level(lines: np.ndarray, free: np.ndarray, centre: float, distance: float = 0.0) -> np.ndarray | None:
+    """Level (channel,) of the best comb near the line `centre`, with sidebands at a distance (lines) if it is not 0.
 
-    The level of a line is limited to LEAD, so that all multiples count, and not a few of them that are near the comb of
-    a damaged bearing.
+    It is None if too few lines are within the spectrum.
     """
-    tried = int(2.0 * uncertainty * turns * SHAFT_HARMONICS)  # to either side, half a line apart for the highest
-    factors = 1.0 + uncertainty * np.linspace(-1.0, 1.0, 2 * tried + 1)
-    highest = min(SHAFT_HARMONICS, int((lines.shape[1] - 1) / turns / (1.0 + uncertainty)))
-    if not tried or not highest:
-        return 1.0
-    at = np.rint(turns * np.arange(1, highest + 1)[:, None] * factors).astype(int)
-    floor = np.median(lines[:, at.min() : at.max() + 1], axis=-1)[:, None, None]
-    level = 20.0 * np.log10(np.maximum(lines[:, at] / np.maximum(floor, np.finfo(float).tiny), 1.0))
-    return float(factors[np.minimum(level, LEAD).mean(axis=(0, 1)).argmax()])
-
-
-def _level(lines: np.ndarray, free: np.ndarray, centre: float) -> np.ndarray | None:
-    """Level (channel,) of the best comb near the line `centre`; None if too few harmonics are within the spectrum."""
     combs = np.arange((1.0 - SLIP) * centre, (1.0 + SLIP) * centre, 0.5 / PASS_HARMONICS)
-    decibels, used = np.zeros((PASS_HARMONICS, len(lines), len(combs))), np.zeros(len(combs), dtype=int)
-    for harmonic in range(1, PASS_HARMONICS + 1):
-        around = FLOOR * harmonic * centre
-        near = slice(int(harmonic * centre - around), int(harmonic * centre + around) + 1)
+    sides = range(-SIDES, SIDES + 1) if distance else (0,)
+    places = [(harmonic, side * distance) for harmonic in range(1, PASS_HARMONICS + 1) for side in sides]
+    decibels, used = np.zeros((len(places), len(lines), len(combs))), np.zeros(len(combs), dtype=int)
+    for row, (harmonic, shift) in enumerate(places):
+        around, middle = FLOOR * harmonic * centre, harmonic * centre + shift
+        near = slice(max(int(middle - around), 0), int(middle + around) + 1)
         if around < FEWEST_LINES / 2 or near.stop > lines.shape[1] or free[near].sum() < FEWEST_LINES:
             continue
         floor = np.median(lines[:, near][:, free[near]], axis=-1, keepdims=True)
-        reach = max(1, round(SCATTER * harmonic * centre))
+        reach = max(1, round(SCATTER * harmonic * centre)) + int(SLIP * abs(shift))
         peaks = maximum_filter1d(np.where(free[near], lines[:, near], 0.0), 2 * reach + 1, axis=-1, mode="nearest")
-        at = np.rint(harmonic * combs).astype(int) - near.start
+        at = np.rint(harmonic * combs + shift).astype(int) - near.start
         over = peaks[:, at] / np.maximum(floor, np.finfo(float).tiny)
-        decibels[harmonic - 1] = np.where(free[near][at], 20.0 * np.log10(np.maximum(over, 1.0)), 0.0)
+        decibels[row] = np.where(free[near][at], 20.0 * np.log10(np.maximum(over, 1.0)), 0.0)
         used += free[near][at]
-    if not (used >= FEWEST_HARMONICS).any():
+    enough = used >= FEWEST * len(places)
+    if not enough.any():
         return None
     decibels.sort(axis=0)
     decibels[-1] = np.minimum(decibels[-1], decibels[-2] + LEAD)
-    best = decibels.mean(axis=0)[:, used >= FEWEST_HARMONICS].max(axis=-1)
+    best = decibels.mean(axis=0)[:, enough].max(axis=-1)
     return np.asarray(10.0 ** (best / 20.0))

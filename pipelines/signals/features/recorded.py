@@ -18,14 +18,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipelines.signals.features.average import FEWEST_TURNS, average, average_power
-from pipelines.signals.features.band import banded
 from pipelines.signals.features.envelope import envelope_orders, marked_tooth, tooth_contrast, tooth_energies
 from pipelines.signals.features.passing import pass_levels
 from pipelines.signals.features.statistics import kurtosis, statistics
 from pipelines.signals.features.synchronous import synchronous
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.features.turns import Turns, cut_turns
-from pipelines.signals.orders.kinematics import Gear, Kinematics, Shaft
+from pipelines.signals.orders.band import banded
+from pipelines.signals.orders.kinematics import GUARD_ORDER, Gear, Kinematics, Shaft
 from pipelines.signals.orders.revolutions import HIGHEST
 from pipelines.signals.orders.rotation import Rotation
 
@@ -37,14 +37,12 @@ Lines = dict[tuple[str, str], np.ndarray]  # (component, feature) -> (channel,)
 OF_SIGNAL = ("rms", "crest_factor", "kurtosis")
 OF_SHAFT = {"order_1": 1, "order_2": 2}
 OF_PLAIN_SHAFT = ("tsa_rms", "tsa_kurtosis", "envelope_orders")  # of a shaft without known gears
-PASSING = "pass_order"
 OF_GEAR = ("difference_rms", "fm4", "envelope_orders", "whitened_kurtosis")  # of its shaft
 CONTRASTS = ("tooth_contrast", "whitened_contrast", "average_contrast")
 OF_WHITENED = ("whitened_kurtosis", *CONTRASTS[1:])
 OF_STAGE = ("fm0", "sideband_ratio")  # of its mesh
 QUARTER = 0.25  # turns, largest uncertainty of the angle over the window for averages over turns
 WHITE = 0.25  # of the lowest mesh order of a shaft: width of whitening
-GUARD_ORDER = 10.0  # of the fastest shaft: lower end of the envelope band if no numbers of teeth are known
 
 
 class FeatureError(ValueError):
@@ -105,7 +103,7 @@ def feature_table(
         whole = statistics(signal[:, inside])
         found: Lines = {(WHOLE, feature): whole[feature] for feature in OF_SIGNAL}
         for shaft, cut in turning:
-            lines, own, marks = _shaft_lines(cut, bands[name], shaft, kinematics, rotation.error)
+            lines, own, marks = _shaft_lines(cut, bands[name], shaft, kinematics, rotation)
             if rotation.error * cut.count > QUARTER:  # no averages over turns, and pass orders allow slip
                 strikes = {strike for bearing in kinematics.bearings for strike in bearing.strikes}
                 lines, marks = {line: value for line, value in lines.items() if line[0] in strikes}, {}
@@ -168,9 +166,7 @@ def envelope_band(kinematics: Kinematics, time: np.ndarray, frequency: float) ->
     ------
     FeatureError : the band is empty
     """
-    meshes = kinematics.mesh_orders().values()
-    guard = 0.5 * min(meshes) if meshes else GUARD_ORDER * max(shaft.ratio for shaft in kinematics.shafts)
-    high = HIGHEST * (len(time) - 1) / float(time[-1] - time[0])
+    guard, high = kinematics.envelope_order, HIGHEST * (len(time) - 1) / float(time[-1] - time[0])
     if not guard * frequency < high:
         raise FeatureError(
             f"the envelope band begins at {guard * frequency:.4g} Hz, the recording holds up to {high:.4g} Hz. "
@@ -181,12 +177,9 @@ def envelope_band(kinematics: Kinematics, time: np.ndarray, frequency: float) ->
 
 
 def _shaft_lines(
-    cut: Turns, band: tuple[float, float], shaft: Shaft, kinematics: Kinematics, error: float
+    cut: Turns, band: tuple[float, float], shaft: Shaft, kinematics: Kinematics, rotation: Rotation
 ) -> tuple[Lines, Lines, dict[str, int]]:
-    """Features of a shaft, its gears and bearings, the power of its average, and the marked tooth of each gear.
-
-    `error` is that of the speed.
-    """
+    """Features of a shaft, its gears and bearings, the power of its average, and the marked tooth of each gear."""
     gears = kinematics.gears_on(shaft.name)
     averaged = average(cut.values, cut.orders, {gear.stage: gear.teeth for gear in gears})
     found = synchronous(averaged)
@@ -213,8 +206,7 @@ def _shaft_lines(
     power = dict.fromkeys([line for line in lines if line[1] not in OF_SHAFT], average_power(plain))
     for bearing in kinematics.bearings:
         if bearing.shaft == shaft.name:
-            levels = pass_levels(squares[1], bearing.strikes, ratios, error)
-            lines |= {(name, PASSING): level for name, level in levels.items()}
+            lines |= pass_levels(squares[1], bearing.strikes, ratios, rotation, bearing.sidebands)
     return lines, power, marks
 
 

@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+GUARD_ORDER = 10.0  # of the fastest shaft: lower end of the band of envelopes if no numbers of teeth are known
+
 
 @dataclass(frozen=True, kw_only=True)
 class Shaft:
@@ -47,6 +49,11 @@ class Bearing:
         named = ((twice.get(label, (label, 1.0)), order) for label, order in self.orders.items())
         return {f"{self.name} {label}": times * order for (label, times), order in named}
 
+    @property
+    def sidebands(self) -> dict[str, float]:
+        """Distance of the sidebands of the order in `strikes` of the rolling elements: the cage."""
+        return {f"{self.name} 2 BSF": self.orders["FTF"]} if {"BSF", "FTF"} <= self.orders.keys() else {}
+
 
 @dataclass(frozen=True, kw_only=True)
 class Kinematics:
@@ -74,6 +81,12 @@ class Kinematics:
         places = {gear.name: gear.shaft for gear in self.gears}
         places |= {strike: bearing.shaft for bearing in self.bearings for strike in bearing.strikes}
         return places.get(component, component)
+
+    @property
+    def envelope_order(self) -> float:
+        """Lower end of the band of envelopes in orders of the first shaft: half of the lowest mesh order, if known."""
+        meshes = self.mesh_orders().values()
+        return 0.5 * min(meshes) if meshes else GUARD_ORDER * max(shaft.ratio for shaft in self.shafts)
 
     def mesh_orders(self) -> dict[int, float]:
         """Mesh order of every pair, relative to the first shaft, by the number of the pair."""

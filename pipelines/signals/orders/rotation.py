@@ -25,7 +25,7 @@ class Rotation:
     `absolute` is True if angle 0 is a mark on a shaft, so that positions of teeth are known. With one tachometer pulse
     per turn the mark is on the shaft named `mark`, and positions on other shafts are not known. If `mark` is empty, all
     shafts have a mark at angle 0. `conditional` maps shafts to the reason why their speed is uncertain: it depends on
-    the tooth numbers, or is not known well enough.
+    the tooth numbers, or is not known well enough. `likely` is the most likely speed relative to that of the angle.
     """
 
     angle: np.ndarray
@@ -34,6 +34,7 @@ class Rotation:
     absolute: bool
     mark: str = ""
     conditional: Mapping[str, str] = field(default_factory=dict)
+    likely: float = 1.0
 
     def places_teeth(self, shaft: str) -> bool:
         """Whether the positions of teeth on a shaft are known."""

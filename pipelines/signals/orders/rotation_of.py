@@ -9,6 +9,7 @@ import numpy as np
 from pipelines.io.shown import shown
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.signals.orders.mesh_tracking import track
+from pipelines.signals.orders.multiples import LEAST, by_multiples
 from pipelines.signals.orders.rotation import Rotation, RotationError
 from pipelines.signals.orders.tachometer import angle_from_pulses, find_pulses
 
@@ -37,16 +38,19 @@ def rotation_of(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
         return _from_pulses(recording, kinematics)
     if "known_speed" in recording:
         return _from_speed(recording, kinematics)
-    time = np.asarray(recording.time, dtype=float)
-    acceleration = np.asarray(recording.acceleration.transpose("time", "sensor", "axis"))
-    channels = acceleration.reshape(len(time), -1).T
-    whole = [channel for channel in channels if np.isfinite(channel).all()]
+    time, whole = np.asarray(recording.time, dtype=float), _channels(recording)
     if not whole:
         raise RotationError(
             "no angle, no tachometer, and no channel whose values are all numbers: the speed cannot be found. Record a "
             "tachometer, or repair the channels."
         )
     return track(whole, (len(time) - 1) / float(time[-1] - time[0]), kinematics)
+
+
+def _channels(recording: xarray.Dataset) -> list[np.ndarray]:
+    """Accelerations (time,) of all channels whose values are all numbers."""
+    laid = np.asarray(recording.acceleration.transpose("sensor", "axis", "time"), dtype=float)
+    return [channel for channel in laid.reshape(-1, laid.shape[-1]) if np.isfinite(channel).all()]
 
 
 def _recorded(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
@@ -97,12 +101,16 @@ def _from_speed(recording: xarray.Dataset, kinematics: Kinematics) -> Rotation:
             "throughout. Correct speed.channel."
         )
     step = float(recording.time[-1] - recording.time[0]) / (len(speed) - 1)
-    return Rotation(
-        angle=2.0 * np.pi * step * np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))]),
-        source=f"speed of {shown(name)} by the machine file, uncertainty {100 * uncertainty:g} %",
-        error=uncertainty,
-        absolute=False,
-    )
+    angle = 2.0 * np.pi * step * np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))])
+    source = f"speed of {shown(name)} by the machine file, uncertainty {100 * uncertainty:g} %"
+    if uncertainty <= LEAST:
+        return Rotation(angle=angle, source=source, error=uncertainty, absolute=False)
+    best = by_multiples(_channels(recording), angle, kinematics, uncertainty)
+    if best.distance > uncertainty / 2:
+        source += "; the multiples of the shafts in the envelope do not determine it better"
+        return Rotation(angle=angle, source=source, error=uncertainty, absolute=False, likely=best.factor)
+    source += "; the multiples of the shafts in the envelope determine it better"
+    return Rotation(angle=best.factor * angle, source=source, error=max(best.distance, LEAST), absolute=False)
 
 
 def _ratio(kinematics: Kinematics, name: str, what: str) -> float:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from pipelines.diagnosis.verdict import ALARM
 from pipelines.diagnosis.words import NAMES
-from pipelines.io.grid import Grid
+from pipelines.io.grid import Grid, grid
+from pipelines.io.shown import number_of
 from pipelines.studies.detect.probability import Detection, Share
 from pipelines.studies.detect.study import Detectability, Point
 
@@ -89,22 +90,18 @@ def false_alarm_grid(found: Detectability) -> Grid:
 
 def channel_grid(found: Detectability) -> Grid:
     """A row per sensor and axis alone, the best first."""
-    rows = tuple(
-        (
-            str(rank),
-            one.sensor,
-            one.axis,
-            f"{one.index:.1f}",
-            f"{one.component} {NAMES.get(one.feature, one.feature)}",
-            words(one.detected),
-        )
+    rows = [
+        {
+            "rank": rank,
+            "sensor": one.sensor,
+            "axis": one.axis,
+            "d'": f"{one.index:.1f}",
+            "by": f"{one.component} {NAMES.get(one.feature, one.feature)}",
+            "detected": words(one.detected),
+        }
         for rank, one in enumerate(found.channels, 1)
-    )
-    return Grid(
-        title=f"Each channel alone, over all values, with {found.noises[0]:g} m/s2 of noise",
-        headers=("rank", "sensor", "axis", "d'", "by", "detected"),
-        rows=rows,
-    )
+    ]
+    return grid(f"Each channel alone, over all values, with {found.noises[0]:g} m/s2 of noise", rows)
 
 
 def words(one: Share) -> str:
@@ -151,13 +148,13 @@ def figure(found: Detectability) -> Figure:
         rest = _values(dict(list(point.values.items())[1:]))
         lines.setdefault((point.noise, rest), []).append(point)
     steps = list(dict.fromkeys(str(next(iter(point.values.values()), "")) for point in found.points))
-    numbers = [_number(step) for step in steps]
+    numbers = [number_of(step) for step in steps]
     even = any(math.isnan(number) for number in numbers)
     width = len(steps) - 1 if even else max(numbers) - min(numbers)
     for number, ((noise, rest), points) in enumerate(lines.items()):
         at = [str(next(iter(point.values.values()), "")) for point in points]
         aside = 0.006 * number * width  # so that bars of equal values do not hide one another
-        places = [aside + (steps.index(one) if even else _number(one)) for one in at]
+        places = [aside + (steps.index(one) if even else number_of(one)) for one in at]
         shares = [point.detection.detected for point in points]
         values = [100 * one.value for one in shares]
         below = [100 * (one.value - one.interval[0]) for one in shares]
@@ -173,13 +170,6 @@ def figure(found: Detectability) -> Figure:
     dress(axes, plain_words(f"{found.damage}: alarms with 95 % confidence intervals"), plain_words(key), "detected, %")
     axes.legend(frameon=False, fontsize=9)
     return made
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        return math.nan
 
 
 def _values(values: Mapping[str, Any]) -> str:

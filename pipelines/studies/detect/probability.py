@@ -89,20 +89,18 @@ def detection(machines: Machines) -> Detection:
     """
     healthy = [damage_p(table, machines.baseline) for table in machines.healthy]
     lowest = min(healthy, default=1.0)
-    alarms, above, first, teeth = [], [], [], []
+    damaged = [damage_p(table, machines.baseline) for table, _ in machines.damaged]
+    first, teeth = [], []
     for table, damage in machines.damaged:
         verdict = judge(table, machines.baseline, machines.kinematics)
-        p = damage_p(table, machines.baseline)
-        alarms.append(p <= ALARM)
-        above.append(p < lowest)
         shafts = {machines.kinematics.shaft_of(component) for component, _ in damage}
         first.append(machines.kinematics.shaft_of(verdict.first.component) in shafts)
         teeth += [_tooth_found(table, one, machines.kinematics) for one in damage[:1] if one[1] is not None]
     return Detection(
         false_alarms=share([p <= ALARM for p in healthy]),
         other_baselines=_against_others(machines),
-        detected=share(alarms),
-        above_healthy=share(above),
+        detected=share([p <= ALARM for p in damaged]),
+        above_healthy=share([p < lowest for p in damaged]),
         shaft_first=share(first),
         tooth_found=share(teeth) if teeth else None,
     )

@@ -23,7 +23,7 @@ from pipelines.studies.detect.channels import Channel, channels
 from pipelines.studies.detect.design import HEALTHY, SPECIMEN, STATE, Design
 from pipelines.studies.detect.over import Over
 from pipelines.studies.detect.probability import Damage, Detection, Machines, detection
-from pipelines.studies.detect.tables import TableJob, make_tables
+from pipelines.studies.detect.tables import make_tables, table_job
 
 Values = tuple[Any, ...]  # of the varied keys, in their order
 
@@ -53,23 +53,6 @@ class Detectability:
     channels: tuple[Channel, ...]
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Run:
-    """A finished run of the campaign.
-
-    `specimen` is the number of its machine, `values` those of the varied keys, `shared` those of the keys that also
-    change the healthy machines.
-    """
-
-    run: int
-    healthy: bool
-    specimen: int
-    values: Values
-    shared: Values
-    all_values: Mapping[str, Any]
-    checksums: Mapping[str, Any]
-
-
 def study(
     plan: Plan,
     folder: Path,
@@ -94,39 +77,44 @@ def study(
     ------
     InputError : too few runs were simulated, or the damaged component has no features
     """
-    runs = _runs(plan, folder, design)
-    points = dict.fromkeys(run.values for run in runs if not run.healthy)
+    varied = [over.variable for over in design.over]
+    shared = [over.variable for over in shared_over(plan, design)]
+    runs = [row for row in read_rows(folder) if row["status"] == DONE]
+    healthy = [row for row in runs if row["values"][STATE] == HEALTHY]
+    damaged = [row for row in runs if row["values"][STATE] != HEALTHY]
+    points = dict.fromkeys(_values(row, varied) for row in damaged)
     if not points:
         raise InputError(
             "all damaged machines failed, see the column reason of rows.parquet. Correct the scene or --over."
         )
     known: dict[Values, Kinematics] = {}
     damages: dict[int, list[Damage]] = {}
-    for run in runs:
-        if not run.healthy:
-            train = make_drivetrain(scene_of(plan, run.all_values).scene, plan.name)
-            damages[run.run] = [(one.component, one.tooth) for one in known_damages(train)]
-            known.setdefault(run.shared, kinematics_of(train.layout, train.rolling))
-    jobs = [
-        TableJob(
-            folder=folder,
-            run=run.run,
-            settings=FeatureSettings(kinematics=known[run.shared], windows=windows),
-            noise=noise,
-            checksums=run.checksums,
-        )
+    for row in damaged:
+        train = make_drivetrain(scene_of(plan, row["values"]).scene, plan.name)
+        damages[row["run"]] = [(one.component, one.tooth) for one in known_damages(train)]
+        known.setdefault(_values(row, shared), kinematics_of(train.layout, train.rolling))
+    settings = {key: FeatureSettings(kinematics=one, windows=windows) for key, one in known.items()}
+    jobs = {
+        (row["run"], noise): table_job(folder, row["run"], settings[_values(row, shared)], noise, row["checksums"])
         for noise in noises
-        for run in runs
-        if run.shared in known
-    ]
-    made = make_tables(jobs, executor, on_progress)
-    tables = {(job.run, job.noise): table for job, table in zip(jobs, made, strict=True) if table is not None}
+        for row in runs
+        if _values(row, shared) in settings
+    }
+    tables = dict(zip(jobs, make_tables([*jobs.values()], executor, on_progress), strict=True))
     found = []
     first: list[Machines] = []
     for noise in noises:
-        here = {run: table for (run, at), table in tables.items() if at == noise}
+        here = {run: table for (run, at), table in tables.items() if at == noise and table is not None}
         for values in points:
-            machines = _machines(runs, values, here, damages, known, design)
+            own = [row for row in damaged if _values(row, varied) == values]
+            common = _values(own[0], shared)
+            others = [row for row in healthy if _values(row, shared) == common and row["run"] in here]
+            machines = Machines(
+                kinematics=known[common],
+                baseline=_baseline(others, here, design),
+                healthy=[here[row["run"]] for row in others if row["values"][SPECIMEN] > design.baseline],
+                damaged=[(here[row["run"]], damages[row["run"]]) for row in own if row["run"] in here],
+            )
             _check_seen(machines)
             named = dict(zip((over.key for over in design.over), values, strict=True))
             found.append(Point(values=named, noise=noise, detection=detection(machines)))
@@ -148,50 +136,21 @@ def shared_over(plan: Plan, design: Design) -> list[Over]:
     return [over for over in design.over if over.first_key not in plan.table.cases[STATE][HEALTHY]]
 
 
-def _runs(plan: Plan, folder: Path, design: Design) -> list[_Run]:
-    """The finished runs of the campaign."""
-    names = [over.variable for over in design.over]
-    shared = [over.variable for over in shared_over(plan, design)]
-    return [
-        _Run(
-            run=row["run"],
-            healthy=row["values"][STATE] == HEALTHY,
-            specimen=row["values"][SPECIMEN],
-            values=tuple(row["values"][name] for name in names),
-            shared=tuple(row["values"][name] for name in shared),
-            all_values=row["values"],
-            checksums=row["checksums"],
-        )
-        for row in read_rows(folder)
-        if row["status"] == DONE
-    ]
+def _values(row: Mapping[str, Any], variables: Sequence[str]) -> Values:
+    return tuple(row["values"][name] for name in variables)
 
 
-def _machines(
-    runs: Sequence[_Run],
-    values: Values,
-    tables: Mapping[int, FeatureTable],
-    damages: Mapping[int, Sequence[Damage]],
-    known: Mapping[Values, Kinematics],
-    design: Design,
-) -> Machines:
-    """The damaged machines with the given values, and the healthy ones with which they are compared."""
-    own = [run for run in runs if not run.healthy and run.values == values]
-    shared = own[0].shared
-    others = [run for run in runs if run.healthy and run.shared == shared and run.run in tables]
-    baseline = [tables[run.run] for run in others if run.specimen <= design.baseline]
+def _baseline(
+    healthy: Sequence[Mapping[str, Any]], tables: Mapping[int, FeatureTable], design: Design
+) -> list[FeatureTable]:
+    """The features of the healthy machines with which the damaged ones are compared, from the rows of their runs."""
+    baseline = [tables[row["run"]] for row in healthy if row["values"][SPECIMEN] <= design.baseline]
     if len(baseline) < FEWEST_FOR_P:
         raise InputError(
             f"{len(baseline)} healthy machines of the baseline have features, p-values need {FEWEST_FOR_P} or more. "
-            "The "
-            "column reason of rows.parquet gives the cause. Increase --baseline, or correct the scene."
+            "The column reason of rows.parquet gives the cause. Increase --baseline, or correct the scene."
         )
-    return Machines(
-        kinematics=known[shared],
-        baseline=baseline,
-        healthy=[tables[run.run] for run in others if run.specimen > design.baseline],
-        damaged=[(tables[run.run], damages[run.run]) for run in own if run.run in tables],
-    )
+    return baseline
 
 
 def _check_seen(machines: Machines) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,37 +30,39 @@ if TYPE_CHECKING:
 TABLES = "feature_tables"
 
 
-@dataclass(frozen=True, kw_only=True)
-class TableJob(RowJob):
-    """The task to compute the features of a run of a campaign."""
+def table_job(folder: Path, run: int, settings: FeatureSettings, noise: float, checksums: Mapping[str, Any]) -> RowJob:
+    """The task to compute the features of a run of a campaign.
 
-    settings: FeatureSettings
-    noise: float  # rms, m/s2
+    Parameters
+    ----------
+    folder, run : data set, and number of the run
+    settings : of the features
+    noise : rms of the added sensor noise, m/s2
+    checksums : of the stored signals, on which the features depend
+    """
+    windows = {name: list(window) for name, window in settings.windows.items()}
+    code = code_version("pipelines.diagnosis.simulated")
+    return RowJob(
+        folder=folder,
+        run=run,
+        rows=f"{TABLES}/{noise:g}",
+        made_of={"code": code, "windows": windows, "noise_m_s2": noise, "checksums": dict(checksums)},
+        computed=partial(_computed, folder, run, settings, noise),
+    )
 
-    @property
-    def rows(self) -> str:
-        """Folder of its row in the data set."""
-        return f"{TABLES}/{self.noise:g}"
 
-    @property
-    def made_of(self) -> dict[str, Any]:
-        """The inputs on which the features depend."""
-        windows = {name: list(window) for name, window in self.settings.windows.items()}
-        code = code_version("pipelines.diagnosis.simulated")
-        return {"code": code, "windows": windows, "noise_m_s2": self.noise, "checksums": dict(self.checksums)}
-
-    def computed(self) -> dict[str, Any]:
-        """The table of features, or the reason why there is none."""
-        layout = stored_layout(read_facts(self.folder)["layout"])
-        recording = recording_of(self.folder, self.run, layout).assign_attrs(sensor_noise_m_s2=self.noise)
-        try:
-            return {"failure": "", "table": _plain(run_features(recording, self.settings))}
-        except (FeatureError, RotationError) as error:
-            return {"failure": str(error), "table": None}
+def _computed(folder: Path, run: int, settings: FeatureSettings, noise: float) -> dict[str, Any]:
+    """The table of features, or the reason why there is none."""
+    layout = stored_layout(read_facts(folder)["layout"])
+    recording = recording_of(folder, run, layout).assign_attrs(sensor_noise_m_s2=noise)
+    try:
+        return {"failure": "", "table": _plain(run_features(recording, settings))}
+    except (FeatureError, RotationError) as error:
+        return {"failure": str(error), "table": None}
 
 
 def make_tables(
-    jobs: Sequence[TableJob], executor: Executor, on_progress: Callable[[int, int], None] = lambda done, total: None
+    jobs: Sequence[RowJob], executor: Executor, on_progress: Callable[[int, int], None] = lambda done, total: None
 ) -> list[FeatureTable | None]:
     """The features of all jobs; None for a run without features, whose row states the reason.
 

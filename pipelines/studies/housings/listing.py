@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from fem.casing.recognition.contents import Contents
 from fem.casing.recognition.shaft_fit import ShaftFit, tilt
-from pipelines.io.grid import Grid
+from pipelines.io.grid import grid
 from pipelines.io.shown import shown
-from pipelines.report.contents import grid
 
 MOST_ROWS = 40
 _LEAST_TILT = 0.01  # degrees that are mentioned
@@ -55,15 +55,20 @@ def _head(contents: Contents) -> Iterator[str]:
 
 
 def _solids(contents: Contents) -> str:
-    rows = tuple(
-        (str(one.number), str(one.part), f"{1e6 * one.volume:.5g}", _mm(one.box[0]), _mm(one.box[1]))
+    rows = [
+        {
+            "solid": one.number,
+            "part": one.part,
+            "volume cm3": f"{1e6 * one.volume:.5g}",
+            "from mm": _mm(one.box[0]),
+            "to mm": _mm(one.box[1]),
+        }
         for one in contents.solids[:MOST_ROWS]
-    )
+    ]
     parts = contents.parts
     words = "one connected body" if parts == 1 else f"{parts} parts that do not touch"
     title = f"{len(contents.solids)} {'solid' if len(contents.solids) == 1 else 'solids'}, {words}"
-    headers = ("solid", "part", "volume cm3", "from mm", "to mm")
-    return Grid(title=title, headers=headers, rows=rows).to_text() + _more(len(contents.solids))
+    return _cut_off(title, rows, len(contents.solids))
 
 
 def _bores(contents: Contents) -> str:
@@ -80,7 +85,7 @@ def _bores(contents: Contents) -> str:
         for one in contents.bores[:MOST_ROWS]
     ]
     title = f"{len(contents.bores)} {'bore' if len(contents.bores) == 1 else 'bores'}, the widest first"
-    return grid(title, rows).to_text() + _more(len(contents.bores))
+    return _cut_off(title, rows, len(contents.bores))
 
 
 def _tilt(contents: Contents) -> Iterator[str]:
@@ -102,7 +107,7 @@ def _flats(contents: Contents) -> str:
         for one in contents.flats[: MOST_ROWS // 4]
     ]
     title = f"{len(contents.flats)} flat faces, the largest first"
-    return grid(title, rows).to_text() + _more(len(contents.flats), MOST_ROWS // 4)
+    return _cut_off(title, rows, len(contents.flats))
 
 
 def _patterns(contents: Contents) -> str:
@@ -111,11 +116,9 @@ def _patterns(contents: Contents) -> str:
         around = f" about bore {one.around}" if one.around else ""
         where = f"circle of {1000 * one.circle_diameter:.4g}{around}" if one.circle_diameter else "no circle"
         numbers = ", ".join(map(str, one.bores[:12])) + (", ..." if len(one.bores) > 12 else "")
-        rows.append((f"{len(one.bores)} x {1000 * one.hole_diameter:.4g}", where, _mm(one.centre), numbers))
-    headers = ("holes mm", "on mm", "middle mm", "bores")
-    return Grid(title="Bolt patterns", headers=headers, rows=tuple(rows)).to_text() + _more(
-        len(contents.patterns), MOST_ROWS // 2
-    )
+        holes = f"{len(one.bores)} x {1000 * one.hole_diameter:.4g}"
+        rows.append({"holes mm": holes, "on mm": where, "middle mm": _mm(one.centre), "bores": numbers})
+    return _cut_off("Bolt patterns", rows, len(contents.patterns))
 
 
 def fitted(fit: ShaftFit) -> str:
@@ -137,8 +140,10 @@ def fitted(fit: ShaftFit) -> str:
     return grid(title, rows).to_text()
 
 
-def _more(count: int, most: int = MOST_ROWS) -> str:
-    return f"\n  and {count - most} more" if count > most else ""
+def _cut_off(title: str, rows: Sequence[Mapping[str, Any]], count: int) -> str:
+    """Table of the first rows of `count`."""
+    more = f"\n  and {count - len(rows)} more" if count > len(rows) else ""
+    return grid(title, rows).to_text() + more
 
 
 def _mm(point: np.ndarray) -> str:

@@ -55,14 +55,11 @@ def choices(scene: Scene) -> Iterator[Choice]:
             yield Choice(effect=PRESET, label=preset, settings=settings)
             yield Choice(effect=PRESET, label=f"{preset}, laws of {REFERENCE}", settings=settings | meshes)
     for effect, label, change in _single(scene, best):
-        kept = {key: value for key, value in best.items() if not key.startswith(_replaced(change))}
+        # the other keys of a table go if the change selects another model
+        tables = tuple(f"{key.removesuffix('.model')}." for key in change if key.endswith((".mesh", ".model")))
+        kept = {key: value for key, value in best.items() if not key.startswith(tables)}
         yield Choice(effect=effect, label=label, settings=kept | change)
     yield from _combinations(scene)
-
-
-def _replaced(change: Settings) -> tuple[str, ...]:
-    """Tables whose other keys are removed, since the change selects another model."""
-    return tuple(f"{key.removesuffix('.model')}." for key in change if key.endswith((".mesh", ".model")))
 
 
 def _single(scene: Scene, best: Settings) -> Iterator[tuple[str, str, Settings]]:

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipelines.io.grid import Grid
-from pipelines.report.contents import grid
+from pipelines.io.grid import Grid, grid
 from pipelines.studies.trade.axes import AXES
 from pipelines.studies.trade.probes import POSITIONS
 from pipelines.studies.trade.refinement import RefinementStudy

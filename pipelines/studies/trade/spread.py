@@ -15,7 +15,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipelines.io.grid import Grid
+from pipelines.io.grid import Grid, grid
 from pipelines.studies.trade.probes import Value
 
 
@@ -29,7 +29,14 @@ def spread_table(starts: Sequence[Sequence[Value]]) -> Grid:
     for same in zip(*starts, strict=True):
         levels = np.array([value.value for value in same])
         spread = float(levels.std(ddof=1))
-        numbers = (levels.mean(), factor * spread, spread, levels.min(), levels.max())
-        rows.append((f"{same[0].name}, {same[0].unit}", *(f"{number:.4g}" for number in numbers)))
-    headers = ("level", "mean", "mean +/- (95 % interval)", "standard deviation", "lowest", "highest")
-    return Grid(title=f"{count} initial states", headers=headers, rows=tuple(rows))
+        rows.append(
+            {
+                "level": f"{same[0].name}, {same[0].unit}",
+                "mean": float(levels.mean()),
+                "mean +/- (95 % interval)": factor * spread,
+                "standard deviation": spread,
+                "lowest": float(levels.min()),
+                "highest": float(levels.max()),
+            }
+        )
+    return grid(f"{count} initial states", rows)

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from pipelines.io.grid import Grid
-from pipelines.report.contents import grid
+from pipelines.io.grid import Grid, grid
 from pipelines.studies.trade.choices import PRESET
 from pipelines.studies.trade.tradeoff import Priced, Tradeoff
 
@@ -37,9 +36,8 @@ def trade_table(found: Tradeoff) -> Grid:
         row |= {head: "-" if decibels is None else f"{decibels:.2g}" for head, decibels in levels.items()}
         row["Pareto"] = "" if one.dominated else "front"
         rows.append(row)
-    table = grid(f"{found.name}: cost and largest error of every choice against the reference", rows)
     marked = frozenset(n for n, one in enumerate(found.priced) if not one.dominated)
-    return Grid(title=table.title, headers=table.headers, rows=table.rows, marked=marked)
+    return grid(f"{found.name}: cost and largest error of every choice against the reference", rows, marked)
 
 
 def _percent(error: float | None) -> str:

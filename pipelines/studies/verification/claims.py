@@ -86,7 +86,8 @@ _HIDDEN = (
 )
 _REVERSED = (
     "Without friction, the excitation in lowering is that of lifting reversed in time. The response is not, because "
-    "vibrations decay after a shock in both directions. This causes the difference of 1 or 2 dB."
+    "vibrations decay after a shock in both directions. This causes differences of 1 or 2 dB between lifting and "
+    "lowering."
 )
 _SLIDING = (
     "Tooth friction reverses with the direction. Its force at mesh frequency adds to that of the transmission error in "
@@ -123,7 +124,7 @@ CLAIMS: dict[str, tuple[Claim, ...]] = {
         Claim("f_r and harmonics in the envelope", "envelope", lifting_over_lowering, EQUAL, (_REVERSED,)),
         Claim("peak of the time-synchronous average", "tsa_peak", lifting_over_lowering, EQUAL, (_REVERSED,)),
     ),
-    "Lifting shows the fault more clearly than lowering: what the fault adds to the healthy machine": (
+    "Lifting shows the fault more clearly than lowering: increase by the fault, lifting over lowering": (
         Claim("sidebands around f_m", "sidebands_1", added_in_lifting, EQUAL, (_ADDED,)),
         Claim("sidebands around 2 f_m", "sidebands_2", added_in_lifting, EQUAL, (_ADDED,)),
         Claim("f_r and harmonics in the envelope", "envelope", added_in_lifting, EQUAL, (_ADDED,)),

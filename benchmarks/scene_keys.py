@@ -1,4 +1,4 @@
-"""The reference of all scene keys as Markdown, made from the validators: `python -m pipelines.scene.keys`.
+"""The reference of all scene keys as Markdown, made from the validators: `python -m benchmarks.scene_keys`.
 
 A table has one section, however many places of a scene may hold it. Its heading is the shortest of these places, with
 the model where a place offers several. Headings differ from one another, so that every link finds its section.
@@ -28,7 +28,7 @@ from pipelines.scene.tables.samples import ColumnTable
 HEAD = """# Scene keys
 
 This page lists every key of a scene file. It is made from the program by
-`python -m pipelines.scene.keys docs/scene-keys.md`.
+`python -m benchmarks.scene_keys docs/scene-keys.md`.
 
 - The suffix of a key is its unit: `face_width_mm`, `speeds_rpm`, `torque_N_m`. Without a suffix a number has no unit.
 - "Without it" means: if the scene does not give the key. "Empty" means: the list `[]`.
