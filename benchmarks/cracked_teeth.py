@@ -106,14 +106,13 @@ def _slit(gear: Gear, crack: Crack) -> tuple[np.ndarray, np.ndarray, np.ndarray]
 
 def _outline(gear: Gear) -> list[np.ndarray]:
     """Pieces of the outline of the teeth from low to high angle, the middle tooth cut at both mid fillets."""
-    half = half_tooth_profile(gear, 24, 16, 4)
-    points = half.points[:, ::-1]  # centre line along +x
+    points = half_tooth_profile(gear, 24, 16, 4)[:, ::-1]  # centre line along +x
     radius, _ = root_chord(gear)
     mouth = _slit(gear, Crack(depth=0, far_depth=0, extent=1, angle=1))[0]
     fillet = np.flatnonzero(np.hypot(*points.T) < radius - 1e-9)
     low = np.vstack([points[: fillet[-1] + 1], mouth])
     rest = np.vstack([mouth, points[fillet[-1] + 1 :]])
-    corner = half.form_index - fillet[-1]
+    corner = 24 - fillet[-1]
     flank_end = len(rest) - 5
     pieces = [low, rest[: corner + 1], rest[corner : flank_end + 1], rest[flank_end:]]  # root to tip, y > 0
     mirrored = [piece * (1.0, -1.0) for piece in pieces]

@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.gear_pairs import thick_rimmed_pair
+from benchmarks.solid_contact import solve
 from fem.contact.models.solid import Solid
-from fem.contact.wheels.contact import solve
 
 CASES = ((0.0, 12e-3), (12.0, 12e-3), (15.0, 30e-3))  # beta in degrees, b in m
 DEFAULT = (1.0, 31)  # refinement, slices

@@ -92,7 +92,7 @@ def compliance(
 
 def _outline(gear: Gear, sizes: Sizes) -> tuple[np.ndarray, np.ndarray]:
     """Closed outline (n, 2) of all teeth, tooth 0 on +x, and the element size at every point."""
-    half = half_tooth_profile(gear, 400, 400, 60).points[:, ::-1]  # (x, y), tooth centre line on +x, from mid space
+    half = half_tooth_profile(gear, 400, 400, 60)[:, ::-1]  # (x, y), tooth centre line on +x, from mid space
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(half, axis=0).T))])
     out, size = [], []
     for tooth in range(gear.teeth):

@@ -21,6 +21,7 @@ from fem.casing.reduced.attachment import AttachmentError
 from fem.casing.reduced.body import BEARING_AXES
 from fem.casing.reduced.checkup import _asymmetry, check_up
 from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.reduced.modes import CasingModes, casing_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.casing.reduced.rigid import housing_mass
@@ -66,7 +67,7 @@ def test_rig_layout(rig):
     assert all((b.side < 0) == (int(b.name[-1]) % 2 == 1) for b in rig.bores)
     assert list(rig.ground_points()) == [f"ground_{i}" for i in range(1, 7)]
     assert [s.name for s in rig.sensors] == [f"sensor_{i}" for i in range(1, 10)]
-    bore, sensor = rig.bore("bearing_3"), rig.sensors[2].position
+    bore, sensor = next(one for one in rig.bores if one.name == "bearing_3"), rig.sensors[2].position
     distance = np.hypot(sensor[0] - bore.x, sensor[2] - bore.z)
     assert bore.diameter / 2 < distance < bore.boss_diameter / 2  # on the rim of its boss
     assert sensor[1] == -rig.width / 2
@@ -76,7 +77,6 @@ def test_rig_layout(rig):
     ("change", "message"),
     [
         ({"wall_thickness": 0.2}, "wall thickness 200 mm fills the housing"),
-        ({"length": -1.0}, "length is -1000 mm; it must be positive"),
         ({"shaft_x": (0.0, 0.03, 0.18275, 0.31569)}, "bosses of bearing_1 and bearing_3 overlap by 42.5 mm"),
         (
             {"shaft_x": (0.0, 0.074, 0.18275, 0.31569)},
@@ -92,7 +92,6 @@ def test_rig_layout(rig):
         ({"boss_length": 0.005}, "boss length 5 mm is less than the wall"),
         ({"boss_length": 0.16}, "reaches the opposite boss"),
         ({"foot_length": 0.2}, "feet of 200 mm meet"),
-        ({"foot_height": 0.0}, "foot height is 0 mm"),
     ],
 )
 def test_unsound_housings_are_refused_with_numbers(change, message):
@@ -150,13 +149,20 @@ def test_element_size_out_of_range_is_refused(small):
         mesh_housing(small, element_size=0.05).patch("bearing_9")
 
 
+def frequency_errors(casing, found, band):
+    """Frequencies of the reduced over those of the full grounded model up to a band (Hz), less 1."""
+    theta, _ = block_lanczos(casing.interface.factor.solve, casing.M_free, smallest=(2 * np.pi * band) ** -2.0)
+    return found.frequencies[: len(theta)] * 2 * np.pi * np.sqrt(theta) - 1.0
+
+
 def test_check_up_passes(casing, reduction):
-    found = check_up(casing, reduction, full_band=BAND)
+    found = check_up(casing, reduction)
     assert found.failures == ()
     assert found.rigid_eigenvalue < 1e-8
-    assert len(found.full_frequencies) >= 3
-    assert (found.frequency_error > -1e-9).all()  # from above
-    assert found.frequency_error.max() < 1e-3
+    errors = frequency_errors(casing, found, BAND)
+    assert len(errors) >= 3
+    assert errors.min() > -1e-9  # from above
+    assert errors.max() < 1e-3
     assert (found.effective_mass.sum(axis=0) <= found.movable * (1 + 1e-9)).all()
     text = found.report()
     assert "static_response" in text
@@ -197,8 +203,6 @@ def test_every_mode_has_the_damping_ratio_asked(modes):
     body = reduced_body(modes, damping=0.02)
     square, phi = la.eigh(body.stiffness, body.mass)
     assert np.allclose(phi.T @ body.damping @ phi, np.diag(0.04 * np.sqrt(square)), atol=1e-7 * np.sqrt(square[-1]))
-    with pytest.raises(ValueError, match=r"damping ratio is 1\.5"):
-        reduced_body(modes, damping=1.5)
 
 
 def test_a_sensor_away_from_the_casing_is_refused(modes):
@@ -222,11 +226,11 @@ def test_model_rigid_moves_as_one_body(small):
     lift = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
     assert all(body.row(f"bearing_{i}:uz") @ lift == 1.0 for i in range(1, 5))
     turn = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0])  # about x: uz = y
-    assert body.row("bearing_2:uz") @ turn == pytest.approx(small.bore_centre(small.bore("bearing_2"))[1])
+    assert body.row("bearing_2:uz") @ turn == pytest.approx(
+        small.bore_centre(next(one for one in small.bores if one.name == "bearing_2"))[1]
+    )
     assert body.row("bearing_2:rx") @ turn == 1.0
     assert body.row("sensor_9:uy") @ turn == pytest.approx(centre[2] - small.sensors[-1].position[2])
-    with pytest.raises(ValueError, match="mount stiffness"):
-        RigidCasing(mount_stiffness=0.0).reduce(small, CAST_IRON)
 
 
 def test_model_static_has_only_interface_coordinates(mesh, casing, small):
@@ -262,9 +266,9 @@ def test_rig_housing_passes_its_check_up(rig):
     model = CraigBamptonCasing(band=2000.0, element_size=0.03)
     casing = ground_casing(model.meshed(Structure(housing=rig)).stage.build(), CAST_IRON)
     reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, highest=3000.0)
-    found = check_up(casing, reduction, full_band=2000.0)
+    found = check_up(casing, reduction)
     assert found.failures == ()
-    assert found.frequency_error.max() < 1e-3
+    assert frequency_errors(casing, found, 2000.0).max() < 1e-3
 
 
 @pytest.mark.parametrize("error", [1e-9, -1.0])

@@ -20,7 +20,7 @@ from fem.casing.reduced.halves import reduced_and_counted
 from fem.casing.reduced.lanczos import EigenError, block_lanczos
 from fem.casing.reduced.modes import casing_modes, kept_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import ReductionError, count_fixed_modes, reduce_body
-from fem.casing.reduced.truncation import TruncationError, kept
+from fem.casing.reduced.truncation import kept
 from fem.elements.materials import CAST_IRON
 from fem.numerics.linear_solver import nested_dissection
 from fem.storage.ledger import counting
@@ -180,8 +180,6 @@ def test_fewer_modes_without_finite_elements_equal_a_new_computation(fixed):
     assert cut.coordinate_names == expected.coordinate_names
     assert frequencies(cut) == pytest.approx(frequencies(expected), rel=1e-7)
     assert abs(np.diag(cut.stiffness)) == pytest.approx(abs(np.diag(expected.stiffness)), rel=1e-6)
-    with pytest.raises(TruncationError, match="1000 modes requested"):
-        kept(modes.mode_set, 1000)
     with pytest.raises(ValueError, match="modes to 9000 Hz requested, known to 2250 Hz"):
         reduced_body(modes, limit=9000.0)
 
@@ -237,13 +235,6 @@ def test_damping_follows_a_table_over_frequency(fixed):
     omega = np.sqrt(square)
     zeta = np.diag(phi.T @ body.damping @ phi) / (2 * omega)
     assert zeta == pytest.approx(np.minimum(0.01 + 0.02 * omega / (2 * np.pi * 1000.0), 0.03), rel=1e-6)
-    for wrong, message in (
-        (((0.0, 0.01), (0.0, 0.02)), "do not rise"),
-        (((0.0, 1.0),), "ratio is 1"),
-        ((0.01, 0.02, 0.03), "rows of"),
-    ):
-        with pytest.raises(ValueError, match=message):
-            damping_ratios(wrong, np.zeros(1))
 
 
 @pytest.mark.parametrize(("ratio", "gate"), [(0.0, 1e-3), (0.01, 6e-3)])

@@ -11,6 +11,7 @@ from scipy.linalg import cho_solve
 from benchmarks.added_by_cracks import added, by_surface, reference, seen
 from benchmarks.cracked_teeth import CASES, places
 from benchmarks.gear_pairs import gear_pair
+from benchmarks.solid_contact import solve
 from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.faults.changed_law import damaged_law
 from fem.contact.faults.cracked_section import crack_compliance
@@ -20,7 +21,6 @@ from fem.contact.models.plane import Plane
 from fem.contact.models.solid import Solid
 from fem.contact.models.solid_condensation import condense
 from fem.contact.teeth import tooth_terms
-from fem.contact.wheels.contact import solve
 from fem.contact.wheels.crack_surface import CrackSurfaceSpec, crack_surface, load_weights, opened
 from fem.elements.materials import STEEL
 from fem.elements.prisms import slice_means

@@ -9,12 +9,13 @@ from benchmarks.solids import box_mesh
 from fem.casing.enrichment.added import added_functions
 from fem.casing.enrichment.fans import chains, singular_sides
 from fem.casing.enrichment.functions import edge_functions
-from fem.casing.enrichment.lines import graded, graded_nodes, quadratic
+from fem.casing.enrichment.lines import NODES, graded
 from fem.casing.enrichment.topology import Topology
 from fem.casing.mesh.finished import RawMesh, finished_mesh
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.mesh.source import mesh_geometry
 from fem.elements.materials import CAST_IRON
+from fem.elements.sections import lagrange
 from fem.elements.solids import rigid_body_modes
 
 
@@ -112,8 +113,8 @@ def test_the_rim_of_a_foot_inside_a_floor_has_functions_up_to_its_corners():
 
 def test_graded_functions_hold_what_plain_ones_do():
     t = np.linspace(0.0, 1.0, 41)
-    plain, slopes = quadratic(t)
-    at_nodes, _ = quadratic(graded_nodes())
+    plain, slopes = lagrange(t)
+    at_nodes, _ = lagrange(NODES)
     values, own = graded(t)
     assert values @ at_nodes == pytest.approx(plain, abs=1e-12)
     assert own @ at_nodes == pytest.approx(slopes, abs=1e-11)

@@ -113,7 +113,7 @@ def test_coast_flank_is_the_mirror_image():
     )
 
 
-@pytest.mark.parametrize("options", [{"slices": 0}, {"positions": 8}, {"largest_gap": 0.5}])
+@pytest.mark.parametrize("options", [{"slices": 0}, {"positions": 8}])
 def test_refused_options(options):
     with pytest.raises(ModelError, match=next(iter(options))):
         Energy(**options)

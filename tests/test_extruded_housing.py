@@ -81,7 +81,7 @@ def test_lines_pass_through_all_places_and_keep_their_distance():
 
 def test_a_point_in_a_bore_is_outside_and_one_in_its_boss_inside():
     rig = HOUSINGS["rig"]
-    bore = rig.bore("bearing_3")
+    bore = next(one for one in rig.bores if one.name == "bearing_3")
     at = rig.bore_centre(bore)
     ring = (bore.diameter + bore.boss_diameter) / 4
     points = np.array([at, at + [ring, 0.0, 0.0], at + [0.0, -bore.side * 0.05, 0.0], rig.ground_points()["ground_1"]])

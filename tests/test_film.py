@@ -151,7 +151,7 @@ def test_a_loaded_mesh_hardly_feels_the_film():
     assert found[1].mean() == pytest.approx(found[0].mean(), rel=2e-3)
 
 
-@pytest.mark.parametrize("name", ["viscosity", "roughness", "radius", "length"])
+@pytest.mark.parametrize("name", ["viscosity", "roughness"])
 def test_a_film_of_nothing_is_refused(name):
     with pytest.raises(MachineError, match=name):
         replace(FILM, **{name: 0.0})

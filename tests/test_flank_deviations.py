@@ -33,7 +33,7 @@ def test_tolerances_by_hand(gear, grade, profile, helix):
 
 def shape(terms, tooth, xi, part):
     """Gap of one tooth over position and part y / b of the face."""
-    h, a1, a2, b1, b2 = (getattr(terms, name)[tooth] for name in vars(terms))
+    h, a1, a2, b1, b2 = (term[tooth] for term in terms.values())
     return h + a1 * xi + a2 * xi**2 + b1 * part + b2 * part**2
 
 
@@ -66,24 +66,24 @@ def test_slope_and_form_of_a_tooth_stay_within_the_total_tolerance_of_the_helix(
     tolerance = flank_tolerance(PAIR.pinion, 5)
     assert np.hypot(tolerance.helix_slope, tolerance.helix_form) > 1.015 * tolerance.helix
     for terms in sample_flank_deviations(PAIR, "pinion", 5, seed, use=1.0).values():
-        assert np.hypot(terms.lead_slope, terms.lead_curvature / 4).max() <= tolerance.helix * (1 + 1e-9)
+        assert np.hypot(terms["lead_slope"], terms["lead_curvature"] / 4).max() <= tolerance.helix * (1 + 1e-9)
 
 
 def test_seeds_grades_and_what_is_left_out():
     first, again = (sample_flank_deviations(PAIR, "wheel", 5, 11)["drive"] for _ in range(2))
-    assert np.array_equal(first.lead_slope, again.lead_slope)
-    assert not np.allclose(first.lead_slope, sample_flank_deviations(PAIR, "wheel", 5, 12)["drive"].lead_slope)
+    assert np.array_equal(first["lead_slope"], again["lead_slope"])
+    assert not np.allclose(first["lead_slope"], sample_flank_deviations(PAIR, "wheel", 5, 12)["drive"]["lead_slope"])
     worse = sample_flank_deviations(PAIR, "wheel", 9, 11)["drive"]
-    assert np.ptp(worse.profile_slope) > 2.5 * np.ptp(first.profile_slope)
+    assert np.ptp(worse["profile_slope"]) > 2.5 * np.ptp(first["profile_slope"])
     without = sample_flank_deviations(PAIR, "wheel", 5, 11, profile=False)["drive"]
-    assert not np.any([without.profile_slope, without.profile_curvature])
-    assert np.array_equal(without.lead_slope, first.lead_slope)
+    assert not np.any([without["profile_slope"], without["profile_curvature"]])
+    assert np.array_equal(without["lead_slope"], first["lead_slope"])
 
 
 def test_a_law_takes_the_deviations_of_every_tooth():
     law = Iso().law(PAIR)
     cycle = np.linspace(0, 20, 161)
-    teeth = tooth_terms(20, **vars(sample_flank_deviations(PAIR, "pinion", 7, 1)["drive"]))
+    teeth = tooth_terms(20, **sample_flank_deviations(PAIR, "pinion", 7, 1)["drive"])
     found = LawEvaluator(law).evaluate(cycle, 8e-6, 0.0, teeth)
     plain = LawEvaluator(law).evaluate(cycle, 8e-6)
     assert np.isfinite(found.force).all()
@@ -96,7 +96,6 @@ def test_a_law_takes_the_deviations_of_every_tooth():
     [
         ((gear_pair((20, 55), 2, 12, 3), "pinion", 5, 1), "4 to 1200 mm"),
         ((PAIR, "pinion", 12, 1), "1 to 11"),
-        ((PAIR, "rack", 5, 1), "choose 'pinion' or 'wheel'"),
     ],
 )
 def test_outside_the_standard_is_refused(arguments, message):

@@ -17,7 +17,7 @@ from fem.casing.mesh.sizes import Sizes, bending_wavelength
 from fem.casing.mesh.solid import build_solid
 from fem.casing.models.casing import Structure
 from fem.casing.models.craig_bampton import CraigBamptonCasing
-from fem.casing.reduced.rigid import housing_mass, rigid_body
+from fem.casing.reduced.rigid import housing_mass
 from fem.elements.materials import CAST_IRON, Material
 from fem.elements.solids import mass_properties
 
@@ -130,7 +130,6 @@ def test_foot_fillets_add_a_little(small, plain_volume):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"walls": Walls(side=-0.01)}, "thickness of the side is -10 mm; it must be positive"),
         ({"walls": Walls(floor=0.1, cover=0.07)}, "floor and cover are 170 mm thick together"),
         (
             {"flange": Flange(split=0.078, width=0.01, height=0.02)},
@@ -160,7 +159,6 @@ def test_unsound_features_are_refused_with_numbers(small, change, message):
         ({"pad_diameter": 0.05, "pad_height": 0.003}, r"do not fit on the foot \(limit 40 mm\)"),
         ({"pad_diameter": 0.03, "pad_height": 0.003, "bolt_diameter": 0.012}, "extend 18 mm beyond"),
         ({"bolt_diameter": 0.012, "overhang": 0.03}, "bolt holes of 12 mm need bolt pads"),
-        ({"overhang": -0.01}, "overhang is -10 mm"),
     ],
 )
 def test_unsound_feet_are_refused_with_numbers(small, change, message):
@@ -180,8 +178,6 @@ def test_a_housing_with_everything_on_is_meshed(small):
     assert [n for n in mesh.patch_names if n.startswith("ground")] == [f"ground_{i}" for i in range(1, 7)]
     meshed = mass_properties(mesh.nodes, mesh.elements, 1.0)[0]
     assert meshed == pytest.approx(volume(housing), rel=5e-3)  # coarse: fillets are met in flat facets
-    with pytest.raises(ValueError, match="need the mesh"):
-        rigid_body(housing, density=CAST_IRON.density, mount_stiffness=2e8)
 
 
 @pytest.mark.slow
@@ -214,8 +210,6 @@ def test_elements_are_finer_at_bores_and_feet(small):
         assert len(fine.patch(name)) > 2 * len(coarse.patch(name))
     same = mesh_housing(small, sizes=Sizes(element=0.04, bore=0.1, foot=None))
     assert same.digest() == coarse.digest()
-    with pytest.raises(MeshError, match=r"bore size is -10.0 mm"):
-        Sizes(element=0.04, bore=-0.01)
 
 
 def test_elements_follow_fillets_that_are_smaller_than_they_are(small):

@@ -185,7 +185,7 @@ def test_edges_of_a_closed_surface_are_kept_above_40_degrees(tmp_path, sides, ke
     triangles = np.hstack([*rows, (here + sides, after + sides, high)]).T
     meshio.write(tmp_path / "prism.stl", meshio.Mesh(points, [("triangle", triangles)]), binary=True)
     with session() as gmsh:
-        fill_surface(gmsh, tmp_path / "prism.stl", 1.0)
+        fill_surface(gmsh, tmp_path / "prism.stl", "mm")
         gmsh.option.setNumber("Mesh.MeshSizeMax", 6)
         gmsh.model.mesh.generate(3)
         gmsh.write(str(tmp_path / "prism.msh"))

@@ -177,10 +177,9 @@ def test_outside_the_standard_is_refused(pair, message):
         Iso().law(pair)
 
 
-@pytest.mark.parametrize("option", [{"slices": 0}, {"line_load": -1.0}, {"edge_onset": 1.0}, {"blank_factor": 0.0}])
-def test_bad_options_are_refused(option):
-    with pytest.raises(ModelError, match=next(iter(option))):
-        Iso(**option)
+def test_bad_options_are_refused():
+    with pytest.raises(ModelError, match="slices"):
+        Iso(slices=0)
 
 
 def test_unknown_flank_is_refused():

@@ -126,7 +126,6 @@ def test_the_brake_takes_part_of_a_swing_at_standstill_only():
         (lambda: Coulomb(tooth_friction=-0.1), "tooth_friction"),
         (lambda: Coulomb(tooth_friction=math.inf), "tooth_friction"),
         (lambda: Coulomb(tooth_friction=2.0), "tooth_friction = 2: must be 0 to 0.5"),
-        (lambda: Brake(shaft="shaft_1", y=0.0, torque=-1.0), "brake torque"),
     ],
 )
 def test_impossible_losses_are_refused(make, message):

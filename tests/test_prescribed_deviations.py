@@ -171,9 +171,7 @@ def seeded_file(path, pair, gear, terms):
 def test_a_file_of_seeded_deviations_gives_their_law(laws, tmp_path, gear):
     pair, file = PAIRS["right"], tmp_path / "flanks.csv"
     teeth = getattr(pair, gear).teeth
-    seeded = {
-        flank: tooth_terms(teeth, **vars(one)) for flank, one in sample_flank_deviations(pair, gear, 6, 3).items()
-    }
+    seeded = {flank: tooth_terms(teeth, **one) for flank, one in sample_flank_deviations(pair, gear, 6, 3).items()}
     seeded_file(file, pair, gear, seeded)
     given = PrescribedDeviations(measured=measured_flanks(str(file), "here", 1))
     cycle = np.linspace(0.0, 9.0, 60)

@@ -8,6 +8,7 @@ import scipy.sparse as sp
 from benchmarks.checks.structures import (
     PLATE,
     cantilever_plate,
+    craig_bampton,
     free_plate,
     full_bar,
     hertz,
@@ -19,7 +20,7 @@ from benchmarks.checks.structures import (
 from benchmarks.solids import box_mesh, facets_on, unknowns
 from fem.casing.reduced.attachment import AttachmentError, mean_motion_rows, nearest_surface_point
 from fem.casing.reduced.lanczos import block_lanczos
-from fem.casing.reduced.reduction import ReductionError, craig_bampton, held_interface, reduce_body
+from fem.casing.reduced.reduction import ReductionError, held_interface, reduce_body
 from fem.elements.solids import assemble, rigid_body_modes
 from fem.numerics.linear_solver import factorize
 

@@ -10,7 +10,6 @@ from mbd_rigs import no_casing, rigid_casing, train
 from mbd.forces.rolling_bearing import hertz_bearing, response
 from mbd.integrators.settings import Settings
 from mbd.output.simulate import simulate
-from mbd.parts.bearings import BearingSpec
 from mbd.parts.channels import bearing_force, journal_acceleration
 from mbd.parts.checks import EquilibriumError, MachineError
 from mbd.parts.drive import CouplingSpec, SpeedProfile
@@ -234,15 +233,8 @@ def test_unloaded_gears_in_bearings_with_clearance_are_refused_by_load_and_beari
     ("make", "message"),
     [
         (lambda: by_designation("9999"), "not in the catalogue"),
-        (lambda: ball(count=2), "too few"),
         (lambda: ball(count=30), "overlap"),
-        (lambda: roller(contact_angle=1.5), "thrust"),
         (lambda: RollingElements(kind="roller", count=10, diameter=0.01, pitch_diameter=0.06), "contact length"),
-        (
-            lambda: RollingElements(kind="ball", count=9, diameter=0.01, pitch_diameter=0.06, inner_conformity=0.5),
-            "inner",
-        ),
-        (lambda: BearingSpec(name="b", shaft="s", y=0.0, stiffness_x=1e8, stiffness_z=1e8, model="hertz"), "hertz"),
     ],
 )
 def test_impossible_bearings_are_refused(make, message):

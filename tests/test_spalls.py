@@ -10,6 +10,7 @@ import pytest
 from mesh_laws import potential_errors
 
 from benchmarks.gear_pairs import gear_pair
+from benchmarks.solid_contact import solve
 from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.faults.changed_law import damaged_law
@@ -19,7 +20,6 @@ from fem.contact.faults.worn_tooth import WornTooth
 from fem.contact.models.plane import Plane
 from fem.contact.models.solid import Solid
 from fem.contact.teeth import tooth_terms
-from fem.contact.wheels.contact import solve
 from fem.gears.gear import GeometryError
 from pipelines.io.errors import SceneError
 from pipelines.machine.checks.design_warnings import design_warnings

@@ -184,26 +184,6 @@ def test_a_shaft_without_axial_hold_is_refused_by_name():
         assemble(spur, no_casing())
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"couplings": ()}, "no motor coupling"),
-        ({"meshes": ()}, "no mesh, coupling or motor turns"),
-        ({"load": StaticTorque(shaft="shaft_7", drums=(0.0,), torque=1.0)}, "unknown"),
-    ],
-)
-def test_contradictory_machines_are_refused(change, message):
-    with pytest.raises(MachineError, match=message):
-        dataclasses.replace(train(1), **change)
-
-
-def test_shafts_that_turn_the_same_way_cannot_mesh():
-    machine = train(1)
-    same = tuple(dataclasses.replace(s, sense=1) for s in machine.shafts)
-    with pytest.raises(MachineError, match="opposite ways"):
-        dataclasses.replace(machine, shafts=same)
-
-
 @pytest.mark.parametrize(("times", "speeds"), [([0, 0.3, 0.2], [0, 1, 2]), ([0, 0], [0, 1]), ([0], [0, 1]), ([], [])])
 def test_a_speed_table_that_goes_back_in_time_is_refused(times, speeds):
     with pytest.raises(MachineError, match="speed profile"):

@@ -31,16 +31,12 @@ def needed(machine):
 
 def test_ratios_are_found_along_links_in_both_directions():
     links = [Link("a", "s1", "s2", 0.5), Link("b", "s3", "s2", 0.25), Link("c", "s3", "s4", 1.0)]
-    assert shaft_ratios(("s1", "s2", "s3", "s4"), links, "s1") == {"s1": 1.0, "s2": 0.5, "s3": 2.0, "s4": 2.0}
+    assert shaft_ratios(links, "s1") == {"s1": 1.0, "s2": 0.5, "s3": 2.0, "s4": 2.0}
 
 
-def test_a_loop_closes_if_the_ratios_agree_and_locks_otherwise():
+def test_a_loop_closes_if_the_ratios_agree():
     links = [Link("a", "s1", "s2", 0.5), Link("b", "s2", "s3", 0.5), Link("c", "s1", "s3", 0.25)]
-    assert shaft_ratios(("s1", "s2", "s3"), links, "s1")["s3"] == 0.25
-    with pytest.raises(MachineError, match="would lock"):
-        shaft_ratios(("s1", "s2", "s3"), [*links[:2], Link("c", "s1", "s3", 0.26)], "s1")
-    with pytest.raises(MachineError, match="s4: no mesh, coupling or motor"):
-        shaft_ratios(("s1", "s2", "s3", "s4"), links, "s1")
+    assert shaft_ratios(links, "s1")["s3"] == 0.25
 
 
 def test_power_flows_to_the_load_and_splits_alike_over_equal_paths():
@@ -137,8 +133,6 @@ def test_a_coupling_between_shafts_winds_up_by_its_torque():
     assert stiffness * twist == pytest.approx(2 * machine.load.torque, rel=1e-7)
     modes = linear_modes(system, up_to=2e3)
     assert modes.share("coupling_1").max() > 0.2
-    with pytest.raises(MachineError, match="the distance between the axes"):
-        dataclasses.replace(machine, shafts=(*machine.shafts[:2], dataclasses.replace(end, x=end.x + 1e-3)))
 
 
 def nested(**stiffness):
@@ -177,11 +171,7 @@ def test_a_bearing_between_two_shafts_carries_what_the_other_bearing_leaves():
     assert held == pytest.approx(weight, rel=1e-6)
 
 
-def test_a_bearing_between_shafts_stands_on_one_axis_and_holds_something():
-    machine = nested(radial_stiffness=1e7)
-    off = dataclasses.replace(machine.shaft_couplings[0], shafts=("shaft_1", "shaft_2"))
-    with pytest.raises(MachineError, match="the distance between the axes"):
-        dataclasses.replace(machine, shaft_couplings=(off,))
+def test_a_bearing_between_shafts_holds_something():
     with pytest.raises(MachineError, match="all stiffnesses of the coupling are 0"):
         nested()
 
@@ -202,9 +192,8 @@ def test_cross_terms_turn_the_axes_of_a_bearing():
     found = simulate(assemble(run, rigid_casing(run)), Settings(end=0.02, output_rate=5e3, step=1e-5))
     for b in both:
         assert abs(found.energy(b.name, "residual")) <= 0.01 * found.energy(b.name, "scale")
-    for wrong, message in (((("ux", "uz", 1e9),), "not positive definite"), ((("ux", "ux", 1.0),), "two of")):
-        with pytest.raises(MachineError, match=message):
-            dataclasses.replace(bearing, cross=wrong)
+    with pytest.raises(MachineError, match="not positive definite"):
+        dataclasses.replace(bearing, cross=(("ux", "uz", 1e9),))
     skew = np.zeros((5, 5))
     skew[0, 2] = 1e3
     with pytest.raises(MachineError, match="not symmetric"):

@@ -147,7 +147,7 @@ def half_mesh(build: Callable[[Any], None], size: float, around: float) -> tuple
         occ.intersect(gmsh.model.getEntities(3), [(3, occ.addBox(-_FAR, -_FAR, -_FAR, 2 * _FAR, _FAR, 2 * _FAR))])
         occ.synchronize()
         gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", around)
-        raw = tetrahedra(gmsh, size, [], {}, curved=True)
+        raw = tetrahedra(gmsh, size, [], {})
     used, elements = np.unique(raw.elements, return_inverse=True)
     return raw.nodes[used], elements.reshape(raw.elements.shape)
 

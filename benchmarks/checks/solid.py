@@ -15,9 +15,9 @@ from benchmarks.cracked_teeth import CASES
 from benchmarks.gear_pairs import pair_of_17_and_43, thick_rimmed_pair
 from benchmarks.peers.calculix_contact import POSITIONS_PER_CYCLE, RESULTS
 from benchmarks.rig import read
+from benchmarks.solid_contact import solve
 from fem.contact.models.solid import Solid
 from fem.contact.wheels.compliance import ContactCompliance
-from fem.contact.wheels.contact import solve
 
 
 @cache

@@ -12,7 +12,7 @@ import scipy.sparse as sp
 from benchmarks.checks.record import Check, Subject
 from benchmarks.solids import box_mesh, unknowns
 from fem.casing.reduced.lanczos import block_lanczos
-from fem.casing.reduced.reduction import craig_bampton
+from fem.casing.reduced.reduction import Reduction, held_interface, reduce_body
 from fem.elements.solids import assemble
 from fem.numerics.linear_solver import factorize
 
@@ -25,6 +25,30 @@ def hertz(stiffness: np.ndarray, mass: np.ndarray) -> np.ndarray:
     """Frequencies of the motions that have mass (Hz)."""
     theta = la.eigvalsh(mass, stiffness)[::-1]
     return 1 / (2 * np.pi * np.sqrt(theta[theta > 1e-12 * theta[0]]))
+
+
+def craig_bampton(
+    K: sp.spmatrix, M: sp.spmatrix, interface: np.ndarray, n_modes: int, *, enrich: bool = False
+) -> Reduction:
+    """Craig-Bampton reduction to the degrees of freedom `interface` and the lowest fixed-interface modes.
+
+    Parameters
+    ----------
+    K, M : sparse (n, n), symmetric, N/m and kg; K may be singular if it is definite with the interface held
+    interface : int (b,), unknowns kept as physical coordinates
+    n_modes : number of fixed-interface modes, 0 gives Guyan condensation
+    enrich : add the inertia correction
+
+    Returns
+    -------
+    Reduction, with u = T @ [u_b, eta]
+    """
+    K, interface = sp.csr_matrix(K), np.asarray(interface)
+    b = len(interface)
+    rows = sp.csr_matrix((np.ones(b), (np.arange(b), interface)), shape=(b, K.shape[0]))
+    penalty = np.full(b, abs(K.diagonal()).max())
+    held = held_interface(K, rows, penalty=penalty)
+    return reduce_body(held, K, M, count=n_modes, enrich=enrich)
 
 
 def planar_bar(n: int) -> tuple[np.ndarray, np.ndarray]:

@@ -26,13 +26,13 @@ from benchmarks.peers import ccx, output
 from benchmarks.peers.contact_deck import ContactModel
 from benchmarks.peers.tooth_mesh import Sizes
 from benchmarks.rig import plane_law, read
+from benchmarks.solid_contact import solve as solve_solid
 from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.law import MeshLaw
 from fem.contact.models.energy import Energy
 from fem.contact.models.iso import Iso
 from fem.contact.models.plane import Plane
 from fem.contact.models.solid import Solid
-from fem.contact.wheels.contact import solve as solve_solid
 from fem.gears.geometry import GearPair
 
 RESULTS = Path(__file__).resolve().parent.parent / "results" / "calculix_contact.json"

@@ -78,8 +78,7 @@ class Profile:
     @cached_property
     def fillet(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
         """Arc (rising to 0), radius and angle of fine fillet points, and the arc where its slope is 45 degrees."""
-        half = half_tooth_profile(self.gear, 1200, 1, 1)
-        x, y = half.points[: half.form_index + 1].T
+        x, y = half_tooth_profile(self.gear, 1200, 1, 1)[:1201].T
         radius, angle = np.hypot(x, y), np.arctan2(x, y)
         arc = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
         flat = np.flatnonzero(np.diff(radius) < -np.diff(angle) * radius[1:])

@@ -26,15 +26,7 @@ def flank_frame(pair: GearPair, flank: str, slices: int) -> dict[str, Any]:
     the tooth behind. In the mirrored view the helix has the opposite hand. The backlash is not part of the law: it is
     subtracted from the coast approach. cycle_shift is positive at y > 0 for a right-hand pinion that rotates in the
     positive sense about +y.
-
-    Raises
-    ------
-    ModelError : unknown flank, or less than one slice
     """
-    if flank not in FLANKS:
-        raise ModelError(f"{pair.label}: flank is {flank!r}; choose one of {', '.join(FLANKS)}")
-    if slices < 1:
-        raise ModelError(f"{pair.label}: slices is {slices!r}; give a whole number >= 1")
     sign = 1 if flank == "drive" else -1
     width = pair.face_width / slices
     face = (np.arange(slices) + 0.5) * width - pair.face_width / 2.0

@@ -47,20 +47,11 @@ def tooth_terms(
     profile_slope, profile_curvature : m per base pitch, m per base pitch squared
     lead_slope, lead_curvature : m, of y/b and of (y/b)^2
     variant : number of the variant in the law, 0 for a healthy tooth
-
-    Raises
-    ------
-    LawError : wrong length, NaN, infinite terms other than clearance = +inf, a variant that is not an integer >= 0
     """
     terms = np.empty((teeth, len(COLUMNS)))
     given = (clearance, profile_slope, profile_curvature, lead_slope, lead_curvature, variant)
-    for k, (name, value) in enumerate(zip(COLUMNS, given, strict=True)):
-        column = np.asarray(value, dtype=float)
-        if column.shape not in ((), (teeth,)):
-            raise LawError(
-                f"tooth terms: {name} has shape {column.shape}, one value for each of its {teeth} teeth needed"
-            )
-        terms[:, k] = column
+    for k, value in enumerate(given):
+        terms[:, k] = value
     return checked_terms("gear", teeth, terms)
 
 
@@ -69,7 +60,7 @@ def checked_terms(gear: str, teeth: int, value: np.ndarray | None) -> np.ndarray
 
     Raises
     ------
-    LawError : wrong shape, NaN or -inf, infinite terms other than the clearance, variants that are not integers >= 0
+    LawError : wrong shape
     """
     given = np.zeros(teeth) if value is None else np.array(value, dtype=float)
     terms = np.zeros((teeth, len(COLUMNS)))
@@ -82,16 +73,6 @@ def checked_terms(gear: str, teeth: int, value: np.ndarray | None) -> np.ndarray
             f"clearance of the {gear}: shape {given.shape}, one value for each of its {teeth} teeth needed, or tooth "
             f"terms ({teeth}, {len(COLUMNS)})"
         )
-    wrong = np.isnan(terms[:, 0]) | (terms[:, 0] == -np.inf)
-    if wrong.any():
-        raise LawError(f"clearance of the {gear}: NaN or -inf at tooth {int(np.argmax(wrong))}; give m or +inf")
-    for k, name in enumerate(COLUMNS[1:], 1):
-        wrong = ~np.isfinite(terms[:, k])
-        if name == "variant":
-            wrong |= (terms[:, k] < 0) | (terms[:, k] % 1 != 0)
-        if wrong.any():
-            i = int(np.argmax(wrong))
-            raise LawError(f"{name} of the {gear}: {terms[i, k]!r} at tooth {i}; give a finite number")
     return terms
 
 
@@ -127,10 +108,8 @@ def with_variants(
 
     Raises
     ------
-    LawError : unknown gear, negative compliance
+    LawError : negative compliance
     """
-    if gear not in ("pinion", "wheel"):
-        raise LawError(f"tooth variant: gear is {gear!r}; choose 'pinion' or 'wheel'")
     shape = (1, law.face_coordinate.size, law.compliance.size)
     added = {"compliance": compliance, "gap": gap}
     if np.min(compliance) < 0.0:

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.elements.solid_elements import SOLIDS, ElementError
+from fem.numerics.places import in_mm
 
 OFF_MIDDLE = 0.3  # of the edge length: largest distance of a mid-side node from the middle
 
@@ -314,5 +315,4 @@ def _middles(nodes: np.ndarray, block: np.ndarray) -> list[_Middles]:
 
 
 def _near(nodes: np.ndarray, corners: np.ndarray) -> str:
-    x, y, z = nodes[corners].mean(axis=0)
-    return f"near ({x:.5g}, {y:.5g}, {z:.5g}) mm"
+    return f"near {in_mm(nodes[corners].mean(axis=0) / 1000)}"

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.elements.dissection import Box, Dissection
-from fem.elements.prisms import AxialMatrices, SectionBlocks, axial_matrices, product_stiffness
+from fem.elements.prisms import axial_matrices, product_stiffness
 from fem.numerics import blas
 from fem.numerics.compiled import stored
 
@@ -73,7 +73,7 @@ class Prism:
 
     elements: np.ndarray  # (elements, 9) of the section
     grid: np.ndarray  # (elements, 2), row and column of the section
-    blocks: SectionBlocks
+    blocks: np.ndarray  # (3, elements, 27, 27), of `fem.elements.prisms.section_blocks`
     ends: np.ndarray  # axial element ends, m
     roles: np.ndarray
     ties: Ties
@@ -149,7 +149,7 @@ class Prism:
         blas.add_square(B, C, -1.0)
         return turns[k:], C
 
-    def _leaf(self, box: Box, axial: AxialMatrices, turn: np.ndarray) -> _Part:
+    def _leaf(self, box: Box, axial: np.ndarray, turn: np.ndarray) -> _Part:
         """Stiffness of the elements of a box in one layer on its unknowns, in the order of elimination."""
         nodes, at = np.unique(self.elements[box.members], return_inverse=True)
         layer = 2 * box.low + np.arange(3)[:, None]
@@ -162,7 +162,8 @@ class Prism:
         place[free], place[tied] = np.arange(count), count + np.arange(len(tied))
         dofs = (3 * at.reshape(-1, 1, 9, 1) + np.arange(3)).reshape(len(box.members), 1, 27)
         place = place[3 * len(nodes) * np.arange(3)[:, None] + dofs]
-        matrix = product_stiffness(self.blocks.of(box.members), axial, place, count + len(tied))
+        section = np.take(self.blocks, box.members, axis=1)
+        matrix: np.ndarray = product_stiffness(section, axial, place, count + len(tied))
         turns = turn[numbers[free]]
         if not len(tied):
             return turns, matrix.T

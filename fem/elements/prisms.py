@@ -20,8 +20,6 @@ freedom are numbered ``(axial node * section nodes + section node) * 3 + compone
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from fem.elements.sections import (
@@ -36,37 +34,13 @@ from fem.elements.sections import (
 from fem.numerics.compiled import stored
 
 
-@dataclass(frozen=True, eq=False)
-class SectionBlocks:
-    """A_00 (N/m2), A_01 (N/m), A_11 (N) of every element of a section, (elements, 27, 27), as defined above."""
-
-    plane: np.ndarray
-    mixed: np.ndarray
-    axial: np.ndarray
-
-    def of(self, members: np.ndarray) -> SectionBlocks:
-        """Blocks of some elements."""
-        return SectionBlocks(self.plane[members], self.mixed[members], self.axial[members])
-
-    def turned(self, frames: np.ndarray) -> SectionBlocks:
-        """Blocks in other components: frames (elements, 9, 3, 3) have the new unit vectors as columns."""
-        count = len(frames)
-        turn = np.zeros((count, 9, 3, 9, 3))
-        for a in range(9):
-            turn[:, a, :, a, :] = frames[:, a]
-        whole = turn.reshape(count, 27, 27)
-        return SectionBlocks(
-            *(whole.transpose(0, 2, 1) @ block @ whole for block in (self.plane, self.mixed, self.axial))
-        )
-
-
-@dataclass(frozen=True, eq=False)
-class AxialMatrices:
-    """M (m), D (1), S (1/m), dense arrays (nodes, nodes) of banded matrices."""
-
-    mass: np.ndarray
-    mixed: np.ndarray
-    stiffness: np.ndarray
+def turned_blocks(blocks: np.ndarray, frames: np.ndarray) -> np.ndarray:
+    """Blocks in other components: frames (elements, 9, 3, 3) have the new unit vectors as columns."""
+    turn = np.zeros((len(frames), 9, 3, 9, 3))
+    for a in range(9):
+        turn[:, a, :, a, :] = frames[:, a]
+    whole = turn.reshape(-1, 27, 27)
+    return np.asarray(whole.transpose(0, 2, 1) @ blocks @ whole)
 
 
 def strain_matrices(
@@ -88,8 +62,8 @@ def strain_matrices(
 
 def section_blocks(
     points: np.ndarray, elements: np.ndarray, young: float, poisson: float, twist: float, filling: np.ndarray
-) -> SectionBlocks:
-    """Integrals over the elements of a section.
+) -> np.ndarray:
+    """A_00 (N/m2), A_01 (N/m), A_11 (N) of every element of a section, (3, elements, 27, 27), as defined above.
 
     Parameters
     ----------
@@ -107,25 +81,31 @@ def section_blocks(
     hooke = elasticity(young, poisson, 6)
     stress = [(hooke @ part * weight[..., None, None]).reshape(count, -1, 27) for part in strains]
     rows = [part.reshape(count, -1, 27).transpose(0, 2, 1) for part in strains]
-    return SectionBlocks(rows[0] @ stress[0], rows[0] @ stress[1], rows[1] @ stress[1])
+    return np.stack([rows[0] @ stress[0], rows[0] @ stress[1], rows[1] @ stress[1]])
 
 
-def axial_matrices(ends: np.ndarray) -> AxialMatrices:
-    """Integrals of quadratic functions along the axis; `ends` (elements + 1,) are the element ends in m, ascending."""
+def axial_matrices(ends: np.ndarray) -> np.ndarray:
+    """M (m), D (1), S (1/m), (3, nodes, nodes): integrals of quadratic functions along the axis.
+
+    `ends` (elements + 1,) are the element ends in m, ascending.
+    """
     nodes = 2 * len(ends) - 1
     x, w = gauss_line(3)
     values, slopes = lagrange(x)
-    parts = [np.zeros((nodes, nodes)) for _ in range(3)]
+    parts = np.zeros((3, nodes, nodes))
     for k, length in enumerate(np.diff(ends)):
         here = slice(2 * k, 2 * k + 3)
-        parts[0][here, here] += values.T @ (w[:, None] * values) * length
-        parts[1][here, here] += values.T @ (w[:, None] * slopes)
-        parts[2][here, here] += slopes.T @ (w[:, None] * slopes) / length
-    return AxialMatrices(*parts)
+        parts[0, here, here] += values.T @ (w[:, None] * values) * length
+        parts[1, here, here] += values.T @ (w[:, None] * slopes)
+        parts[2, here, here] += slopes.T @ (w[:, None] * slopes) / length
+    return parts
 
 
-def product_stiffness(section: SectionBlocks, axial: AxialMatrices, place: np.ndarray, size: int) -> np.ndarray:
+@stored(__file__)
+def product_stiffness(section: np.ndarray, axial: np.ndarray, place: np.ndarray, size: int) -> np.ndarray:
     """Dense stiffness matrix (size, size), N/m, of the hexahedra over some section elements and a piece of the axis.
+
+    M x A_00 + D x A_01 + D^T x A_01^T + S x A_11 is added for every element.
 
     Parameters
     ----------
@@ -133,27 +113,11 @@ def product_stiffness(section: SectionBlocks, axial: AxialMatrices, place: np.nd
     place : int (elements, axial nodes, 27), rows of their unknowns in the matrix; -1 omits one
     size : number of rows
     """
-    out = np.zeros((size, size))
-    _add_products(out, place, section.plane, section.mixed, section.axial, axial.mass, axial.mixed, axial.stiffness)
-    return out
-
-
-@stored(__file__)
-def _add_products(
-    out: np.ndarray,
-    place: np.ndarray,
-    plane: np.ndarray,
-    mixed: np.ndarray,
-    along: np.ndarray,
-    mass: np.ndarray,
-    slope: np.ndarray,
-    bending: np.ndarray,
-) -> None:
-    """Add M x A_00 + D x A_01 + D^T x A_01^T + S x A_11 of every element."""
+    out, nodes = np.zeros((size, size)), axial.shape[1]
     for e in range(len(place)):
-        for i in range(len(mass)):
-            for j in range(max(0, i - 2), min(len(mass), i + 3)):
-                m, d, turned, s = mass[i, j], slope[i, j], slope[j, i], bending[i, j]
+        for i in range(nodes):
+            for j in range(max(0, i - 2), min(nodes, i + 3)):
+                m, d, turned, s = axial[0, i, j], axial[1, i, j], axial[1, j, i], axial[2, i, j]
                 for a in range(27):
                     row = place[e, i, a]
                     if row < 0:
@@ -161,8 +125,9 @@ def _add_products(
                     for b in range(27):
                         column = place[e, j, b]
                         if column >= 0:
-                            both = d * mixed[e, a, b] + turned * mixed[e, b, a]
-                            out[row, column] += m * plane[e, a, b] + s * along[e, a, b] + both
+                            both = d * section[1, e, a, b] + turned * section[1, e, b, a]
+                            out[row, column] += m * section[0, e, a, b] + s * section[2, e, a, b] + both
+    return out
 
 
 def slice_means(ends: np.ndarray, bounds: np.ndarray) -> np.ndarray:

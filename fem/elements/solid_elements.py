@@ -21,6 +21,8 @@ from typing import Any
 
 import numpy as np
 
+from fem.numerics.places import in_mm
+
 AXES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))  # i, j of the gradient products; j, i: transposed
 STRAIGHT_RULE = 2
 CURVED_RULE = 9  # exact to degree 8: from 5 on, scikit-fem's rules on tetrahedra are exact to one degree less
@@ -211,10 +213,10 @@ def _determinant(
     if (bad := found <= 0.0).any():
         worst = int(np.argmin(found.min(axis=1)))
         kind = solid_element(elements)
-        x, y, z = 1000 * nodes[elements[part[worst], : kind.corners]].mean(axis=0)
+        place = nodes[elements[part[worst], : kind.corners]].mean(axis=0)
         raise ElementError(
             f"{int(bad.any(axis=1).sum())} {kind.name} elements are inverted (Jacobian <= 0); the worst is element "
-            f"{int(part[worst])} near ({x:.5g}, {y:.5g}, {z:.5g}) mm with {found.min():.3g} m3. "
+            f"{int(part[worst])} near {in_mm(place)} with {found.min():.3g} m3. "
             "Use a smaller element size, straight sides, or check the order of the nodes"
         )
     return found

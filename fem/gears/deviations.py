@@ -20,7 +20,6 @@ import numpy as np
 
 from fem.gears.gear import Gear, GeometryError
 from fem.options import option
-from fem.storage.records import Record, array, integer, scalar
 
 GRADES = range(1, 12)
 ECCENTRIC_PART = 0.7  # share of eccentricity in the total cumulative deviation, before scaling
@@ -47,23 +46,6 @@ class PitchTolerance:
     single: float
     cumulative: float
     runout: float
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class PitchDeviations(Record):
-    """Seeded deviations of one gear as clearances along the transverse line of action.
-
-    A positive value sets the flank back, so that its pair touches later. Values have either sign and zero mean over
-    each flank: delta = 0 remains the position of the average tooth. Deviations along the pitch circle are the clearance
-    divided by cos alpha_t, with the opposite sign.
-    """
-
-    grade: int = integer()
-    seed: int = integer()
-    single_tolerance: float = scalar(units="m")
-    cumulative_tolerance: float = scalar(units="m")
-    drive: np.ndarray = array("tooth", units="m")
-    coast: np.ndarray = array("tooth", units="m")
 
 
 def pitch_tolerance(gear: Gear, grade: int) -> PitchTolerance:
@@ -110,8 +92,13 @@ def rounded(value: float) -> float:
     return round(10.0 * value) / 10.0
 
 
-def sample_pitch_deviations(gear: Gear, grade: int, seed: int, *, use: float = 0.9) -> PitchDeviations:
+def sample_pitch_deviations(gear: Gear, grade: int, seed: int, *, use: float = 0.9) -> dict[str, np.ndarray]:
     """Sampled deviations that reach the share `use` of the governing tolerance; equal arguments give equal values.
+
+    They are clearances (tooth,) in m along the transverse line of action, by flank, "drive" and "coast". A positive
+    value sets the flank back, so that its pair touches later. Values have either sign and zero mean over each flank:
+    delta = 0 remains the position of the average tooth. Deviations along the pitch circle are the clearance divided by
+    cos alpha_t, with the opposite sign.
 
     The sample is an eccentricity (in both flanks, with a phase of plus and minus the pressure angle) plus an
     independent random part of each flank. It is scaled so that the largest single pitch deviation is at most use * f_pT
@@ -126,10 +113,8 @@ def sample_pitch_deviations(gear: Gear, grade: int, seed: int, *, use: float = 0
 
     Raises
     ------
-    GeometryError : outside ISO 1328-1, or `use` not in (0, 1]
+    GeometryError : outside ISO 1328-1
     """
-    if not 0.0 < use <= 1.0:
-        raise GeometryError(f"pitch deviations of gear z={gear.teeth}: use is {use!r}; give a value in (0, 1]")
     tolerance = pitch_tolerance(gear, grade)
     draw = np.random.default_rng(seed)
     direction = draw.uniform(0.0, 2.0 * math.pi)
@@ -143,11 +128,4 @@ def sample_pitch_deviations(gear: Gear, grade: int, seed: int, *, use: float = 0
     single = np.abs(arc - np.roll(arc, 1, axis=1)).max()
     scale = use * min(tolerance.single / single, tolerance.cumulative / np.ptp(arc, axis=1).max())
     clearance = arc * scale * math.cos(alpha)
-    return PitchDeviations(
-        grade=grade,
-        seed=seed,
-        single_tolerance=tolerance.single,
-        cumulative_tolerance=tolerance.cumulative,
-        drive=clearance[0],
-        coast=clearance[1],
-    )
+    return {"drive": clearance[0], "coast": clearance[1]}

@@ -46,21 +46,6 @@ class FlankTolerance:
     helix: float
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class FlankDeviations:
-    """Terms of one flank of a gear's teeth, each (tooth,), as input of `fem.contact.teeth.tooth_terms`.
-
-    clearance m, profile_slope m per base pitch, profile_curvature m per base pitch squared, lead_slope and
-    lead_curvature m over the face width.
-    """
-
-    clearance: np.ndarray
-    profile_slope: np.ndarray
-    profile_curvature: np.ndarray
-    lead_slope: np.ndarray
-    lead_curvature: np.ndarray
-
-
 def flank_tolerance(gear: Gear, grade: int) -> FlankTolerance:
     """ISO 1328-1:2013 tolerances of profile and helix.
 
@@ -93,8 +78,12 @@ def sample_flank_deviations(
     profile: bool = True,
     helix: bool = True,
     use: float = 0.9,
-) -> dict[str, FlankDeviations]:
+) -> dict[str, dict[str, np.ndarray]]:
     """Sampled deviations of all teeth of one gear by flank, "drive" and "coast"; equal arguments give equal values.
+
+    Those of a flank are terms (tooth,), the arguments of `fem.contact.teeth.tooth_terms` by name: clearance m,
+    profile_slope m per base pitch, profile_curvature m per base pitch squared, lead_slope and lead_curvature m over the
+    face width.
 
     Half of a slope is common to all teeth of a flank, half belongs to the single tooth. Each of the four quantities is
     scaled so that the largest over the teeth of both flanks reaches the share `use` of its tolerance. Slope and form of
@@ -111,12 +100,8 @@ def sample_flank_deviations(
 
     Raises
     ------
-    GeometryError : outside ISO 1328-1, unknown gear, or `use` not in (0, 1]
+    GeometryError : outside ISO 1328-1
     """
-    if gear not in ("pinion", "wheel"):
-        raise GeometryError(f"flank deviations: gear is {gear!r}; choose 'pinion' or 'wheel'")
-    if not 0.0 < use <= 1.0:
-        raise GeometryError(f"flank deviations: use is {use!r}; give a value in (0, 1]")
     own: Gear = getattr(pair, gear)
     tolerance = flank_tolerance(own, grade)
     draw = np.random.default_rng([seed, 1328])  # separate sequence: pitch deviations do not change
@@ -138,11 +123,11 @@ def sample_flank_deviations(
     found = {}
     for k, flank in enumerate(("drive", "coast")):
         slope, curve = side * sampled[0][k] / length, sampled[1][k] * (2.0 / length) ** 2
-        found[flank] = FlankDeviations(
-            clearance=-slope * middle + curve * middle**2,
-            profile_slope=slope - 2.0 * curve * middle,
-            profile_curvature=curve,
-            lead_slope=sampled[2][k].copy(),
-            lead_curvature=4.0 * sampled[3][k],
-        )
+        found[flank] = {
+            "clearance": -slope * middle + curve * middle**2,
+            "profile_slope": slope - 2.0 * curve * middle,
+            "profile_curvature": curve,
+            "lead_slope": sampled[2][k].copy(),
+            "lead_curvature": 4.0 * sampled[3][k],
+        }
     return found

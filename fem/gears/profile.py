@@ -10,7 +10,6 @@ Litvin & Fuentes (2004), Gear Geometry and Applied Theory, 2nd ed., chapter 6; I
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,18 +17,6 @@ from fem.gears.gear import Gear, require
 from fem.numerics.root import brentq
 
 _FINE = 400  # points on the fillet for its arc length
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class HalfTooth:
-    """Half a pitch of the transverse profile, from mid space on the root circle to mid tooth on the tip circle.
-
-    points (n, 2) in m; points[form_index] is between fillet and involute, points[tip_index] is the tip corner.
-    """
-
-    points: np.ndarray
-    form_index: int
-    tip_index: int
 
 
 def generate_trochoid(gear: Gear, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -130,7 +117,7 @@ def roll_length(gear: Gear, radius: float) -> float:
     return gear.base_radius * math.tan(gear.pressure_angle_at(radius))
 
 
-def half_tooth_profile(gear: Gear, n_fillet: int, n_flank: int, n_tip: int) -> HalfTooth:
+def half_tooth_profile(gear: Gear, n_fillet: int, n_flank: int, n_tip: int) -> np.ndarray:
     """Ordered transverse points of half a pitch, n_fillet + n_flank + n_tip intervals.
 
     Root arc and trochoid are divided uniformly by arc length, the involute by roll length (hence uniformly along the
@@ -143,21 +130,19 @@ def half_tooth_profile(gear: Gear, n_fillet: int, n_flank: int, n_tip: int) -> H
 
     Returns
     -------
-    HalfTooth with points (n_fillet + n_flank + n_tip + 1, 2): from (r_f sin(pi/z), r_f cos(pi/z)) to (0, r_a)
+    points (n_fillet + n_flank + n_tip + 1, 2), m: from (r_f sin(pi/z), r_f cos(pi/z)) at mid space to (0, r_a) at mid
+        tooth; point n_fillet is between fillet and involute, point n_fillet + n_flank is the tip corner
 
     Raises
     ------
-    GeometryError : a count below 1, or a fillet that leaves no involute
+    GeometryError : a fillet that leaves no involute
     """
-    for name, count in (("n_fillet", n_fillet), ("n_flank", n_flank), ("n_tip", n_tip)):
-        require(count >= 1, f"half tooth profile: {name} is {count!r}; give a whole number >= 1")
     fillet = _fillet_points(gear, n_fillet)
     start, end = roll_length(gear, form_radius(gear)), roll_length(gear, gear.tip_form_radius)
     flank, _, _ = flank_at_roll(gear, np.linspace(start, end, n_flank + 1))
     tip_angle = np.linspace(gear.half_thickness_angle(gear.tip_form_radius), 0.0, n_tip + 1)[1:]
     tip = gear.tip_form_radius * np.column_stack([np.sin(tip_angle), np.cos(tip_angle)])
-    points = np.vstack([fillet[:-1], flank, tip])
-    return HalfTooth(points=points, form_index=n_fillet, tip_index=n_fillet + n_flank)
+    return np.vstack([fillet[:-1], flank, tip])
 
 
 def _fillet_points(gear: Gear, n_fillet: int) -> np.ndarray:

@@ -35,16 +35,12 @@ class Rack:
     pressure_angle: float = math.radians(20.0)
 
     def __post_init__(self) -> None:
-        for name in ("addendum", "dedendum"):
-            value = getattr(self, name)
-            require(0.3 <= value <= 2.5, f"rack_{name} = {value:g} modules is not between 0.3 and 2.5. Correct it")
         low, high = math.radians(10.0), math.radians(35.0)
         require(
             low <= self.pressure_angle <= high,
             f"the pressure angle of {math.degrees(self.pressure_angle):g} deg is not between 10 and 35 deg. Correct "
             "pressure_angle_deg",
         )
-        require(self.tip_radius >= 0.0, f"rack_tip_radius = {self.tip_radius:g} modules is below 0. Correct it")
         half_land = self.tip_land
         largest = self.tip_radius + half_land * math.cos(self.pressure_angle) / (1.0 - math.sin(self.pressure_angle))
         require(

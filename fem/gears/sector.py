@@ -90,8 +90,7 @@ class _Fillet:
     def of(gear: Gear) -> _Fillet:
         from scipy.interpolate import CubicSpline  # imported here: reports import this file and would take 0.3 s longer
 
-        half = half_tooth_profile(gear, _FILLET_POINTS, 1, 1)
-        x, y = half.points[: half.form_index + 1].T  # tooth centre line along +y there
+        x, y = half_tooth_profile(gear, _FILLET_POINTS, 1, 1)[: _FILLET_POINTS + 1].T  # tooth along +y there
         radius, angle = np.hypot(x, y), np.arctan2(x, y)
         arc = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
         rise, run = np.diff(radius), -np.diff(angle) * (radius[1:] + radius[:-1]) / 2

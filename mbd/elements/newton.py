@@ -238,7 +238,7 @@ def solve_dense(matrix, right):
 
 
 def solve_rows(
-    table: Table, clock: tuple[float, float, float], u_p: np.ndarray, v_p: np.ndarray, g_u: np.ndarray,
+    table: Table, clock: tuple[float, float, float], *, u_p: np.ndarray, v_p: np.ndarray, g_u: np.ndarray,
     g_v: np.ndarray, force: np.ndarray, u: np.ndarray, v: np.ndarray, now: Instant, tolerance: float,
 ) -> int:  # fmt: skip
     """`iterate` for one instant, to the tolerance.

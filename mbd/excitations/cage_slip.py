@@ -16,10 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.numerics.inner import inner
-from mbd.parts.checks import MachineError
 
 PITCHES = 4096
-LARGEST = 0.05
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,13 +26,6 @@ class CageSlip:
 
     share: float
     seed: tuple[int, ...]
-
-    def __post_init__(self) -> None:
-        if not 0.0 <= self.share <= LARGEST:
-            raise MachineError(
-                f"cage slip: {self.share!r} must be from 0 to {LARGEST}. A cage with more slip skids, which is not "
-                "modelled."
-            )
 
     def walk(self, pitch: float) -> np.ndarray:
         """Lag (rad) and slip of the cage at every pitch (PITCHES + 1, 2), ``pitch`` in rad; the first lag is 0."""

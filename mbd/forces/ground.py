@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import ENERGY, Element, rule
 from mbd.elements.mode_words import ModeWords
-from mbd.parts.checks import finite, not_negative, positive
 
 STIFFNESS, DAMPING, LEVEL, RISE = range(4)
 
@@ -40,11 +39,6 @@ class Ground:
     level: float
     stiffness: float
     damping_ratio: float = 0.1
-
-    def __post_init__(self) -> None:
-        finite("ground level", self.level)
-        positive("ground stiffness", self.stiffness)
-        not_negative("ground damping_ratio", self.damping_ratio)
 
     def element(self, lay: Coordinates, lift: str, mass: float, rise: float) -> Element:
         """The ground under a container.

@@ -70,10 +70,6 @@ class RopePendulum(Rope):
     model: Literal["rope", "rope-pendulum"] = "rope-pendulum"
 
     def __post_init__(self) -> None:
-        super().__post_init__()
-        for angle in self.sway:
-            if not abs(angle) < math.radians(75):
-                raise MachineError(f"rope sway {angle!r} rad must be below 75 deg.")
         if self.ground is not None:
             raise MachineError("a swinging mass has no ground below it. Delete ground_level_m, or set model = 'rope'.")
 

@@ -24,7 +24,7 @@ from mbd.elements.linear import Matrices, Part
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
 from mbd.forces.ground import Ground
-from mbd.parts.checks import MachineError, finite, not_negative, positive
+from mbd.parts.checks import MachineError
 from mbd.parts.drive import SpeedProfile
 from mbd.parts.load import CONTAINER, ROPE_FORCE, Load, pull_axis
 
@@ -67,14 +67,6 @@ class Rope(Load):
     direction: float | None = None  # rad from +x to +z, of the pull of the ropes on the drums
     ground: Ground | None = None
     model: Literal["rope", "rope-pendulum"] = "rope"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        for name in ("container_mass", "drum_radius", "falls", "axial_stiffness", "length", "reeving"):
-            positive(f"rope {name}", getattr(self, name))
-        not_negative("rope damping_ratio", self.damping_ratio)
-        if self.direction is not None:
-            finite("rope direction", self.direction)
 
     @property
     def coordinates(self) -> tuple[str, ...]:

@@ -36,8 +36,6 @@ class GeneralisedAlpha:
     flow: Flow | None = None
 
     def __init__(self, system: System, step: float, radius: float = DEFAULT_RADIUS) -> None:
-        if not 0.0 <= radius <= 1.0:
-            raise StepError(f"generalised-alpha: spectral radius {radius} must lie between 0 and 1.")
         n = system.layout.size
         self._system, self._step, self._radius = system, step, radius
         self._am, self._af = (2 * radius - 1) / (radius + 1), radius / (radius + 1)
@@ -63,8 +61,8 @@ class GeneralisedAlpha:
         still = np.zeros((len(self._rows), len(self._forces)))
         v = system.rows @ self._v
         used = solve_rows(
-            system.table, (self._angle, state.motor_speed, 0.0), self._rows.copy(), v.copy(), still,
-            still[: len(v)].copy(), self._forces, self._rows, v, self._now, TOLERANCE,
+            system.table, (self._angle, state.motor_speed, 0.0), u_p=self._rows.copy(), v_p=v.copy(), g_u=still,
+            g_v=still[: len(v)].copy(), force=self._forces, u=self._rows, v=v, now=self._now, tolerance=TOLERANCE,
         )  # fmt: skip
         if used < 0:
             raise StepError("the forces at t = 0 could not be evaluated; the state is not finite.")
@@ -122,8 +120,9 @@ class GeneralisedAlpha:
         rows, rates, now = u_p.copy(), w_p.copy(), instant(system.table)
         clock = angle, speed, self._time + h
         used = solve_rows(
-            system.table, clock, u_p, w_p, self._g_u, self._g_v, self._forces, rows, rates, now, TOLERANCE
-        )
+            system.table, clock, u_p=u_p, v_p=w_p, g_u=self._g_u, g_v=self._g_v, force=self._forces, u=rows, v=rates,
+            now=now, tolerance=TOLERANCE,
+        )  # fmt: skip
         step = self.counters["steps"]
         if used < 0:
             raise StepError(

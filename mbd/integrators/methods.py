@@ -14,7 +14,6 @@ METHODS = {
     "exponential": ("mbd.integrators.exponential", "exponential"),
     "trapezoidal": ("mbd.integrators.trapezoidal", "trapezoidal"),
     "generalised-alpha": ("mbd.integrators.generalised_alpha", "GeneralisedAlpha"),
-    "reference": ("mbd.integrators.reference", "Reference"),
 }
 COMPILED = ("exponential", "trapezoidal")  # those whose time loop is `mbd.integrators.modal_loop`
 

@@ -96,8 +96,8 @@ class ModalIntegrator:
         still = np.zeros((len(u), m))
         forces = state.forces.copy()
         used = solve_rows(
-            table, (state.motor_angle, state.motor_speed, 0.0), u, v, still, still[:m].copy(), forces, u.copy(),
-            v.copy(), now, TOLERANCE,
+            table, (state.motor_angle, state.motor_speed, 0.0), u_p=u, v_p=v, g_u=still, g_v=still[:m].copy(),
+            force=forces, u=u.copy(), v=v.copy(), now=now, tolerance=TOLERANCE,
         )  # fmt: skip
         if used < 0:
             raise StepError("the forces at t = 0 could not be evaluated; the state is not finite.")

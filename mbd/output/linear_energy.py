@@ -67,7 +67,8 @@ class LinearWork:
             ramp_work = self._free_ramp_work(moved)
         work = self._ports * port_work  # (port, coordinate) that the motion of each coordinate does against each port
         rows: dict[str, list[float]] = {}
-        ports = dict(zip((part.name for part, _ in self._massless), self._port_slices(), strict=True))
+        ends = np.cumsum([len(system.rows), *(len(own) for _, own in self._massless)])
+        ports = {part.name: slice(*at) for (part, _), at in zip(self._massless, itertools.pairwise(ends), strict=True)}
         for part in system.parts:
             i = part.index
             if part.is_massive:
@@ -115,8 +116,3 @@ class LinearWork:
     def _part_forces(self, part: Part, rows: np.ndarray) -> np.ndarray:
         """Forces (displacement, state) of a massless part."""
         return part.own("stiffness") @ (rows @ self.to_q) + part.own("damping") @ (rows @ self.to_v)
-
-    def _port_slices(self) -> list[slice]:
-        """Ports of every massless part."""
-        ends = np.cumsum([len(self._system.rows), *(len(rows) for _, rows in self._massless)])
-        return [slice(int(first), int(end)) for first, end in itertools.pairwise(ends)]

@@ -23,22 +23,12 @@ from mbd.output.trajectory import Trajectory
 from mbd.parts.channels import sensor_names
 from mbd.parts.checks import StepError
 from mbd.system.statics import State, equilibrium
-from mbd.system.system import System, mesh_mode_frequency
+from mbd.system.system import System
 
 logger = logging.getLogger(__name__)
 
-STEPS_PER_PERIOD = 3  # of the highest mesh mode, for the default step
 BLOCK_STATES = 400_000  # numbers per block of states: memory does not grow with the run
 Progress = Callable[[float], None]
-
-
-def steps_per_sample(system: System, settings: Settings) -> int:
-    """Whole number of time steps per output interval."""
-    step = settings.step
-    if step is None:
-        mode = mesh_mode_frequency(system)
-        step = 1 / (STEPS_PER_PERIOD * mode) if mode else 1 / settings.output_rate
-    return max(1, math.ceil(1 / (settings.output_rate * step) - 1e-9))
 
 
 def simulate(
@@ -71,7 +61,7 @@ def _simulate(
     system: System, settings: Settings, progress: Progress | None, start: State | None, file: Path | None
 ) -> Trajectory:
     system.machine.check_run(settings.end)
-    every = steps_per_sample(system, settings)
+    every = max(1, math.ceil(1 / (settings.output_rate * settings.step) - 1e-9))  # steps per sample
     step = 1 / (settings.output_rate * every)
     integrator = make_integrator(settings.integrator, system, step)
     shape = (len(system.channels.names), settings.n_samples)

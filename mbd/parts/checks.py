@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -33,31 +32,6 @@ def positive(where: str, value: float, remedy: str = "") -> None:
     """Raise MachineError unless ``value`` is finite and > 0."""
     if not (math.isfinite(value) and value > 0):
         raise MachineError(f"{where}: {value!r} must be finite and greater than 0. {remedy}".rstrip())
-
-
-def not_negative(where: str, value: float, remedy: str = "") -> None:
-    """Raise MachineError unless ``value`` is finite and >= 0."""
-    if not (math.isfinite(value) and value >= 0):
-        raise MachineError(f"{where}: {value!r} must be finite and at least 0. {remedy}".rstrip())
-
-
-def finite(where: str, value: float) -> None:
-    """Raise MachineError unless ``value`` is finite."""
-    if not math.isfinite(value):
-        raise MachineError(f"{where}: {value!r} is not a finite number.")
-
-
-def unique(where: str, names: Sequence[str]) -> None:
-    """Raise MachineError if a name occurs twice."""
-    twice = sorted({n for n in names if list(names).count(n) > 1})
-    if twice:
-        raise MachineError(f"{where}: the name(s) {', '.join(twice)} occur more than once; names must be unique.")
-
-
-def known(where: str, name: str, names: Sequence[str]) -> None:
-    """Raise MachineError if ``name`` is not one of ``names``."""
-    if name not in names:
-        raise MachineError(f"{where}: {name!r} is unknown; known: {', '.join(names) or 'none'}.")
 
 
 def freeze_pairs(owner: object, name: str, places: str, levels: str) -> None:

@@ -7,7 +7,6 @@ bearing between two shafts with independent speeds.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Self
@@ -20,9 +19,6 @@ from mbd.elements.coordinates import Coordinates
 from mbd.elements.linear import Part, part_on_rows, springs
 from mbd.elements.mode_words import ModeWords
 from mbd.parts.checks import MachineError
-from mbd.parts.shafts import ShaftSpec
-
-COAXIAL = 1e-5  # m
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,18 +124,3 @@ class CouplingWithAxes(ShaftCoupling):
         """Radial and tilting stiffness of the second axis (N/m, N m/rad)."""
         radial, tilt = self.radial_stiffness_across, self.tilt_stiffness_across
         return self.radial_stiffness if radial is None else radial, self.tilt_stiffness if tilt is None else tilt
-
-
-def check_coaxial(coupling: ShaftCoupling, first: ShaftSpec, second: ShaftSpec) -> None:
-    """Raise MachineError unless both shafts have one axis and, where they turn alike, one lifting sense."""
-    off = math.hypot(first.x - second.x, first.z - second.z)
-    if off > COAXIAL:
-        raise MachineError(
-            f"coupling {coupling.name}: the distance between the axes of {first.name} and {second.name} is "
-            f"{off * 1e3:.3f} mm; a coupling joins shafts on one axis."
-        )
-    if coupling.torsional_stiffness and first.sense != second.sense:
-        raise MachineError(
-            f"coupling {coupling.name}: {first.name} and {second.name} have opposite lifting senses; coupled shafts "
-            "turn the same way."
-        )

@@ -21,7 +21,7 @@ from mbd.elements.component import Component, Place
 from mbd.elements.linear import Matrices, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
-from mbd.parts.checks import finite, freeze_pairs, not_negative, positive
+from mbd.parts.checks import freeze_pairs
 
 if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator
@@ -46,11 +46,6 @@ class CouplingSpec:
     y: float
     stiffness: float
     damping: float = 0.0
-
-    def __post_init__(self) -> None:
-        finite(f"coupling {self.name} y", self.y)
-        positive(f"coupling {self.name} stiffness", self.stiffness)
-        not_negative(f"coupling {self.name} damping", self.damping)
 
 
 @dataclass(frozen=True, kw_only=True)

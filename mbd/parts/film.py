@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from fem.options import check_options, option
-from mbd.parts.checks import MachineError, positive
+from mbd.parts.checks import MachineError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,8 +26,6 @@ class Film:
 
     def __post_init__(self) -> None:
         check_options(self, MachineError)
-        for name in ("radius", "length"):
-            positive(f"film {name}", getattr(self, name))
 
     @property
     def strength(self) -> float:

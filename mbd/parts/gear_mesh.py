@@ -29,9 +29,8 @@ from typing import Any
 import numpy as np
 
 from fem.contact.law import MeshLaw
-from fem.contact.teeth import LawError, checked_terms
+from fem.contact.teeth import checked_terms
 from mbd.elements.component import Component, Link, Place
-from mbd.parts.checks import MachineError, finite, not_negative, positive
 from mbd.parts.film import Film
 from mbd.parts.shafts import ShaftSpec
 
@@ -88,36 +87,13 @@ class MeshSpec(GearedShafts):
     coast_clearance_wheel: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
-        where = f"mesh {self.name}"
-        finite(f"{where} y", self.y)
-        finite(f"{where} cycle_at_start", self.cycle_at_start)
-        for name in ("base_radius_driving", "base_radius_driven", "pressure_angle"):
-            positive(f"{where} {name}", getattr(self, name))
-        for name in ("base_helix_angle", "backlash", "damping_time"):
-            not_negative(f"{where} {name}", getattr(self, name))
-        if self.driving == self.driven:
-            raise MachineError(f"{where}: both gears are on {self.driving}; they must be on two shafts.")
-        z1, z2 = self.drive.pinion_teeth, self.drive.wheel_teeth
-        if (z1, z2) != (self.coast.pinion_teeth, self.coast.wheel_teeth):
-            raise MachineError(f"{where}: the coast law belongs to another tooth pair than the drive law {z1}/{z2}.")
-        if abs(self.base_radius_driven * z1 - self.base_radius_driving * z2) > 1e-9 * self.base_radius_driven * z1:
-            raise MachineError(
-                f"{where}: base radii {self.base_radius_driving}/{self.base_radius_driven} m do not have the ratio of "
-                f"the teeth {z1}/{z2}."
-            )
-        for flank in ("drive", "coast"):
-            for gear, teeth in (("pinion", z1), ("wheel", z2)):
-                self._set_clearance(f"{flank}_clearance_{gear}", teeth)
-        self._check_helix()
-
-    def _set_clearance(self, name: str, teeth: int) -> None:
-        given = getattr(self, name)
-        try:
-            terms = checked_terms(name.rpartition("_")[2], teeth, given if len(given) else None)
-        except LawError as error:
-            raise MachineError(f"mesh {self.name} {name}: {error}.") from error
-        terms.flags.writeable = False
-        object.__setattr__(self, name, terms)
+        for gear, teeth in (("pinion", self.drive.pinion_teeth), ("wheel", self.drive.wheel_teeth)):
+            for flank in ("drive", "coast"):
+                name = f"{flank}_clearance_{gear}"
+                given = getattr(self, name)
+                terms = checked_terms(gear, teeth, given if len(given) else None)
+                terms.flags.writeable = False
+                object.__setattr__(self, name, terms)
 
     @property
     def terms(self) -> tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
@@ -126,15 +102,6 @@ class MeshSpec(GearedShafts):
             (self.drive_clearance_pinion, self.drive_clearance_wheel),
             (self.coast_clearance_pinion, self.coast_clearance_wheel),
         )
-
-    def _check_helix(self) -> None:
-        for law in (self.drive, self.coast):
-            slope = _shift_slope(law)
-            if slope is not None and abs(abs(slope) - math.tan(self.base_helix_angle)) > 1e-3:
-                raise MachineError(
-                    f"mesh {self.name}: the slices of the {law.flank} law shift by {abs(slope):.5f} per face width, "
-                    f"but tan(base_helix_angle) is {math.tan(self.base_helix_angle):.5f}."
-                )
 
     @property
     def cycles_per_radian(self) -> float:
@@ -161,36 +128,12 @@ class MeshSpec(GearedShafts):
         return replace(self, cycle_at_start=self.cycle_at_start + self.cycles_per_radian * angle)
 
 
-def _shift_slope(law: MeshLaw) -> float | None:
-    """Displacement of the contact along the path per face coordinate; None for a single slice."""
-    y, shift = law.face_coordinate, law.cycle_shift
-    if len(y) < 2:
-        return None
-    return float((shift[-1] - shift[0]) * law.base_pitch / (y[-1] - y[0]))
-
-
 def mesh_rows(mesh: MeshSpec, driving: ShaftSpec, driven: ShaftSpec) -> np.ndarray:
-    """Rows (4, 12): delta, psi of drive, then coast, on (ux uy uz rx ry rz) of the driving, then the driven gear.
-
-    Raises
-    ------
-    MachineError : the shafts turn the same way, or their distance contradicts base radii and pressure angle
-    """
-    if driving.sense != -driven.sense:
-        raise MachineError(
-            f"mesh {mesh.name}: {driving.name} and {driven.name} have the same lifting sense; meshing external gears "
-            "turn opposite ways. Give one of them sense = -sense."
-        )
+    """Rows (4, 12): delta, psi of drive, then coast, on (ux uy uz rx ry rz) of the driving, then the driven gear."""
     line = (driven.x - driving.x, driven.z - driving.z)
-    distance = math.hypot(*line)
     radii = mesh.base_radius_driving, mesh.base_radius_driven
-    if distance == 0 or abs(sum(radii) / distance - math.cos(mesh.pressure_angle)) > 1e-3:
-        raise MachineError(
-            f"mesh {mesh.name}: centre distance {distance:.6f} m and base radii of sum {sum(radii):.6f} m do not give "
-            f"the working pressure angle {math.degrees(mesh.pressure_angle):.3f} deg."
-        )
-    slope = _shift_slope(mesh.drive)
-    hand = 0.0 if slope is None else math.copysign(1.0, slope)
+    shift = mesh.drive.cycle_shift
+    hand = float(np.sign(shift[-1] - shift[0]))
     return contact_rows(line, radii, mesh.pressure_angle, hand * math.tan(mesh.base_helix_angle), driving.sense)
 
 

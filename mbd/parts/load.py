@@ -17,7 +17,7 @@ import numpy as np
 from fem.options import check_options
 from mbd.elements.component import Component, Place
 from mbd.elements.coordinates import Coordinates
-from mbd.parts.checks import MachineError, finite, positive
+from mbd.parts.checks import MachineError
 from mbd.parts.drive import SpeedProfile
 
 ROPE_FORCE = "rope:force"  # N, of all falls; for a swinging container the vertical component
@@ -32,10 +32,6 @@ class Load(Component, ABC):
 
     shaft: str
     drums: tuple[float, ...]
-
-    def __post_init__(self) -> None:
-        if not self.drums:
-            raise MachineError("load: no drum; give at least one y position on the output shaft.")
 
     @property
     def places(self) -> tuple[Place, ...]:
@@ -65,11 +61,9 @@ class Load(Component, ABC):
 
     def check_turned(self, angle: float, time: float) -> None:
         """Raise MachineError if its shaft cannot have turned by ``angle`` (rad) at a ``time`` (s)."""
-        return
 
     def check_run(self, profile: SpeedProfile, ratio: float, end: float) -> None:
         """Raise MachineError if the load does not allow the motion up to ``end`` (s)."""
-        return
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,13 +78,6 @@ class StaticTorque(Load):
     direction: float | None = None
     drum_radius: float = 0.0
     model: Literal["static-torque"] = "static-torque"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        finite("load torque", self.torque)
-        if self.direction is not None:
-            finite("load direction", self.direction)
-            positive("load drum_radius", self.drum_radius, "Set a radius, or no direction.")
 
     @property
     def idle(self) -> bool:
@@ -143,10 +130,6 @@ class OutsideForce(Excitation):
 
     shaft: str
     y: float
-
-    def __post_init__(self) -> None:
-        finite(f"{self.name} y", self.y)
-        super().__post_init__()
 
     @property
     def highest_speed(self) -> float:

@@ -12,7 +12,7 @@ from typing import Literal
 
 from fem.options import option
 from mbd.elements.component import Component, Place
-from mbd.parts.checks import Options, not_negative
+from mbd.parts.checks import Options
 
 
 class Losses(Options):
@@ -56,9 +56,6 @@ class Brake(Component):
     shaft: str
     y: float
     torque: float
-
-    def __post_init__(self) -> None:
-        not_negative("brake torque", self.torque)
 
     @property
     def places(self) -> tuple[Place, ...]:

@@ -17,10 +17,9 @@ import numpy as np
 
 from mbd.elements.component import Component, Link
 from mbd.parts.bearings import BearingSpec
-from mbd.parts.checks import MachineError, finite, known, unique
-from mbd.parts.couplings import ShaftCoupling, check_coaxial
+from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.drive import CouplingSpec, Drive, SpeedProfile
-from mbd.parts.gear_mesh import GearedShafts, MeshSpec, mesh_rows
+from mbd.parts.gear_mesh import GearedShafts, MeshSpec
 from mbd.parts.load import Excitation, Load, OutsideForce
 from mbd.parts.losses import Brake, Losses, NoLosses
 from mbd.parts.shafts import ShaftSpec
@@ -81,26 +80,9 @@ class Machine(Train):
     meshes: tuple[MeshSpec, ...]
 
     def __post_init__(self) -> None:
-        shafts = [s.name for s in self.shafts]
-        unique("shafts", shafts)
-        unique("bearings", [b.name for b in self.bearings])
-        unique("meshes", [m.name for m in self.meshes])
-        unique("couplings", [c.name for c in self.couplings] + [j.name for j in self.shaft_couplings])
-        finite("gravity", self.gravity)
-        if not self.couplings and not self.input_shaft:
-            raise MachineError("machine: no motor coupling and no input shaft; state what drives it.")
-        if self.input_shaft:
-            known("input shaft", self.input_shaft, shafts)
-        unique("forces", [force.name for force in self.forces])
         for component in self.components:
             for what, shaft, y in component.places:
-                known(f"{what} shaft", shaft, shafts)
                 self.shaft(shaft).check_station(what, y)
-        for coupling in self.shaft_couplings:
-            check_coaxial(coupling, *(self.shaft(name) for name in coupling.shafts))
-        for mesh in self.meshes:
-            mesh_rows(mesh, self.shaft(mesh.driving), self.shaft(mesh.driven))
-        self.ratios()
 
     def shaft(self, name: str) -> ShaftSpec:
         """The shaft called ``name``."""
@@ -137,7 +119,7 @@ class Machine(Train):
         ------
         MachineError : a shaft that no motor turns, or a closed loop whose ratios do not agree
         """
-        return shaft_ratios([s.name for s in self.shafts], self.links, self.driven)
+        return shaft_ratios(self.links, self.driven)
 
     def turned(self, angle: float) -> Machine:
         """The machine after its motors have rolled by ``angle`` (rad): mesh cycles, rope length and what turns with the

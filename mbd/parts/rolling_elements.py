@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from fem.numerics.root import brentq
-from mbd.parts.checks import MachineError, finite, not_negative, positive
+from mbd.parts.checks import MachineError, positive
 
 LINE_CONSTANT = 35948.0 * 1000.0 ** (10 / 9 + 8 / 9)  # c_L in N, m
 STEEL = (206e9, 0.3)
@@ -40,14 +40,6 @@ class RollingElements:
     cage_start: float = 0.0  # rad
 
     def __post_init__(self) -> None:
-        if self.kind not in ("ball", "roller"):
-            raise MachineError(f"rolling elements: kind {self.kind!r} is unknown; known: ball, roller.")
-        if self.count < 3:
-            raise MachineError(f"rolling elements: {self.count} are too few; at least 3 hold a ring.")
-        for name in ("diameter", "pitch_diameter"):
-            positive(f"rolling elements {name}", getattr(self, name))
-        for name in ("clearance", "preload", "cage_start"):
-            finite(f"rolling elements {name}", getattr(self, name))
         room = self.pitch_diameter * math.sin(math.pi / self.count)
         if self.diameter > room:
             raise MachineError(
@@ -55,16 +47,8 @@ class RollingElements:
                 f"pitch_diameter_mm = {self.pitch_diameter * 1e3:g}. Set an element diameter of at most "
                 f"{room * 1e3:.3f}."
             )
-        if abs(self.contact_angle) >= math.radians(75):
-            raise MachineError(
-                f"rolling elements: contact angle {math.degrees(self.contact_angle):.3g} deg must be below 75; thrust "
-                "bearings are not modelled."
-            )
         if self.kind == "roller":
             positive("rolling elements length", self.length, "Set the effective contact length, roller_length_mm.")
-        else:
-            not_negative("rolling elements inner_conformity above 0.5", self.inner_conformity - 0.5 - 1e-6)
-            not_negative("rolling elements outer_conformity above 0.5", self.outer_conformity - 0.5 - 1e-6)
 
     @property
     def gamma(self) -> float:

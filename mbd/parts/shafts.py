@@ -23,7 +23,7 @@ from mbd.elements.linear import Matrices, Part
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
 from mbd.parts.beam import beam_matrices, disk_matrices
-from mbd.parts.checks import MachineError, Options, finite, positive, unique
+from mbd.parts.checks import MachineError, Options
 
 AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
 RIGID_MOTIONS = 5  # of the model "torsion", its first coordinates
@@ -105,25 +105,7 @@ class ShaftSpec(ShaftModel, Component):
     density: float = 7850.0
 
     def __post_init__(self) -> None:
-        where = f"shaft {self.name}"
-        finite(f"{where} x", self.x)
-        finite(f"{where} z", self.z)
-        if self.sense not in (1, -1):
-            raise MachineError(f"{where}: sense {self.sense!r} must be +1 or -1 (lifting rotation about +y or -y).")
-        if not self.sections:
-            raise MachineError(f"{where}: has no section; give at least one.")
-        for before, after in itertools.pairwise(self.sections):
-            if abs(before.y_end - after.y_start) > 1e-9:
-                raise MachineError(
-                    f"{where}: sections must follow one another, but one ends at {before.y_end} m and the next "
-                    f"starts at {after.y_start} m."
-                )
-        positive(f"{where} elastic_modulus", self.elastic_modulus)
-        positive(f"{where} density", self.density)
         check_options(self, MachineError)
-        if not -1.0 < self.poisson_ratio < 0.5:
-            raise MachineError(f"{where}: poisson_ratio {self.poisson_ratio} must lie between -1 and 0.5.")
-        unique(f"{where} disks", [d.name for d in self.disks])
         for disk in self.disks:
             self.check_station(f"disk {disk.name}", disk.y)
 

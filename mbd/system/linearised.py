@@ -31,7 +31,7 @@ from mbd.elements.element import WIDTH
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.newton import forces_at
 from mbd.elements.table import instant, slope_matrix
-from mbd.parts.checks import MachineError, finite, positive
+from mbd.parts.checks import MachineError, positive
 from mbd.parts.machine import Machine
 from mbd.parts.modal_basis import SMALLEST_FREQUENCY
 from mbd.system.statics import State, equilibrium, foot_forces
@@ -104,7 +104,8 @@ def turned(machine: Machine, angle: float) -> Machine:
     ------
     MachineError : the drums have then wound more rope than there is
     """
-    finite("motor angle", angle)
+    if not math.isfinite(angle):
+        raise MachineError(f"motor angle: {angle!r} is not a finite number.")
     return machine.turned(angle)
 
 

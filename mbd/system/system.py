@@ -190,16 +190,3 @@ def _motor_torque(parts: tuple[Part, ...], size: int) -> np.ndarray:
 def natural_frequencies(system: System) -> np.ndarray:
     """Undamped frequencies (Hz) of the linear reference within the band, ascending."""
     return system.frequencies / (2 * np.pi)
-
-
-def mesh_mode_frequency(system: System, share: float = 0.1) -> float:
-    """Highest frequency (Hz) of a mode that stores at least ``share`` of its strain energy in one contact that holds
-    the train; 0 if none."""
-    top = 0.0
-    for element in system.elements:
-        if element.contact is None or not element.stiffness[0]:
-            continue
-        stored = element.stiffness[0] * (element.rows[0] @ system.basis) ** 2 / system.frequencies**2
-        if (stored > share).any():
-            top = max(top, float(system.frequencies[stored > share].max()))
-    return top / (2 * np.pi)

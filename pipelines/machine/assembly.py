@@ -80,8 +80,7 @@ def clearances(pair: GearPair, pinion: GearTeeth, wheel: GearTeeth) -> dict[str,
         given = teeth.deviations
         flanks = {"drive": np.zeros(gear.teeth), "coast": np.zeros(gear.teeth)}
         if given is not None and "pitch" in given.include:
-            pitch = sample_pitch_deviations(gear, given.grade, given.seed)
-            flanks = {"drive": pitch.drive, "coast": pitch.coast}
+            flanks = sample_pitch_deviations(gear, given.grade, given.seed)
         faulty = fault_terms(gear.teeth, teeth)
         shapes = {}
         if given is not None and ("profile" in given.include or "helix" in given.include):
@@ -91,7 +90,7 @@ def clearances(pair: GearPair, pinion: GearTeeth, wheel: GearTeeth) -> dict[str,
             terms = clearance + (faulty if faulty.ndim == 1 else faulty[:, 0])
             if flank in shapes:
                 shape = shapes[flank]
-                terms = tooth_terms(gear.teeth, **(vars(shape) | {"clearance": terms + shape.clearance}))
+                terms = tooth_terms(gear.teeth, **(shape | {"clearance": terms + shape["clearance"]}))
             if teeth.prescribed is not None and teeth.prescribed.teeth:
                 offset, slope = single_tooth_terms(pair, name, flank, teeth.prescribed)
                 terms = terms if terms.ndim == 2 else tooth_terms(gear.teeth, clearance=terms)

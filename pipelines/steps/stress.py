@@ -16,7 +16,7 @@ from fem.contact.models.solid import Solid
 from fem.contact.models.solid_stress import LoadedTeeth, stress_field
 from fem.contact.teeth import checked_terms
 from fem.contact.wheels.compliance import ContactCompliance
-from fem.contact.wheels.contact import solve
+from fem.contact.wheels.contact import contact_at
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import lead_gap, profile_gap
 from pipelines.machine.flanks_spec import FlanksSpec
@@ -64,9 +64,8 @@ def build(spec: StressSpec, *, record: ContactCompliance, laws: tuple[MeshLaw, M
         checked_terms("wheel", law.wheel_teeth, spec.wheel_terms)[teeth[1]],
     )
     extra = np.where(np.isfinite(record.gap[place]), _gaps(spec.flanks, law, record, xi, terms), 0.0)
-    clearance = dict(zip(numbers.tolist(), extra, strict=True))
-    state = solve(record, np.array([spec.index]), force=spec.force, clearance=clearance)
-    pinion, wheel = stress_field(pair, spec.model, record, state)
+    _, line_load = contact_at(record, spec.index, spec.force, extra)
+    pinion, wheel = stress_field(pair, spec.model, record, spec.index, line_load)
     return LoadedTeeth(
         cycle=spec.index / len(record.position),
         hand=record.hand,
@@ -75,7 +74,7 @@ def build(spec: StressSpec, *, record: ContactCompliance, laws: tuple[MeshLaw, M
         pair=numbers,
         xi=xi,
         face=record.face,
-        line_load=state.line_load[0],
+        line_load=line_load,
         missing=np.array([np.isinf(of_gear[:, 0]) for of_gear in terms]),
     )
 

@@ -7,6 +7,7 @@ reference is SciPy's DOP853 at a relative tolerance of 1e-9; it shares the assem
 import numpy as np
 import pytest
 
+import benchmarks.reference_integrator  # noqa: F401 - registers it
 from mbd.integrators.settings import Settings
 from mbd.output.simulate import simulate
 from pipelines.engine.run_graph import Work

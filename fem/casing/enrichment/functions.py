@@ -26,13 +26,14 @@ import scipy.sparse as sp
 
 from fem.casing.enrichment.fans import Fan, chains, continuation
 from fem.casing.enrichment.integrals import added_entries
-from fem.casing.enrichment.lines import GRID, gauss, graded, quadratic
-from fem.casing.enrichment.profiles import ALONG, Profiles
+from fem.casing.enrichment.lines import GRID, gauss, graded
+from fem.casing.enrichment.profiles import ALONG, profiles
 from fem.casing.enrichment.topology import Sector, Topology
 from fem.casing.mesh.mesh import CasingMesh
 from fem.elements.cubic import CubicFunctions
 from fem.elements.cubic_shapes import element_shapes
 from fem.elements.materials import Material
+from fem.elements.sections import lagrange
 from fem.elements.solid_elements import SOLIDS, solid_element
 from fem.elements.solids import lame
 from fem.numerics.threads import side_by_side
@@ -131,15 +132,15 @@ class EdgeFunctions:
             lines.append(_along(kind, *turned)[part.line])
         found: tuple[np.ndarray, ...] = added_entries(
             self.mesh.nodes[self.mesh.elements[element]],
-            values,
-            slopes,
-            weights,
-            np.concatenate(tables),
-            np.array(lines),
-            np.array(owners),
-            np.array([part.sector.axes for part in own]),
-            np.array([part.frame for part in own]),
-            *lame(self.material.elastic_modulus, self.material.poisson_ratio),
+            values=values,
+            slopes=slopes,
+            weights=weights,
+            tables=np.concatenate(tables),
+            lines=np.array(lines),
+            owners=np.array(owners),
+            axes=np.array([part.sector.axes for part in own]),
+            frames=np.array([part.frame for part in own]),
+            lame=lame(self.material.elastic_modulus, self.material.poisson_ratio),
         )
         return found
 
@@ -173,12 +174,12 @@ def edge_functions(
     clamped = np.isin(topology.patch, [mesh.patch_names.index(name) for name in held])
     sections: dict[bytes, list[np.ndarray]] = {}
     for chain in chains(topology, clamped):
-        profiles = Profiles(topology, chain, clamped, material.poisson_ratio, sections)
+        of_chain = profiles(topology, chain, clamped, material.poisson_ratio, sections)
         known: dict[int, tuple[np.ndarray, int]] = {}
         last = len(chain.fans) - 1
         for number, fan in enumerate(chain.fans):
             for line, s in enumerate(ALONG):
-                node, values = topology.node(fan.sectors[0], (0.0, 0.0, s)), profiles.at(2 * number + line)
+                node, values = topology.node(fan.sectors[0], (0.0, 0.0, s)), of_chain[2 * number + line]
                 behind: list[Sector | None] | None = []
                 if not chain.closed and (number, line) in ((0, 0), (last, 2)):
                     behind = continuation(topology, fan, line // 2, values)
@@ -243,7 +244,7 @@ def _along(kind: str, ends: bytes, origin: bytes, axes: bytes) -> np.ndarray:
     """The functions along the edge of a sector and their derivatives (3, 2, q) at the points of `_rule`."""
     points = _rule(kind, ends)[0].reshape(3, -1)
     s = np.frombuffer(axes).reshape(3, 3)[:, 2] @ (points - np.frombuffer(origin)[:, None])
-    return np.stack(quadratic(s)).transpose(2, 0, 1)
+    return np.stack(lagrange(s)).transpose(2, 0, 1)
 
 
 def _table(part: _Part, points: np.ndarray) -> np.ndarray:

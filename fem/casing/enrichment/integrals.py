@@ -14,6 +14,7 @@ _POINTS = 512  # evaluated together, so that their values fit in the processor's
 
 def added_entries(
     nodes: np.ndarray,
+    *,
     values: np.ndarray,
     slopes: np.ndarray,
     weights: np.ndarray,
@@ -22,8 +23,7 @@ def added_entries(
     owners: np.ndarray,
     axes: np.ndarray,
     frames: np.ndarray,
-    lam: float,
-    mu: float,
+    lame: tuple[float, float],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Stiffness and mass that couple the added functions with those of the element and with one another.
 
@@ -37,7 +37,7 @@ def added_entries(
     owners : int (f,), the node of every added function
     axes, frames : (p, 3, 3) of the nodes; columns: directions of xi, eta, s in the element, and of the components in
         space
-    lam, mu : Lame constants, Pa
+    lame : Lame constants lambda and mu, Pa
 
     Returns
     -------
@@ -50,7 +50,7 @@ def added_entries(
         end = min(first + _POINTS, count)
         inverse, volume = _inverse(nodes, slopes, weights, first, end)
         of_nodes = np.einsum("arq,rdq->adq", slopes[..., first:end], inverse)
-        moved, strains, stresses = _laid_out(tables, lines, owners, axes, frames, inverse, lam, mu, first, end)
+        moved, strains, stresses = _laid_out(tables, lines, owners, axes, frames, inverse, *lame, first, end)
         stresses *= volume
         weighed = moved * volume
         K_nodes += (stresses.reshape(3 * f, -1) @ of_nodes.reshape(a, -1).T).reshape(f, 3, a)

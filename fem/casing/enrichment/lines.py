@@ -2,33 +2,21 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 
+from fem.elements.sections import lagrange
 from fem.numerics.quadratic_grids import with_middles
 
 GRID = np.array([0.0, 0.01, 0.06, 0.3, 1.0])  # cells from an edge to the far side of an element
+NODES = with_middles(GRID)  # coordinates (k,) of the nodes of quadratic cells on it
 GAUSS = 3  # points in a cell: exact to degree 5
 
 
-def quadratic(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Values and slopes (q, 3) of the quadratic functions of the nodes 0, 1/2, 1 at t (q,)."""
-    value = np.stack([(1.0 - t) * (1.0 - 2.0 * t), 4.0 * t * (1.0 - t), t * (2.0 * t - 1.0)], axis=1)
-    return value, np.stack([4.0 * t - 3.0, 4.0 - 8.0 * t, 4.0 * t - 1.0], axis=1)
-
-
-@cache
-def graded_nodes() -> np.ndarray:
-    """Coordinates (k,) of the nodes of quadratic cells on `GRID`."""
-    return with_middles(GRID)
-
-
 def graded(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Values and slopes (q, k) of the functions of `graded_nodes` at x (q,) in 0 .. 1."""
+    """Values and slopes (q, k) of the functions of NODES at x (q,) in 0 .. 1."""
     cell = np.clip(np.searchsorted(GRID, x, side="right") - 1, 0, len(GRID) - 2)
     width = np.diff(GRID)[cell]
-    value, slope = quadratic((x - GRID[cell]) / width)
+    value, slope = lagrange((x - GRID[cell]) / width)
     values, slopes = np.zeros((2, len(x), 2 * len(GRID) - 1))
     place = 2 * cell[:, None] + np.arange(3)
     np.put_along_axis(values, place, value, axis=1)
@@ -55,7 +43,7 @@ def products(
 
 def nine_nodes(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Values (q, 3, 3) and slopes (q, 3, 3, 2) of a quadrilateral of nine nodes at xi, eta."""
-    return products(quadratic(x), quadratic(y))
+    return products(lagrange(x), lagrange(y))
 
 
 def eight_nodes(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -10,17 +10,24 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fem.casing.enrichment.edge_section import EdgeSection
 from fem.casing.enrichment.fans import Chain, Fan, Sector, Topology
-from fem.casing.enrichment.plane_section import PlaneSection
 
 ALONG = (0.0, 0.5, 1.0)  # s of the nodes of a fan
 _IN_PLANE, _ALONG_EDGE = 3, 1  # largest numbers of functions of a node
 
 
-class Profiles:
+def profiles(
+    topology: Topology,
+    chain: Chain,
+    clamped: np.ndarray,
+    poisson_ratio: float,
+    known: dict[bytes, list[np.ndarray]],
+) -> list[list[np.ndarray]]:
     """Functions of the nodes of a chain: values (sector, function, 3, k, k) on the graded grids of a fan's elements.
 
-    The components are along the first face of the fan, across it, and along the edge (`Topology.frame`).
+    The components are along the first face of the fan, across it, and along the edge (`Topology.frame`). Node 2 n + k
+    of the chain is node k (0, 1 or 2) of fan n.
 
     Parameters
     ----------
@@ -29,48 +36,24 @@ class Profiles:
     poisson_ratio : of the material
     known : functions of sections of the same mesh by their keys; new ones are added to it
     """
-
-    def __init__(
-        self,
-        topology: Topology,
-        chain: Chain,
-        clamped: np.ndarray,
-        poisson_ratio: float,
-        known: dict[bytes, list[np.ndarray]],
-    ) -> None:
-        self._topology, self._chain, self._clamped, self._ratio = topology, chain, clamped, poisson_ratio
-        self._known = known
-        self._closed = np.array(
-            [[_closed(topology, fan, number) for number in range(len(fan.sectors))] for fan in chain.fans]
-        )
-        self._found: dict[bytes, list[np.ndarray]] = {}
-        self._all = [self._of(number) for number in range(2 * len(chain.fans) + 1)]
-
-    def at(self, number: int) -> list[np.ndarray]:
-        """Functions of node `number` (2 fan + 0, 1 or 2) along the chain, by sector."""
-        return self._all[number]
-
-    def _of(self, number: int) -> list[np.ndarray]:
-        count = len(self._chain.fans)
+    count, out = len(chain.fans), []
+    closed = np.array([[_closed(topology, fan, number) for number in range(len(fan.sectors))] for fan in chain.fans])
+    found: dict[bytes, list[np.ndarray]] = {}
+    for number in range(2 * count + 1):
         beside = [number // 2] if number % 2 else [number // 2 - 1, number // 2]
-        own = [fan % count for fan in beside if self._chain.closed or 0 <= fan < count]
-        closed = np.asarray(self._closed[own].any(axis=0))
-        key = closed.tobytes()
-        if key not in self._found:
-            alike = [fan for fan in range(count) if (self._closed[fan] == closed).all()] or own
-            self._found[key] = self._computed(self._chain.fans[alike[len(alike) // 2]], closed)
-        return self._found[key]
-
-    def _computed(self, fan: Fan, closed: np.ndarray) -> list[np.ndarray]:
-        section = plane_section(self._topology, fan, closed, self._clamped)
-        key = section.key
-        if key in self._known:
-            return self._known[key]
-        self._known[key] = list(section.functions(self._ratio, _IN_PLANE, _ALONG_EDGE))
-        return self._known[key]
+        own = [fan % count for fan in beside if chain.closed or 0 <= fan < count]
+        here = np.asarray(closed[own].any(axis=0))
+        if (at := here.tobytes()) not in found:
+            alike = [fan for fan in range(count) if (closed[fan] == here).all()] or own
+            section = edge_section(topology, chain.fans[alike[len(alike) // 2]], here, clamped)
+            if (key := section.key) not in known:
+                known[key] = list(section.functions(poisson_ratio, _IN_PLANE, _ALONG_EDGE))
+            found[at] = known[key]
+        out.append(found[at])
+    return out
 
 
-def plane_section(topology: Topology, fan: Fan, closed: np.ndarray, clamped: np.ndarray) -> PlaneSection:
+def edge_section(topology: Topology, fan: Fan, closed: np.ndarray, clamped: np.ndarray) -> EdgeSection:
     """The section across a fan and its ring, half-way along the edge.
 
     Parameters
@@ -88,7 +71,7 @@ def plane_section(topology: Topology, fan: Fan, closed: np.ndarray, clamped: np.
     _, number, times = np.unique(faces, return_inverse=True, return_counts=True)
     alone = times[number].reshape(faces.shape) == 1
     held = clamped[faces]
-    return PlaneSection(
+    return EdgeSection(
         points=points.reshape(-1, 3, 3, 2),
         corners=np.array([_parallel_sides(topology, sector) for sector in sectors]),
         sides=faces,

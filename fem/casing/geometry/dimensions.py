@@ -138,13 +138,6 @@ class Dimensions:
         """z where the cover begins: split plane of the flange or, without a flange, underside of the top wall."""
         return float(self.cavity[1][2]) if self.flange is None else self.flange.split
 
-    def bore(self, name: str) -> Bore:
-        """The bore called `name`; `HousingError` with the known names if absent."""
-        for bore in self.bores:
-            if bore.name == name:
-                return bore
-        raise HousingError(f"housing: no bore {name!r}; known: {', '.join(b.name for b in self.bores)}")
-
     def bore_span(self, bore: Bore) -> tuple[float, float]:
         """y of the two ends of a bore, the lower first."""
         outer = bore.side * self.width / 2

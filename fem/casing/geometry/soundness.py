@@ -29,15 +29,6 @@ def _ligament(housing: Dimensions) -> float:
 
 
 def _box_problems(housing: Dimensions) -> Iterator[str]:
-    sound = True
-    sizes = {name: getattr(housing, name) for name in ("length", "width", "height", "wall_thickness", "axis_height")}
-    sizes |= {f"thickness of the {name}": housing.wall(name) for name in ("side", "end", "floor", "cover")}
-    for name, value in sizes.items():
-        if not (math.isfinite(value) and value > 0.0):
-            sound = False
-            yield f"{name} is {_mm(value)}; it must be positive"
-    if not sound:
-        return
     limit = min(housing.length, housing.width, housing.height) / 2
     if housing.wall_thickness >= limit:
         yield (
@@ -59,10 +50,6 @@ def _bore_problems(housing: Dimensions) -> Iterator[str]:
         yield "no bores. Set one for each bearing"
     (low, high), wall, ligament = housing.cavity, housing.wall("side"), _ligament(housing)
     for bore in housing.bores:
-        if bore.side not in (-1, 1):
-            yield f"{bore.name}: side is {bore.side}; give -1 (wall at -y) or +1 (wall at +y)"
-        if not bore.diameter > 0.0:
-            yield f"{bore.name}: bore diameter is {_mm(bore.diameter)}; it must be positive"
         if (ring := (bore.boss_diameter - bore.diameter) / 2) < ligament:
             yield (
                 f"{bore.name}: boss ring is {_mm(ring)} thick, and must be at least {_mm(ligament)}. Raise its "
@@ -101,9 +88,6 @@ def _bore_problems(housing: Dimensions) -> Iterator[str]:
 
 def _foot_problems(housing: Dimensions) -> Iterator[str]:
     feet = housing.feet
-    for name in ("length", "height"):
-        if not getattr(feet, name) > 0.0:
-            yield f"foot {name} is {_mm(getattr(feet, name))}; it must be positive"
     if not len(feet.x) >= 2:
         yield f"{len(feet.x)} feet along each side wall. Reduce foot_pitch_mm for at least 2"
         return
@@ -126,9 +110,6 @@ def _foot_problems(housing: Dimensions) -> Iterator[str]:
 
 def _pad_problems(housing: Dimensions) -> Iterator[str]:
     feet, ligament = housing.feet, _ligament(housing)
-    for name in ("overhang", "pad_diameter", "pad_height", "bolt_diameter"):
-        if not (math.isfinite(getattr(feet, name)) and getattr(feet, name) >= 0.0):
-            yield f"foot {name} is {_mm(getattr(feet, name))}; it must not be negative"
     if (feet.pad_diameter > 0.0) != (feet.pad_height > 0.0):
         yield (
             f"bolt pads of diameter {_mm(feet.pad_diameter)} and height {_mm(feet.pad_height)}. Set both "
@@ -158,9 +139,6 @@ def _flange_problems(housing: Dimensions) -> Iterator[str]:
     if (flange := housing.flange) is None:
         return
     (low, high), ligament = housing.box, _ligament(housing)
-    if not (flange.width > 0.0 and flange.height > 0.0):
-        yield f"flange of width {_mm(flange.width)} and height {_mm(flange.height)}; both must be positive"
-        return
     bottom, top = flange.split - flange.height / 2, flange.split + flange.height / 2
     floor = low[2] + housing.wall("floor")
     if bottom < floor or top > high[2] + _TOUCH:
@@ -184,10 +162,7 @@ def _flange_problems(housing: Dimensions) -> Iterator[str]:
 def _rib_problems(housing: Dimensions) -> Iterator[str]:
     if (ribs := housing.ribs) is None:
         return
-    if not (ribs.thickness > 0.0 and ribs.height > 0.0):
-        yield f"ribs of thickness {_mm(ribs.thickness)} and height {_mm(ribs.height)}; both must be positive"
-        return
-    if min(ribs.per_boss, ribs.end_wall, ribs.cover) < 0 or not ribs.per_boss + ribs.end_wall + ribs.cover:
+    if not ribs.per_boss + ribs.end_wall + ribs.cover:
         yield "there are no ribs in the table ribs. Set per_boss, end_wall or cover"
         return
     ligament, boxes = _ligament(housing), housing.rib_boxes()
@@ -229,7 +204,7 @@ def _fillet_problems(housing: Dimensions) -> Iterator[str]:
                 f"{name} fillet radius is {_mm(radius)}; faces below {_mm(SMALLEST_FILLET)} cannot be meshed. Raise "
                 "it, or set 0 for a sharp edge"
             )
-        if not 0.0 <= radius < limit:
+        if radius >= limit:
             yield f"{name} fillet radius is {_mm(radius)} (limit: 0 to below {_mm(limit)}, {why}). Reduce it"
 
 

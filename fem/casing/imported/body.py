@@ -47,17 +47,18 @@ class ForeignBody:
         """Whether the positions of all nodes are known."""
         return bool(len(self.numbers) and np.isfinite(self.places).all())
 
+    @property
+    def displacements(self) -> tuple[np.ndarray, np.ndarray]:
+        """Equations that are displacements, and the positions of their nodes in `numbers`."""
+        order, moving = np.argsort(self.numbers), np.flatnonzero((self.axis >= 0) & (self.axis < 3))
+        return moving, order[np.searchsorted(self.numbers, self.node[moving], sorter=order)]
+
     def place(self, number: int) -> np.ndarray:
         """Position (3,) of a node. ForeignError if there is no such node."""
         found = np.flatnonzero(self.numbers == number)
         if not len(found):
             raise ForeignError(f"{self.name} has no node {number}; it has {_some(self.numbers)}")
         return np.asarray(self.places[found[0]])
-
-    def equation(self, number: int, axis: int) -> int:
-        """Equation of a node's motion along an axis, -1 if there is none."""
-        found = np.flatnonzero((self.node == number) & (self.axis == axis))
-        return int(found[0]) if len(found) else -1
 
 
 def foreign_body(

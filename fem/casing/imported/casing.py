@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -22,6 +21,8 @@ from fem.casing.parts.names import Attachment
 from fem.casing.reduced.checkup import CheckUp
 from fem.casing.reduced.grounded import GROUND_AXES
 from fem.casing.reduced.modes import CasingModes
+from fem.casing.reduced.truncation import mode_names, on_springs, undamped_modes
+from fem.numerics.places import in_mm
 
 _OFF = 0.0005  # m: largest distance of a single node from its bearing point, and
 _OFF_SHARE = 0.3  # of the middle of several nodes, as a share of their mean distance from it
@@ -104,10 +105,9 @@ def _check_place(body: ForeignBody, name: str, nodes: tuple[int, ...], wanted: t
     off = float(np.linalg.norm(places.mean(axis=0) - wanted))
     limit = max(_OFF, _OFF_SHARE * reach if len(nodes) > 1 else 0.0)
     if off > limit:
-        x, y, z = 1000 * places.mean(axis=0)
         raise ForeignError(
-            f"{name}: the middle of its {len(nodes)} nodes at ({x:.5g}, {y:.5g}, {z:.5g}) mm is "
-            f"{1000 * off:.4g} mm from the bearing at ({', '.join(f'{1000 * v:.5g}' for v in wanted)}) mm "
+            f"{name}: the middle of its {len(nodes)} nodes at {in_mm(places.mean(axis=0))} is "
+            f"{1000 * off:.4g} mm from the bearing at {in_mm(wanted)} "
             f"(limit {1000 * limit:.3g} mm). Correct the nodes, origin_mm or units"
         )
 
@@ -125,12 +125,8 @@ def _modes(
     basis = reduced.expansion @ reduction.basis
     R = rigid_motion(body, check.centre)
     nodal = np.zeros((len(body.numbers), 3, basis.shape[1]), np.float32)
-    order = np.argsort(body.numbers)
-    moving = np.flatnonzero((body.axis >= 0) & (body.axis < 3))
-    where = order[np.searchsorted(body.numbers, body.node[moving], sorter=order)]
+    moving, where = body.displacements
     nodal[where, body.axis[moving]] = basis[moving]
-    extra = reduction.modes.shape[1] - reduction.n_fixed
-    names = [f"mode_{i + 1}" for i in range(reduction.n_fixed)] + [f"inertia_{i + 1}" for i in range(extra)]
     places = dict(reduced.places)
     for name, nodes in _feet(housing):
         places.setdefault(name, np.mean([body.place(number) for number in nodes], axis=0))
@@ -142,7 +138,7 @@ def _modes(
         attachment=attachment,
         mass=reduction.mass,
         stiffness=reduction.stiffness,
-        coordinate_names=(*reduced.coordinate_names, *names),
+        coordinate_names=(*reduced.coordinate_names, *mode_names(reduction.n_fixed, len(reduction.frequencies))),
         reference_springs=reduced.springs,
         fixed_frequencies=reduction.frequencies,
         band_limit=0.0 if limit is None else limit,
@@ -183,8 +179,8 @@ def _clamped_feet(
 def _check_up(reduced: ReducedForeign, check: ForeignCheck) -> CheckUp:
     """The items of the check-up that need no mesh."""
     reduction = reduced.reduction
-    held = reduction.stiffness + np.diag(np.append(reduced.springs, np.zeros(len(reduction.frequencies))))
-    square, phi = la.eigh(held, reduction.mass)
+    held = on_springs(reduction.stiffness, reduced.springs)
+    frequencies, phi = undamped_modes(held, reduction.mass)
     R = rigid_motion(reduced.body, check.centre)
     force = reduced.expansion.T @ (reduced.body.mass @ R)
     kept = sp.csr_matrix(reduced.expansion @ sp.csr_matrix(reduced.expansion.T))
@@ -209,14 +205,12 @@ def _check_up(reduced: ReducedForeign, check: ForeignCheck) -> CheckUp:
         mass_asymmetry=check.mass_asymmetry,
         grounding=check.grounding,
         reduced_mass_definite=float((la.eigvalsh(reduction.mass) <= 0.0).sum()),
-        reduced_stiffness_definite=float((square <= 0.0).sum()),
+        reduced_stiffness_definite=float((frequencies <= 0.0).sum()),
         mass=check.mass,
         centre=check.centre,
         inertia=check.inertia,
-        frequencies=np.sqrt(np.maximum(square, 0.0)) / (2.0 * math.pi),
+        frequencies=frequencies,
         effective_mass=(phi.T @ (reduction.basis.T @ force)) ** 2,
         movable=np.einsum("im,im->m", moving, reduced.body.mass @ moving),
-        full_frequencies=np.zeros(0),
-        frequency_error=np.zeros(0),
         limit_names=_CHECKED,
     )

@@ -11,6 +11,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from fem.casing.imported.body import ForeignBody
+from fem.elements.solids import rigid_body_modes
 
 _SYMMETRIC = 1e-9
 _FREE = 1e-7  # of max |K| max |R|
@@ -108,18 +109,11 @@ def check_foreign(body: ForeignBody, count: int = 30) -> ForeignCheck:
 
 def rigid_motion(body: ForeignBody, centre: np.ndarray) -> np.ndarray:
     """Rigid motions (n, 6) about a point; 0 in modal coordinates."""
-    found = np.zeros((len(body.node), 6))
-    where = np.searchsorted(body.numbers, body.node, sorter=np.argsort(body.numbers))
-    order = np.argsort(body.numbers)
-    for row, (axis, number) in enumerate(zip(body.axis, where, strict=True)):
-        if axis < 0:
-            continue
-        if axis >= 3:
-            found[row, axis] = 1.0
-            continue
-        x, y, z = body.places[order[number]] - centre
-        found[row, axis] = 1.0
-        found[row, 3:] = ((0.0, z, -y), (-z, 0.0, x), (y, -x, 0.0))[axis]
+    found, turning = np.zeros((len(body.node), 6)), np.flatnonzero(body.axis >= 3)
+    found[turning, body.axis[turning]] = 1.0
+    moving, node = body.displacements
+    of_nodes = rigid_body_modes(body.places, centre).reshape(-1, 3, 6)
+    found[moving] = of_nodes[node, body.axis[moving]]
     return found
 
 
@@ -163,13 +157,12 @@ def _dense(K: np.ndarray, M: np.ndarray) -> np.ndarray | None:
     """
     for shift in (2.0 * math.pi * 10.0 ** np.arange(7.0)) ** 2:
         A = K + shift * M
-        size = np.sqrt(np.maximum(np.diag(A), 1e-300))
+        sizes = np.sqrt(np.maximum(np.diag(A), 1e-300))
+        scale = np.outer(sizes, sizes)
         try:
-            lower = la.cholesky(A / np.outer(size, size), lower=True)
+            values = la.eigh(M / scale, A / scale, eigvals_only=True)
         except (la.LinAlgError, ValueError):  # not definite, or overflow
             continue
-        half = la.solve_triangular(lower, M / np.outer(size, size), lower=True)
-        values = la.eigvalsh(la.solve_triangular(lower, half.T, lower=True))
         return 1.0 / values[values > _MASSLESS * values.max()] - shift
     return None
 

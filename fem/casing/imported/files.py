@@ -127,16 +127,12 @@ def _in_our_words(path: Path) -> Iterator[None]:
     except ForeignError:
         raise
     except ImportError as error:
-        raise _without_reader(path) from error
+        raise ForeignError(f"{path.name} needs the package pyyeti: pip install 'gearcase[nastran]'") from error
     except FileNotFoundError as error:
         raise ForeignError(f"{error.filename}: no such file") from error
     except (Exception, SystemExit) as error:
         _log.info("%s: %s %s", path.name, error, said.getvalue())
         raise ForeignError(f"{path.name} cannot be read; {DAMAGED}") from error
-
-
-def _without_reader(path: Path) -> ForeignError:
-    return ForeignError(f"{path.name} needs the package pyyeti: pip install 'gearcase[nastran]'")
 
 
 def _chosen(path: Path, found: Found, names: tuple[str, ...], what: str, *, alone: bool) -> sp.spmatrix:

@@ -91,8 +91,7 @@ def _coupled(
     body: ForeignBody, points: Mapping[str, Point], clamped: np.ndarray
 ) -> tuple[sp.csr_matrix, list[str], sp.csr_matrix, dict[str, np.ndarray]]:
     """E without clamped equations and with rigid nodes replaced by their points; rows of the interface."""
-    taken = clamped.copy()
-    places, rigid = {}, []
+    taken, places, rigid = clamped.copy(), {}, {}
     for name, point in points.items():
         located = np.array([body.place(number) for number in point.nodes])
         if not len(located):
@@ -111,30 +110,20 @@ def _coupled(
                     f"{name} shares nodes with another rigid point; take the mean motion for one of them"
                 )
             taken |= own
-            rigid.append((name, own))
+            rigid[name] = own
     free = np.flatnonzero(~taken)
-    count = len(free) + 6 * len(rigid)
-    parts = [sp.coo_matrix((np.ones(len(free)), (free, np.arange(len(free)))), shape=(len(taken), count))]
-    first = {}
-    for number, (name, own) in enumerate(rigid):
-        first[name] = len(free) + 6 * number
-        motion = rigid_motion(body, places[name])[own]
-        at = np.repeat(np.flatnonzero(own), 6), np.tile(np.arange(first[name], first[name] + 6), int(own.sum()))
-        parts.append(sp.coo_matrix((motion.ravel(), at), shape=(len(taken), count)))
-    expansion = sp.csr_matrix(sum(parts[1:], parts[0]))
+    led = (sp.csc_array(own[:, None] * rigid_motion(body, places[name])) for name, own in rigid.items())
+    expansion = sp.csr_matrix(sp.hstack([sp.eye_array(len(taken), format="csc")[:, free], *led]))
+    first = {name: len(free) + 6 * number for number, name in enumerate(rigid)}
     names, rows = [], []
     for name, point in points.items():
         wanted = [AXES.index(axis) for axis in point.axes]
         names += [f"{name}:{AXES[axis]}" for axis in wanted]
         if name in first:
-            unit = sp.coo_matrix(
-                (np.ones(len(wanted)), (range(len(wanted)), [first[name] + axis for axis in wanted])),
-                shape=(len(wanted), count),
-            )
-            rows.append(sp.csr_matrix(unit))
+            rows.append(sp.eye_array(expansion.shape[1], format="csr")[[first[name] + axis for axis in wanted]])
         else:
             rows.append(sp.csr_matrix(_mean_rows(body, name, point, places[name])[wanted] @ expansion))
-    return expansion, names, sp.csr_matrix(sp.vstack(rows) if rows else (0, count)), places
+    return expansion, names, sp.csr_matrix(sp.vstack(rows) if rows else (0, expansion.shape[1])), places
 
 
 def _mean_rows(body: ForeignBody, name: str, point: Point, place: np.ndarray) -> sp.csr_matrix:

@@ -19,6 +19,7 @@ from fem.casing.mesh.surface import Surface
 from fem.elements.facets import corner_triangles, outer_facets
 from fem.elements.solid_elements import SOLIDS, converted, curved, solid_element, solid_mesh
 from fem.numerics.connected import connected_parts
+from fem.numerics.places import in_mm
 from fem.storage.ledger import count
 
 _log = logging.getLogger(__name__)
@@ -100,20 +101,20 @@ def _check_connected(name: str, nodes: np.ndarray, elements: np.ndarray) -> None
     parts, sizes = np.unique(label, return_counts=True)
     if len(parts) > 1:
         loose = parts[sizes.argmin()]
-        x, y, z = 1000 * nodes[corners[label == loose]].mean(axis=(0, 1))
         raise MeshError(
             f"{name} falls into {len(parts)} unconnected parts; the smallest has {sizes.min()} of {len(elements)} "
-            f"elements around ({x:.5g}, {y:.5g}, {z:.5g}) mm. Merge coincident nodes, or remove the loose part"
+            f"elements around {in_mm(nodes[corners[label == loose]].mean(axis=(0, 1)))}. Merge coincident nodes, or "
+            "remove the loose part"
         )
     label = _over_sides(corners)
     parts, sizes = np.unique(label, return_counts=True)
     if len(parts) > 1:
         loose = label == parts[sizes.argmin()]
         shared = np.intersect1d(corners[loose], corners[~loose])
-        x, y, z = 1000 * nodes[shared].mean(axis=0)
         raise MeshError(
             f"{name}: {int(loose.sum())} of {len(elements)} elements share only an edge or a vertex with the others, "
-            f"around ({x:.5g}, {y:.5g}, {z:.5g}) mm, as on a hinge. Let the parts touch with a face, or leave one out"
+            f"around {in_mm(nodes[shared].mean(axis=0))}, as on a hinge. Let the parts touch with a face, "
+            "or leave one out"
         )
 
 

@@ -13,6 +13,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+import numpy as np
+
 from fem.casing.mesh.mesh import MeshError
 
 _log = logging.getLogger(__name__)
@@ -54,6 +56,14 @@ def session() -> Iterator[Any]:
             ) from error
         finally:
             gmsh.finalize()
+
+
+def numbered_nodes(gmsh: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Places (n, 3) in mm of the nodes of the current mesh, and the row of every node by its tag."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    row = np.zeros(int(tags.max()) + 1, np.int64)
+    row[tags] = np.arange(len(tags))
+    return coordinates.reshape(-1, 3), row
 
 
 @contextmanager

@@ -26,6 +26,7 @@ from fem.casing.mesh.nearest_candidates import fitted_circle
 from fem.casing.mesh.quality import straightened
 from fem.casing.mesh.surface import Surface
 from fem.elements.solid_elements import CHOICES, SOLIDS, solid_element
+from fem.numerics.places import in_mm
 
 UNITS = {"m": 1.0, "cm": 1 / 100, "mm": 1 / 1000, "um": 1 / 1_000_000, "inch": 127 / 5000}  # m
 STL_SUFFIXES = (".stl",)
@@ -213,8 +214,8 @@ def check_extent(housing: ImportedHousing, points: np.ndarray, scale: float) -> 
     fits = [unit for unit, factor in UNITS.items() if factor != scale and holds(factor)]
     remedy = f'The file seems to be in {fits[0]}: set unit = "{fits[0]}"' if fits else "Check unit, origin and axes"
     raise MeshError(
-        f"{Path(housing.path).name} read in {housing.unit} spans {size} mm from ({_mm(placed.min(axis=0))}) mm, but "
-        f"the bearings of the shafts span {span} mm from ({_mm(wanted.min(axis=0))}) mm. {remedy}"
+        f"{Path(housing.path).name} read in {housing.unit} spans {size} mm from {in_mm(placed.min(axis=0))}, but "
+        f"the bearings of the shafts span {span} mm from {in_mm(wanted.min(axis=0))}. {remedy}"
     )
 
 
@@ -239,7 +240,7 @@ def seat_point(surface: Surface, seat: Seat, facets: np.ndarray) -> np.ndarray:
     tilt = abs(axis[1]) / np.linalg.norm(axis)
     if off > allowed or tilt < ALONG_Y:
         raise MeshError(
-            f"{seat.name}: its seat has its middle at ({_mm(point)}) mm and its axis along {tuple(axis.tolist())}, "
+            f"{seat.name}: its seat has its middle at {in_mm(point)} and its axis along {tuple(axis.tolist())}, "
             f"{1000 * off:.4g} mm from the axis of its shaft at x {1000 * wanted[0]:.5g}, z {1000 * wanted[2]:.5g} mm "
             f"(limit {1000 * allowed:.3g} mm, along y). Correct through_mm of the seat, or origin_mm, axes or unit of "
             "the file"
@@ -252,7 +253,3 @@ def seat_point(surface: Surface, seat: Seat, facets: np.ndarray) -> np.ndarray:
             "or correct through_mm of the seat"
         )
     return np.array([wanted[0], point[1], wanted[2]])
-
-
-def _mm(point: np.ndarray) -> str:
-    return ", ".join(f"{1000 * value:.5g}" for value in point)

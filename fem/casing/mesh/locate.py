@@ -13,6 +13,7 @@ from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.nearest_candidates import cylinders_like, planes_like
 from fem.casing.mesh.surface import Surface
 from fem.elements.facets import nearest_in_triangles
+from fem.numerics.places import in_mm
 
 RADIUS_TOLERANCE = 0.005  # of the radius: largest distance of a corner from the target cylinder
 PLANE_TOLERANCE = 5e-5  # m: largest distance of a corner from the plane
@@ -39,7 +40,9 @@ def locate(surface: Surface, name: str, locator: Locator) -> np.ndarray:
             low, high = locator.box
             inside = (surface.corners >= low).all(axis=(1, 2)) & (surface.corners <= high).all(axis=(1, 2))
             if not inside.any():
-                raise MeshError(f"{name}: no surface lies inside the box {_mm(low)} to {_mm(high)}; {_span(surface)}")
+                raise MeshError(
+                    f"{name}: no surface lies inside the box {in_mm(low)} to {in_mm(high)}; {_span(surface)}"
+                )
             return np.flatnonzero(inside)
         case ByPlane():
             return np.concatenate(plane_parts(surface, name, locator))
@@ -54,7 +57,7 @@ def plane_parts(surface: Surface, name: str, locator: ByPlane) -> list[np.ndarra
     parts = surface.parts(along & (off < PLANE_TOLERANCE))
     if not parts:
         raise MeshError(
-            f"{name}: no flat face in the plane through {_mm(locator.through)} with the normal {locator.normal}; "
+            f"{name}: no flat face in the plane through {in_mm(locator.through)} with the normal {locator.normal}; "
             f"{planes_like(surface, normal, np.array(locator.through))}"
         )
     return sorted(parts, key=lambda part: tuple(np.round(centroid(surface, part), 3)))
@@ -105,7 +108,7 @@ def _cylinder(surface: Surface, name: str, locator: ByCylinder) -> np.ndarray:
     if not parts:
         raise MeshError(
             f"{name}: no cylinder of diameter {1000 * locator.diameter:.6g} mm about the axis {locator.axis} through "
-            f"{_mm(through)}; {cylinders_like(surface, axis, through)}. Correct through_mm or diameter_mm"
+            f"{in_mm(through)}; {cylinders_like(surface, axis, through)}. Correct through_mm or diameter_mm"
         )
     along = [offset[part] @ axis for part in parts]
     return parts[int(np.argmin([max(a.min(), -a.max(), 0.0) for a in along]))]
@@ -117,8 +120,8 @@ def _face(surface: Surface, name: str, locator: ByPoint) -> np.ndarray:
     nearest = int(distance.argmin())
     if distance[nearest] > FARTHEST_POINT:
         raise MeshError(
-            f"{name}: the point {_mm(point)} is {1000 * distance[nearest]:.4g} mm from the surface (limit "
-            f"{1000 * FARTHEST_POINT:g} mm); the nearest facet is at {_mm(corners[nearest].mean(axis=0))}"
+            f"{name}: the point {in_mm(point)} is {1000 * distance[nearest]:.4g} mm from the surface (limit "
+            f"{1000 * FARTHEST_POINT:g} mm); the nearest facet is at {in_mm(corners[nearest].mean(axis=0))}"
         )
     vectors = surface.area_vectors
     normal = _unit(vectors[nearest])
@@ -136,8 +139,4 @@ def _unit(vector: Point | np.ndarray) -> np.ndarray:
 
 def _span(surface: Surface) -> str:
     low, high = surface.points[surface.triangles].min(axis=(0, 1)), surface.points[surface.triangles].max(axis=(0, 1))
-    return f"the surface spans {_mm(low)} to {_mm(high)}"
-
-
-def _mm(point: Point | np.ndarray) -> str:
-    return f"({', '.join(f'{1000 * value:.5g}' for value in point)}) mm"
+    return f"the surface spans {in_mm(low)} to {in_mm(high)}"

@@ -1,7 +1,7 @@
 """Meshes of a geometry through gmsh and OpenCASCADE: geometry -> CasingMesh.
 
 Geometry is built in millimetres (the tolerances of OpenCASCADE are absolute) and returned in metres. With one thread
-and a fixed seed the same input gives the same mesh. Mid-side nodes lie on the curved surfaces unless `curved=False`.
+and a fixed seed the same input gives the same mesh. Mid-side nodes lie on the curved surfaces.
 """
 
 from __future__ import annotations
@@ -13,18 +13,22 @@ from typing import Any
 import numpy as np
 
 from fem.casing.geometry.housing import Housing
+from fem.casing.geometry.locators import ByCylinder
 from fem.casing.mesh.finished import RawMesh, finished_mesh
-from fem.casing.mesh.gmsh_session import session
-from fem.casing.mesh.imported import ImportedHousing, finish
+from fem.casing.mesh.gmsh_session import numbered_nodes, session
+from fem.casing.mesh.imported import ImportedHousing, check_extent, finish, seat_point
+from fem.casing.mesh.locate import locate
 from fem.casing.mesh.mesh import CasingMesh, MeshError
 from fem.casing.mesh.quality import GOOD_QUALITY, straightened
-from fem.casing.mesh.seats import seat_points
 from fem.casing.mesh.sizes import MM, Refinement, Sizes, follow_fillets, set_sizes
 from fem.casing.mesh.solid import build_solid, find_patches
 from fem.casing.mesh.step_file import SMALL_EDGE, named, read_step, refinements, small_edges
+from fem.casing.mesh.surface import Surface
 from fem.processes.own_process import DAMAGED, opened_apart
 
 _CRASHED = "if `gearcase housing` can read it, try another element size; otherwise export it again"
+_ROUND, _LONG = 25, 2  # points of the grid around a cylinder and along it
+_EXACT = {"Plane", "Cylinder", "Cone", "Sphere", "Torus"}  # in a solid of these, only cylinders can be bores
 _TO_VTK = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]  # gmsh swaps the mid-side nodes 23 and 13
 
 
@@ -34,7 +38,6 @@ def mesh_housing(
     element_size: float = 0.022,
     sizes: Sizes | None = None,
     element: str = "tetrahedron-10",
-    curved: bool = True,
 ) -> CasingMesh:
     """Mesh a housing with tetrahedra.
 
@@ -44,7 +47,6 @@ def mesh_housing(
     element_size : m, target edge length; bores get at least twelve elements around
     sizes : instead of `element_size`, with finer bores and feet
     element : "tetrahedron-10" or "tetrahedron-4"
-    curved : mid-side nodes on the true cylinders (else straight edges)
 
     Raises
     ------
@@ -70,7 +72,7 @@ def mesh_housing(
             far = feet.height + 2 * (sizes.element - local)
             finer.append(Refinement(ground, local, near=feet.pad_height, far=far))
         follow_fillets(gmsh, sizes.element, finer)
-        raw = tetrahedra(gmsh, sizes.element, finer, patches, curved=curved)
+        raw = tetrahedra(gmsh, sizes.element, finer, patches)
     points = housing.ground_points() | {bore.name: housing.bore_centre(bore) for bore in housing.bores}
     return finished_mesh(
         raw,
@@ -118,17 +120,60 @@ def _mesh_solid(housing: ImportedHousing, sizes: Sizes) -> tuple[RawMesh, list[t
         small = small_edges(gmsh)
         finer = refinements(gmsh, housing, sizes)
         follow_fillets(gmsh, sizes.element, finer)
-        return tetrahedra(gmsh, sizes.element, finer, {}, curved=True), small
+        return tetrahedra(gmsh, sizes.element, finer, {}), small
 
 
 def find_seats(housing: ImportedHousing) -> dict[str, np.ndarray | MeshError]:
-    """Bearing points of a STEP solid without its mesh, see `fem.casing.mesh.seats`."""
+    """Bearing point (3,), or the error, of every seat of a STEP solid that can be located without a volume mesh.
+
+    Every cylindrical face is triangulated on a grid over its parameters; holes in it are ignored. Seats located by axis
+    and diameter of a bore are found in a fraction of the meshing time.
+
+    Raises
+    ------
+    MeshError : the file cannot be read, or has another unit
+    """
     return opened_apart(housing.file, MeshError, DAMAGED, _find_seats, housing)
 
 
 def _find_seats(housing: ImportedHousing) -> dict[str, np.ndarray | MeshError]:
     with session() as gmsh:
-        return seat_points(gmsh, housing)
+        read_step(gmsh, housing)
+        box = np.array(gmsh.model.getBoundingBox(-1, -1)).reshape(2, 3)
+        check_extent(housing, box, 1 / MM)
+        kinds = {tag: gmsh.model.getType(2, tag) for _, tag in gmsh.model.getEntities(2)}
+        surface = _cylinders(gmsh, housing, [tag for tag, kind in kinds.items() if kind == "Cylinder"])
+    found: dict[str, np.ndarray | MeshError] = {}
+    for seat in housing.seats:
+        if not isinstance(seat.locator, ByCylinder):
+            found[seat.name] = MeshError(f"{seat.name}: a STEP file has no groups; locate it by through and diameter")
+            continue
+        try:
+            facets = locate(surface, seat.name, seat.locator)
+        except MeshError as error:
+            if set(kinds.values()) <= _EXACT:
+                found[seat.name] = error
+            continue
+        try:
+            found[seat.name] = seat_point(surface, seat, facets)
+        except MeshError as error:
+            found[seat.name] = error
+    return found
+
+
+def _cylinders(gmsh: Any, housing: ImportedHousing, faces: list[int]) -> Surface:
+    """The cylindrical faces of the solid as triangles between points of a grid."""
+    points, triangles = [np.zeros((0, 3))], [np.zeros((0, 3), int)]
+    for count, tag in enumerate(faces):
+        low, high = gmsh.model.getParametrizationBounds(2, tag)
+        around, along = np.linspace(low[0], high[0], _ROUND), np.linspace(low[1], high[1], _LONG)
+        grid = np.stack(np.meshgrid(around, along, indexing="ij"), axis=-1).reshape(-1)
+        points.append(np.array(gmsh.model.getValue(2, tag, grid.tolist())).reshape(-1, 3))
+        first = _LONG * np.arange(_ROUND - 1)[:, None] + np.arange(_LONG - 1) + count * _ROUND * _LONG
+        corner = first.ravel()
+        triangles.append(np.column_stack([corner, corner + _LONG, corner + 1]))
+        triangles.append(np.column_stack([corner + 1, corner + _LONG, corner + _LONG + 1]))
+    return Surface(housing.placed(np.vstack(points), 1 / MM), np.vstack(triangles))
 
 
 def write_step(housing: Housing, path: Path) -> None:
@@ -140,9 +185,7 @@ def write_step(housing: Housing, path: Path) -> None:
     path.write_text(text, encoding="latin-1", newline="\n")
 
 
-def tetrahedra(
-    gmsh: Any, element: float, refinements: list[Refinement], patches: Mapping[str, list[int]], *, curved: bool
-) -> RawMesh:
+def tetrahedra(gmsh: Any, element: float, refinements: list[Refinement], patches: Mapping[str, list[int]]) -> RawMesh:
     """Mesh the current model with ten-node tetrahedra, nodes in m, and the triangles of every patch.
 
     Parameters
@@ -151,26 +194,16 @@ def tetrahedra(
     element : m, edge length where nothing is refined
     refinements : regions of smaller elements
     patches : tags of the surfaces of every patch by its name
-    curved : whether mid-side nodes are on the curved surfaces, or halfway between the corners
-
-    Raises
-    ------
-    MeshError : gmsh made elements of another kind
     """
     set_sizes(gmsh, element, refinements)
-    gmsh.option.setNumber("Mesh.SecondOrderLinear", 0 if curved else 1)
     gmsh.model.mesh.generate(3)
     if _worst_quality(gmsh) < GOOD_QUALITY:
         gmsh.model.mesh.optimize("Netgen")
     gmsh.model.mesh.setOrder(2)
-    kinds, _, connectivity = gmsh.model.mesh.getElements(3)
-    if list(kinds) != [11]:
-        raise MeshError(f"gmsh made elements of type {list(kinds)}, expected ten-node tetrahedra (11)")
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    place = np.zeros(int(tags.max()) + 1, np.int64)
-    place[tags] = np.arange(len(tags))
+    _, _, connectivity = gmsh.model.mesh.getElements(3)
+    points, place = numbered_nodes(gmsh)
     elements = place[connectivity[0].reshape(-1, 10)[:, _TO_VTK]]
-    nodes = straightened(coordinates.reshape(-1, 3) / MM, elements)
+    nodes = straightened(points / MM, elements)
     return RawMesh(
         nodes=nodes,
         elements=elements,
@@ -180,9 +213,7 @@ def tetrahedra(
 
 def _triangles(gmsh: Any, face: int) -> np.ndarray:
     """Tags of the corners (f, 3) of the triangles on a face."""
-    kinds, _, connectivity = gmsh.model.mesh.getElements(2, face)
-    if list(kinds) != [9]:
-        raise MeshError(f"gmsh made surface elements of type {list(kinds)}, expected six-node triangles (9)")
+    _, _, connectivity = gmsh.model.mesh.getElements(2, face)
     return connectivity[0].reshape(-1, 6)[:, :3]
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from fem.casing.mesh.surface import Surface
 from fem.numerics.connected import connected_parts, shared_sides
+from fem.numerics.places import in_mm
 
 _SMOOTH = np.cos(np.radians(50.0))
 _SHOWN = 3
@@ -30,7 +31,7 @@ def cylinders_like(surface: Surface, axis: np.ndarray, through: np.ndarray) -> s
     if not found:
         return "no cylinder along this axis was found at all; check the axis and the unit"
     found.sort(key=lambda one: one[0])
-    words = [f"diameter {2000 * radius:.5g} mm at {_mm(place)}" for _, radius, place in found[:_SHOWN]]
+    words = [f"diameter {2000 * radius:.5g} mm at {in_mm(place)}" for _, radius, place in found[:_SHOWN]]
     return f"the nearest cylinders along it: {'; '.join(words)}"
 
 
@@ -70,7 +71,3 @@ def _smooth_pieces(surface: Surface, axis: np.ndarray) -> list[np.ndarray]:
     smooth = np.einsum("fd,fd->f", normal[facets[one]], normal[facets[two]]) > _SMOOTH
     label = connected_parts(len(facets), one[smooth], two[smooth])
     return [facets[label == number] for number in range(label.max() + 1)]
-
-
-def _mm(point: np.ndarray) -> str:
-    return f"({', '.join(f'{round(1000 * value, 6) + 0.0:.5g}' for value in point)}) mm"

@@ -25,6 +25,7 @@ import numpy as np
 
 from fem.casing.mesh.mesh import MeshError
 from fem.elements.solid_elements import curved, shapes, solid_element, straight_places
+from fem.numerics.places import in_mm
 
 _log = logging.getLogger(__name__)
 
@@ -125,8 +126,7 @@ def checked_quality(nodes: np.ndarray, elements: np.ndarray, remedy: str) -> flo
 
 
 def _place(nodes: np.ndarray, elements: np.ndarray, element: int) -> str:
-    x, y, z = 1000 * nodes[elements[element, : solid_element(elements).corners]].mean(axis=0)
-    return f"near ({x:.5g}, {y:.5g}, {z:.5g}) mm"
+    return f"near {in_mm(nodes[elements[element, : solid_element(elements).corners]].mean(axis=0))}"
 
 
 def _sicn(S: np.ndarray) -> np.ndarray:

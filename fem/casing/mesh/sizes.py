@@ -18,7 +18,6 @@ from typing import Any
 
 import numpy as np
 
-from fem.casing.mesh.mesh import MeshError
 from fem.elements.materials import Material
 from fem.elements.solid_elements import solid_element
 
@@ -41,12 +40,6 @@ class Sizes:
     bore: float | None = None
     foot: float | None = None
     fewer: float = 1.0
-
-    def __post_init__(self) -> None:
-        for name in ("element", "bore", "foot", "fewer"):
-            value = getattr(self, name)
-            if value is not None and not (math.isfinite(value) and value > 0.0):
-                raise MeshError(f"{name} size is {1000 * value!r} mm; give a positive, finite length")
 
     def times(self, factor: float) -> Sizes:
         """All edge lengths multiplied by a factor."""
@@ -75,8 +68,6 @@ class Refinement:
 
 def bending_wavelength(material: Material, thickness: float, frequency: float) -> float:
     """Length (m) of a free bending wave in a plate of `thickness` (m) at `frequency` (Hz); both positive."""
-    if not (thickness > 0.0 and frequency > 0.0):
-        raise ValueError(f"bending wavelength: thickness {thickness!r} m and frequency {frequency!r} Hz; give both > 0")
     D = material.elastic_modulus * thickness**3 / (12.0 * (1.0 - material.poisson_ratio**2))
     return math.sqrt(2.0 * math.pi / frequency) * (D / (material.density * thickness)) ** 0.25
 

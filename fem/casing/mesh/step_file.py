@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from fem.casing.geometry.locators import ByCylinder
+from fem.casing.mesh.gmsh_session import numbered_nodes
 from fem.casing.mesh.imported import (
     STL_SUFFIXES,
     UNITS,
@@ -27,6 +28,7 @@ from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.sizes import MM, Refinement, Sizes
 from fem.casing.mesh.surface import Surface
 from fem.numerics.connected import connected_parts
+from fem.numerics.places import in_mm
 from fem.processes.own_process import DAMAGED, bounded_memory
 
 _log = logging.getLogger(__name__)
@@ -73,7 +75,7 @@ def read_step(gmsh: Any, housing: ImportedHousing) -> None:
     """
     path = housing.file
     if path.suffix.lower() in STL_SUFFIXES:
-        fill_surface(gmsh, path, MM * UNITS[housing.unit])
+        fill_surface(gmsh, path, housing.unit)
         return
     solids = import_solids(gmsh, path, housing.unit)
     if housing.solids:
@@ -258,7 +260,7 @@ def check_touching(gmsh: Any, name: str, solids: Sequence[int], numbers: Sequenc
     )
 
 
-def fill_surface(gmsh: Any, path: Path, scale: float) -> None:
+def fill_surface(gmsh: Any, path: Path, unit: str) -> None:
     """Make the volume inside a closed surface of triangles (STL) the solid of the current model, in millimetres.
 
     Its faces are divided along edges of more than 40 degrees and may be remeshed.
@@ -267,22 +269,16 @@ def fill_surface(gmsh: Any, path: Path, scale: float) -> None:
     ----------
     gmsh : an open session
     path : the STL file
-    scale : mm per unit of the file
+    unit : of the file
 
     Raises
     ------
-    MeshError : unreadable, or open (with the position of the hole)
+    MeshError : as `closed_triangles`, or not to be filled
     """
-    points, triangles = read_triangles(path)
-    if (hole := open_place(triangles)) is not None:
-        x, y, z = scale * points[hole].mean(axis=0)
-        raise MeshError(
-            f"{path.name} is open: {len(hole) // 2} edges belong to one triangle only, around ({x:.5g}, {y:.5g}, "
-            f"{z:.5g}) mm. Close the hole in the program that wrote it; a volume needs a closed surface"
-        )
+    points, triangles = closed_triangles(path, unit)
     try:
         tag = gmsh.model.addDiscreteEntity(2)
-        gmsh.model.mesh.addNodes(2, tag, range(1, len(points) + 1), (scale * points).ravel())
+        gmsh.model.mesh.addNodes(2, tag, range(1, len(points) + 1), (MM * points).ravel())
         gmsh.model.mesh.addElementsByType(tag, 2, [], 1 + triangles.ravel())
         angle = math.radians(40.0)
         gmsh.model.mesh.classifySurfaces(angle, True, True, math.pi)
@@ -317,6 +313,24 @@ def read_triangles(path: Path) -> tuple[np.ndarray, np.ndarray]:
     flat = (triangles == np.roll(triangles, 1, axis=1)).any(axis=1)
     once = np.unique(np.sort(triangles[~flat], axis=1), axis=0, return_index=True)[1]
     return places[first], triangles[~flat][np.sort(once)]
+
+
+def closed_triangles(path: Path, unit: str) -> tuple[np.ndarray, np.ndarray]:
+    """Points (n, 3) in m and triangles (t, 3) of an STL file in that unit, whose surface must be closed.
+
+    Raises
+    ------
+    MeshError : as `read_triangles`, or open (with the position of the hole)
+    """
+    points, triangles = read_triangles(path)
+    points = UNITS[unit] * points
+    if (hole := open_place(triangles)) is not None:
+        raise MeshError(
+            f"{path.name} is open: {len(hole) // 2} edges belong to one triangle only, around "
+            f"{in_mm(points[hole].mean(axis=0))} if it is in {unit}. Close the hole in the program that wrote it; a "
+            "volume needs a closed surface"
+        )
+    return points, triangles
 
 
 def open_place(triangles: np.ndarray) -> np.ndarray | None:
@@ -366,13 +380,11 @@ def _first_surface(gmsh: Any, housing: ImportedHousing, sizes: Sizes) -> tuple[S
     seats = [one.locator.diameter for one in housing.seats if isinstance(one.locator, ByCylinder)]
     gmsh.option.setNumber("Mesh.MeshSizeMin", MM * min(sizes.element, *seats) / 20)  # the tip of a cone has no radius
     gmsh.model.mesh.generate(2)
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    number = np.zeros(int(tags.max()) + 1, np.int64)
-    number[tags] = np.arange(len(tags))
+    points, row = numbered_nodes(gmsh)
     triangles, face = [], []
     for _, tag in gmsh.model.getEntities(2):
         for corners in gmsh.model.mesh.getElements(2, tag)[2]:
-            triangles.append(number[corners.reshape(-1, 3)])
+            triangles.append(row[corners.reshape(-1, 3)])
             face.append(np.full(len(triangles[-1]), tag))
     if Path(housing.path).suffix.lower() in STL_SUFFIXES:
         gmsh.model.mesh.generate(1)  # starts again; clearing would delete the triangles of the geometry
@@ -380,5 +392,4 @@ def _first_surface(gmsh: Any, housing: ImportedHousing, sizes: Sizes) -> tuple[S
         gmsh.model.mesh.clear()
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 0)
     gmsh.option.setNumber("Mesh.MeshSizeMin", 0)
-    points = housing.placed(coordinates.reshape(-1, 3), 1 / MM)
-    return Surface(points, np.vstack(triangles)), np.concatenate(face)
+    return Surface(housing.placed(points, 1 / MM), np.vstack(triangles)), np.concatenate(face)

@@ -37,9 +37,9 @@ class Meshing(Stage):
 
     def coarser(self) -> Iterator[CoarserMeshing]:
         """Stages of meshes with larger elements, for the error estimate of this one."""
-        from fem.casing.uncertainty.extrapolation import coarser_sizes
+        from fem.casing.uncertainty.laws import RATIOS
 
-        return (CoarserMeshing(**{**vars(self), "sizes": sizes}) for sizes in coarser_sizes(self.sizes))
+        return (CoarserMeshing(**{**vars(self), "sizes": self.sizes.times(ratio)}) for ratio in RATIOS)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -29,6 +29,7 @@ from fem.casing.parts.split import Plane, SplitMesh
 from fem.elements.facets import facet_element
 from fem.elements.materials import Material
 from fem.elements.solid_elements import shapes
+from fem.numerics.places import in_mm
 
 _FINE = 12  # pieces along the side of a facet; those within the ring are integrated
 
@@ -85,9 +86,8 @@ def joint_stiffness(joint: BoltedJoint, split: SplitMesh, material: Material) ->
     for number, place in enumerate(np.array(joint.places), 1):
         ring = _inside(joint, place, points)
         if not ring.any():
-            x, y, z = 1000 * place
             raise MeshError(
-                f"casing joint: the halves do not touch around bolt {number} at ({x:.4g}, {y:.4g}, {z:.4g}) mm, "
+                f"casing joint: the halves do not touch around bolt {number} at {in_mm(place)}, "
                 f"between diameters {1000 * joint.bolt.hole:.4g} and {1000 * joint.bolt.contact_diameter:.4g} mm; move "
                 "the bolt"
             )

@@ -61,10 +61,6 @@ class Bolt:
     outer: float | None = None  # D_A of the clamped parts; None: as far as the joint stays closed
 
     def __post_init__(self) -> None:
-        if not self.head > self.hole > 0.0:
-            raise BoltError(f"bearing diameter {_mm(self.head)} of the head is not above the hole {_mm(self.hole)}")
-        if not min(self.clamped[:1] if self.tapped else self.clamped) > 0.0:
-            raise BoltError(f"clamped thicknesses {' and '.join(map(_mm, self.clamped))}: they must be positive")
         if not self.outer_diameter > self.hole:
             raise BoltError(
                 f"clamped parts of outer diameter {_mm(self.outer_diameter)} leave nothing around a hole of "

@@ -9,6 +9,7 @@ import numpy as np
 from fem.casing.mesh.mesh import CasingMesh, MeshError
 from fem.elements.facets import outer_facets
 from fem.elements.solid_elements import solid_element
+from fem.numerics.places import in_mm
 
 _IN_PLANE = 1e-3  # of the element size: largest distance of nodes from the plane
 
@@ -44,13 +45,11 @@ def split_mesh(mesh: CasingMesh, plane: Plane) -> SplitMesh:
     height, near = plane.height(mesh.nodes), _IN_PLANE * mesh.element_size
     corners = height[mesh.elements[:, : solid_element(mesh.elements).corners]]
     crossed = (corners.min(axis=1) < -near) & (corners.max(axis=1) > near)
-    x, y, z = (1000 * value for value in plane.through)
-    where = f"casing joint in the plane through ({x:.4g}, {y:.4g}, {z:.4g}) mm"
+    where = f"casing joint in the plane through {in_mm(plane.through)}"
     if crossed.any():
-        middle = 1000 * mesh.nodes[mesh.elements[crossed][0]].mean(axis=0)
         raise MeshError(
             f"{where}: {int(crossed.sum())} of {len(crossed)} elements cross this plane, one around "
-            f"({', '.join(f'{value:.4g}' for value in middle)}) mm. Set through_mm and normal of a plane that "
+            f"{in_mm(mesh.nodes[mesh.elements[crossed][0]].mean(axis=0))}. Set through_mm and normal of a plane that "
             "no element crosses (of a STEP file with glue = true: where two solids touch)"
         )
     upper = corners.mean(axis=1) > 0.0

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from fem.casing.mesh.gmsh_session import session
+from fem.casing.mesh.gmsh_session import numbered_nodes, session
 from fem.casing.mesh.imported import STEP_SUFFIXES, STL_SUFFIXES, UNITS
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesh_file import read_mesh_file
 from fem.casing.mesh.sizes import MM
-from fem.casing.mesh.step_file import declared_unit, import_solids, open_place, read_triangles, touching
+from fem.casing.mesh.step_file import closed_triangles, declared_unit, import_solids, open_place, touching
 from fem.casing.recognition.contents import Contents, Solid
 from fem.casing.recognition.faces import split
 from fem.casing.recognition.features import bolt_patterns, faces_of
@@ -48,7 +48,7 @@ def survey(path: Path, unit: str | None = None) -> Contents:
 
 
 def _of_solids(path: Path, unit: str | None) -> Contents:
-    declared = declared_unit(path) if suffix_is_step(path) else ""
+    declared = declared_unit(path) if path.suffix.lower() in (".step", ".stp") else ""
     with session() as gmsh:
         tags = import_solids(gmsh, path, unit)
         label, gaps = touching(gmsh, tags)
@@ -68,12 +68,17 @@ def _of_solids(path: Path, unit: str | None) -> Contents:
             )
         )
     apart = tuple((one + 1, two + 1, gap / MM, place / MM) for (one, two), (gap, place) in gaps.items())
-    return _contents(path, unit or declared or "mm", declared, points, triangles, face, solid, tuple(solids), apart)
-
-
-def suffix_is_step(path: Path) -> bool:
-    """Whether a file is STEP, which declares its unit."""
-    return path.suffix.lower() in (".step", ".stp")
+    return _contents(
+        path,
+        unit=unit or declared or "mm",
+        declared=declared,
+        points=points,
+        triangles=triangles,
+        face=face,
+        solid=solid,
+        solids=tuple(solids),
+        gaps=apart,
+    )
 
 
 def _surface(gmsh: Any, tags: list[int]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -88,10 +93,8 @@ def _surface(gmsh: Any, tags: list[int]) -> tuple[np.ndarray, np.ndarray, np.nda
         gmsh.model.mesh.generate(2)
     except Exception as error:  # gmsh raises this class itself
         _log.info("some faces cannot be meshed: %s", error)
-    node_tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    place = np.zeros(int(node_tags.max()) + 1, np.int64)
-    place[node_tags] = np.arange(len(node_tags))
-    points = coordinates.reshape(-1, 3) / MM
+    points, place = numbered_nodes(gmsh)
+    points = points / MM
     triangles, face, solid = [], [], []
     for number, tag in enumerate(tags, 1):
         own, of_face = [], []
@@ -128,14 +131,7 @@ def outward(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
 
 def _of_triangles(path: Path, unit: str) -> Contents:
-    points, triangles = read_triangles(path)
-    points = UNITS[unit] * points
-    if (hole := open_place(triangles)) is not None:
-        x, y, z = MM * points[hole].mean(axis=0)
-        raise MeshError(
-            f"{path.name} is open: {len(hole) // 2} edges belong to one triangle only, around ({x:.5g}, {y:.5g}, "
-            f"{z:.5g}) mm if it is in {unit}. Close the hole in the program that wrote it: a volume needs that"
-        )
+    points, triangles = closed_triangles(path, unit)
     solid = 1 + _connected(triangles, len(points))
     triangles = np.vstack([outward(points, triangles[solid == n]) for n in range(1, solid.max() + 1)])
     return _by_edges(path, unit, points, triangles, np.sort(solid))
@@ -171,19 +167,20 @@ def _by_edges(path: Path, unit: str, points: np.ndarray, triangles: np.ndarray, 
         )
         for n in range(1, int(solid.max()) + 1)
     )
-    return _contents(path, unit, "", points, triangles, face, solid, solids, ())
+    return _contents(path, unit=unit, points=points, triangles=triangles, face=face, solid=solid, solids=solids)
 
 
 def _contents(
     path: Path,
+    *,
     unit: str,
-    declared: str,
+    declared: str = "",
     points: np.ndarray,
     triangles: np.ndarray,
     face: np.ndarray,
     solid: np.ndarray,
     solids: tuple[Solid, ...],
-    gaps: tuple[tuple[int, int, float, np.ndarray], ...],
+    gaps: tuple[tuple[int, int, float, np.ndarray], ...] = (),
 ) -> Contents:
     bores, flats = faces_of(points, triangles, face, solid)
     return Contents(

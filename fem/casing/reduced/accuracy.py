@@ -20,16 +20,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg as la
 import scipy.sparse as sp
 
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.parts.names import MOUNTS
-from fem.casing.reduced.attachment import nearest_surface_point
 from fem.casing.reduced.body import MODES_OVER_BAND, ReducedBody
 from fem.casing.reduced.damping import DampingRatio, damping_ratios, ratios_with_parts
-from fem.casing.reduced.grounded import GroundedCasing
+from fem.casing.reduced.grounded import GROUND_AXES, ForcedPoint, GroundedCasing, point_rows
 from fem.casing.reduced.lanczos import block_lanczos
+from fem.casing.reduced.truncation import undamped_modes
 from fem.numerics.linear_solver import Solver, factorize
 from fem.storage.records import Record, array, names, scalar
 
@@ -110,7 +109,7 @@ def state_error(
     smallest = (2.0 * math.pi * MODES_OVER_BAND * band) ** -2.0
     theta, phi = block_lanczos(solve, casing.M_free, smallest=smallest)
     full = 1.0 / (2.0 * math.pi * np.sqrt(theta))
-    reduced = _frequencies(body)
+    reduced, _ = undamped_modes(body.stiffness, body.mass)
     inside = full[full <= band][: len(reduced)]
     thirds, frequencies = third_octaves(band)
     loads = casing.interface.rows
@@ -172,19 +171,9 @@ def third_octaves(band: float) -> tuple[np.ndarray, np.ndarray]:
 
 def sensor_rows(casing: GroundedCasing, sensors: Sequence[Sensor]) -> sp.csr_matrix:
     """Rows (3 sensor, n) of the displacements along the sensor axes in the full model."""
-    mesh, out = casing.mesh, []
-    for sensor in sensors:
-        corners, weights, _ = nearest_surface_point(mesh.nodes, mesh.facets, np.array(sensor.position))
-        block = np.zeros((3, 3 * len(corners)))
-        for axis in range(3):
-            block[axis, axis::3] = weights
-        columns = (3 * corners[:, None] + np.arange(3)).ravel()
-        rows = sp.csr_matrix(
-            ((np.array(sensor.axes) @ block).ravel(), (np.repeat(range(3), len(columns)), np.tile(columns, 3))),
-            shape=(3, casing.K.shape[0]),
-        )
-        out.append(rows @ casing.expansion)
-    return sp.csr_matrix(sp.vstack(out))
+    nodal = casing.expansion[: 3 * len(casing.mesh.nodes)]
+    points = (ForcedPoint(sensor=sensor, axes=GROUND_AXES) for sensor in sensors)
+    return sp.csr_matrix(sp.vstack([point_rows(casing.mesh, point) @ nodal for point in points]))
 
 
 def full_response(
@@ -249,8 +238,3 @@ def reduced_response(
         dynamic = body.stiffness - omega**2 * body.mass + 1j * omega * body.damping
         out[number] = C @ np.linalg.solve(dynamic, B)
     return out
-
-
-def _frequencies(body: ReducedBody) -> np.ndarray:
-    square = la.eigh(body.stiffness, body.mass, eigvals_only=True)
-    return np.sqrt(np.maximum(square, 0.0)) / (2.0 * math.pi)

@@ -17,6 +17,7 @@ import scipy.sparse as sp
 
 from fem.elements.facets import nearest_on_facets, surface_weights
 from fem.elements.solids import rigid_body_modes
+from fem.numerics.places import in_mm
 
 AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
 FARTHEST_SENSOR = 0.05  # m: largest distance of a sensor from the surface
@@ -40,14 +41,14 @@ def mean_motion_rows(nodes: np.ndarray, facets: np.ndarray, centre: np.ndarray) 
     AttachmentError : the patch is empty or too small to define a rotation (a line or a point)
     """
     if not len(facets):
-        raise AttachmentError(f"patch at {_place(centre)} has no facet; refine the mesh")
+        raise AttachmentError(f"patch at {in_mm(centre)} has no facet; refine the mesh")
     values, places, area = surface_weights(nodes, facets)
     motion = rigid_body_modes(places.reshape(-1, 3), centre).reshape(*area.shape, 3, 6)
     gram = np.einsum("fq,fqdi,fqdj->ij", area, motion, motion, optimize=True)
     size = np.sqrt(np.trace(gram[3:, 3:]) / gram[0, 0])  # length that scales rotations
     scale = np.array([1.0, 1.0, 1.0, size, size, size])
     if not (size > 0.0 and np.linalg.cond(gram / np.outer(scale, scale)) < 1e10):
-        raise AttachmentError(f"patch at {_place(centre)} is too small to define its rotation; refine the mesh")
+        raise AttachmentError(f"patch at {in_mm(centre)} is too small to define its rotation; refine the mesh")
     load = np.einsum("fq,qa,fqdi->ifad", area, values, motion, optimize=True)
     weights = np.linalg.solve(gram, load.reshape(6, -1))
     columns = (3 * facets[:, :, None].astype(np.int64) + np.arange(3)).ravel()
@@ -83,11 +84,7 @@ def nearest_surface_point(
     best = int(distance.argmin())
     if distance[best] > FARTHEST_SENSOR:
         raise AttachmentError(
-            f"sensor at {_place(position)} is {1000 * distance[best]:.4g} mm from the nearest {what} of the casing at "
-            f"{_place(points[best])} (limit {1000 * FARTHEST_SENSOR:g} mm). {remedy}"
+            f"sensor at {in_mm(position)} is {1000 * distance[best]:.4g} mm from the nearest {what} of the casing at "
+            f"{in_mm(points[best])} (limit {1000 * FARTHEST_SENSOR:g} mm). {remedy}"
         )
     return facets[best], values[best], points[best]
-
-
-def _place(point: np.ndarray) -> str:
-    return f"({', '.join(f'{1000 * value:.5g}' for value in point)}) mm"

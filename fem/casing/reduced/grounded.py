@@ -31,6 +31,7 @@ from fem.elements.materials import Material
 from fem.elements.solids import rigid_body_modes
 from fem.numerics.linear_solver import Solver
 from fem.numerics.memory import give_back
+from fem.numerics.places import unknowns_of
 
 GROUND_AXES = ("ux", "uy", "uz")
 
@@ -244,7 +245,7 @@ def assembled_casing(
         K=K,
         M=M,
         expansion=expansion,
-        clamped=_unknowns(clamped_nodes),
+        clamped=unknowns_of(clamped_nodes),
         added=Places(mesh.nodes, added.places, added.numbers),
         coordinate_names=names,
         rows=rows,
@@ -263,7 +264,7 @@ def _tied(
 ) -> tuple[sp.csr_matrix, sp.csr_matrix, tuple[str, ...]]:
     """E, rows of the interface and their names, with the added unknowns after those of the nodes."""
     expansion, rows = (_rigid_patches if attachment == "rigid" else _mean_patches)(mesh, points, clamped)
-    rows = sp.csr_matrix(sp.vstack([rows, *(_point_rows(mesh, point) @ expansion for point in forced)]))
+    rows = sp.csr_matrix(sp.vstack([rows, *(point_rows(mesh, point) @ expansion for point in forced)]))
     names = [f"{name}:{axis}" for name, axes in points.items() for axis in axes]
     names += [f"{point.sensor.name}:{axis}" for point in forced for axis in point.axes]
     expansion = sp.csr_matrix(sp.block_diag([expansion, sp.eye_array(added)]))
@@ -276,13 +277,12 @@ def _parts(mesh: CasingMesh, regions: Sequence[Region], added: AddedUnknowns) ->
     return {region.name: added.matrices(chosen)[0] for region, chosen in zip(regions, inside, strict=True)}
 
 
-def _point_rows(mesh: CasingMesh, point: ForcedPoint) -> sp.csr_matrix:
+def point_rows(mesh: CasingMesh, point: ForcedPoint) -> sp.csr_matrix:
     """Rows (axis, 3 node) of the displacements of a surface point along its axes."""
     corners, weights, _ = nearest_surface_point(mesh.nodes, mesh.facets, np.array(point.sensor.position))
     directions = np.array(point.sensor.axes, float)[[GROUND_AXES.index(axis) for axis in point.axes]]
-    values = (directions[:, None, :] * weights[:, None]).reshape(len(directions), -1)
     rows = np.zeros((len(directions), 3 * len(mesh.nodes)))
-    rows[:, _unknowns(corners)] = values
+    rows[:, unknowns_of(corners)] = (directions[:, None, :] * weights[:, None]).reshape(len(directions), -1)
     return sp.csr_matrix(rows)
 
 
@@ -290,7 +290,7 @@ def _mean_patches(
     mesh: CasingMesh, points: Mapping[str, Sequence[str]], clamped: np.ndarray
 ) -> tuple[sp.csr_matrix, sp.csr_matrix]:
     """E without the clamped nodes; rows of the mean motions."""
-    free = _unknowns(np.setdiff1d(np.arange(len(mesh.nodes)), clamped))
+    free = unknowns_of(np.setdiff1d(np.arange(len(mesh.nodes)), clamped))
     n = 3 * len(mesh.nodes)
     expansion = sp.csr_matrix((np.ones(len(free)), (free, np.arange(len(free)))), shape=(n, len(free)))
     rows = [
@@ -312,21 +312,15 @@ def _rigid_patches(
             other = list(points)[int(owner[nodes][taken][0])]
             raise AttachmentError(f"{name} and {other} share nodes and cannot both be rigid; take attachment 'mean'")
         owner[nodes] = number
-    free = _unknowns(np.flatnonzero(owner < 0))
-    size = len(free) + 6 * len(points)
-    row, column, value = [free], [np.arange(len(free))], [np.ones(len(free))]
-    interface = []
-    for number, (name, axes) in enumerate(points.items()):
-        nodes = np.flatnonzero(owner == number)
-        first = len(free) + 6 * number
-        row.append(np.repeat(_unknowns(nodes), 6))
-        column.append(np.tile(np.arange(first, first + 6), 3 * len(nodes)))
-        value.append(rigid_body_modes(mesh.nodes[nodes], mesh.point(name)).ravel())
-        interface += [first + AXES.index(axis) for axis in axes]
-    place = (np.concatenate(row), np.concatenate(column))
-    expansion = sp.csr_matrix((np.concatenate(value), place), shape=(3 * len(mesh.nodes), size))
-    count = len(interface)
-    return expansion, sp.csr_matrix((np.ones(count), (np.arange(count), interface)), shape=(count, size))
+    free = unknowns_of(np.flatnonzero(owner < 0))
+    blocks = [sp.eye_array(3 * len(mesh.nodes), format="csc")[:, free]]
+    for number, name in enumerate(points):
+        led = np.repeat(owner == number, 3)[:, None]
+        blocks.append(sp.csc_array(led * rigid_body_modes(mesh.nodes, mesh.point(name))))
+    expansion = sp.csr_matrix(sp.hstack(blocks))
+    first = {name: len(free) + 6 * number for number, name in enumerate(points)}
+    interface = [first[name] + AXES.index(axis) for name, axes in points.items() for axis in axes]
+    return expansion, sp.csr_matrix(sp.eye_array(expansion.shape[1], format="csr")[np.array(interface, int)])
 
 
 def _projected(matrix: sp.csr_matrix, expansion: sp.csr_matrix) -> sp.csr_matrix:
@@ -334,7 +328,3 @@ def _projected(matrix: sp.csr_matrix, expansion: sp.csr_matrix) -> sp.csr_matrix
     if (chosen := choice_of(expansion)) is not None:
         return sp.csr_matrix(matrix[chosen][:, chosen])
     return sp.csr_matrix(expansion.T @ matrix @ expansion)
-
-
-def _unknowns(nodes: np.ndarray) -> np.ndarray:
-    return (3 * nodes[:, None] + np.arange(3)).ravel()

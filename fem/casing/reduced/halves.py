@@ -28,6 +28,7 @@ from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.reduced.reduction import Interface, Reduction, held_interface, largest_entry, reduce_and_count
 from fem.numerics.linear_solver import Factor, Solver
 from fem.numerics.memory import give_back
+from fem.numerics.places import unknowns_of
 from fem.numerics.threads import side_by_side
 
 Result = TypeVar("Result")
@@ -222,11 +223,11 @@ def _reflection(places: Places, axis: int, K: sp.csr_matrix, chosen: np.ndarray)
     if 2 * len(kept) < len(nodes) or 2 * len(kept_functions) < len(other):
         return None
     first = 3 * len(nodes)
-    images = np.concatenate([_unknowns(image), first + other])
-    signs = np.concatenate([sign.ravel(), _signs(K, _unknowns(image), sign.ravel(), other)])
+    images = np.concatenate([unknowns_of(image), first + other])
+    signs = np.concatenate([sign.ravel(), _signs(K, unknowns_of(image), sign.ravel(), other)])
     number = np.full(len(images), -1)
     number[chosen] = np.arange(len(chosen))
-    own_images, own_kept = number[images[chosen]], number[np.concatenate([_unknowns(kept), first + kept_functions])]
+    own_images, own_kept = number[images[chosen]], number[np.concatenate([unknowns_of(kept), first + kept_functions])]
     if own_images.min(initial=0) < 0:
         return None
     return _Reflection(own_images, signs[chosen], own_kept[own_kept >= 0])
@@ -251,10 +252,6 @@ def _signs(K: sp.csr_matrix, image: np.ndarray, sign: np.ndarray, other: np.ndar
     reflected = forces[:, image] @ sp.diags_array(sign)
     product = np.asarray(reflected.multiply(forces[other]).sum(axis=1)).ravel()
     return np.where(product < 0.0, -1.0, 1.0)
-
-
-def _unknowns(nodes: np.ndarray) -> np.ndarray:
-    return (3 * nodes[:, None] + np.arange(3)).ravel()
 
 
 def _unchanged(matrix: sp.csr_matrix, reflection: _Reflection, expansion: sp.csr_matrix) -> bool:

@@ -8,12 +8,10 @@ any of these needs no factorisation or eigensolution of the mesh.
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg as la
 
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.parts.feet import clamped_reactions, foot_sums
@@ -23,7 +21,7 @@ from fem.casing.reduced.body import BEARING_AXES, ReducedBody
 from fem.casing.reduced.damping import energy_shares, modal_damping
 from fem.casing.reduced.grounded import GROUND_AXES, GroundedCasing
 from fem.casing.reduced.reduction import Reduction, ReductionError
-from fem.casing.reduced.truncation import ModeSet, fewest_modes, kept
+from fem.casing.reduced.truncation import ModeSet, fewest_modes, kept, mode_names, on_springs, undamped_modes
 from fem.elements.solids import mass_properties
 from fem.storage.records import Record, array, integer, names, scalar, text
 
@@ -119,8 +117,6 @@ def casing_modes(
     counted : fixed-interface modes below it (Sturm-sequence count); -1: not counted
     """
     mesh = casing.mesh
-    extra = reduction.modes.shape[1] - reduction.n_fixed
-    mode_names = [f"mode_{i + 1}" for i in range(reduction.n_fixed)] + [f"inertia_{i + 1}" for i in range(extra)]
     mass, centre, inertia = mass_properties(mesh.nodes, mesh.elements, casing.material.density)
     inertial = casing.M @ casing.rigid_motions(centre)
     foot_stiffness, foot_inertia = _clamped_feet(casing, inertial[:, :3])
@@ -131,7 +127,7 @@ def casing_modes(
         attachment=casing.attachment,
         mass=reduction.mass,
         stiffness=reduction.stiffness,
-        coordinate_names=casing.coordinate_names + tuple(mode_names),
+        coordinate_names=casing.coordinate_names + mode_names(reduction.n_fixed, len(reduction.frequencies)),
         reference_springs=casing.springs,
         fixed_frequencies=reduction.frequencies,
         band_limit=band_limit,
@@ -231,13 +227,11 @@ def reduced_body(
     Raises
     ------
     AttachmentError : a sensor far from the surface
-    ValueError : damping out of range, mounts that do not fit, more modes than stored, an unknown part
+    ValueError : mounts that do not fit, more modes than stored, an unknown part
     """
     springs = modes.springs(mounts)
     chosen = kept_modes(modes, springs, limit=limit, frequency_error=frequency_error)
-    b, extra = chosen.n_interface, len(chosen.mass) - chosen.n_interface - chosen.n_fixed
-    stiffness = stiffness_factor * chosen.stiffness
-    stiffness[np.arange(b), np.arange(b)] += springs
+    b, stiffness = chosen.n_interface, on_springs(stiffness_factor * chosen.stiffness, springs)
     known = part_matrices(modes, chosen, springs, stiffness_factor)
     if unknown := [name for name in loss_factors or () if name not in known]:
         raise ValueError(f"casing: no part {unknown[0]!r} has a loss factor; known: {', '.join(known) or 'none'}")
@@ -252,13 +246,12 @@ def reduced_body(
                 rows.append(row)
                 row_names.append(f"{sensor.name}:{axis}")
         places[sensor.name] = place
-    mode_names = [f"mode_{i + 1}" for i in range(chosen.n_fixed)] + [f"inertia_{i + 1}" for i in range(extra)]
     return ReducedBody(
         model=modes.model,
         mass=chosen.mass,
         stiffness=stiffness,
         damping=modal_damping(chosen.mass, stiffness, damping, parts),
-        coordinate_names=(*modes.interface_names, *mode_names),
+        coordinate_names=modes.interface_names + mode_names(chosen.n_fixed, len(stiffness) - b),
         row_names=tuple(row_names),
         rows=np.array(rows).reshape(len(rows), len(stiffness)),
         ground_inertia=chosen.basis.T @ modes.participation[:, :3],
@@ -333,13 +326,12 @@ def natural_modes(
     """
     springs = modes.springs(mounts)
     chosen = kept_modes(modes, springs, limit=limit)
-    stiffness = stiffness_factor * chosen.stiffness
-    stiffness[np.arange(chosen.n_interface), np.arange(chosen.n_interface)] += springs
-    square, phi = la.eigh(stiffness, chosen.mass)
+    stiffness = on_springs(stiffness_factor * chosen.stiffness, springs)
+    frequencies, phi = undamped_modes(stiffness, chosen.mass)
     vectors = chosen.basis @ phi
     parts = part_matrices(modes, chosen, springs, stiffness_factor)
     return NaturalModes(
-        frequencies=np.sqrt(np.maximum(square, 0.0)) / (2.0 * math.pi),
+        frequencies=frequencies,
         effective_mass=(vectors.T @ modes.participation) ** 2,
         total=np.concatenate([np.full(3, modes.total_mass), np.diag(modes.inertia)]),
         vectors=vectors,

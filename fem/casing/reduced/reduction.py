@@ -230,8 +230,6 @@ def _fixed_modes(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Theta = 1/omega^2 (m,), descending, and modes (n, m) of P M."""
     n, held = M.shape[0], interface.rows.shape[0]
-    if (highest is None) == (count is None):
-        raise ValueError("give either `highest` or `count`")
     smallest = None if highest is None else (2.0 * math.pi * highest) ** -2.0
     if count == 0:
         return np.zeros(0), np.zeros((n, 0))
@@ -248,27 +246,3 @@ def _fixed_modes(
         raise ReductionError(f"{number} modes requested; only {int(exists.sum())} have mass")
     theta, modes = theta[:number], modes[:, :number]
     return theta, modes / np.sqrt(theta)
-
-
-def craig_bampton(
-    K: sp.spmatrix, M: sp.spmatrix, interface: np.ndarray, n_modes: int, *, enrich: bool = False
-) -> Reduction:
-    """Craig-Bampton reduction to the degrees of freedom `interface` and the lowest fixed-interface modes.
-
-    Parameters
-    ----------
-    K, M : sparse (n, n), symmetric, N/m and kg; K may be singular if it is definite with the interface held
-    interface : int (b,), unknowns kept as physical coordinates
-    n_modes : number of fixed-interface modes, 0 gives Guyan condensation
-    enrich : add the inertia correction
-
-    Returns
-    -------
-    Reduction, with u = T @ [u_b, eta]
-    """
-    K, interface = sp.csr_matrix(K), np.asarray(interface)
-    b = len(interface)
-    rows = sp.csr_matrix((np.ones(b), (np.arange(b), interface)), shape=(b, K.shape[0]))
-    penalty = np.full(b, abs(K.diagonal()).max())
-    held = held_interface(K, rows, penalty=penalty)
-    return reduce_body(held, K, M, count=n_modes, enrich=enrich)

@@ -17,10 +17,6 @@ import scipy.linalg as la
 from fem.casing.reduced.lanczos import m_orthonormal
 
 
-class TruncationError(ValueError):
-    """The request exceeds the stored modes."""
-
-
 @dataclass(frozen=True, eq=False)
 class ModeSet:
     """Reduced matrices of interface and modal coordinates; modal blocks are identity and diag(omega^2)."""
@@ -40,8 +36,6 @@ class ModeSet:
 
 def kept(whole: ModeSet, n_fixed: int) -> ModeSet:
     """The same reduction with the `n_fixed` lowest fixed-interface modes."""
-    if n_fixed > whole.n_fixed:
-        raise TruncationError(f"{n_fixed} modes requested, {whole.n_fixed} were computed; increase casing.band_Hz")
     if n_fixed == whole.n_fixed:
         return whole
     b, size = whole.n_interface, len(whole.mass)
@@ -68,12 +62,25 @@ def kept(whole: ModeSet, n_fixed: int) -> ModeSet:
     )
 
 
+def undamped_modes(stiffness: np.ndarray, mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Natural frequencies (Hz), ascending, and shapes (coordinate, mode), orthonormal in the mass."""
+    square, shapes = la.eigh(stiffness, mass)
+    return np.sqrt(np.maximum(square, 0.0)) / (2.0 * math.pi), shapes
+
+
+def on_springs(stiffness: np.ndarray, springs: np.ndarray) -> np.ndarray:
+    """Stiffness with springs (b,), N/m, added at its first coordinates."""
+    return stiffness + np.diag(np.append(springs, np.zeros(len(stiffness) - len(springs))))
+
+
+def mode_names(n_fixed: int, count: int) -> tuple[str, ...]:
+    """Names of `count` modes: `n_fixed` fixed-interface modes, then inertia corrections."""
+    return tuple(f"mode_{i + 1}" if i < n_fixed else f"inertia_{i + 1 - n_fixed}" for i in range(count))
+
+
 def natural_frequencies(modes: ModeSet, springs: np.ndarray) -> np.ndarray:
     """Hz (b + m,), ascending, with springs (b,) at the interface coordinates."""
-    stiffness = modes.stiffness.copy()
-    place = np.arange(modes.n_interface)
-    stiffness[place, place] += springs
-    square = la.eigh(stiffness, modes.mass, eigvals_only=True)
+    square = la.eigh(on_springs(modes.stiffness, springs), modes.mass, eigvals_only=True)
     return np.sqrt(np.maximum(square, 0.0)) / (2.0 * math.pi)
 
 

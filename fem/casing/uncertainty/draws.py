@@ -73,7 +73,9 @@ def drawn_frequencies(form: ModalForm, near: int, errors: FrequencyErrors, count
     single = means + spreads * random.standard_normal((count, near)) + np.outer(rest, common)
     off = np.sqrt(2.0 * np.outer(spreads, spreads)) * np.triu(random.standard_normal((count, near, near)), 1)
     off = off + off.transpose(0, 2, 1)
-    close = _close(form.frequencies[:near], spreads)
+    frequencies = form.frequencies[:near]
+    bands = WIDTH * spreads * frequencies
+    close = abs(frequencies[:, None] - frequencies) < bands[:, None] + bands  # their bands overlap
     found = _changed(form, near, single, off * close, errors.rest * rest)
     return replace(found, turns=_turned(form.squares[:near], off * ~close) @ found.turns)
 
@@ -117,12 +119,6 @@ def _moments(near: int, errors: FrequencyErrors) -> tuple[np.ndarray, np.ndarray
     means[known], spreads[known], common[known] = errors.means[:count], errors.spreads[:count], 0.0
     spreads[: errors.first], common[: errors.first] = 0.0, 0.0
     return means, spreads, common
-
-
-def _close(frequencies: np.ndarray, spreads: np.ndarray) -> np.ndarray:
-    """Whether the bands of two modes overlap (mode, mode)."""
-    bands = WIDTH * spreads * frequencies
-    return abs(frequencies[:, None] - frequencies) < bands[:, None] + bands
 
 
 def _turned(squares: np.ndarray, off: np.ndarray) -> np.ndarray:

@@ -19,18 +19,19 @@ import numpy as np
 import scipy.linalg as la
 from threadpoolctl import threadpool_limits
 
-from fem.casing.mesh.sizes import Sizes
 from fem.casing.parts.names import Ground
 from fem.casing.reduced.body import MODES_OVER_BAND
 from fem.casing.reduced.grounded import AssembledCasing, GroundedCasing
 from fem.casing.reduced.halves import lowest
 from fem.casing.reduced.modes import CasingModes
 from fem.casing.reduced.reduction import Reduction, reduce_body
+from fem.casing.reduced.truncation import undamped_modes
 from fem.casing.uncertainty.cubic_limits import cubic_limits
 from fem.casing.uncertainty.frequency_limits import LEAST_MODES, FrequencyLimits, LimitError
-from fem.casing.uncertainty.laws import RATIOS, law_of
+from fem.casing.uncertainty.laws import law_of
 from fem.casing.uncertainty.pairing import counterparts, sample_nodes
 from fem.elements.solid_elements import SOLIDS
+from fem.numerics.places import unknowns_of
 from fem.storage.records import Record, array, integer, scalar, text
 
 MODES = 60  # lowest natural modes that are compared
@@ -52,11 +53,6 @@ class LowestModes(Record):
     element_size: float = scalar(units="m")
     unknowns: int = integer()
     element: str = text()  # of `fem.elements.solid_elements.SOLIDS`
-
-
-def coarser_sizes(sizes: Sizes) -> tuple[Sizes, ...]:
-    """Element sizes of the coarser meshes for the error estimate of quadratic tetrahedra."""
-    return tuple(sizes.times(ratio) for ratio in RATIOS)
 
 
 def lowest_modes(assembled: AssembledCasing, *, static: bool) -> LowestModes:
@@ -122,7 +118,7 @@ def quadratic_modes(assembled: AssembledCasing, reduction: Reduction, *, static:
 
 
 def _sampled(casing: GroundedCasing, frequencies: np.ndarray, vectors: np.ndarray) -> LowestModes:
-    unknowns = (3 * sample_nodes(casing.mesh.nodes)[:, None] + np.arange(3)).ravel()
+    unknowns = unknowns_of(sample_nodes(casing.mesh.nodes))
     return LowestModes(
         frequencies=frequencies,
         shapes=casing.expanded(vectors)[unknowns],
@@ -138,7 +134,8 @@ def measured_limits(modes: CasingModes, coarser: Sequence[LowestModes]) -> Frequ
     Parameters
     ----------
     modes : of the finest mesh
-    coarser : modes on the meshes of `coarser_sizes`, in this order, or those of quadratic elements on the same mesh
+    coarser : modes on meshes of elements `RATIOS` times as large, in this order, or those of quadratic elements
+        on the same mesh
 
     Raises
     ------
@@ -199,7 +196,6 @@ def stiffness_factor(limits: FrequencyLimits) -> float:
 
 def _elastic(stiffness: np.ndarray, mass: np.ndarray, ground: Ground | str) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies (m,) in Hz and vectors (coordinate, m) of the lowest `MODES` elastic modes, or of all."""
-    squares, vectors = la.eigh(stiffness, mass)
-    chosen = slice(RIGID_MOTIONS if ground == "springs" else 0, None)
-    squares, vectors = squares[chosen][:MODES], vectors[:, chosen][:, :MODES]
-    return np.sqrt(np.maximum(squares, 0.0)) / (2.0 * np.pi), vectors
+    first = RIGID_MOTIONS if ground == "springs" else 0
+    frequencies, vectors = undamped_modes(stiffness, mass)
+    return frequencies[first : first + MODES], vectors[:, first : first + MODES]

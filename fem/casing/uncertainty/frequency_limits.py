@@ -75,7 +75,7 @@ class Changes:
 
     Raises
     ------
-    LimitError : sizes not ascending, fewer than three modes with counterparts, or no change of any frequency
+    LimitError : fewer than three modes with counterparts, or no change of any frequency
     """
 
     sizes: np.ndarray
@@ -83,9 +83,6 @@ class Changes:
     formal_order: float = SMOOTH_ORDER
 
     def __post_init__(self) -> None:
-        h, f = self.sizes, self.frequencies
-        if len(h) < 2 or f.ndim != 2 or len(f) != len(h) or not (h[0] > 0.0 and (np.diff(h) > 0.0).all()):
-            raise LimitError(f"sizes {h.tolist()} and frequencies {f.shape}: give rising sizes, a row of modes each")
         if self.known.sum() < LEAST_MODES or not abs(self.large[self.known]).max() > 0.0:
             raise LimitError(
                 f"{int(self.known.sum())} modes of the finest mesh have counterparts of other frequency on the other "

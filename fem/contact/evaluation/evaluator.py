@@ -184,7 +184,7 @@ class LawEvaluator:
 
         Raises
         ------
-        LawError : wrong shape, NaN or -inf, a variant that the law does not have
+        LawError : wrong shape, a variant that the law does not have
         """
         law, checked = self.law, []
         for name, value, teeth, known in (

@@ -38,7 +38,7 @@ from fem.contact.frame import FLANKS, ModelError, flank_frame, window_fraction
 from fem.contact.law import MeshLaw
 from fem.contact.models.mesh_model import MeshModel
 from fem.contact.wheels.cantilever import beam_contour, cantilever
-from fem.contact.wheels.plane_section import POSITIONS
+from fem.contact.wheels.plane_section import EDGE_GAP, POSITIONS
 from fem.elements.materials import Material
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
@@ -132,18 +132,11 @@ def tooth_parts(gear: Gear, material: Material, roll: np.ndarray) -> ToothParts:
 class Energy(MeshModel):
     """Mesh stiffness by the potential-energy method, for comparison with literature; it takes milliseconds.
 
-    slices: number over the face; positions: grid points per base pitch; largest_gap: largest no-load gap for tip-edge
-    contact, in m_n.
+    slices: number over the face; positions: grid points per base pitch.
     """
 
     model: Literal["energy"] = "energy"
     positions: int = option(64, **POSITIONS)
-    largest_gap: float = 0.05
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not 0.001 <= self.largest_gap <= 0.08:
-            raise ModelError(f"model energy: largest_gap is {self.largest_gap!r}; give a value in [0.001, 0.08]")
 
     def pair_compliance(self, pair: GearPair, pinion_radius: np.ndarray, wheel_radius: np.ndarray) -> np.ndarray:
         """Compliance (position,) of a single pair per unit face width (m2/N) at the contact radii (m)."""
@@ -160,7 +153,7 @@ class Energy(MeshModel):
 
     def laws(self, pair: GearPair) -> tuple[MeshLaw, MeshLaw]:
         """The laws of drive and coast flank, with common tables."""
-        largest = self.largest_gap * pair.pinion.normal_module
+        largest = EDGE_GAP * pair.pinion.normal_module
         first, last = contact_window(pair, largest)
         grid = np.arange(math.floor(first * self.positions), math.ceil(last * self.positions) + 1) / self.positions
         path = path_points(pair, grid, largest)

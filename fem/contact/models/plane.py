@@ -42,10 +42,7 @@ class Plane(PlaneSection, MeshModel):
                 **flank_frame(pair, flank, self.slices),
                 position_start=float(path.xi[0]),
                 position_step=1.0 / self.positions,
-                compliance=tables.compliance,
-                contact_slope=tables.contact_slope,
-                contact_offset=tables.contact_offset,
-                neighbour_compliance=tables.neighbour_compliance,
+                **tables,
                 gap=path.gap,
                 fraction=window_fraction(path.gap),
             )

@@ -16,7 +16,6 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from fem.contact.frame import ModelError
 from fem.contact.law import MeshLaw
 from fem.contact.models.mesh_model import MeshModel
 from fem.contact.wheels.plane_section import PlaneSection
@@ -43,7 +42,6 @@ class Solid(MeshModel):
     refinement : divides all element sizes of section and face and the patches (1: 0.2 m_n along the flank, 8 elements
         along the face)
     positions : mesh positions per cycle
-    largest_gap : largest no-load gap for tip-edge contact, in m_n, see `PlaneSection`
     """
 
     seconds: ClassVar[float] = 3.0
@@ -53,12 +51,6 @@ class Solid(MeshModel):
     slices: int = option(31, ge=3, le=101, text="number of slices along the face")
     refinement: float = option(1.0, ge=0.6, le=3, text="factor that divides all element sizes")
     positions: int = option(32, ge=8, le=512, text="mesh positions per base pitch that are solved")
-    largest_gap: float = 0.05
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not 0.001 <= self.largest_gap <= 0.08:
-            raise ModelError(f"model solid: largest_gap is {self.largest_gap!r}; give a value in [0.001, 0.08]")
 
     def axial_elements(self, pair: GearPair) -> int:
         """Number of elements along the face: 8, or more so that none is longer than 1.25 m_n; times the refinement."""
@@ -82,9 +74,7 @@ class Solid(MeshModel):
     @property
     def plane(self) -> PlaneSection:
         """The section for the compliance of a load uniform along the face, and for the path of contact."""
-        return PlaneSection(
-            refinement=max(1.0, self.refinement), positions=2 * self.positions, largest_gap=self.largest_gap
-        )
+        return PlaneSection(refinement=max(1.0, self.refinement), positions=2 * self.positions)
 
     def check(self, pair: GearPair) -> None:
         """Refuse a pair without a path of contact."""

@@ -1,8 +1,8 @@
-"""Displacement and von Mises stress of the loaded teeth in one contact state, on the hexahedra of the model.
+"""Displacement and von Mises stress of the loaded teeth at one mesh position, on the hexahedra of the model.
 
-The line loads of a `ContactState` act on the flank rows with the patches of the compliance. Their half-width is 0.2 m_n
-at the default refinement: the subsurface stress of the Hertz contact is not resolved; its pressure is given in the
-state. The ring gives the motion of the cuts, from which the condensed unknowns of each sector are recovered.
+The line loads of `fem.contact.wheels.contact` act on the flank rows with the patches of the compliance. Their
+half-width is 0.2 m_n at the default refinement: the subsurface stress of the Hertz contact is not resolved. The ring
+gives the motion of the cuts, from which the condensed unknowns of each sector are recovered.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ import numpy as np
 
 from fem.contact.models.solid import PATCH, SECTION, Solid
 from fem.contact.wheels.compliance import ContactCompliance
-from fem.contact.wheels.contact import ContactState
 from fem.contact.wheels.ring import FlankCompliance, SectorReduction
 from fem.contact.wheels.solid_ring import load_size, node_frames, reduce_prism, sector_prism
 from fem.contact.wheels.webs import axial_ends, web_ends
@@ -60,21 +59,22 @@ class LoadedTeeth:
 
 
 def stress_field(
-    pair: GearPair, model: Solid, record: ContactCompliance, state: ContactState, index: int = 0
+    pair: GearPair, model: Solid, record: ContactCompliance, index: int, line_load: np.ndarray
 ) -> tuple[StressField, StressField]:
-    """Fields of pinion and wheel at one row of a solved state: the teeth of all candidate pairs with their sectors.
+    """Fields of pinion and wheel at one mesh position: the teeth of all candidate pairs with their sectors.
 
     Both gears are solved again with all factors stored; this takes seconds.
 
     Parameters
     ----------
     pair, model : the gears in mesh and their model
-    record, state : compliances of this pair by this model, and a solution on them
-    index : row of the state
+    record : compliances of this pair by this model
+    index, line_load : position, and line loads (pair, slice) there, N/m, of `fem.contact.wheels.contact.contact_at`
     """
-    touching = np.isfinite(record.gap[round(state.cycle[index] * len(record.position)) % len(record.position)])
-    xi = state.cycle[index] - state.pair[index][:, None] + record.cycle_shift
-    loads = np.where(touching, state.line_load[index] * record.slice_width, 0.0)
+    turns, place = divmod(index, len(record.position))
+    numbers = record.pair + turns
+    xi = index / len(record.position) - numbers[:, None] + record.cycle_shift
+    loads = np.where(np.isfinite(record.gap[place]), line_load * record.slice_width, 0.0)
     points = path_points(pair, xi.ravel(), 0.4 * pair.pinion.normal_module)
     bounds = np.linspace(-pair.face_width / 2, pair.face_width / 2, model.slices + 1)
     along = pair.pinion.hand_sign * (record.flank or 1)
@@ -92,7 +92,7 @@ def stress_field(
         ends = axial_ends(gear.face_width, model.axial_elements(pair), web)
         nodal = np.einsum("ps,psr,sa->pra", loads, weight, slice_means(ends, bounds)[::turn], optimize=True)
         # pair p + n, which follows, has tooth -n of the pinion and n of the wheel, counted towards the loaded flank
-        out.append(_gear_field(gear, material, mesh, ends, web, nodal, -turn * state.pair[index], state.pair[index]))
+        out.append(_gear_field(gear, material, mesh, ends, web, nodal, -turn * numbers, numbers))
     return out[0], out[1]
 
 

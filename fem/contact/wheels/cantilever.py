@@ -15,8 +15,7 @@ _POINTS = 400  # on the fillet and on the involute
 
 def beam_contour(gear: Gear) -> tuple[np.ndarray, np.ndarray]:
     """Height above the gear axis, ascending, and half thickness (n,), m, from the start of the fillet at the root."""
-    half = half_tooth_profile(gear, _POINTS, _POINTS, 1)
-    width, height = half.points[: half.tip_index + 1].T
+    width, height = half_tooth_profile(gear, _POINTS, _POINTS, 1)[: 2 * _POINTS + 1].T
     first = int(np.flatnonzero(np.hypot(width, height) > gear.root_radius * (1.0 + 1e-9))[0]) - 1
     order = np.argsort(height[first:], kind="stable")
     return height[first:][order], width[first:][order]

@@ -25,11 +25,12 @@ import numpy as np
 from scipy import sparse
 from scipy.linalg import cho_factor, cho_solve
 
-from fem.contact.wheels.ring import SectorReduction, condensed, cut_flexibility, cut_rotation, degrees_of
+from fem.contact.wheels.ring import SectorReduction, condensed, cut_flexibility, cut_rotation
 from fem.contact.wheels.solid_ring import CUT, load_size, node_frames, sector_prism
 from fem.elements.nested_condensation import KEPT
 from fem.elements.sections import stiffness
 from fem.gears.sector import SectorMesh
+from fem.numerics.places import unknowns_of
 from fem.storage.ledger import count
 
 
@@ -60,13 +61,13 @@ def plane_cracked_ring(mesh: SectorMesh, young: float, poisson: float, loads: sp
     full = stiffness(mesh.points, mesh.elements, young, poisson, mesh.twist, mesh.filling)
     components, first = full.shape[0] // len(mesh.points), mesh.slit_first
     turn = cut_rotation(mesh, components)
-    on_tooth = degrees_of(mesh.slit, components)
+    on_tooth = unknowns_of(mesh.slit, components)
     opening = components * first + np.arange(len(on_tooth))
     places = np.tile(opening, 2), np.concatenate([on_tooth, opening])
     change = sparse.csc_matrix((np.repeat([1.0, -2.0], len(opening)), places), shape=full.shape)
     turn = (turn @ (sparse.identity(full.shape[0], format="csc") + change)).tocsc()  # u(body) = u(tooth) - g
     full = (turn.T @ full @ turn).tocsc()
-    cut = degrees_of(np.concatenate([mesh.cut_low, mesh.cut_high]), components)
+    cut = unknowns_of(np.concatenate([mesh.cut_low, mesh.cut_high]), components)
     schur, transfer, _ = condensed(mesh, full, np.concatenate([opening, cut]), loads)
     return _closed_to_ring(mesh.teeth, len(opening), schur, transfer, 0)
 

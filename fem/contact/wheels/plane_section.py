@@ -41,17 +41,9 @@ from fem.storage.ledger import count
 if TYPE_CHECKING:
     from fem.contact.wheels.ring import FlankCompliance
 
+EDGE_GAP = 0.05  # m_n: largest no-load gap for tip-edge contact; must exceed the largest delta
+TIP_ROUNDING = 0.05  # m_n: radius of tip edges that the gear leaves open, for contact beyond the path of contact
 POSITIONS: Any = {"ge": 16, "le": 1024, "text": "mesh positions per base pitch at which stiffness is tabulated"}
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class PairCompliance:
-    """Tables of one slice over the local position, see `MeshLaw` (per unit face width)."""
-
-    compliance: np.ndarray  # (position,), m2/N
-    neighbour_compliance: np.ndarray  # (neighbour, position), m2/N
-    contact_slope: float  # m2/N
-    contact_offset: np.ndarray  # (position,)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,36 +55,22 @@ class PlaneSection:
     refinement : divides all element sizes (1: 0.05 m_n along the flank)
     patch : half-width of the pressure patches in m_n; the result does not depend on it (below 0.2 %)
     positions : grid points per base pitch
-    tip_rounding : radius of the tip edges in m_n, used only for tip-edge contact beyond the path of contact
-    largest_gap : largest no-load gap for tip-edge contact, in m_n; must exceed the largest delta
     """
 
     refinement: float = option(1.0, ge=0.5, le=8, text="factor that divides all element sizes of the tooth sector")
     patch: float = 0.08
     positions: int = option(64, **POSITIONS)
-    tip_rounding: float = 0.05
-    largest_gap: float = 0.05
 
     def __post_init__(self) -> None:
         check_options(self, ModelError)
-        limits = {"patch": (0.02, 0.2), "tip_rounding": (0.001, 0.5), "largest_gap": (0.001, 0.08)}
-        for name, (low, high) in limits.items():
-            value = getattr(self, name)
-            if not low <= value <= high:
-                raise ModelError(f"model plane: {name} is {value!r}; give a value in [{low}, {high}]")
-        if self.patch * self.refinement < 0.04:
-            raise ModelError(
-                f"model plane: patch {self.patch} m_n is not resolved by flank elements of "
-                f"{0.05 / self.refinement:.3g} m_n; give refinement >= {0.04 / self.patch:.2g} or a larger patch"
-            )
 
     def path(self, pair: GearPair) -> PathPoints:
         """The path of contact on a uniform grid over its `bridging_window`."""
-        largest, first, last = bridging_window(pair, self.largest_gap * pair.pinion.normal_module)
+        largest, first, last = bridging_window(pair, EDGE_GAP * pair.pinion.normal_module)
         grid = np.arange(math.floor(first * self.positions), math.ceil(last * self.positions) + 1) / self.positions
         return path_points(pair, grid, largest)
 
-    def tables(self, pair: GearPair, path: PathPoints) -> PairCompliance:
+    def tables(self, pair: GearPair, path: PathPoints) -> dict[str, Any]:
         """Compliances of one slice at the positions of `path`."""
         reach = max(1, math.ceil((len(path.xi) - 1) / self.positions) - 1)
         rings = self.rings(pair, reach)
@@ -106,7 +84,12 @@ class PlaneSection:
             for weight, ring, tooth in zip(weights, rings, (-n, n), strict=True):
                 between[n - 1] += np.einsum("pi,ij,pj->p", weight[behind], ring.matrix[tooth], weight)
         slope, offset = self.contact_terms(pair, path)
-        return PairCompliance(compliance=own, neighbour_compliance=between, contact_slope=slope, contact_offset=offset)
+        return {
+            "compliance": own,
+            "neighbour_compliance": between,
+            "contact_slope": slope,
+            "contact_offset": offset,
+        }
 
     def contact_terms(self, pair: GearPair, path: PathPoints) -> tuple[float, np.ndarray]:
         """A (m2/N) and B (position,) of the Hertz term."""
@@ -152,10 +135,10 @@ class PlaneSection:
         """Transverse radius of relative curvature (position,), m.
 
         Beyond the path a tip edge is in contact. Over a tenth of a pitch, in which edge contact develops, the radius
-        changes to that of the rounded edge (of the gear, or `tip_rounding`), linearly in its logarithm.
+        changes to that of the rounded edge (of the gear, or TIP_ROUNDING), linearly in its logarithm.
         """
         beyond = np.maximum(pair.xi_start - path.xi, path.xi - pair.xi_end).clip(0.0)
-        usual = self.tip_rounding * pair.pinion.normal_module
+        usual = TIP_ROUNDING * pair.pinion.normal_module
         edge = np.where(path.xi < 0.0, pair.wheel.tip_rounding or usual, pair.pinion.tip_rounding or usual)
         share = np.minimum(beyond / 0.1, 1.0)
         return path.relative_radius ** (1.0 - share) * np.minimum(edge, path.relative_radius) ** share

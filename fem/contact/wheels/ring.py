@@ -19,6 +19,7 @@ from scipy import sparse
 from fem.elements.sections import lagrange, stiffness
 from fem.gears.sector import SectorMesh
 from fem.numerics.linear_solver import SingularMatrixError, factorize
+from fem.numerics.places import unknowns_of
 from fem.storage.ledger import count
 
 
@@ -83,22 +84,27 @@ class FlankCompliance:
         return out, used
 
 
+def load_directions(mesh: SectorMesh) -> np.ndarray:
+    """Forces (flank, 3) on the flank nodes with the transverse part 1, normal to the flank in space, into the tooth.
+
+    The axial part is twist * (x n_y - y n_x), so that the moment about the axis is r_b on the involute.
+    """
+    normal, place = mesh.flank_normal, mesh.points[mesh.flank]
+    axial = mesh.twist * (place[:, 0] * normal[:, 1] - place[:, 1] * normal[:, 0])
+    return np.column_stack([-normal, axial])
+
+
 def flank_loads(mesh: SectorMesh) -> sparse.csc_matrix:
     """Unit forces into the tooth along the flank normal, one column per flank node; (dofs, flank).
 
     On a helical gear the transverse component is 1 and the axial one tan(beta) at the radius of the node times n_theta,
     so that the force is normal to the flank in space and its moment about the axis is r_b on the involute.
     """
-    normal, place = mesh.flank_normal, mesh.points[mesh.flank]
-    parts = [-normal[:, 0], -normal[:, 1]]
-    if mesh.twist:
-        parts.append(mesh.twist * (place[:, 0] * normal[:, 1] - place[:, 1] * normal[:, 0]))
-    components, count = len(parts), len(mesh.flank)
+    components, count = 3 if mesh.twist else 2, len(mesh.flank)
+    values = load_directions(mesh)[:, :components]
     rows = components * mesh.flank[:, None] + np.arange(components)
     cols = np.repeat(np.arange(count), components)
-    return sparse.csc_matrix(
-        (np.column_stack(parts).ravel(), (rows.ravel(), cols)), shape=(components * len(mesh.points), count)
-    )
+    return sparse.csc_matrix((values.ravel(), (rows.ravel(), cols)), shape=(components * len(mesh.points), count))
 
 
 def reduce_sector(mesh: SectorMesh, young: float, poisson: float, loads: sparse.spmatrix) -> SectorReduction:
@@ -117,7 +123,7 @@ def reduce_sector(mesh: SectorMesh, young: float, poisson: float, loads: sparse.
     full = stiffness(mesh.points, mesh.elements, young, poisson, mesh.twist, mesh.filling)
     components = full.shape[0] // len(mesh.points)
     turn = cut_rotation(mesh, components)
-    cut = degrees_of(np.concatenate([mesh.cut_low, mesh.cut_high]), components)
+    cut = unknowns_of(np.concatenate([mesh.cut_low, mesh.cut_high]), components)
     schur, transfer, direct = condensed(mesh, (turn.T @ full @ turn).tocsc(), cut, loads)
     return SectorReduction(
         teeth=mesh.teeth, stiffness=(schur + schur.T) / 2, transfer=transfer, direct=(direct + direct.T) / 2
@@ -142,7 +148,7 @@ def condensed(
     """
     inner = np.ones(full.shape[0], dtype=bool)
     inner[kept] = False
-    inner[degrees_of(np.concatenate([mesh.bore, mesh.cut_bore]), full.shape[0] // len(mesh.points))] = False
+    inner[unknowns_of(np.concatenate([mesh.bore, mesh.cut_bore]), full.shape[0] // len(mesh.points))] = False
     k_ii, k_ic = full[inner][:, inner].tocsc(), full[inner][:, kept]
     try:
         factor = factorize(k_ii, block=full.shape[0] // len(mesh.points))
@@ -221,8 +227,3 @@ def cut_rotation(mesh: SectorMesh, components: int) -> sparse.csc_matrix:
     rows = np.concatenate([np.arange(size), components * nodes, components * nodes + 1])
     cols = np.concatenate([np.arange(size), components * nodes + 1, components * nodes])
     return sparse.csc_matrix((np.concatenate([diagonal, -y, y]), (rows, cols)), shape=(size, size))
-
-
-def degrees_of(nodes: np.ndarray, components: int) -> np.ndarray:
-    """Numbers of the unknowns of nodes, in node order."""
-    return (components * nodes[:, None] + np.arange(components)).ravel()

@@ -16,9 +16,9 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from fem.contact.wheels.cut_functions import CUT, CutFunctions, cut_ties, webbed_ties
-from fem.contact.wheels.ring import SectorReduction, ring_response
+from fem.contact.wheels.ring import SectorReduction, load_directions, ring_response
 from fem.elements.nested_condensation import FIXED, INNER, KEPT, TIED, Prism
-from fem.elements.prisms import section_blocks
+from fem.elements.prisms import section_blocks, turned_blocks
 from fem.gears.sector import SectorMesh
 from fem.numerics.quadratic_grids import with_middles
 
@@ -34,16 +34,6 @@ class SolidFlank:
     rows: np.ndarray  # the flank rows (section nodes) that can be loaded, as indices of `SectorMesh.flank`
     ends: np.ndarray  # axial element ends, m, 0 at mid face
     matrix: dict[int, np.ndarray]
-
-
-def load_directions(mesh: SectorMesh) -> np.ndarray:
-    """Forces (flank, 3) on the flank nodes with the transverse part 1, normal to the flank in space, into the tooth.
-
-    The axial part is twist * (x n_y - y n_x), so that the moment about the axis is r_b on the involute.
-    """
-    normal, place = mesh.flank_normal, mesh.points[mesh.flank]
-    axial = mesh.twist * (place[:, 0] * normal[:, 1] - place[:, 1] * normal[:, 0])
-    return np.column_stack([-normal, axial])
 
 
 def node_frames(mesh: SectorMesh) -> np.ndarray:
@@ -100,7 +90,7 @@ def sector_prism(
     return Prism(
         elements=mesh.elements,
         grid=mesh.grid,
-        blocks=blocks.turned(frames[mesh.elements]),
+        blocks=turned_blocks(blocks, frames[mesh.elements]),
         ends=ends,
         roles=roles,
         ties=ties,

@@ -46,7 +46,7 @@ def cost(train: Drivetrain) -> Cost:
     """Estimated cost of one simulation."""
     motion = train.motion
     samples = motion.end * motion.output_rate
-    steps = samples * max(1.0, math.ceil(1 / motion.output_rate / max(motion.step or math.inf, 1e-18) - 1e-9))
+    steps = samples * max(1.0, math.ceil(1 / motion.output_rate / max(motion.step, 1e-18) - 1e-9))
     blocks = sum(math.ceil(law.mesh.slices / 16) for law in train.laws)
     seconds = steps * (_STEP_SECONDS + _MODE_SECONDS * _modes(train) + _SLICES_SECONDS * blocks)
     return Cost(samples=samples, steps=steps, channels=len(train.recorded.channels(train.machine)), seconds=seconds)
@@ -61,7 +61,7 @@ def too_long(train: Drivetrain) -> Iterator[Problem]:
             f"gives {one.steps:.3g} time steps in {motion.end:g} s, more than {MOST_STEPS:.0g} (about "
             f"{MOST_STEPS * one.seconds / one.steps / 3600:.2g} hours)",
             f"Set {motion.end / MOST_STEPS * 1e6:.2g} or more, or reduce simulation.end_s",
-            f"{1e6 * (motion.step or 0.0):g}",
+            f"{1e6 * motion.step:g}",
         )
     if one.samples * one.channels > MOST_VALUES:
         yield Problem(

@@ -139,7 +139,7 @@ def _shape(gear: Gear, centre_angle: float) -> GearView:
 
 def outline(gear: Gear, centre_angle: float) -> np.ndarray:
     """Transverse profile of all teeth, counter-clockwise (n, 2) in m, the middle of one tooth at `centre_angle`."""
-    half = half_tooth_profile(gear, n_fillet=6, n_flank=8, n_tip=2).points  # mid space at x > 0 to mid tooth on +y
+    half = half_tooth_profile(gear, n_fillet=6, n_flank=8, n_tip=2)  # mid space at x > 0 to mid tooth on +y
     tooth = np.vstack([half[:-1], half[::-1] * [-1.0, 1.0]])[:-1]  # counter-clockwise, mid space kept once
     angle = centre_angle - math.pi / 2 + 2 * math.pi * np.arange(gear.teeth) / gear.teeth
     rotations = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])

@@ -46,7 +46,7 @@ class Section:
     points: np.ndarray = field(init=False)  # (k, 2)
 
     def __post_init__(self) -> None:
-        half = half_tooth_profile(self.gear, n_fillet=10, n_flank=self.flank_points, n_tip=4).points
+        half = half_tooth_profile(self.gear, n_fillet=10, n_flank=self.flank_points, n_tip=4)
         tooth = np.vstack([half[:-1], half[::-1] * [-1.0, 1.0]])
         object.__setattr__(self, "points", np.column_stack([tooth[:, 1], -tooth[:, 0]]))
 

@@ -2,8 +2,9 @@
 
 (p, p')' = (p', Phi^T (f + B^T lambda - M R phi'') - C p' - omega^2 p) with the error controlled to ``rtol`` = 1e-9; a
 free frame (`mbd.system.rolling_frame`) adds its angle and speed to the state.
-Made to measure the fixed-step methods, thousands of times slower than they are: use it for milliseconds. DOP853
-needs a step below 2/omega_max, Radau does not but factorises; the solver restarts where the motor acceleration jumps.
+Made to measure the fixed-step methods, thousands of times slower than they are: use it for milliseconds. Whoever
+imports this file can name it as the integrator "reference" of `mbd.integrators.settings.Settings`. DOP853 needs a step
+below 2/omega_max, Radau does not but factorises; the solver restarts where the motor acceleration jumps.
 
 References
 ----------
@@ -20,12 +21,14 @@ from scipy.integrate import solve_ivp
 from mbd.elements.newton import solve_rows, work_between
 from mbd.elements.table import Instant, instant
 from mbd.integrators.base import TOLERANCE, Block, Flow, uniform_clock
+from mbd.integrators.methods import METHODS
 from mbd.parts.checks import StepError
 from mbd.system.statics import State
 from mbd.system.system import System
 
 RTOL = 1e-9
 ATOL = 1e-13  # mass-normalised coordinates
+METHODS["reference"] = (__name__, "Reference")
 
 
 class Reference:
@@ -133,7 +136,11 @@ class Reference:
         n = len(self._omega2)
         u, v = self._u_rows @ x[:n], self._v_rows @ x[n:]
         forces, now = np.zeros(len(v)), instant(self._system.table)
-        used = solve_rows(self._system.table, clock, u, v, *self._still, forces, u.copy(), v.copy(), now, TOLERANCE)
+        g_u, g_v = self._still
+        used = solve_rows(
+            self._system.table, clock, u_p=u, v_p=v, g_u=g_u, g_v=g_v, force=forces, u=u.copy(), v=v.copy(), now=now,
+            tolerance=TOLERANCE,
+        )  # fmt: skip
         if used < 0:
             raise StepError(f"reference, step {self.counters['steps']}: the state is not finite. Use a smaller step.")
         return forces, u, v, now

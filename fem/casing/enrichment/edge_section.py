@@ -22,15 +22,15 @@ import scipy.linalg as la
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
-from fem.casing.enrichment.lines import GRID, eight_nodes, gauss, graded, graded_nodes, nine_nodes, products, quadratic
+from fem.casing.enrichment.lines import GRID, NODES, eight_nodes, gauss, graded, nine_nodes, products
+from fem.elements.sections import lagrange
 
-_NODES = 2 * len(GRID) - 1  # along a side of the graded grid
 _LEAST_ENERGY = 1e-4  # of the first function: functions with less are omitted
 _RIGID = 1e-9  # of the largest energy: motions without strain
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class PlaneSection:
+class EdgeSection:
     """Sections of elements, those of the fan first and in order, with the conditions on their sides.
 
     The sides of an element are xi = 0, xi = 1, eta = 0, eta = 1; xi = 0 of one element in a fan is eta = 0 of the next.
@@ -63,7 +63,7 @@ class PlaneSection:
         in_plane, along_edge : largest numbers of functions
         """
         if not self.loaded.any():
-            return np.zeros((self.fan, 0, 3, _NODES, _NODES))
+            return np.zeros((self.fan, 0, 3, len(NODES), len(NODES)))
         coarse, n = self._coarse()
         fine, n_fine = self._fine()
         of_fine = self._fine_from(coarse, n, fine, n_fine)  # values on the grids from coarse nodes and free grid nodes
@@ -107,7 +107,7 @@ class PlaneSection:
 
     def _fine(self) -> tuple[np.ndarray, int]:
         """Numbers (fan, k, k) of the nodes of the graded grids, and how many there are."""
-        own = np.arange(self.fan * _NODES**2).reshape(-1, _NODES, _NODES)
+        own = np.arange(self.fan * len(NODES) ** 2).reshape(-1, len(NODES), len(NODES))
         own[:, 0, 0] = 0
         for number in range(self.fan - 1):
             own[number + 1, :, 0] = own[number, 0, :]
@@ -116,7 +116,7 @@ class PlaneSection:
 
     def _fine_from(self, coarse: np.ndarray, n: int, fine: np.ndarray, n_fine: int) -> sp.csr_matrix:
         """Values on the grids (n_fine,) from those at the coarse nodes, on closed sides, and at free nodes of grids."""
-        weights, _ = quadratic(graded_nodes())
+        weights, _ = lagrange(NODES)
         free = np.ones(n_fine, bool)
         tied: dict[int, tuple[np.ndarray, np.ndarray]] = {}
         on_side, along = _on_sides(coarse[: self.fan]), _on_sides(fine)
@@ -134,8 +134,7 @@ class PlaneSection:
 
     def _interpolated(self, fine: np.ndarray, u: np.ndarray) -> np.ndarray:
         """I u (n_fine, component, case)."""
-        x = graded_nodes()
-        X, Y = (one.ravel() for one in np.meshgrid(x, x, indexing="ij"))
+        X, Y = (one.ravel() for one in np.meshgrid(NODES, NODES, indexing="ij"))
         functions, _ = (nine_nodes if self.middles else eight_nodes)(X, Y)
         at_nodes, _ = graded(np.array([0.0, 0.5, 1.0]))
         out = np.zeros_like(u)
