@@ -106,6 +106,8 @@ def _recordings(options: argparse.Namespace, paths: Sequence[Path]) -> Iterator[
         yield f"{files_grid(names, judged).to_text()}\n"
         for name, one in zip(names, judged, strict=True):
             yield from (f"Warning: {name}: {warning}" for warning in one.recorded.warnings)
+            if left := one.recorded.table.left_out if one.verdict is None else one.verdict.left_out:
+                yield f"Left out: {name}: {'; '.join(left)}."
     else:
         yield file_words(judged[0])
     if target is None:

@@ -414,4 +414,5 @@ def counted(levels: np.ndarray, features: Sequence[str], rms: np.ndarray) -> np.
     """
     least = np.where(np.isin(features, list(OF_SHAFT)), np.asarray(rms)[..., None] + LEAST_ORDER, -np.inf)
     neper = math.log(10.0) / 10.0  # of powers, per dB
-    return np.asarray(np.logaddexp(levels * neper, least * neper) / neper)
+    with np.errstate(invalid="ignore"):  # the level of a feature that a recording lacks is NaN
+        return np.asarray(np.logaddexp(levels * neper, least * neper) / neper)

@@ -73,7 +73,8 @@ def sentences(verdict: Verdict) -> tuple[str, ...]:
         found.append(f"Features that differ: {', '.join(named)}{f' and {more} more' if more else ''}.")
     found += compared(verdict)
     if verdict.left_out:
-        found.append(f"Left out: {'; '.join(verdict.left_out)}.")
+        cause = "Damage there can raise the evidence of other components."
+        found.append(f"Left out: {'; '.join(verdict.left_out)}. {cause}")
     return tuple(found)
 
 

@@ -57,7 +57,8 @@ class ForeignBody:
         """Position (3,) of a node. ForeignError if there is no such node."""
         found = np.flatnonzero(self.numbers == number)
         if not len(found):
-            raise ForeignError(f"{self.name} has no node {number}; it has {_some(self.numbers)}")
+            known = f"it has {_some(self.numbers)}" if len(self.numbers) else "give its files of nodes and equations"
+            raise ForeignError(f"{self.name} has no node {number}; {known}")
         return np.asarray(self.places[found[0]])
 
 

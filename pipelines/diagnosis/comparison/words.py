@@ -105,7 +105,7 @@ def remarks(recorded: Sequence[Part], parts: Sequence[Part], found: Features) ->
         letters = [
             letter for letter, table in zip(LETTERS, found.tables, strict=False) if "; ".join(table.left_out) == words
         ]
-        lines.append(f"Left out in {', '.join(letters)} because of too few revolutions: {words}.")
+        lines.append(f"Left out in {', '.join(letters)}: {words}.")
     return lines
 
 

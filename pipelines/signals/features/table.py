@@ -78,7 +78,7 @@ def with_common_components(tables: Sequence[FeatureTable]) -> list[FeatureTable]
     for table in tables:
         kept = [number for number, component in enumerate(table.component) if component in common]
         dropped = [name for name in dict.fromkeys(table.component) if name not in common]
-        reason = (f"{', '.join(dropped)}: not in all recordings, in which their speed is conditional or too low",)
+        reason = (f"{', '.join(dropped)}: in some recordings their speed is conditional or too low",)
         found.append(
             replace(
                 table,
