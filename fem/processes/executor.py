@@ -27,7 +27,6 @@ from fem.processes.child import command, environment
 from fem.storage.cache_folder import CacheWarning, warn_once
 
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-LARGE_PAGES = "glibc.malloc.hugetlb=1"  # where the system grants them on request only; a tenth off the time of a casing
 _GONE = 3  # exit code of a child whose parent has ended
 _LISTENER: ContextVar[Callable[[float], None] | None] = ContextVar("listener of the share", default=None)
 
@@ -163,10 +162,7 @@ class Processes(Executor):
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=self._output,
-                env=environment(
-                    **dict.fromkeys(THREAD_VARIABLES, "1"),
-                    GLIBC_TUNABLES=os.environ.get("GLIBC_TUNABLES", LARGE_PAGES),
-                ),
+                env=environment(**dict.fromkeys(THREAD_VARIABLES, "1")),
                 start_new_session=os.name == "posix",  # a keyboard interrupt reaches only the parent
             )
             self._children.append(child)
