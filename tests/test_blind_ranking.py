@@ -180,7 +180,7 @@ def test_against_a_control_known_damage_is_found_with_its_evidence_and_tooth():
     ]
     text = " ".join(case_sentences(cases, [damage]))
     assert text.startswith(
-        "Missing tooth 7 of the stage 1 pinion: found in 1 of 2 cases. Evidence (up, torque on the shaft, deviations "
+        "Missing tooth 7 of the stage 1 pinion: found in 1 of 2 cases. Evidence (up, torque load, deviations "
         "of seed 1): mean of 6 features at near "
     )
     assert "). Tooth 7 has the highest envelope energy in 1 of 1. The reference is" in text
