@@ -144,7 +144,7 @@ def _times(machine: Plant) -> Iterator[str]:
     uses = {"averages": FEWEST_TURNS, "lines": FEWEST_REVOLUTIONS}
     needed = {use: needed_seconds(kinematics, turns) for use, turns in uses.items()}
     turns = " and ".join(f"for {use} ({turns} turns)" for use, turns in uses.items())
-    yield f"  shortest diagnosis window {turns}, one turn longer as it can begin at any angle; windows that are too short"
+    yield f"  shortest diagnosis window {turns}, plus one as it begins at any angle; windows that are too short"
     yield f"  shaft       {'averages s':<11} {'lines s':<11} too short"
     for shaft in kinematics.shafts:
         short = []

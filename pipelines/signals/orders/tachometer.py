@@ -78,7 +78,8 @@ def find_pulses(signal: np.ndarray, time: np.ndarray, level: float | None = None
     if high == low or len(rises) < FEWEST_PULSES:
         raise RotationError(
             f"tachometer: {len(rises) if high > low else 0} pulses at the trigger level {upper:.3g}, the values "
-            f"are from {low:.3g} to {high:.3g}; at least {FEWEST_PULSES} are needed. Use a longer recording, another level or channel."
+            f"are from {low:.3g} to {high:.3g}; at least {FEWEST_PULSES} are needed. Use a longer "
+            "recording, another level or channel."
         )
     share = (upper - signal[rises - 1]) / (signal[rises] - signal[rises - 1])
     at = time[rises - 1] + share * (time[rises] - time[rises - 1])
