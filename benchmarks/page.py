@@ -225,4 +225,4 @@ def precision_table(rows: list[dict[str, Any]]) -> str:
     text = markdown(
         ("integrator", "step µs", "seconds", "of which set-up", "error of the signal", "error of its RMS"), cells
     )
-    return "\n\n".join([text, *(f"Left out: {r['method']}, {r['left_out']}." for r in rows if "left_out" in r)])
+    return "\n\n".join([text, *(f"Left out: {r['method']}. {r['left_out']}." for r in rows if "left_out" in r)])

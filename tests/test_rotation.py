@@ -196,9 +196,9 @@ def test_the_uncertainty_of_a_jittering_tachometer_is_honest():
 @pytest.mark.parametrize(
     ("signal", "words"),
     [
-        (lambda t: np.zeros_like(t), "0 pulses through 0 in values from 0 to 0"),
+        (lambda t: np.zeros_like(t), "0 pulses at the trigger level 0, the values are from 0 to 0"),
         (lambda t: np.where(t > 0.1, np.nan, 0.0), "are not numbers"),
-        (lambda t: (t > 0.5).astype(float), "1 pulses through 0.5 in values from 0 to 1"),
+        (lambda t: (t > 0.5).astype(float), "1 pulses at the trigger level 0.5, the values are from 0 to 1"),
     ],
 )
 def test_a_tachometer_without_pulses_is_refused(signal, words):

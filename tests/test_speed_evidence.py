@@ -74,7 +74,7 @@ def test_a_speed_beyond_the_search_is_not_known(off):
     except RotationError:
         return
     assert set(found.conditional) == {"shaft_1", "shaft_2"}
-    with pytest.raises(FeatureError, match="no shaft with a confirmed speed"):
+    with pytest.raises(FeatureError, match="no shaft has a confirmed speed"):
         feature_table(recording, train(*PAIR), found)
 
 

@@ -17,7 +17,7 @@ Takes seconds for the scenes `minimal` and `bench`, and less than a minute for `
 installation also compiles code, which takes 20 seconds more. Results of earlier runs are reused from the cache."""
 EXAMPLE = """\
 gearcase run bench
-Chipped tooth 10 of the stage 1 wheel: found. Evidence (steady, torque on the shaft, deviations of seed 1): ...
+Chipped tooth 10 of the stage 1 wheel: found. Evidence (steady, torque load, deviations of seed 1): ...
 ...
 report: runs/bench/2026-11-25_01-02-13/report.html
 ..."""
@@ -35,7 +35,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--one-load",
         action="store_true",
-        help="simulate a hanging load once (default: a second time with its weight as a constant torque)",
+        help="do not repeat the simulation of a hanging load with its weight as a constant torque",
     )
     sub.add_argument(
         "--seeds",

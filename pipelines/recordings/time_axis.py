@@ -50,8 +50,8 @@ def sampling(signals: Sequence[Channel], clock: Channel | None, rate: float | No
     for other, value in others:
         if abs(value / found - 1.0) > AGREEMENT:
             raise InputError(
-                f"{source}: {first} gives {found:.8g} Hz, {other} {value:.8g} Hz; they may differ by "
-                f"{AGREEMENT:.2%}. Correct rate_Hz, or set sensors to channels of one rate."
+                f"{source}: {first} gives {found:.8g} Hz, {other} {value:.8g} Hz; the largest "
+                f"difference allowed is {AGREEMENT:.2%}. Correct rate_Hz, or set sensors to channels of one rate."
             )
     return found, start
 

@@ -39,7 +39,7 @@ ENERGY = (
     "springs whose stiffness changes in time. Residual: received plus parametric minus dissipated minus stored; 0 "
     "except for numerical errors. Scale: energy with which the residual is compared. For a part this is the dissipated "
     "energy, or the largest stored energy if the part has almost no damping; for the total, the work of all sources, "
-    "each counted as positive. The part drive is the motor couplings; the work of the motors and the rotation of the "
+    'each counted as positive. The row "drive" is the motor couplings; the work of the motors and the rotation of the '
     "shafts are in the total only."
 )
 

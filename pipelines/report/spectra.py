@@ -100,7 +100,8 @@ def _compared_spectra(diagnoses: Sequence[Diagnosis]) -> list[str]:
 
 def _length(segment: Segment) -> str:
     """That of a spectrum, with the reason why it may have fewer revolutions than an average."""
-    return f"{segment.duration:.4g} s{'' if segment.resampled else ', a whole number of samples'}"
+    reason = "" if segment.resampled else ", the most revolutions with a whole number of samples"
+    return f"{segment.duration:.4g} s{reason}"
 
 
 def _own_spectra(analysis: Analysis, settings: DiagnosisSettings) -> list[str]:

@@ -143,13 +143,13 @@ def _times(machine: Plant) -> Iterator[str]:
         return
     uses = {"averages": FEWEST_TURNS, "lines": FEWEST_REVOLUTIONS}
     needed = {use: needed_seconds(kinematics, turns) for use, turns in uses.items()}
-    heads = "  ".join(f"{use} ({turns} turns) s" for use, turns in uses.items())
-    yield "  shortest diagnosis window for averages and for lines, and windows of the scene that are too short"
-    yield f"  shaft       {heads}  too short"
+    turns = " and ".join(f"for {use} ({turns} turns)" for use, turns in uses.items())
+    yield f"  shortest diagnosis window {turns}, plus one as it begins at any angle; windows that are too short"
+    yield f"  shaft       {'averages s':<11} {'lines s':<11} too short"
     for shaft in kinematics.shafts:
         short = []
         for name, (start, end) in windows.items():
             for_what = [use for use in uses if end - start < needed[use][shaft.name]]
             short += [f"{name} ({end - start:.4g} s) for {' and '.join(for_what)}"] if for_what else []
         average, lines = (needed[use][shaft.name] for use in uses)
-        yield f"  {shaft.name:<11} {average:<21.4g} {lines:<18.4g} {', '.join(short) or '-'}"
+        yield f"  {shaft.name:<11} {average:<11.4g} {lines:<11.4g} {', '.join(short) or '-'}"

@@ -316,10 +316,21 @@ def _models_with(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[st
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
-    """The known word closest to `word`, ignoring case and order of parts; "" if only the unit is similar."""
+    """The known word closest to `word`, ignoring case and order of parts; "" if only the unit is similar.
+
+    The only one with the same parts but the unit, or with these and further parts, overrides more similar ones.
+    """
     names = list(known)
     folded = {name.lower(): name for name in names}
     word = word[:MOST_CHARACTERS]
+    head = _quantity(word.lower())
+    parts = set(head.split("_"))
+    others = {name: set(_quantity(lower).split("_")) for lower, name in folded.items() if lower != head}
+    same = [name for name, other in others.items() if other == parts]
+    more = [name for name, other in others.items() if len(parts) > 1 and other > parts]
+    for found in (same, more):
+        if len(found) == 1:
+            return found[0]
     for cutoff, table in ((0.6, folded), (0.8, {"_".join(sorted(n.split("_"))): folded[n] for n in folded})):
         asked = word.lower() if table is folded else "_".join(sorted(word.lower().split("_")))
         match = nearest_name(asked, table, cutoff)

@@ -17,7 +17,7 @@ IN_ENVELOPE = ("envelope", "bearing", "pass")  # kinds of lines of the envelope;
 LOADS = {
     "rope": "rope load",
     "static-torque": "constant torque",
-    "torque": "torque on the shaft",
+    "torque": "torque load",
 }  # by load_case, as shown
 RESOLUTION = 1e-9  # m/s2; smaller amplitudes are replaced by it, so that a line of an error-free run has a finite level
 

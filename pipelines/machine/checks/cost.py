@@ -58,8 +58,8 @@ def too_long(train: Drivetrain) -> Iterator[Problem]:
     if one.steps > MOST_STEPS:
         yield Problem(
             "simulation.step_us",
-            f"gives {one.steps:.3g} time steps in {motion.end:g} s, more than {MOST_STEPS:.0g} (about "
-            f"{MOST_STEPS * one.seconds / one.steps / 3600:.2g} hours)",
+            f"gives {one.steps:.3g} time steps in {motion.end:g} s, more than {MOST_STEPS:.0g} (which take "
+            f"about {MOST_STEPS * one.seconds / one.steps / 3600:.2g} hours)",
             f"Set {motion.end / MOST_STEPS * 1e6:.2g} or more, or reduce simulation.end_s",
             f"{1e6 * motion.step:g}",
         )

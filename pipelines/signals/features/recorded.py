@@ -66,7 +66,7 @@ def feature_table(
 
     Raises
     ------
-    FeatureError : no shaft makes FEWEST_TURNS turns in a window, or no channel contains a signal
+    FeatureError : no shaft has a known speed or makes FEWEST_TURNS turns in a window, or no channel contains a signal
     """
     time = np.asarray(recording.time.values, dtype=float)
     sensors, axes, signal = recorded_channels(recording)
@@ -92,11 +92,17 @@ def feature_table(
         turning = [(shaft, cut) for shaft, cut in cuts.items() if cut is not None and cut.count >= FEWEST_TURNS]
         if not turning:
             reasons = "".join(f" {shaft}: {reason}." for shaft, reason in rotation.conditional.items())
-            known_speed = ", correct teeth, set speed with its uncertainty, or record a tachometer"
-            remedy = known_speed if rotation.conditional else " or one at a higher speed"
+            known_speed = "correct teeth, set speed with its uncertainty, or record a tachometer."
+            if not known:
+                raise FeatureError(
+                    f"{name}: no shaft has a confirmed speed.{reasons} Use a longer recording, {known_speed}"
+                )
+            confirmed, remedy = "", " or one at a higher speed."
+            if rotation.conditional:
+                confirmed, remedy = " with a confirmed speed", f", {known_speed}"
             raise FeatureError(
-                f"{name}: no shaft with a confirmed speed makes {FEWEST_TURNS} revolutions between {window[0]:g} and "
-                f"{min(window[1], float(time[-1])):g} s.{reasons} Set a longer window{remedy}."
+                f"{name}: no shaft{confirmed} makes {FEWEST_TURNS} revolutions between {window[0]:g} and "
+                f"{min(window[1], float(time[-1])):g} s.{reasons} Set a longer window{remedy}"
             )
         speeds.append(turning[0][1].frequency / turning[0][0].ratio)
         bands[name] = envelope_band(kinematics, time, speeds[-1])

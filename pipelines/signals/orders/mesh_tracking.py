@@ -177,9 +177,9 @@ def _at_best_speed(signals: Sequence[np.ndarray], angle: np.ndarray, rate: float
         )
     if second > MARGIN:
         raise RotationError(
-            f"{found}, but another speed within {100 * WIDER:g} % of speed_rpm = {60.0 * nominal:.5g} fits "
-            f"{100 * second:.0f} % as well; at most {100 * MARGIN:g} % is accepted. Correct teeth or speed_rpm, set "
-            "speed with its uncertainty, use a longer recording, or record a tachometer."
+            f"{found}, but another speed within {100 * WIDER:g} % of speed_rpm = {60.0 * nominal:.5g} has "
+            f"{100 * second:.0f} % of its score; at most {100 * MARGIN:g} % is accepted. Correct teeth or speed_rpm, "
+            "set speed with its uncertainty, use a longer recording, or record a tachometer."
         )
     return factor * angle
 

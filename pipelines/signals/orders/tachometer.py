@@ -77,8 +77,9 @@ def find_pulses(signal: np.ndarray, time: np.ndarray, level: float | None = None
     rises = known[1:][(state[known[1:]] == 1) & (state[known[:-1]] == -1)]
     if high == low or len(rises) < FEWEST_PULSES:
         raise RotationError(
-            f"tachometer: {len(rises) if high > low else 0} pulses through {upper:.3g} in values from {low:.3g} to "
-            f"{high:.3g}; at least {FEWEST_PULSES} are needed. Use a longer recording, another level or channel."
+            f"tachometer: {len(rises) if high > low else 0} pulses at the trigger level {upper:.3g}, the values "
+            f"are from {low:.3g} to {high:.3g}; at least {FEWEST_PULSES} are needed. Use a longer "
+            "recording, another level or channel."
         )
     share = (upper - signal[rises - 1]) / (signal[rises] - signal[rises - 1])
     at = time[rises - 1] + share * (time[rises] - time[rises - 1])

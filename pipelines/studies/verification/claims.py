@@ -115,7 +115,7 @@ CLAIMS: dict[str, tuple[Claim, ...]] = {
         Claim("sidebands around 2 f_m", "sidebands_2", over_control, SHOWS, (_HIDDEN,)),
         Claim("peak of the time-synchronous average", "tsa_peak", over_control, SHOWS, (_HIDDEN,)),
     ),
-    "The healthy machine shows no such lines: 10 dB minus the level of its lines over their floor": (
+    "The healthy machine shows no such lines: margin of its lines to the limit of 10 dB over their floor": (
         Claim("f_r, its harmonics and sidebands, median of 21 lines", "under_limit", of_control, 0.0, (_HIDDEN,)),
     ),
     "Lifting shows the fault more clearly than lowering: lifting over lowering, faulty machine": (
@@ -140,5 +140,6 @@ CLAIMS: dict[str, tuple[Claim, ...]] = {
 }
 
 UNTESTED = {
-    "The signals with the rope are closer to the rig": "undecided, because no measured signals of the rig are public."
+    "Whether the signals with the rope are closer to those of the rig": "undecided, because no measured signals of the "
+    "rig are public."
 }
