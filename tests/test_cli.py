@@ -142,6 +142,7 @@ def test_an_example_prints_what_its_help_shows(capsys, here, own_cache, command)
         (["check", "bench", "--set", "casing.damping_ratio=5%"], "must be a number or a list of numbers. Write the"),
         (["check", "bench", "--set", "sensors.1.position_mm=[0, 0]"], "has too few values. Give all of them: x, y, z"),
         (["fly"], "invalid choice"),
+        (["check", "pair", "--set", "stages.1.profile_shift_pinion=0.3"], "Did you mean pinion_profile_shift?"),
         (["check", "pair", "--set", "stages.1.bore_mm=30"], "Did you mean pinion_bore_mm or wheel_bore_mm?"),
         (["check", "pair", "--set", "stages.1.wheel.teeth=30"], "Did you mean stages.1.wheel_teeth?"),
         (["check", "pair", "--set", "stages.1.wheel.teth=30"], "Did you mean stages.1.wheel_teeth?"),
