@@ -198,8 +198,8 @@ def _casing_mode_files(outcome: Outcome, graph: Graph, title: str, number: int |
     from pipelines.runs.single_results import mode_shapes
 
     modes = outcome.value("casing modes")[0]
-    factor = outcome.value("casing").stiffness_factor
-    natural = natural_modes(modes, graph.steps["casing"].spec.mounts, stiffness_factor=factor)
+    ratios = outcome.value("casing").frequency_ratios
+    natural = natural_modes(modes, graph.steps["casing"].spec.mounts, frequency_ratios=ratios)
     if isinstance(number, int) and number > len(natural.frequencies):
         raise InputError(
             f"--casing-mode {number}: the reduced casing has {len(natural.frequencies)} modes. Give a lower number, "

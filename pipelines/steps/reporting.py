@@ -246,9 +246,11 @@ def _casing_rows(body: ReducedBody, modes: CasingSummary | None) -> list[dict[st
     ]
     if modes is not None:
         check = modes.checkup
-        factor = f"{body.stiffness_factor:.4f}"
-        extrapolated = [{"property": "factor on the stiffness, extrapolated to zero element size", "value": factor}]
-        first = check.frequencies[:6] * math.sqrt(body.stiffness_factor)
+        from fem.casing.uncertainty.modal_form import modal_form
+
+        first = modal_form(body).frequencies[:6]
+        ratios = body.frequency_ratios
+        change = f"{100 * (ratios.min() - 1):+.2f} to {100 * (ratios.max() - 1):+.2f} %" if len(ratios) else ""
         rows += [
             {"property": "unknowns of the finite-element mesh", "value": modes.unknowns},
             {"property": "solver", "value": modes.solver},
@@ -257,7 +259,7 @@ def _casing_rows(body: ReducedBody, modes: CasingSummary | None) -> list[dict[st
                 "property": "first natural frequencies on its feet, Hz",
                 "value": ", ".join(f"{f:.1f}" for f in first),
             },
-            *(extrapolated if body.stiffness_factor != 1.0 else []),
+            *([{"property": "change by extrapolation to zero element size", "value": change}] if change else []),
             {"property": "checks of the reduced model", "value": f"all {len(check.limit_names)} passed"},
         ]
     return rows

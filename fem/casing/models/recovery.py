@@ -50,14 +50,18 @@ class Recovery(Stage):
         ------
         CasingError : the stiffness cannot be extrapolated
         """
-        from fem.casing.reduced.modes import reduced_body
-        from fem.casing.uncertainty.extrapolation import ExtrapolationError, measured_limits, stiffness_factor
+        import numpy as np
 
+        from fem.casing.reduced.modes import reduced_body
+        from fem.casing.uncertainty.extrapolation import ExtrapolationError, measured_limits
+
+        ratios = np.zeros(0)
         try:
-            factor = stiffness_factor(measured_limits(modes[0], coarser)) if coarser else 1.0
+            if coarser:
+                ratios = measured_limits(modes[0], coarser).ratios
         except ExtrapolationError as error:
             raise CasingError(str(error)) from error
-        return _counted(reduced_body(modes[0], stiffness_factor=factor, **vars(self)))
+        return _counted(reduced_body(modes[0], frequency_ratios=ratios, **vars(self)))
 
 
 @dataclass(frozen=True, kw_only=True)
