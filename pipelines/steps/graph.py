@@ -70,7 +70,7 @@ def _law_steps(machine: Plant) -> list[Step]:
             Step(
                 name=unmodified,
                 kind="law",
-                build=laws.build,
+                build=LawSpec.laws,
                 spec=spec,
                 libraries=spec.mesh.libraries,
                 seconds=spec.mesh.seconds,

@@ -12,22 +12,14 @@ import numpy as np
 
 from fem.contact.frame import law_points
 from fem.contact.law import MeshLaw
+from fem.contact.models.mesh_model import LawSpec
 from fem.contact.models.solid import Solid
 from fem.contact.models.solid_stress import LoadedTeeth, stress_field
 from fem.contact.teeth import checked_terms
 from fem.contact.wheels.compliance import ContactCompliance
 from fem.contact.wheels.contact import contact_at
-from fem.gears.geometry import GearPair
 from fem.gears.modifications import lead_gap, profile_gap
 from pipelines.machine.flanks_spec import FlanksSpec
-
-
-@dataclass(frozen=True, kw_only=True)
-class ComplianceSpec:
-    """A gear pair without backlash, and the model."""
-
-    pair: GearPair
-    model: Solid
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -42,9 +34,10 @@ class StressSpec:
     wheel_terms: np.ndarray
 
 
-def build_compliance(spec: ComplianceSpec) -> ContactCompliance:
+def build_compliance(spec: LawSpec) -> ContactCompliance:
     """The compliances between all possible contact points."""
-    return spec.model.compliance(spec.pair)
+    assert isinstance(spec.mesh, Solid), "the only model of stress"
+    return spec.mesh.compliance(spec.pair)
 
 
 def build(spec: StressSpec, *, record: ContactCompliance, laws: tuple[MeshLaw, MeshLaw]) -> LoadedTeeth:
