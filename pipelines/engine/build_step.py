@@ -94,7 +94,8 @@ def _built(
     start, code = time.perf_counter(), _written(compiled_folder())
     with peak_memory() as peak, counting() as counts:
         try:
-            made = step.build(step.spec, **inputs, **place)
+            given = ((), step.spec) if isinstance(step.spec, Mapping) else ((step.spec,), {})
+            made = step.build(*given[0], **given[1], **inputs, **place)
         except Exception as error:
             error.add_note(f"in step {step.name}")
             raise

@@ -35,7 +35,7 @@ _FACTS: dict[str, type | tuple[type, ...]] = {
 
 @dataclass(frozen=True, kw_only=True)
 class Step:
-    """One step of a run: ``build(spec, **results of takes)``.
+    """One step of a run: ``build(spec, **results of takes)``; a mapping as `spec` holds arguments of `build` by name.
 
     `kind` names the cache entries; steps of one kind with equal inputs share one entry. `build` is a function of a
     module (not a lambda); its counts (`fem.storage.ledger`) are stored with the result. `takes` maps parameters of

@@ -88,12 +88,6 @@ def judge_folder(folder: Path) -> dict[str, Any]:
     loaded = load_scene(folder / run_folder.RESOLVED)
     train = make_drivetrain(loaded.scene, loaded.source.shown)
     kinematics = kinematics_of(train.layout, train.rolling)
-    spec = verdict.VerdictSpec(
-        kinematics=kinematics,
-        damages=verdict.known_damages(train),
-        cases=((str(train.labels["load"]), deviation_name(train.labels)),),
-        exact=True,
-    )
     settings = FeatureSettings(kinematics=kinematics, windows=train.looked_for.windows)
     with _pair(folder, train.looked_for.noise) as runs:
         try:
@@ -103,7 +97,14 @@ def judge_folder(folder: Path) -> dict[str, Any]:
             )
         except (FeatureError, RotationError) as error:
             return {"cases": (), "words": "", "failure": str(error)}
-    return verdict.build(spec, own=[own], healthy=[control])
+    return verdict.build(
+        kinematics,
+        verdict.known_damages(train),
+        ((str(train.labels["load"]), deviation_name(train.labels)),),
+        exact=True,
+        own=[own],
+        healthy=[control],
+    )
 
 
 def folder_bars(folder: Path, diagnosis: Diagnosis, settings: Settings, work: Work) -> LineBars | str:

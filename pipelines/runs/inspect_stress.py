@@ -140,9 +140,14 @@ def _stress_steps(machine: Plant, stage: int, index: int, force: float) -> list[
                 name=f"{name}_stress_{stage}",
                 kind="stress",
                 build=stress.build,
-                spec=stress.StressSpec(
-                    flanks=spec, model=model, index=index, force=force, pinion_terms=pinion, wheel_terms=wheel
-                ),
+                spec={
+                    "flanks": spec,
+                    "model": model,
+                    "index": index,
+                    "force": force,
+                    "pinion_terms": pinion,
+                    "wheel_terms": wheel,
+                },
                 takes={"record": f"compliance_{stage}", "laws": f"law_{stage}"},
                 libraries=("numpy", "scipy"),
                 seconds=6.0,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -11,19 +10,16 @@ if TYPE_CHECKING:
     from pipelines.diagnosis.simulated import FeatureSettings
 
 
-@dataclass(frozen=True, kw_only=True)
-class FeaturesSpec:
-    """Machine and windows, the labels of the motion, and how many samples of sensor noise are added to it."""
-
-    settings: FeatureSettings
-    labels: Mapping[str, Any]
-    samples: int
-
-
-def build(spec: FeaturesSpec, *, motion: Trajectory) -> dict[str, Any]:
+def build(settings: FeatureSettings, labels: Mapping[str, Any], samples: int, *, motion: Trajectory) -> dict[str, Any]:
     """The tables of features by window, one for each sample of noise, under "tables".
 
     Where there are none, the reason is under "failure".
+
+    Parameters
+    ----------
+    settings, labels : machine and windows, and the labels of the motion
+    samples : number of samples of sensor noise that are added to the motion
+    motion : of the machine
     """
     from pipelines.diagnosis.simulated import window_features
     from pipelines.signals.features.recorded import FeatureError
@@ -31,7 +27,7 @@ def build(spec: FeaturesSpec, *, motion: Trajectory) -> dict[str, Any]:
     from pipelines.signals.response import make_response
 
     try:
-        tables = window_features(make_response(motion, spec.labels), spec.settings, spec.samples)
+        tables = window_features(make_response(motion, labels), settings, samples)
     except (FeatureError, RotationError) as error:
         return {"tables": {}, "failure": str(error)}
     return {"tables": tables, "failure": ""}
