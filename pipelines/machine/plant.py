@@ -18,8 +18,8 @@ from mbd.integrators.settings import MotionSettings
 from pipelines.machine.bearings import BearingFault, RollingBearing
 from pipelines.machine.flanks import Fault
 from pipelines.machine.flanks_spec import FlanksSpec
+from pipelines.machine.kinematics import pass_lines, pass_rates, shaft_lines
 from pipelines.machine.layout import Layout, StageFacts
-from pipelines.machine.looked_for import pass_lines, pass_rates, shaft_lines
 from pipelines.machine.parts import MachineParts, Recorded
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import ShaftFault, shaft_faults

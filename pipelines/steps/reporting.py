@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipelines.engine.step import Unkept
-from pipelines.machine.looked_for import pass_rates, shaft_lines
+from pipelines.machine.kinematics import pass_rates, shaft_lines
 from pipelines.machine.plant import Plant
 from pipelines.signals.motion_warnings import gathered, stored_warnings
 from pipelines.steps.casing import misread_sensors
