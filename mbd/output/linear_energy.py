@@ -31,7 +31,15 @@ class LinearWork:
         self._turn = -integrator.inverse_mass @ (system.mass @ system.rolling)
         self._massless = [(part, part.rows(system.layout.size)) for part in system.parts if not part.is_massive]
         self._ports = np.vstack([system.rows, *(rows for _, rows in self._massless)])
-        self._to_force = np.vstack([self._element_forces(), *(self._part_forces(*pair) for pair in self._massless)])
+        self._to_force = np.vstack(
+            [
+                self._element_forces(),
+                *(
+                    part.own("stiffness") @ (rows @ self.to_q) + part.own("damping") @ (rows @ self.to_v)
+                    for part, rows in self._massless
+                ),
+            ]
+        )
         self._flow = None if integrator.flow is None else FlowWork(integrator.flow)
         self._sampled = None
         self.steps = n_steps
@@ -112,7 +120,3 @@ class LinearWork:
         """Forces (row, state) of the linear reference of the elements."""
         table, rows = self._system.table, self._system.rows
         return table.stiffness[:, None] * (rows @ self.to_q) + table.damping[:, None] * (rows @ self.to_v)
-
-    def _part_forces(self, part: Part, rows: np.ndarray) -> np.ndarray:
-        """Forces (displacement, state) of a massless part."""
-        return part.own("stiffness") @ (rows @ self.to_q) + part.own("damping") @ (rows @ self.to_v)

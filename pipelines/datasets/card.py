@@ -187,7 +187,10 @@ def _provenance(found: Summary, scene: Scene | None) -> str:
     versions = {**facts["made with"], **facts["facts"]["versions"]}
     lines = [f"Versions: {', '.join(f'{name} {version}' for name, version in versions.items())}."]
     if scene is not None:
-        models = ", ".join(f"{name} {_joined(model)}" for name, model in scene.models().items())
+        models = ", ".join(
+            f"{name} {model if isinstance(model, str) else '/'.join(dict.fromkeys(model))}"
+            for name, model in scene.models().items()
+        )
         lines.append(f"Models, unless a variable changes them: {models}.")
     errors = _numbers(found, "step_error")
     if errors.size:
@@ -231,10 +234,6 @@ def _numbers(found: Summary, name: str) -> np.ndarray:
     """A column of the runs that are done."""
     values = found.columns.get(name, np.array([]))
     return values[np.isfinite(values)] if values.dtype.kind in "fi" else np.array([])
-
-
-def _joined(model: str | list[str]) -> str:
-    return model if isinstance(model, str) else "/".join(dict.fromkeys(model))
 
 
 def _loading() -> str:

@@ -58,12 +58,8 @@ def sampled_scenes(plan: Plan) -> list[SampledScene]:
 def used_variables(table: PlanTable, values: Values) -> set[str]:
     """Variables on which the scene of these values depends."""
     chosen = [table.settings, *(cases[str(values[name])] for name, cases in table.cases.items())]
-    return set().union(table.cases.keys(), *map(_names, chosen))
-
-
-def _names(tree: Any) -> set[str]:
-    """Variables in the expressions of a tree."""
-    return {name for _, text in expressions(tree) for name in Expression(text[1:]).names}
+    texts = [text for tree in chosen for _, text in expressions(tree)]
+    return set().union(table.cases.keys(), *(Expression(text[1:]).names for text in texts))
 
 
 def group_variables(table: PlanTable) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ from fem.storage.cache_folder import warn_without
 from fem.storage.ledger import counting
 from pipelines.engine.cache import Cache, Entry
 from pipelines.engine.step import Step, StepRecord, Unkept
-from pipelines.engine.storage import StorageError, digest, load_value, save_value
+from pipelines.engine.storage import StorageError, digest, reader, save_value
 from pipelines.io.errors import WorkError
 
 LONG_SECONDS = 3.0  # steps that are expected to take longer may be built in a child process
@@ -37,7 +37,7 @@ class Result:
         if self.entry is None or self.value is not None:
             return self.value
         try:
-            return load_value(self.entry.folder)
+            return reader(self.entry.folder)()
         except OSError as error:
             raise WorkError(
                 f"step {self.record.name}: its stored result {self.entry.name} was removed during the run "

@@ -183,6 +183,7 @@ def machine_of(path: Path, machine: str | Path | None) -> tuple[Machine, Windows
     """
     from pipelines.recordings.formats import format_of
     from pipelines.recordings.machine import read_machine
+    from pipelines.scene.file import load_scene
 
     format_of(path)  # refuses a missing or empty file
     scene = path.parent / run_folder.RESOLVED
@@ -192,13 +193,8 @@ def machine_of(path: Path, machine: str | Path | None) -> tuple[Machine, Windows
             "speed and sensors."
         )
     given = scene if machine is None else machine
-    return read_machine(given), (_windows(scene) if is_regular_file(scene) else None)
-
-
-def _windows(scene: Path) -> Windows | None:
-    from pipelines.scene.file import load_scene
-
-    return dict(load_scene(scene).scene.diagnosis.windows_s) or None
+    windows = dict(load_scene(scene).scene.diagnosis.windows_s) if is_regular_file(scene) else {}
+    return read_machine(given), windows or None
 
 
 def read_features(path: Path, machine: Machine, windows: Windows | None) -> Recorded:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from fem.contact.faults.changed_law import damaged_law, evenly_damaged_law, modified_law
+from fem.contact.faults.changed_law import damaged_law, modified_law
 from fem.contact.law import MeshLaw
 from pipelines.machine.flanks_spec import FlanksSpec
 
@@ -33,7 +33,7 @@ def _flank(spec: FlanksSpec, law: MeshLaw, surfaces: Mapping[str, Mapping[float,
     law = modified_law(law, spec.pair, spec.modifications)
     for gear, common in (("pinion", spec.pinion_wear), ("wheel", spec.wheel_wear)):
         for fault in common:
-            law = evenly_damaged_law(law, spec.pair, gear, fault)
+            law = law.replaced(gap=law.gap + fault.gap(law, spec.pair, gear))  # on all teeth, constant along the face
     for gear, teeth in (("pinion", spec.pinion_damage), ("wheel", spec.wheel_damage)):
         for faults in teeth:
             law = damaged_law(law, spec.pair, gear, faults, surfaces[gear])

@@ -84,10 +84,11 @@ def pairs(table: Table, places: str, values: str, path: str) -> tuple[np.ndarray
         )
     wrong = np.flatnonzero(np.diff(first) <= 0)
     if len(wrong):
-        i = int(wrong[0]) + 1
+        i, line = int(wrong[0]) + 1, lines[0]
+        at = "" if line is None else f" (value {i + 1}, about line {line + i})"
         raise refused(
             f"{path}.{places}",
-            f"must increase strictly, but {first[i]:g} follows {first[i - 1]:g}{_at(lines[0], i)}",
+            f"must increase strictly, but {first[i]:g} follows {first[i - 1]:g}{at}",
             "Sort the lines, and delete repeated ones",
         )
     return first, second
@@ -168,10 +169,6 @@ def _dataset(file: Path, name: str, path: str) -> np.ndarray:
             f"{path}.column", f"value {bad[0] + 1} of {len(values)} is {values[bad[0]]}", "Correct the file", name
         )
     return values
-
-
-def _at(line: int | None, number: int) -> str:
-    return "" if line is None else f" (value {number + 1}, about line {line + number})"
 
 
 def refused(path: str, message: str, remedy: str, value: str | None = None) -> SceneError:
