@@ -102,6 +102,7 @@ def card(folder: Path, found: Summary) -> str:
     licence = plan_texts(folder).get("licence") or (
         'not stated. To publish the data set, choose one and set `licence = "..."` in its plan.'
     )
+    meanings = {f"`{name}`": meaning for name, meaning in COLUMNS.items()} | {"variables": "one column each, see below"}
     parts = [
         f"# {found.title}",
         f"Simulated vibration of a gearbox with known damage, made by `gearcase campaign` from the scene "
@@ -114,7 +115,7 @@ def card(folder: Path, found: Summary) -> str:
         "NaN. "
         "`rows/` has a JSON file per run, `rows.parquet` all of them as a table; the column `status` is `done` when "
         "the signals of a run are stored.",
-        _columns().to_markdown(),
+        Grid(title="", headers=("column", "meaning"), rows=tuple(meanings.items())).to_markdown(),
         f"## What was varied\n\n{design_words(plan)[0].upper()}{design_words(plan)[1:]}.",
         varied_grid(plan, found.columns).to_markdown() if plan["variables"] else "Nothing.",
         f"## Labels and split\n\n{_counts(found).to_markdown()}",
@@ -151,11 +152,6 @@ def _arrays(found: Summary) -> str:
     named = "; ".join(f"{name}: {', '.join(map(str, values))}" for name, values in layout["names"].items())
     seconds = layout["samples"] / layout["rate"]
     return f"{table.to_markdown()}\n\nTime from 0, {seconds:g} s at {layout['rate']:g} Hz. Names: {named}."
-
-
-def _columns() -> Grid:
-    rows = tuple((f"`{name}`", meaning) for name, meaning in COLUMNS.items())
-    return Grid(title="", headers=("column", "meaning"), rows=(*rows, ("variables", "one column each, see below")))
 
 
 def _counts(found: Summary) -> Grid:

@@ -107,7 +107,15 @@ def _loaded(source: Source, change: Mapping[str, Any], problems: list[Problem]) 
 def scene_of_merged(
     name: str, source: Source, settings: Mapping[str, Any], merged: Merged, problems: Iterable[Problem] = ()
 ) -> LoadedScene:
-    """The scene of a tree, with the settings that it holds and the problems found before; errors as `validate`."""
+    """The scene of a tree; errors as `validate`.
+
+    Parameters
+    ----------
+    name, source : of the scene
+    settings : that the tree holds
+    merged : the tree
+    problems : found before
+    """
     from pipelines.scene.scene import Scene
 
     scene, tree = validate(merged, Scene, source.shown, problems)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def build(
-    plant: Plant,
+    machine: Plant,
     healthy: Plant,
     *,
     motion: Trajectory,
@@ -35,7 +35,7 @@ def build(
 
     Parameters
     ----------
-    plant, healthy : machines of the diagnosed run and of its control
+    machine, healthy : machines of the diagnosed run and of its control
     motion, control : their motions
     laws, body : of the mesh of every stage, and the reduced casing
     modes, coarser : of the casing and of coarser meshes, where its stiffness is extrapolated
@@ -45,14 +45,14 @@ def build(
     from pipelines.signals.response import make_response
     from pipelines.signals.spectrum import SpectrumError
 
-    settings = plant.diagnosis
+    settings = machine.diagnosis
     assert settings is not None, "there was something to diagnose"
-    run = make_response(motion, plant.labels)
+    run = make_response(motion, machine.labels)
     try:
         found = diagnose(run, make_response(control, healthy.labels), settings)
     except (DiagnosisError, SpectrumError) as error:
         return f"No error bars without a diagnosis: {error}"
-    return machine_bars(plant, run, found, laws=laws, body=body, modes=modes, coarser=coarser)
+    return machine_bars(machine, run, found, laws=laws, body=body, modes=modes, coarser=coarser)
 
 
 def machine_bars(

@@ -101,7 +101,7 @@ def bars_step(study: Study) -> Step:
         name=BARS,
         kind="error-bars",
         build=bars.build,
-        spec={"plant": case.own.plant, "healthy": case.control.plant},
+        spec={"machine": case.own.plant, "healthy": case.control.plant},
         takes={"motion": case.own.step, "control": case.control.step, "laws": laws, **casing_taken(study.graph)},
         libraries=_NUMERIC,
         seconds=2.5,  # short, so that it is built in parallel with the motions of other cases

@@ -25,7 +25,7 @@ _AGAIN = "Nothing else is affected; run again."
 
 
 def again_or_graphics() -> str:
-    """What helps where nothing was said: libraries for rendering if there are none, else another run."""
+    """What helps without a message of the renderer: libraries for rendering if there are none, else another run."""
     return _AGAIN if graphics_found() else _install()
 
 

@@ -108,18 +108,13 @@ def samples(given: tuple[float, ...] | ColumnTable, path: str) -> tuple[np.ndarr
     """
     if not isinstance(given, ColumnTable):
         return np.array(given, dtype=float), None
-    file = _found(given.file)
+    shipped = Path(str(resources.files("pipelines.scene"))) / "shipped" / given.file
+    file = Path(given.file)
+    file = shipped if shipped.suffix == ".csv" and not file.exists() and shipped.is_file() else file
     with reading(file, given.file, path, MOST_BYTES):
         if file.suffix.lower() in HDF5:
             return _dataset(file, given.column, path), None
         return _column(read_text(file, MOST_BYTES), given, path), 2
-
-
-def _found(name: str) -> Path:
-    """The file of a name, or the file of this name that is shipped with a scene."""
-    shipped = Path(str(resources.files("pipelines.scene"))) / "shipped" / name
-    beside = Path(name)
-    return shipped if shipped.suffix == ".csv" and not beside.exists() and shipped.is_file() else beside
 
 
 def _column(text: str, given: ColumnTable, path: str) -> np.ndarray:
