@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from pipelines.cli.main import main
-from pipelines.cli.schema import scene_schema
 from pipelines.io.json_text import json_text
 from pipelines.scene.file import load_scene, shipped_names
+from pipelines.scene.schema import scene_schema
 
 
 def told(capsys, *words):
