@@ -49,10 +49,7 @@ def state_of(pair, record, law, wheel, index=24):
     flanks = FlanksSpec(
         pair=pair, modifications=PairModifications(), pinion_damage=(), wheel_damage=(), pinion_wear=(), wheel_wear=()
     )
-    spec = stress.StressSpec(
-        flanks=flanks, model=COARSE, index=index, force=LOAD, pinion_terms=np.zeros(20), wheel_terms=wheel
-    )
-    return stress.build(spec, record=record, laws=(law, law))
+    return stress.build(flanks, COARSE, index, LOAD, np.zeros(20), wheel, record=record, laws=(law, law))
 
 
 @pytest.fixture(scope="module", params=[("right", "left"), pytest.param(("left", "right"), marks=pytest.mark.slow)])

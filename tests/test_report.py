@@ -21,9 +21,9 @@ from pipelines.report import page
 from pipelines.report.figures.plots import StiffnessPlot, drive_figure, stiffness_figure, waveform_figure
 from pipelines.report.figures.views import LeftOut
 from pipelines.report.first_figures import average_figure, envelope_figure
-from pipelines.report.first_page import first_screen
 from pipelines.report.page import typeset
 from pipelines.report.report import report_body, write_report
+from pipelines.report.run_screen import screen_parts
 from pipelines.report.zoom_data import extremes, largest
 from pipelines.steps import pictures
 
@@ -121,7 +121,7 @@ def full(tmp_path_factory, runs, diagnosis):
     contents = {
         "sensor": "sensor_3",
         "title": "Hoist with a missing tooth",
-        "first": first_screen(**FIRST),
+        "first": screen_parts(**FIRST),
         "diagnoses": (diagnosis,),
         "seeds": (diagnosis,),
         "summary": {"motor speed": "900 rpm", "coordinates": 212},

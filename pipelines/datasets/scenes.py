@@ -13,9 +13,8 @@ import numpy as np
 from pipelines.datasets.expressions import Expression
 from pipelines.datasets.plan import Plan, PlanTable, expressions
 from pipelines.datasets.sampling import Values, sampled_values
-from pipelines.scene.file import LoadedScene, Source, validate
+from pipelines.scene.file import LoadedScene, Source, scene_of_merged
 from pipelines.scene.merge import Merged, merge
-from pipelines.scene.scene import Scene
 
 SEED_PATH = ("deviations", "seed")
 TRAIN, TEST, VALIDATION = "train", "test", "validation"
@@ -59,12 +58,8 @@ def sampled_scenes(plan: Plan) -> list[SampledScene]:
 def used_variables(table: PlanTable, values: Values) -> set[str]:
     """Variables on which the scene of these values depends."""
     chosen = [table.settings, *(cases[str(values[name])] for name, cases in table.cases.items())]
-    return set().union(table.cases.keys(), *map(_names, chosen))
-
-
-def _names(tree: Any) -> set[str]:
-    """Variables in the expressions of a tree."""
-    return {name for _, text in expressions(tree) for name in Expression(text[1:]).names}
+    texts = [text for tree in chosen for _, text in expressions(tree)]
+    return set().union(table.cases.keys(), *(Expression(text[1:]).names for text in texts))
 
 
 def group_variables(table: PlanTable) -> tuple[str, ...]:
@@ -101,9 +96,7 @@ def scene_of(plan: Plan, values: Mapping[str, Any]) -> LoadedScene:
     merged = merge(Merged(dict(plan.tree)), _filled(plan.table.settings, values))
     for name, cases in plan.table.cases.items():
         merged = merge(merged, _filled(cases[str(values[name])], values))
-    source = Source(plan.name, "", None, f"scene of {plan.name}")
-    scene, tree = validate(merged, Scene, source.shown)
-    return LoadedScene(plan.name, source, {}, tree, scene)
+    return scene_of_merged(plan.name, Source(plan.name, "", None, f"scene of {plan.name}"), {}, merged)
 
 
 def _filled(tree: Any, values: Mapping[str, Any]) -> Any:

@@ -112,25 +112,26 @@ def _stress_steps(machine: Plant, stage: int, index: int, force: float) -> list[
     """Steps of the compliance of a stage and of the stress of its teeth, healthy and, with faults, faulty."""
     import numpy as np
 
+    from fem.contact.models.mesh_model import LawSpec
     from pipelines.engine.step import Step
     from pipelines.machine.assembly import mesh_faults
     from pipelines.steps import stress
 
     modified, model = machine.flanks[stage - 1], stress_model(machine.laws[stage - 1])
     worn = replace(modified, pinion_damage=(), wheel_damage=())
-    healthy, pair = replace(worn, pinion_wear=(), wheel_wear=()), modified.pair
+    pair = modified.pair
     found = [
         Step(
             name=f"compliance_{stage}",
             kind="compliance",
             build=stress.build_compliance,
-            spec=stress.ComplianceSpec(pair=pair, model=model),
+            spec=LawSpec(pair=pair, mesh=model),
             libraries=("numpy", "scipy"),
             seconds=6.0,
         )
     ]
     even = np.zeros(pair.pinion.teeth), np.zeros(pair.wheel.teeth)
-    cases = [("healthy", healthy, even)]
+    cases = [("healthy", modified.healthy, even)]
     if machine.faults_of(stage):
         cases.append(("faulty", worn, mesh_faults(machine.machine.meshes[stage - 1])))
     for name, spec, (pinion, wheel) in cases:
@@ -139,9 +140,14 @@ def _stress_steps(machine: Plant, stage: int, index: int, force: float) -> list[
                 name=f"{name}_stress_{stage}",
                 kind="stress",
                 build=stress.build,
-                spec=stress.StressSpec(
-                    flanks=spec, model=model, index=index, force=force, pinion_terms=pinion, wheel_terms=wheel
-                ),
+                spec={
+                    "flanks": spec,
+                    "model": model,
+                    "index": index,
+                    "force": force,
+                    "pinion_terms": pinion,
+                    "wheel_terms": wheel,
+                },
                 takes={"record": f"compliance_{stage}", "laws": f"law_{stage}"},
                 libraries=("numpy", "scipy"),
                 seconds=6.0,

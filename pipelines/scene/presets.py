@@ -21,7 +21,7 @@ import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fem.options import option_of
+from fem.options import options_of
 
 if TYPE_CHECKING:
     import argparse
@@ -122,7 +122,7 @@ def most_slices() -> int:
     """Greatest number of slices of the mesh models."""
     from fem.contact.models.mesh_model import MeshModel
 
-    return int(option_of(MeshModel, "slices").le or 0)
+    return int(next(one.le for field, one in options_of(MeshModel) if field.name == "slices") or 0)
 
 
 def _casing_mesh(scene: Scene, casing: ElasticBase, level: Level) -> Settings:
