@@ -174,8 +174,8 @@ def notes(cases: Sequence[tuple[PairLaws, MeshState]], reliefs: Sequence[dict[st
     lines.append(
         "All values refer to the mesh cycles from the first to the last contact of one tooth pair: that of the damaged "
         "tooth, or any pair of healthy gears. secant, tangent, TE: means. least: smallest secant stiffness, at this "
-        "position in mesh cycles from the pitch point (at). TE p-p: peak-to-peak. share: largest load share. pressure: "
-        "largest Hertz pressure on the active flank."
+        "position in mesh cycles from the pitch point (at). TE p-p: peak-to-peak. share: largest load share. "
+        "pressure: largest Hertz pressure on the active flanks of this pair and its neighbours."
     )
     return lines
 

@@ -6,6 +6,7 @@ of the tooth, pair 1 the following one.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -124,14 +125,7 @@ def gear_curves(pairs: Sequence[PairLaws], states: Sequence[MeshState]) -> xarra
             cases.append(case)
             curves.append(curve)
             by_pair.append(_pressures(case, curve))
-            pattern = case.laws.pattern(
-                tooth=round(case.passage.cycle),
-                faulty=case.faulty,
-                modified=case.modified,
-                force=state.force,
-                tilt=state.tilt,
-            )
-            greatest.append(float(np.nanmax(pattern.values, initial=0.0)))
+            greatest.append(_greatest_pressure(case, state))
             inside = _in_contact(found.pair, position)
             ranges.append(_peak_to_peak(_error(case, state), position[inside.start - 1 : inside.stop + 1]))
     numbers = np.unique(np.concatenate([pair for pair, _, _ in by_pair]))
@@ -191,6 +185,22 @@ def _pressures(case: _Case, curve: StiffnessCurve) -> tuple[np.ndarray, np.ndarr
     return curve.pair - round(case.passage.cycle), curve.share, pressure
 
 
+def _greatest_pressure(case: _Case, state: MeshState) -> float:
+    """Largest Hertz pressure (Pa) of the tooth and, if it is damaged, of its neighbours, which carry more."""
+    near = math.ceil(case.laws.pair.total_contact_ratio) - 1 if case.faulty else 0
+    patterns = (
+        case.laws.pattern(
+            tooth=round(case.passage.cycle) + number,
+            faulty=case.faulty,
+            modified=case.modified,
+            force=state.force,
+            tilt=state.tilt,
+        )
+        for number in range(-near, near + 1)
+    )
+    return max(float(np.nanmax(pattern.values, initial=0.0)) for pattern in patterns)
+
+
 def _in_contact(pair: GearPair, position: np.ndarray) -> slice:
     """Positions of the whole mesh cycles in which one tooth is in mesh."""
     first, last = engagement(pair)
@@ -227,7 +237,7 @@ def gear_rows(pairs: Sequence[PairLaws], curves: xarray.Dataset) -> list[dict[st
     """Summary with one row for each case; means over the whole pitches in which the tooth is in mesh.
 
     The mean of a healthy pair is the same over any whole pitches. Least stiffness and `TE p-p` are those of the same
-    interval, `share` and `pressure` the greatest values of the pair of the tooth.
+    interval, `share` is the greatest value of the pair of the tooth, `pressure` that of the pairs in mesh with it, too.
     """
     by_stage = {pair.stage: pair for pair in pairs}
     rows = []
