@@ -3,8 +3,10 @@
 import re
 import sys
 
+import numpy as np
 import pytest
 
+from fem.gears.modifications import active_roll
 from pipelines.engine.run_graph import Work
 from pipelines.engine.storage import digest
 from pipelines.machine.machine import make_plant
@@ -130,6 +132,12 @@ def test_a_run_warns_as_check_does(tmp_path, caplog):
     assert [text for text in warnings if text in logged] == list(warnings)
 
 
+def root_start(plant):
+    """A radius (m) near the root of the active profile of the wheel of stage 1."""
+    pair = plant.layout.pairs[0]
+    return np.hypot(pair.wheel.base_radius, active_roll(pair, "wheel")[0] + 0.3e-3)
+
+
 def test_the_table_of_gears_states_the_modifications_of_the_scene_whatever_the_sense_of_the_law():
     """The face coordinate of a law may run along -y; the ends and slopes of the table are those of the scene."""
     pinion = {"tip_relief": {"amount_um": 11.0, "length_mm": 1.5}, "helix_slope_um": 4.0,
@@ -141,6 +149,9 @@ def test_the_table_of_gears_states_the_modifications_of_the_scene_whatever_the_s
         plant = make_plant(load_scene(scene, settings).scene)
         senses |= set(plant.layout.pinion_senses)
         rows = gear_rows(plant)
+        by_diameter = {"stages.1.wheel.root_relief": {"amount_um": 5.0, "diameter_mm": 2e3 * root_start(plant)}}
+        changed_plant = make_plant(load_scene(scene, by_diameter).scene)
+        assert gear_rows(changed_plant)[1]["flank modifications"].startswith("root relief 5 um from diameter ")
         assert {row["flank modifications"] for row in rows if row["gear"] == "pinion"} == {words}
         assert {row["flank modifications"] for row in rows if row["gear"] == "wheel"} == {"none"}
     assert senses == {1, -1}

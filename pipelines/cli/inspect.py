@@ -189,6 +189,7 @@ def _write_casing(graph: Graph, machine: Plant, folder: Path, work: Work) -> Ite
 
 
 def _casing_mode(graph: Graph, machine: Plant, number: int | str, folder: Path, work: Work) -> Iterator[str]:
+    from pipelines.engine.progress import reported_count
     from pipelines.io.errors import InputError
 
     if "casing mesh" not in graph.steps or "casing modes" not in graph.steps:
@@ -197,7 +198,9 @@ def _casing_mode(graph: Graph, machine: Plant, number: int | str, folder: Path, 
             "craig-bampton, and casing.housing to a shape, a CAD file or a mesh."
         )
     outcome = work.build(graph, ["casing", "casing modes"])
-    yield from _listed(_casing_mode_files, outcome, graph, machine.title, number, folder)
+    with reported_count("pictures", quiet=work.quiet) as report:
+        written = _listed(_casing_mode_files, outcome, graph, machine.title, number, folder, report)
+    yield from written
 
 
 def _listed(write: Callable[..., Path | list[Path]], *given: object) -> list[str]:
@@ -211,7 +214,14 @@ def _listed(write: Callable[..., Path | list[Path]], *given: object) -> list[str
     return [str(path) for path in (written if isinstance(written, list) else [written])]
 
 
-def _casing_mode_files(outcome: Outcome, graph: Graph, title: str, number: int | str, folder: Path) -> list[Path]:
+def _casing_mode_files(
+    outcome: Outcome,
+    graph: Graph,
+    title: str,
+    number: int | str,
+    folder: Path,
+    report: Callable[[int, int], None],
+) -> list[Path]:
     """Write picture, animation and page of a natural mode of the mounted casing, or a sheet of all modes in the band.
 
     Raises
@@ -248,4 +258,5 @@ def _casing_mode_files(outcome: Outcome, graph: Graph, title: str, number: int |
     limit = graph.steps["casing"].spec.limit
     inside = len(natural.frequencies) if limit is None else int((natural.frequencies <= limit / MODES_OVER_BAND).sum())
     places = range(max(inside, 1))
-    return write_modes((view(place, mode_shapes(modes, natural, [place])[0]) for place in places), len(places), folder)
+    views = (view(place, mode_shapes(modes, natural, [place])[0]) for place in places)
+    return write_modes(views, len(places), folder, report)

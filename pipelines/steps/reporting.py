@@ -210,8 +210,8 @@ def _modification_words(own: FlankModifications, layout: Layout, stage: int) -> 
     for item, one in options_of(FlankModifications):
         value, name = getattr(own, item.name), (one.key or item.name).replace("_", " ")
         if isinstance(value, Relief | EndRelief):
-            start = "over" if value.length else "from diameter"
-            start += f" {1000 * (value.length or getattr(value, 'diameter', math.nan)):g} mm"
+            starts = {"over": value.length, "from diameter": getattr(value, "diameter", None)}
+            start = next(f"{word} {1000 * size:g} mm" for word, size in starts.items() if size)
             words.append(f"{name} {1e6 * value.amount:g} um {start}, {value.shape}")
         elif value:
             words.append(f"{name} {1e6 * value:g} um")
