@@ -60,7 +60,11 @@ def write_modes(
 ) -> list[Path]:
     """casing_modes.png with a still of every mode, or casing_modes_<n>.png of `ON_A_SHEET` each.
 
-    `on_progress` is called with the number of finished stills and that of all.
+    Parameters
+    ----------
+    views, count : the modes and their number
+    folder : of the files
+    on_progress : called with the number of finished stills and that of all
     """
     written: list[Path] = []
     remaining = iter(views)
