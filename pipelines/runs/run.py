@@ -30,7 +30,7 @@ from pipelines.runs.claims import claimed
 from pipelines.scene.file import LoadedScene, control_differences
 from pipelines.signals.motion_warnings import log_warnings
 from pipelines.steps.results import BARS, DIAGNOSIS, REPORT, VERDICT, result_steps
-from pipelines.steps.study import Study, plan_study
+from pipelines.steps.study import Study, plan_study, scene_warnings
 
 _LOG = logging.getLogger(__name__)
 _WRITERS = ("h5py", "h5netcdf", "xarray")  # of the signals
@@ -85,6 +85,8 @@ def run_scene(
     requested = graph.steps if with_report else study.motions
     failure: Exception | None = None
     with claimed(loaded.name, out) as claim, run_folder.logged_to(claim.folder / "log.jsonl"):
+        for text in scene_warnings(loaded, study):
+            _LOG.warning("%s", text)
         written = _Files(claim.folder, loaded, study)
         try:
             work.build(graph, requested, written.add)

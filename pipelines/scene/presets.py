@@ -202,11 +202,11 @@ def preset_on(loaded: LoadedScene, preset: str) -> LoadedScene:
 
 
 def replaced(before: LoadedScene, after: LoadedScene) -> str:
-    """The values of a scene that a preset replaced, as "simulation.step_us 20 -> 50, ..."; "" if none."""
+    """The values of a scene and its defaults that a preset replaced, as "simulation.step_us 20 -> 50, ..."."""
     from pipelines.scene.merge import leaves
     from pipelines.scene.problems import shown_number
 
-    old, new = leaves(before.tree), leaves(after.tree)
+    old, new = (leaves(loaded.scene.model_dump(mode="json")) for loaded in (before, after))
     return ", ".join(
         f"{'.'.join(map(str, path))} {shown_number(old[path])} -> {shown_number(new[path])}"
         for path in old

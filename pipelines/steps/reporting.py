@@ -12,8 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.gears.modifications import EndRelief, FlankModifications, Relief
+from fem.options import options_of
 from pipelines.engine.step import Unkept
 from pipelines.machine.kinematics import pass_rates, shaft_lines
+from pipelines.machine.layout import Layout
 from pipelines.machine.plant import Plant
 from pipelines.signals.motion_warnings import gathered, stored_warnings
 from pipelines.steps.casing import misread_sensors
@@ -165,7 +168,8 @@ def _summary(machine: Plant) -> dict[str, Any]:
 def gear_rows(machine: Plant) -> list[dict[str, Any]]:
     """Rows of the gear table, two for each stage."""
     rows = []
-    for number, (pair, stage) in enumerate(zip(machine.layout.pairs, machine.facts.stages, strict=True), 1):
+    stages = zip(machine.layout.pairs, machine.facts.stages, machine.layout.modifications, strict=True)
+    for number, (pair, stage, modified) in enumerate(stages, 1):
         for name, gear in (("pinion", pair.pinion), ("wheel", pair.wheel)):
             rows.append(
                 {
@@ -187,9 +191,24 @@ def gear_rows(machine: Plant) -> list[dict[str, Any]]:
                     else stage.wheel_frequency,
                     "force on the line of action N": stage.mesh_force,
                     "line load F_t/b N/mm": stage.line_load / 1000,
+                    "flank modifications": _modification_words(getattr(modified, name), machine.layout, number),
                 }
             )
     return rows
+
+
+def _modification_words(own: FlankModifications, layout: Layout, stage: int) -> str:
+    """The modifications of the flanks of a gear, with the ends of the face as in the scene."""
+    own, words = own if layout.pinion_senses[stage - 1] > 0 else own.turned, []
+    for item, one in options_of(FlankModifications):
+        value, name = getattr(own, item.name), (one.key or item.name).replace("_", " ")
+        if isinstance(value, Relief | EndRelief):
+            starts = {"over": value.length, "from diameter": getattr(value, "diameter", None)}
+            start = next(f"{word} {1000 * size:g} mm" for word, size in starts.items() if size)
+            words.append(f"{name} {1e6 * value.amount:g} um {start}, {value.shape}")
+        elif value:
+            words.append(f"{name} {1e6 * value:g} um")
+    return "; ".join(words) or "none"
 
 
 def rolling_rows(machine: Plant) -> list[dict[str, Any]]:

@@ -115,13 +115,11 @@ def casing_taken(graph: Graph) -> dict[str, str | tuple[str, ...]]:
 
 
 def _report_step(loaded: LoadedScene, study: Study, known: dict[str, Step]) -> Step:
-    from pipelines.machine.checks.design_warnings import design_warnings
-    from pipelines.scene.file import control_differences
+    from pipelines.steps.study import scene_warnings
 
     machine, compared = study.plant, known.get(DIAGNOSIS)
     kinds = [*(fault.kind for fault in machine.faults), *("bearing-spall" for _ in machine.spalls)]
     kinds += [*(fault.kind for fault in machine.shaft_faults), "healthy"]
-    unlike = [] if study.control is None else control_differences(loaded, study.control)
     optional = {
         "casing": CASING, "modes": "casing modes", "diagnosis": DIAGNOSIS, "verdict": VERDICT, "error_bars": BARS,
     }  # fmt: skip
@@ -133,10 +131,7 @@ def _report_step(loaded: LoadedScene, study: Study, known: dict[str, Step]) -> S
             "machine": machine,
             **(compared.spec if compared else {"cases": (), "labels": (machine.labels,)}),
             "responses": (kinds[0].replace("-", " "), "healthy")[: 2 if compared else 1],
-            "warnings": (
-                *design_warnings(loaded.scene, machine),
-                *(f"the control differs in more than the fault: {line}" for line in unlike),
-            ),
+            "warnings": scene_warnings(loaded, study),
         },
         takes={
             "motions": compared.takes["motions"] if compared else (study.cases[0].own.step,),
