@@ -275,6 +275,13 @@ def test_check_counts_the_signals_of_each_simulation():
     assert found.endswith(f"{cost.words(on_disk)} on disk")
 
 
+def test_the_time_of_a_step_grows_with_every_sixteen_slices_of_a_stage():
+    train = [make_drivetrain(load_scene("minimal", {"stages.1.mesh.slices": n}).scene) for n in (1, 16, 17, 33)]
+    one, full, two, three = (cost.cost(each).seconds for each in train)
+    assert one == full < two
+    assert three - two == pytest.approx(two - full)
+
+
 @pytest.mark.parametrize("scene", ["minimal", "rig-healthy"])
 def test_the_channels_counted_are_those_recorded(scene):
     loaded = load_scene(scene).scene
