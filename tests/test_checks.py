@@ -29,6 +29,7 @@ from pipelines.machine.checks.strength import (
 from pipelines.machine.checks.validity import checked_plant
 from pipelines.machine.layout import lay_out
 from pipelines.machine.machine import make_drivetrain
+from pipelines.runs.checked import check_scene
 from pipelines.scene.file import load_scene
 from pipelines.steps.study import plan_study
 
@@ -389,3 +390,11 @@ def test_mounts_that_do_not_fit_the_feet_are_refused_before_the_mesh(name, setti
     loaded = load_scene(name, {"casing.ground": "springs", **settings})
     with pytest.raises(SceneError, match=words):
         checked_plant(loaded.scene, loaded.source.shown)
+
+
+def test_one_load_that_is_too_large_is_one_problem():
+    """It exceeds both the static strength and the deflection at which linear elasticity holds."""
+    with pytest.raises(SceneError) as refused:
+        check_scene(load_scene("pair", {"load.torque_N_m": 1e5}))
+    assert len(refused.value.problems) == 1
+    assert "the best gear steel bears 2640 MPa" in str(refused.value)
