@@ -80,7 +80,7 @@ def judge_files(
     """
     from pipelines.diagnosis.baseline import BaselineError
     from pipelines.diagnosis.verdict import judge
-    from pipelines.signals.features.table import with_common_components
+    from pipelines.signals.features.table import confirmed, with_common_components
 
     read: dict[str, list[Recorded]] = {}  # healthy recordings, by machine and windows
     names = [shown(one) for one in healthy]
@@ -93,9 +93,11 @@ def judge_files(
         if same not in read:
             read[same] = [read_features(recording_path(one), known, chosen) for one in healthy]
         others = read[same]
-        tables = with_common_components([one.table for one in (own, *others)])
+        tables = confirmed([one.table for one in (own, *others)])
+        other = " Another recording confirms the tooth numbers." if any(tables[0].conditional) else ""
+        own, common = replace(own, table=tables[0], turning=own.turning + other), with_common_components(tables)
         try:
-            verdict = judge(tables[0], tables[1:], known.kinematics, names) if others else None
+            verdict = judge(common[0], common[1:], known.kinematics, names) if others else None
         except BaselineError as error:
             raise InputError(f"{shown(path)}: {error}") from error
         own = replace(own, warnings=(*own.warnings, *other_speeds(own, dict(zip(names, others, strict=True)))))
@@ -293,7 +295,8 @@ def files_grid(names: Sequence[str], found: Sequence[JudgedFile]) -> Grid:
         result = ("-", "-", "-")
         if one.verdict is not None:
             first = one.verdict.first
-            result = answer(one.verdict), first.component, strength(first.evidence)
+            components = " or ".join([first.component, *one.verdict.candidates])
+            result = answer(one.verdict), components, strength(first.evidence)
         elif one.impacts:
             best = one.impacts[0]
             result = "damaged" if best.clear else "-", best.component, f"{best.level:.1f}"
