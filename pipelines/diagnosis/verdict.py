@@ -84,7 +84,7 @@ class Evidence:
 class Finding:
     """A component with its evidence, and `alike`, the components with the same orders.
 
-    `tooth` is the most conspicuous tooth of a gear; None if its position is not known or the gear shows no increase.
+    `tooth` of a gear is in mesh when an impact begins; None if its position is not known or the gear shows no increase.
     `damaged` is None if the evidence has no limit. `repeating` is False if a smaller share of the vibration repeats
     with the shaft than in some healthy recording, so that damage of another shaft can be the cause of the evidence.
     """

@@ -18,14 +18,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipelines.signals.features.average import FEWEST_TURNS, average, average_power
-from pipelines.signals.features.envelope import envelope_orders, marked_tooth, tooth_contrast, tooth_energies
+from pipelines.signals.features.envelope import FINE, envelope_orders, impact_place, tooth_contrast, tooth_energies
 from pipelines.signals.features.passing import pass_levels
 from pipelines.signals.features.statistics import kurtosis, statistics
 from pipelines.signals.features.synchronous import synchronous
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.features.turns import Turns, cut_turns
 from pipelines.signals.orders.band import banded
-from pipelines.signals.orders.kinematics import GUARD_ORDER, Gear, Kinematics, Shaft
+from pipelines.signals.orders.kinematics import GUARD_ORDER, Kinematics, Shaft
 from pipelines.signals.orders.revolutions import HIGHEST
 from pipelines.signals.orders.rotation import Rotation
 
@@ -211,7 +211,8 @@ def _shaft_lines(
         lines |= {(gear.name, name): found[name] for name in OF_GEAR}
         lines |= {(gear.name, name): found[f"stage_{gear.stage}_{name}"] for name in OF_STAGE}
         lines |= {(gear.name, name): tooth_contrast(one) for name, one in energies.items()}
-        marks[gear.name] = _numbered(marked_tooth(energies["tooth_contrast"]), cut.backwards, gear)
+        place = impact_place(tooth_energies(squares[2], FINE * gear.teeth), cut.backwards)
+        marks[gear.name] = round(place + gear.cycle) % gear.teeth  # at the pitch point when the impact begins
     share = squares[2].mean(axis=(1, 2)) / squares[1].mean(axis=(1, 2))
     repeating = np.stack([*average_power(plain), share])
     power = dict.fromkeys([line for line in lines if line[1] not in OF_SHAFT], repeating)
@@ -219,15 +220,6 @@ def _shaft_lines(
         if bearing.shaft == shaft.name:
             lines |= pass_levels(squares[1], bearing.strikes, ratios, rotation, bearing.sidebands)
     return lines, power, marks
-
-
-def _numbered(passing: int, backwards: bool, gear: Gear) -> int:
-    """Number of the tooth whose impact is in the interval `passing` of the shaft angle.
-
-    The vibration after an impact decays in the sense of rotation. If the shaft runs backwards, it is in the interval
-    below that of the tooth.
-    """
-    return (passing + backwards + round(gear.cycle)) % gear.teeth
 
 
 def _mean(windows: list[Lines]) -> Lines:

@@ -24,10 +24,10 @@ class FeatureTable(Record):
     A line is a feature of a component. `of_average` is the power of the average over turns in the envelope band, and
     `retained` its part that does not repeat with the shaft; 1 and 0 for features that are not of turns. `repeating` is
     the share of the whitened vibration that repeats with the shaft, 1 for features that are not of turns. `conditional`
-    names the shaft of a line and the reason if its speed is conditional. `tooth` is the tooth of each `gear` with the
-    highest envelope energy, which is significant only if the gear is damaged. `band_low` and `band_high` are the ends
-    of the envelope band by `window`, `speed` is the mean speed of the first shaft. `left_out` are shafts with too few
-    turns, with the reason.
+    names the shaft of a line and the reason if its speed is conditional. `tooth` is the tooth of each `gear` that is in
+    mesh when the strongest impact begins, which is significant only if the gear is damaged. `band_low` and `band_high`
+    are the ends of the envelope band by `window`, `speed` is the mean speed of the first shaft. `left_out` are shafts
+    with too few turns, with the reason.
     """
 
     sensor: tuple[str, ...] = names("channel")
@@ -63,7 +63,7 @@ class FeatureTable(Record):
         return tuple(zip(self.component, self.feature, strict=True))
 
     def tooth_of(self, gear: str) -> int | None:
-        """The tooth of a gear with the highest envelope energy; None if its position is not known."""
+        """The tooth of a gear that is in mesh when an impact begins; None if its position is not known."""
         return int(self.tooth[self.gear.index(gear)]) if gear in self.gear else None
 
     def labelled(self) -> xarray.DataArray:
