@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pipelines.signals.features.average import average, average_power
-from pipelines.signals.features.envelope import envelope_orders, marked_tooth, tooth_contrast, tooth_energies
+from pipelines.signals.features.envelope import FINE, envelope_orders, impact_place, tooth_contrast, tooth_energies
 from pipelines.signals.features.passing import PASSING, SIDEBANDS, pass_levels
 from pipelines.signals.features.statistics import kurtosis
 from pipelines.signals.features.synchronous import synchronous
@@ -78,13 +78,23 @@ def test_a_band_without_power_stays_without():
     assert not np.any(banded(np.zeros((2, 64)), (0.1, 0.4), 0.1))
 
 
-def test_the_tooth_that_rings_is_marked():
+@pytest.mark.parametrize("decay", [0.3, 1.0, 3.0])
+@pytest.mark.parametrize("backwards", [False, True])
+def test_an_impact_begins_at_one_place_however_long_it_decays(decay, backwards):
+    """The impact is 11.2 pitches after the mark; the faster the shaft, the more pitches its vibration lasts."""
+    teeth, rise = 37, 0.4
+    after = (np.arange(PLACES) * teeth / PLACES - 11.2) * (-1 if backwards else 1) % teeth
+    envelope = 1.0 + 50.0 * (after / rise * np.exp(1.0 - after / rise) + np.exp(-after / decay))
+    energies = tooth_energies(np.broadcast_to(envelope, (2, TURNS, PLACES)), FINE * teeth)
+    assert impact_place(energies, backwards) == pytest.approx(11.2, abs=0.2)
+
+
+def test_the_energy_of_the_tooth_that_rings_stands_out():
     envelope = np.ones((2, TURNS, PLACES))
     teeth = 37  # no divisor of the places
     start, stop = (round(PLACES * edge / teeth) for edge in (11, 12))
     envelope[:, :, start:stop] = 9.0
     energies = tooth_energies(envelope, teeth)
-    assert marked_tooth(energies) == 11
     assert tooth_contrast(energies) == pytest.approx(3.0, rel=0.02)
     assert energies.mean(axis=-1) == pytest.approx(envelope.mean(axis=(1, 2)))
 

@@ -55,7 +55,7 @@ def test_the_tooth_that_knocks_stands_in_the_middle_of_an_average_from_it(tooth,
 
 def finding(component):
     evidence = Evidence(features=("fm4",), sensor="a", axis="z", increase=9.0, deviation=9.0, limit=6.0, p=1e-6)
-    return Finding(component=component, evidence=evidence, damaged=True, alike=(), tooth=3)
+    return Finding(component=component, evidence=evidence, damaged=True, repeating=True, alike=(), tooth=3)
 
 
 @pytest.mark.parametrize(("damaged", "shown"), [(True, "stage 1 pinion"), (False, "stage 1 wheel")])

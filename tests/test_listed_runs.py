@@ -152,6 +152,8 @@ def test_real_runs_are_compared_opened_diagnosed_and_exported_by_number(tmp_path
     found = json.loads(capsys.readouterr().out)
     assert found["verdict"] is None
     assert all(one["value"] > 0 for one in found["features"])
+    assert main(["diagnose", "2@0.005:0.07", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["features"] == found["features"]
     assert main(["diagnose", "2", "--window", "0.005", "9"]) == 2
     assert "the window from 0.005 to 9 s is not within the recording" in capsys.readouterr().err
     assert main(["export", "2", "--to", "csv"]) == 0

@@ -76,8 +76,16 @@ def test_a_diagnosed_file_has_a_page_with_its_figures_and_its_orders_have_pictur
     assert shown.count("<figure") == 6  # spectra, sidebands of two stages, envelopes, averages, rms
     assert main(["orders", "record.csv", "--machine", "bench.toml", "--out", "seen"]) == 0
     rows = [line.split() for line in capsys.readouterr().out.splitlines()]
+    windows = int(rows[0][-2])
     found = {float(row[0]): float(row[1]) for row in rows if len(row) == 4 and row[0] in ("21", "42")}
     assert found == pytest.approx({21.0: 9.80665, 42.0: 0.5 * 9.80665}, rel=0.05)  # amplitudes in g
+    assert main(["orders", "record.csv@0.2:1.2", "--machine", "bench.toml", "--out", "seen"]) == 0
+    first, *rows = capsys.readouterr().out.splitlines()
+    assert int(first.split()[-2]) < windows
+    amplitudes = {float(row.split()[0]): float(row.split()[1]) for row in rows if row.split()[:1] in (["21"], ["42"])}
+    assert amplitudes == pytest.approx(found, rel=0.05)
+    assert main(["orders", "record.csv@soon", "--machine", "bench.toml", "--out", "seen"]) == 2
+    assert "soon is not a window. Give start and end in seconds" in capsys.readouterr().err
     assert main(["orders", "record.csv", "--machine", "bench.toml", "--campbell"]) == 2
 
 

@@ -60,8 +60,8 @@ DAMAGED = [
     "# One stage, rigid casing, constant torque",
     "figure: Time-synchronous average of the acceleration at sensor_3, z over 6 revolutions of shaft 1 in the "
     "window steady, without the mesh orders (residual signal). Below: this run minus the healthy "
-    "run, the effect of the fault alone. Shaded: the engagement of tooth 3, which is damaged in the scene and whose "
-    "envelope has the highest energy. Teeth are numbered from 0.",
+    "run, the effect of the fault alone. Shaded: the engagement of tooth 3, which is damaged in the scene and at "
+    "which the impact begins. Teeth are numbered from 0.",
     "figure: Envelope spectrum of sensor_3 (z) in the window steady. Marked: harmonics of the revolution "
     "frequency fr = 15.0000 Hz. A damaged tooth raises them.",
     "# Signals and spectra",

@@ -89,7 +89,7 @@ def test_what_is_stored_in_a_file_is_not_read(tmp_path):
 
 def test_a_verdict_shows_its_findings():
     evidence = Evidence(features=("fm4",), sensor="top", axis="z", increase=12.0, deviation=9.0, limit=6.0, p=0.0005)
-    one = Finding(component="<wheel>", evidence=evidence, damaged=True, alike=("pinion",), tooth=None)
+    one = Finding(component="<wheel>", evidence=evidence, damaged=True, repeating=True, alike=("pinion",), tooth=None)
     found = Verdict(
         findings=(one,),
         different=True,

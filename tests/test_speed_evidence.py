@@ -7,10 +7,11 @@ import pytest
 import xarray
 
 from pipelines.signals.features.recorded import FeatureError, feature_table
-from pipelines.signals.features.table import with_common_components
+from pipelines.signals.features.table import confirmed, with_common_components
 from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 from pipelines.signals.orders.rotation import RotationError
 from pipelines.signals.orders.rotation_of import rotation_of
+from pipelines.signals.orders.speed_evidence import NO_SIDEBANDS
 
 RATE, SPEED = 4000.0, 24.0
 
@@ -102,23 +103,34 @@ def test_a_shaft_without_sidebands_is_conditional_and_not_diagnosed():
     recording, angle = vibration(machine, without=("shaft_1",))
     found = rotation_of(recording, machine)
     assert abs(error(found, angle)) < 1e-4
-    assert found.conditional == {"shaft_1": "its mesh lines have no sidebands at its revolution frequency"}
-    table = feature_table(recording, machine, found)
+    assert found.conditional == {"shaft_1": NO_SIDEBANDS}
+    (table,) = confirmed([feature_table(recording, machine, found)])
     assert "stage 1 pinion" not in table.component
     assert "stage 1 wheel" in table.component
     assert "stage 1 pinion" in table.left_out[0]
     assert "no sidebands" in table.left_out[0]
 
 
-def test_only_components_of_all_recordings_are_compared():
+def test_a_recording_that_shows_both_shafts_confirms_the_teeth_for_those_that_show_one():
     machine = train(*PAIR)
     recording, _ = vibration(machine)
     found = rotation_of(recording, machine)
-    whole = feature_table(recording, machine, found)
-    part = feature_table(recording, machine, replace(found, conditional={"shaft_2": "it shows no sidebands"}))
-    first, second = with_common_components([whole, part])
-    assert first.lines == second.lines == part.lines
-    assert "stage 1 wheel" in first.left_out[-1]
+
+    def table(**conditional):
+        return feature_table(recording, machine, replace(found, conditional=conditional))
+
+    both, first, second = table(), table(shaft_2=NO_SIDEBANDS), table(shaft_1=NO_SIDEBANDS)
+    other = table(shaft_2="its sidebands have the spacing of a gear with another number of teeth")
+    assert [one.lines for one in confirmed([both, first, second])] == [both.lines] * 3
+    assert not any(one.left_out for one in with_common_components([both, first, second]))
+    one, the_other = confirmed([first, second])  # no recording shows both, so that the teeth can be wrong
+    assert set(one.component) == {"whole machine", "shaft_1", "stage 1 pinion"}
+    assert set(the_other.component) == {"whole machine", "shaft_2", "stage 1 wheel"}
+    assert one.left_out == (f"shaft_2 (stage 1 wheel): {NO_SIDEBANDS}",)
+    apart, whole = with_common_components([other, both])
+    assert apart.lines == whole.lines == one.lines
+    assert apart.left_out[-1].endswith("another number of teeth")
+    assert "stage 1 wheel" in whole.left_out[-1]
 
 
 # ---- a known speed

@@ -13,13 +13,12 @@ from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
 from pipelines.io.user_files import is_regular_file, writable_folder, write_whole
 from pipelines.runs import run_folder
-from pipelines.runs.recorded import machine_of, recording_path
+from pipelines.runs.recorded import asked_windows, machine_of, recording_and_window
 
 if TYPE_CHECKING:
     from pipelines.diagnosis.comparison.curves import Curves
     from pipelines.diagnosis.comparison.features import Features
     from pipelines.diagnosis.comparison.part import Part
-    from pipelines.runs.recorded import Windows
 
 MOST_NAME = 60  # characters of the name of a recording in a table
 FOLDER = "comparison"
@@ -107,7 +106,7 @@ def _read(sources: Sequence[str], machine: str | Path | None) -> list[Part]:
     from pipelines.signals.features.recorded import FeatureError
     from pipelines.signals.orders.rotation import RotationError
 
-    split = [_split(source) for source in sources]
+    split = [recording_and_window(source) for source in sources]
     scenes = [file.parent / run_folder.RESOLVED for file, _ in split]
     other = next((scene for scene in scenes if is_regular_file(scene)), None)
     parts = []
@@ -116,36 +115,10 @@ def _read(sources: Sequence[str], machine: str | Path | None) -> list[Part]:
         name = shown(source) if len(source) <= MOST_NAME else f"...{shown(source[3 - MOST_NAME :])}"
         with read_recording(file, known) as recording:
             try:
-                parts.append(part_of(name, recording, known.kinematics, _windows(source, window, windows)))
+                parts.append(part_of(name, recording, known.kinematics, asked_windows(source, window, windows)))
             except (FeatureError, RotationError) as error:
                 raise InputError(f"{shown(source)}: {error}") from error
     return parts
-
-
-def _split(source: str) -> tuple[Path, str]:
-    """The file of a recording, and the words behind the last "@", "" without."""
-    name, at, window = source.rpartition("@")
-    if not at or Path(source).exists():
-        return recording_path(source), ""
-    return recording_path(name), window
-
-
-def _windows(source: str, asked: str, windows: Windows | None) -> Windows | None:
-    """The window that is requested: by its name in the scene, or start and end in s; all of the scene if none is."""
-    if not asked:
-        return windows
-    if windows and asked in windows:
-        return {asked: windows[asked]}
-    start, colon, end = asked.partition(":")
-    try:
-        if colon:
-            return {asked: (float(start), float(end))}
-    except ValueError:
-        pass
-    names = f", or {', '.join(shown(name) for name in windows)}" if windows else ""
-    raise InputError(
-        f"{shown(source)}: {shown(asked)} is not a window. Give start and end in seconds, for example @0.5:2.5{names}."
-    )
 
 
 def _shaft(parts: Sequence[Part], found: Features, number: int | None) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 from pipelines.cli.command_line import MACHINE_HELP, RUN_HELP, json_argument
@@ -30,7 +30,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         metavar="RECORD",
         type=path,
         nargs="+",
-        help=f"recording file, {RUN_HELP}",
+        help=f"recording file, {RUN_HELP}; add a time window by its name or in s, as in bench@0.5:2.5",
     )
     sub.add_argument(
         "--machine",
@@ -73,18 +73,18 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Print the verdict and the tables of recordings, or of a run compared with its control, without simulation."""
-    from pipelines.runs.recorded import recording_path
+    from pipelines.runs.recorded import recording_and_window
     from pipelines.runs.run_folder import RESPONSE
 
-    paths = [recording_path(one) for one in options.records]
-    compared = options.baseline or options.machine or options.window or options.out
-    if len(paths) > 1 or compared or paths[0].name != RESPONSE:
-        yield from _recordings(options, paths)
+    path, asked = recording_and_window(options.records[0])
+    compared = options.baseline or options.machine or options.window or options.out or asked
+    if len(options.records) > 1 or compared or path.name != RESPONSE:
+        yield from _recordings(options)
     else:
-        yield from _run(options, paths[0].parent)
+        yield from _run(options, path.parent)
 
 
-def _recordings(options: argparse.Namespace, paths: Sequence[Path]) -> Iterator[str]:
+def _recordings(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.errors import InputError
     from pipelines.io.json_text import json_text
     from pipelines.io.shown import shown
@@ -97,8 +97,8 @@ def _recordings(options: argparse.Namespace, paths: Sequence[Path]) -> Iterator[
         )
     window = tuple(options.window) if options.window else None
     target = writable_folder(options.out) if options.out else None
-    names, several = [shown(one) for one in options.records], len(paths) > 1
-    judged = list(judge_files(paths, options.baseline, options.machine, window))
+    names, several = [shown(one) for one in options.records], len(options.records) > 1
+    judged = list(judge_files(options.records, options.baseline, options.machine, window))
     if options.json:
         facts = [file_facts(one) for one in judged]
         yield json_text(facts if several else facts[0])

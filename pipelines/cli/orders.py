@@ -41,7 +41,9 @@ runs/reducer/2026-11-25_01-02-30/orders.png
 
 def arguments(sub: argparse.ArgumentParser) -> None:
     """Add the arguments: a run or a recording, the sensor, and the orders."""
-    sub.add_argument("run", metavar="RECORD", type=path, help=f"recording file, {RUN_HELP}")
+    sub.add_argument(
+        "run", metavar="RECORD", type=path, help=f"recording file, {RUN_HELP}; add a window as in bench@0.5:2.5"
+    )
     sub.add_argument("--machine", metavar="FILE", type=path, help=MACHINE_HELP)
     sub.add_argument(
         "--shaft",
@@ -89,16 +91,16 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.user_files import writable_folder
     from pipelines.machine.machine import make_drivetrain
     from pipelines.report.figures.order_plots import campbell_figure, cuts_figure, waterfall_figure
-    from pipelines.runs.recorded import recording_path
+    from pipelines.runs.recorded import recording_and_window
     from pipelines.signals.orders.order_spectra import OrderError, frequency_waterfall, order_waterfall
 
-    source, work = recording_path(options.run), Work(quiet=options.quiet)
-    measured = source.name != run_folder.RESPONSE or options.machine
+    (source, asked), work = recording_and_window(options.run), Work(quiet=options.quiet)
+    measured = source.name != run_folder.RESPONSE or options.machine or asked
     if measured and options.campbell:
         raise InputError(
             "--campbell needs natural frequencies, which a recording does not have. Give a finished run, or delete it."
         )
-    read = _read_file(source, options) if measured else _read(source.parent, options)
+    read = _read_file(options, bool(asked)) if measured else _read(source.parent, options)
     target = writable_folder(options.out or source.parent)
     parts = read.signal, read.time, read.angle
     try:
@@ -186,8 +188,8 @@ def _read(folder: Path, options: argparse.Namespace) -> _RunUp:
         )
 
 
-def _read_file(source: Path, options: argparse.Namespace) -> _RunUp:
-    """The signal to analyse, from a recording.
+def _read_file(options: argparse.Namespace, windowed: bool) -> _RunUp:
+    """The signal to analyse, from a recording or its window.
 
     Raises
     ------
@@ -196,7 +198,8 @@ def _read_file(source: Path, options: argparse.Namespace) -> _RunUp:
     from pipelines.diagnosis.comparison.part import chosen_channel
     from pipelines.runs.recorded import recorded_parts
 
-    part = recorded_parts([source], options.machine, None)[0]
+    part = recorded_parts([options.run], options.machine, None)[0]
+    inside = (part.time >= part.windows[0].start) & (part.time <= part.windows[0].end) | (not windowed)
     shafts, number = part.kinematics.shafts, 1 if options.shaft is None else options.shaft
     if number > len(shafts):
         raise InputError(f"--shaft {number}: the machine has {len(shafts)} shafts. Give 1 to {len(shafts)}.")
@@ -204,14 +207,14 @@ def _read_file(source: Path, options: argparse.Namespace) -> _RunUp:
     shaft = shafts[number - 1]
     return _RunUp(
         loaded=None,
-        title=source.name,
+        title=Path(options.run).name,
         place=f"{sensor} {axis}",
         units="m/s2",
         shaft=shaft.name,
         orders=tuple(options.orders) or _mesh_orders(part.kinematics, shaft.name),
-        signal=part.acceleration[part.channels.index((sensor, axis))],
-        time=part.time,
-        angle=shaft.ratio * part.rotation.angle,
+        signal=part.acceleration[part.channels.index((sensor, axis)), inside],
+        time=part.time[inside],
+        angle=shaft.ratio * part.rotation.angle[inside],
     )
 
 

@@ -93,7 +93,7 @@ def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
         if damage.tooth is not None and findings:
             highest = sum(one.tooth == damage.tooth for _, one in findings)
             where = "" if highest == len(cases) == 1 else f" in {highest} of {len(findings)}"
-            evidence.append(f"Tooth {damage.tooth} has the highest envelope energy{where}.")
+            evidence.append(f"The impact begins at tooth {damage.tooth}{where}.")
     return [" ".join(answers), *evidence, *words.compared(cases[0].verdict)]
 
 

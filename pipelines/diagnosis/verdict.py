@@ -21,6 +21,9 @@ A rolling bearing is also damaged if it has clear impacts (`pipelines.diagnosis.
 Clear impacts rank before all other evidence, the highest level first: they also change features of gears and shafts,
 but damage of gears and shafts does not cause impacts at pass orders.
 
+Damage of another shaft also raises features of a gear, but reduces the share of the whitened vibration that repeats
+with the gear. If a shaft is left out and this share is less than in some healthy recording, the verdict names both.
+
 Features of the whole signal are not evidence of a component. The recordings of a control are of the same machine and
 differ only in their sensor noise. With fewer than FEWEST_FOR_P healthy recordings the components are only ranked.
 """
@@ -81,13 +84,15 @@ class Evidence:
 class Finding:
     """A component with its evidence, and `alike`, the components with the same orders.
 
-    `tooth` is the most conspicuous tooth of a gear; None if its position is not known or the gear shows no increase.
-    `damaged` is None if the evidence has no limit.
+    `tooth` of a gear is in mesh when an impact begins; None if its position is not known or the gear shows no increase.
+    `damaged` is None if the evidence has no limit. `repeating` is False if a smaller share of the vibration repeats
+    with the shaft than in some healthy recording, so that damage of another shaft can be the cause of the evidence.
     """
 
     component: str
     evidence: Evidence
     damaged: bool | None
+    repeating: bool
     alike: tuple[str, ...]
     tooth: int | None
 
@@ -115,7 +120,8 @@ class Verdict:
 
     `tested` healthy recordings were diagnosed against the others; `false_differences` and `false_alarms` of them were
     called different or damaged. `tested` is 0 if the others are too few. `healthy` counts the recordings of the
-    reference without those that are `outlying`. `left_out` names components with too few turns, and the reason.
+    reference without those that are `outlying`. `left_out` names shafts with too few turns or of conditional speed, and
+    the reason.
     """
 
     findings: tuple[Finding, ...]
@@ -136,6 +142,11 @@ class Verdict:
     def first(self) -> Finding:
         """The component with the strongest evidence."""
         return self.findings[0]
+
+    @property
+    def candidates(self) -> tuple[str, ...]:
+        """Shafts that are left out and whose damage can be the cause of the strongest evidence."""
+        return () if self.first.repeating else tuple(one.partition(":")[0] for one in self.left_out)
 
     def __repr__(self) -> str:
         return f"<Verdict: {self._words()}; first {self.first.component}, {decibels(self.first.evidence.increase)} dB>"
@@ -207,7 +218,8 @@ def judge(
     enough = len(reference) >= FEWEST_FOR_P
     weight = lines.repeating(recording, retained[kept])
     different = lines.chances(levels, reference, weight)[0] if enough else None
-    findings = _findings(lines, levels, reference, weight, kinematics)
+    shares = np.array([other.repeating for other in baseline])[kept]
+    findings = _findings(lines, levels, reference, weight, shares, kinematics)
     return Verdict(
         findings=findings,
         different=None if different is None else different <= DIFFERENT,
@@ -312,10 +324,16 @@ class _Lines:
 
 
 def _findings(
-    lines: _Lines, levels: np.ndarray, healthy: np.ndarray, weight: np.ndarray, kinematics: Kinematics
+    lines: _Lines,
+    levels: np.ndarray,
+    healthy: np.ndarray,
+    weight: np.ndarray,
+    shares: np.ndarray,
+    kinematics: Kinematics,
 ) -> tuple[Finding, ...]:
     """All components: clear impacts first, in the order of their levels, then the others in that of their evidence."""
     table, count = lines.table, len(healthy)
+    repeating = table.repeating.mean(axis=0) >= shares.mean(axis=1).max(axis=0)
     rises = levels - healthy.mean(axis=0)
     increase = np.stack([rises[:, own].mean(axis=1) for _, own in lines.groups], axis=1)
     deviation, p = weight * increase + 0.0, None
@@ -346,6 +364,7 @@ def _findings(
             component=component,
             evidence=evidence,
             damaged=None if bound is None else strength[0] or evidence.deviation >= bound,
+            repeating=bool(repeating[own[0]]),
             alike=alike(component, kinematics),
             tooth=table.tooth_of(component) if evidence.increase > 0.0 else None,
         )

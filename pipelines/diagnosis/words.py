@@ -39,11 +39,11 @@ _NAMED = 3  # features that differ
 
 def headline(verdict: Verdict) -> str:
     """The answer in one sentence."""
-    first = verdict.first
+    named = " or ".join([f"{verdict.first.component}{_tooth(verdict.first)}", *verdict.candidates])
     if verdict.damaged is None:
-        return f"Strongest evidence: {first.component}{_tooth(first)}."
+        return f"Strongest evidence: {named}."
     if verdict.damaged:
-        return f"Damaged: {first.component}{_tooth(first)}."
+        return f"Damaged: {named}."
     if verdict.different:
         return "Different from the healthy recordings, but no single component is damaged."
     return "No damage: no component exceeds its limit."
@@ -74,6 +74,11 @@ def sentences(verdict: Verdict) -> tuple[str, ...]:
     found += compared(verdict)
     if verdict.left_out:
         cause = "Damage there can raise the evidence of other components."
+        if verdict.candidates and verdict.damaged is not False:
+            cause = (
+                "Damage there can be the cause, since a smaller share of the vibration repeats with "
+                f"{verdict.first.component} than in some healthy recording."
+            )
         found.append(f"Left out: {'; '.join(verdict.left_out)}. {cause}")
     return tuple(found)
 

@@ -121,7 +121,7 @@ def _ranking(ranking: Sequence[tuple[str, float, str, str]], note: str) -> list[
 
 
 def _ranked(finding: Finding) -> tuple[str, float, str, str]:
-    remarks = [] if finding.tooth is None else [f"tooth {finding.tooth} has the highest envelope energy"]
+    remarks = [] if finding.tooth is None else [f"the impact begins at tooth {finding.tooth}"]
     remarks += [f"same orders as {', '.join(finding.alike)}"] if finding.alike else []
     return finding.component, finding.evidence.increase, words.strength(finding.evidence), "; ".join(remarks)
 
@@ -220,7 +220,7 @@ def _average(
     else:
         across += f", from tooth {marked}"
         whys = ["which is damaged in the scene"] * (marked in damaged)
-        whys += ["whose envelope has the highest energy"] * (marked in named)
+        whys += ["at which the impact begins"] * (marked in named)
         caption += f" Shaded: the engagement of tooth {marked}, {' and '.join(whys)}. Teeth are numbered from 0."
     figure = average_figure(
         place,

@@ -69,8 +69,8 @@ def judge_files(
 
     Parameters
     ----------
-    sources : files, or folders of runs
-    healthy : files or folders of healthy machines
+    sources : files, or folders of runs; each may end in a window, as in "record.csv@0.5:2.5"
+    healthy : files or folders of healthy machines; without a window, that of the source is evaluated
     machine : its description or scene; that of the run if None
     window : start and end (s) of the part to evaluate; if None, the windows of the scene, or the whole recording
 
@@ -78,18 +78,23 @@ def judge_files(
     ------
     InputError : a file or the machine cannot be used, or the recordings cannot be compared
     """
+    from pipelines.signals.features.table import confirmed
+
     read: dict[str, list[Recorded]] = {}  # healthy recordings, by machine and windows
     names = [shown(one) for one in healthy]
     for source in sources:
-        path = recording_path(source)
+        path, asked = recording_and_window(source)
         known, windows = machine_of(path, machine)
-        chosen = {"the window": window} if window else windows
+        chosen = asked_windows(source, asked, {"the window": window} if window else windows)
         own = read_features(path, known, chosen)
         same = f"{machine or path.parent} {chosen}"
         if same not in read:
-            read[same] = [read_features(recording_path(one), known, chosen) for one in healthy]
+            split = [(one, *recording_and_window(one)) for one in healthy]
+            read[same] = [read_features(file, known, asked_windows(one, part, chosen)) for one, file, part in split]
         others = read[same]
-        tables = [one.table for one in (own, *others)]
+        tables = confirmed([one.table for one in (own, *others)])
+        other = " Another recording confirms the tooth numbers." if any(tables[0].conditional) else ""
+        own = replace(own, table=tables[0], turning=own.turning + other)
         verdict = _judged(tables, known.kinematics, names, f"{shown(path)}: ") if others else None
         own = replace(own, warnings=(*own.warnings, *other_speeds(own, dict(zip(names, others, strict=True)))))
         yield JudgedFile(recorded=own, kinematics=known.kinematics, verdict=verdict)
@@ -107,12 +112,14 @@ def recorded_parts(
     from pipelines.diagnosis.comparison.part import part_of
     from pipelines.recordings.recording import read_recording
 
-    known, windows = machine_of(recording_path(sources[-1]), machine)
-    chosen = {"the window": window} if window else windows
+    last, asked = recording_and_window(sources[-1])
+    known, windows = machine_of(last, machine)
+    chosen = asked_windows(sources[-1], asked, {"the window": window} if window else windows)
     parts = []
     for source in sources:
-        with read_recording(recording_path(source), known) as recording:
-            parts.append(part_of(shown(source), recording, known.kinematics, chosen))
+        file, asked = recording_and_window(source)
+        with read_recording(file, known) as recording:
+            parts.append(part_of(shown(source), recording, known.kinematics, asked_windows(source, asked, chosen)))
     return parts
 
 
@@ -173,6 +180,37 @@ def recording_path(source: str | Path) -> Path:
     scene_or_folder = path.suffix == ".toml" or path.is_dir()  # the newest run of a scene
     file = not scene_or_folder and (is_regular_file(path) or bool(path.suffix))
     return path if file else run_folder.find_run(source) / run_folder.RESPONSE
+
+
+def recording_and_window(source: str | Path) -> tuple[Path, str]:
+    """The path of a recording, and the words behind the last "@" that select a window, "" without."""
+    name, at, window = str(source).rpartition("@")
+    if not at or Path(source).exists():
+        return recording_path(source), ""
+    return recording_path(name), window
+
+
+def asked_windows(source: str | Path, asked: str, windows: Windows | None) -> Windows | None:
+    """The window that is requested: by its name in the scene, or start and end in s; all of the scene if none is.
+
+    Raises
+    ------
+    InputError : no such window
+    """
+    if not asked:
+        return windows
+    if windows and asked in windows:
+        return {asked: windows[asked]}
+    start, colon, end = asked.partition(":")
+    try:
+        if colon:
+            return {asked: (float(start), float(end))}
+    except ValueError:
+        pass
+    names = f", or {', '.join(shown(name) for name in windows)}" if windows else ""
+    raise InputError(
+        f"{shown(source)}: {shown(asked)} is not a window. Give start and end in seconds, for example @0.5:2.5{names}."
+    )
 
 
 def machine_of(path: Path, machine: str | Path | None) -> tuple[Machine, Windows | None]:
@@ -290,7 +328,8 @@ def files_grid(names: Sequence[str], found: Sequence[JudgedFile]) -> Grid:
         result = ("-", "-", "-")
         if one.verdict is not None:
             first = one.verdict.first
-            result = answer(one.verdict), first.component, strength(first.evidence)
+            components = " or ".join([first.component, *one.verdict.candidates])
+            result = answer(one.verdict), components, strength(first.evidence)
         elif one.impacts:
             best = one.impacts[0]
             result = "damaged" if best.clear else "-", best.component, f"{best.level:.1f}"

@@ -13,7 +13,7 @@ import numpy as np
 from pipelines.diagnosis.comparison.part import Part
 from pipelines.diagnosis.verdict import counted
 from pipelines.signals.features.recorded import feature_table
-from pipelines.signals.features.table import WHOLE, FeatureTable
+from pipelines.signals.features.table import WHOLE, FeatureTable, confirmed
 from pipelines.signals.orders.kinematics import Kinematics
 
 Line = tuple[str, str]  # component and feature
@@ -55,7 +55,9 @@ def features_of(parts: Sequence[Part]) -> Features:
     ------
     FeatureError : all shafts make too few turns, see `pipelines.signals.features.recorded`
     """
-    tables = tuple(feature_table(part.dataset(), part.kinematics, part.rotation, part.spans) for part in parts)
+    tables = tuple(
+        confirmed([feature_table(part.dataset(), part.kinematics, part.rotation, part.spans) for part in parts])
+    )
     lines = tuple(dict.fromkeys(line for table in tables for line in table.lines))
     level = np.full((len(parts), len(lines)), np.nan)
     for row, table in zip(level, tables, strict=True):

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 ENVELOPE_HARMONICS = 5
+FINE, RISE = 20, 2  # places per pitch for the beginning of an impact, and pitches before its maximum
 
 
 def envelope_orders(envelope: np.ndarray) -> np.ndarray:
@@ -47,6 +48,19 @@ def tooth_contrast(energies: np.ndarray) -> np.ndarray:
     return np.sqrt(energies.max(axis=-1) / np.median(energies, axis=-1))
 
 
-def marked_tooth(energies: np.ndarray) -> int:
-    """The tooth with the highest energy in the geometric mean over the channels."""
-    return int(np.argmax(np.mean(np.log(energies / energies.mean(axis=-1, keepdims=True)), axis=0)))
+def impact_place(energies: np.ndarray, backwards: bool) -> float:
+    """Angle in pitches at which the vibration of the strongest impact begins.
+
+    The vibration rises at once and decays over a time, which is more pitches at a higher speed. Therefore its beginning
+    counts: the first place, at most RISE pitches before the highest energy in the sense of rotation, with half of it.
+
+    Parameters
+    ----------
+    energies : from `tooth_energies` (channel, place) for FINE times the number of teeth
+    backwards : whether the angle decreases over time
+    """
+    level = np.mean(energies / np.median(energies, axis=-1, keepdims=True), axis=0)
+    sense = -1 if backwards else 1
+    before = int(np.argmax(level)) + sense * np.arange(-RISE * FINE, 1)
+    begin = before[np.argmax(level[before % len(level)] >= 0.5 * level.max())]
+    return float(begin + 0.5) / FINE

@@ -18,14 +18,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipelines.signals.features.average import FEWEST_TURNS, average, average_power
-from pipelines.signals.features.envelope import envelope_orders, marked_tooth, tooth_contrast, tooth_energies
+from pipelines.signals.features.envelope import FINE, envelope_orders, impact_place, tooth_contrast, tooth_energies
 from pipelines.signals.features.passing import pass_levels
 from pipelines.signals.features.statistics import kurtosis, statistics
 from pipelines.signals.features.synchronous import synchronous
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.features.turns import Turns, cut_turns
 from pipelines.signals.orders.band import banded
-from pipelines.signals.orders.kinematics import GUARD_ORDER, Gear, Kinematics, Shaft
+from pipelines.signals.orders.kinematics import GUARD_ORDER, Kinematics, Shaft
 from pipelines.signals.orders.revolutions import HIGHEST
 from pipelines.signals.orders.rotation import Rotation
 
@@ -87,10 +87,10 @@ def feature_table(
                 f"{time[-1]:g} s. Set a window within it."
             )
         inside = slice(np.searchsorted(time, window[0]), np.searchsorted(time, window[1], side="right"))
-        known = [shaft for shaft in kinematics.shafts if shaft.name not in rotation.conditional]
-        cuts = {shaft: cut_turns(signal, time, rotation, shaft.ratio, window) for shaft in known}
+        known = {shaft.name for shaft in kinematics.shafts} - rotation.conditional.keys()
+        cuts = {shaft: cut_turns(signal, time, rotation, shaft.ratio, window) for shaft in kinematics.shafts}
         turning = [(shaft, cut) for shaft, cut in cuts.items() if cut is not None and cut.count >= FEWEST_TURNS]
-        if not turning:
+        if not any(shaft.name in known for shaft, _ in turning):
             reasons = "".join(f" {shaft}: {reason}." for shaft, reason in rotation.conditional.items())
             known_speed = "correct teeth, set speed with its uncertainty, or record a tachometer."
             if not known:
@@ -118,8 +118,9 @@ def feature_table(
             teeth = (marks if rotation.places_teeth(shaft.name) else {}) | teeth  # those of the first window count
         per_window.append(found)
     values, power = _mean(per_window), _mean(powers)
-    none = np.stack([np.zeros(len(sensors)), np.ones(len(sensors))])
-    retained, of_average = np.stack([power.get(line, none) for line in values], axis=-1)
+    none = np.outer([0.0, 1.0, 1.0], np.ones(len(sensors)))
+    retained, of_average, repeating = np.stack([power.get(line, none) for line in values], axis=-1)
+    conditional = {shaft: f"{_named(shaft, kinematics)}: {reason}" for shaft, reason in rotation.conditional.items()}
     return FeatureTable(
         sensor=sensors,
         axis=axes,
@@ -128,6 +129,8 @@ def feature_table(
         value=np.stack(list(values.values()), axis=1),
         retained=retained,
         of_average=of_average,
+        repeating=repeating,
+        conditional=tuple(conditional.get(kinematics.shaft_of(component), "") for component, _ in values),
         gear=tuple(teeth),
         tooth=np.array(list(teeth.values()), dtype=int),
         window=tuple(bands),
@@ -185,7 +188,7 @@ def envelope_band(kinematics: Kinematics, time: np.ndarray, frequency: float) ->
 def _shaft_lines(
     cut: Turns, band: tuple[float, float], shaft: Shaft, kinematics: Kinematics, rotation: Rotation
 ) -> tuple[Lines, Lines, dict[str, int]]:
-    """Features of a shaft, its gears and bearings, the power of its average, and the marked tooth of each gear."""
+    """Features of a shaft, its gears and bearings, power and share that repeat, and the marked tooth of each gear."""
     gears = kinematics.gears_on(shaft.name)
     averaged = average(cut.values, cut.orders, {gear.stage: gear.teeth for gear in gears})
     found = synchronous(averaged)
@@ -208,21 +211,15 @@ def _shaft_lines(
         lines |= {(gear.name, name): found[name] for name in OF_GEAR}
         lines |= {(gear.name, name): found[f"stage_{gear.stage}_{name}"] for name in OF_STAGE}
         lines |= {(gear.name, name): tooth_contrast(one) for name, one in energies.items()}
-        marks[gear.name] = _numbered(marked_tooth(energies["tooth_contrast"]), cut.backwards, gear)
-    power = dict.fromkeys([line for line in lines if line[1] not in OF_SHAFT], average_power(plain))
+        place = impact_place(tooth_energies(squares[2], FINE * gear.teeth), cut.backwards)
+        marks[gear.name] = round(place + gear.cycle) % gear.teeth  # at the pitch point when the impact begins
+    share = squares[2].mean(axis=(1, 2)) / squares[1].mean(axis=(1, 2))
+    repeating = np.stack([*average_power(plain), share])
+    power = dict.fromkeys([line for line in lines if line[1] not in OF_SHAFT], repeating)
     for bearing in kinematics.bearings:
         if bearing.shaft == shaft.name:
             lines |= pass_levels(squares[1], bearing.strikes, ratios, rotation, bearing.sidebands)
     return lines, power, marks
-
-
-def _numbered(passing: int, backwards: bool, gear: Gear) -> int:
-    """Number of the tooth whose impact is in the interval `passing` of the shaft angle.
-
-    The vibration after an impact decays in the sense of rotation. If the shaft runs backwards, it is in the interval
-    below that of the tooth.
-    """
-    return (passing + backwards + round(gear.cycle)) % gear.teeth
 
 
 def _mean(windows: list[Lines]) -> Lines:
@@ -246,11 +243,15 @@ def _left_out(
     words = []
     for shaft in kinematics.shafts:
         if shaft.name not in there:
-            on_it = [gear.name for gear in kinematics.gears_on(shaft.name)]
-            named = f"{shaft.name} ({', '.join(on_it)})" if on_it else shaft.name
             needed = (FEWEST_TURNS + 1) * (end - start) / max(turns * shaft.ratio, 1e-9)
             reason = f"{turns * shaft.ratio:.2g} turns in a window, {needed:.3g} s would be needed"
             if (uncertain := rotation.error * turns * shaft.ratio) > QUARTER:
                 reason = f"its angle is known to {uncertain:.2g} turns, and averages need {QUARTER:g}"
-            words.append(f"{named}: {rotation.conditional.get(shaft.name, reason)}")
+            words.append(f"{_named(shaft.name, kinematics)}: {rotation.conditional.get(shaft.name, reason)}")
     return tuple(words)
+
+
+def _named(shaft: str, kinematics: Kinematics) -> str:
+    """A shaft with its gears, as text."""
+    on_it = ", ".join(gear.name for gear in kinematics.gears_on(shaft))
+    return f"{shaft} ({on_it})" if on_it else shaft

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem.storage.records import Record, array, names
+from pipelines.signals.orders.speed_evidence import NO_SIDEBANDS
 
 if TYPE_CHECKING:
     import xarray
@@ -21,10 +22,12 @@ class FeatureTable(Record):
     """Features of a recording; `value` is in the unit of the signal or dimensionless.
 
     A line is a feature of a component. `of_average` is the power of the average over turns in the envelope band, and
-    `retained` its part that does not repeat with the shaft; 1 and 0 for features that are not of turns. `tooth` is the
-    tooth of each `gear` with the highest envelope energy, which is significant only if the gear is damaged. `band_low`
-    and `band_high` are the ends of the envelope band by `window`, `speed` is the mean speed of the first shaft.
-    `left_out` are shafts with too few turns or of conditional speed, with the reason.
+    `retained` its part that does not repeat with the shaft; 1 and 0 for features that are not of turns. `repeating` is
+    the share of the whitened vibration that repeats with the shaft, 1 for features that are not of turns. `conditional`
+    names the shaft of a line and the reason if its speed is conditional. `tooth` is the tooth of each `gear` that is in
+    mesh when the strongest impact begins, which is significant only if the gear is damaged. `band_low` and `band_high`
+    are the ends of the envelope band by `window`, `speed` is the mean speed of the first shaft. `left_out` are shafts
+    with too few turns, with the reason.
     """
 
     sensor: tuple[str, ...] = names("channel")
@@ -34,6 +37,8 @@ class FeatureTable(Record):
     value: np.ndarray = array("channel", "line", units="per feature")
     retained: np.ndarray = array("channel", "line", units="(m/s2)^2")
     of_average: np.ndarray = array("channel", "line", units="(m/s2)^2")
+    repeating: np.ndarray = array("channel", "line", units="1")
+    conditional: tuple[str, ...] = names("line")
     gear: tuple[str, ...] = names("gear")
     tooth: np.ndarray = array("gear", units="1", dtype=int)
     window: tuple[str, ...] = names("window")
@@ -58,7 +63,7 @@ class FeatureTable(Record):
         return tuple(zip(self.component, self.feature, strict=True))
 
     def tooth_of(self, gear: str) -> int | None:
-        """The tooth of a gear with the highest envelope energy; None if its position is not known."""
+        """The tooth of a gear that is in mesh when an impact begins; None if its position is not known."""
         return int(self.tooth[self.gear.index(gear)]) if gear in self.gear else None
 
     def labelled(self) -> xarray.DataArray:
@@ -71,26 +76,52 @@ class FeatureTable(Record):
         return labelled_array(values, ("sensor", "axis", "component", "feature")).rename("features")
 
 
+def confirmed(tables: Sequence[FeatureTable]) -> list[FeatureTable]:
+    """The tables of one machine without components of conditional speed, which are added to `left_out`.
+
+    A recording in which two shafts have a known speed confirms their tooth numbers. In another recording that has a
+    known speed of one of them, the speed of the other is then known, too, unless its sidebands have another spacing.
+    """
+    reasons = [dict(zip(table.component, table.conditional, strict=True)) for table in tables]
+    known = [{name for name, reason in own.items() if not reason} - {WHOLE} for own in reasons]
+    found = []
+    for table, own, here in zip(tables, reasons, known, strict=True):
+        also = set().union(*(other for other in known if here & other))
+        left = {
+            name: reason
+            for name, reason in own.items()
+            if reason and not (reason.endswith(NO_SIDEBANDS) and name in also)
+        }
+        found.append(_without(table, left, tuple(dict.fromkeys(left.values()))))
+    return found
+
+
 def with_common_components(tables: Sequence[FeatureTable]) -> list[FeatureTable]:
     """The tables with the components that all of them have; the others are added to `left_out`."""
+    tables = confirmed(tables)
     common = set.intersection(*(set(table.component) for table in tables))
     found = []
     for table in tables:
-        kept = [number for number, component in enumerate(table.component) if component in common]
         dropped = [name for name in dict.fromkeys(table.component) if name not in common]
         reason = (f"{', '.join(dropped)}: in some recordings their speed is conditional or too low",)
-        found.append(
-            replace(
-                table,
-                component=tuple(table.component[number] for number in kept),
-                feature=tuple(table.feature[number] for number in kept),
-                value=table.value[:, kept],
-                retained=table.retained[:, kept],
-                of_average=table.of_average[:, kept],
-                left_out=table.left_out + (reason if dropped else ()),
-            )
-        )
+        found.append(_without(table, dropped, reason if dropped else ()))
     return found
+
+
+def _without(table: FeatureTable, components: Container[str], reasons: tuple[str, ...]) -> FeatureTable:
+    """A table without components, with the reasons."""
+    kept = [number for number, component in enumerate(table.component) if component not in components]
+    return replace(
+        table,
+        component=tuple(table.component[number] for number in kept),
+        feature=tuple(table.feature[number] for number in kept),
+        value=table.value[:, kept],
+        retained=table.retained[:, kept],
+        of_average=table.of_average[:, kept],
+        repeating=table.repeating[:, kept],
+        conditional=tuple(table.conditional[number] for number in kept),
+        left_out=table.left_out + reasons,
+    )
 
 
 def labelled_array(values: Mapping[tuple[str, ...], float], dims: Sequence[str]) -> xarray.DataArray:

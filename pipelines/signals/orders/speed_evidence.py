@@ -42,6 +42,7 @@ SPACINGS = 0.3  # search range about the spacing by the tooth numbers, relative
 _SEGMENT, _SEGMENTS = 1 << 17, 8  # samples of a spectrum, and largest number of averaged spectra
 _PADDED = 2  # zero padding: lines per independent line of the spectrum
 _LOBE = 2  # lines from the middle of a main lobe to its end (Hann)
+NO_SIDEBANDS = "its mesh lines have no sidebands at its revolution frequency"
 _RESOLVED = 10  # lines between the sidebands of a shaft whose lines are omitted
 
 
@@ -162,7 +163,7 @@ def _unlike(levels: OrderLevels, kinematics: Kinematics, shaft: Shaft, reach: in
     level = deviations(1)
     shown, between, other = level[0], level[-1], level[1 : 1 + len(neighbours)].max(initial=0.0)
     if max(shown, other) < CONFIRMED:
-        return "its mesh lines have no sidebands at its revolution frequency"
+        return NO_SIDEBANDS
     if other > shown / CLEARLY:
         found = "another number of teeth" if other > shown else "one tooth more or less, too"
         return f"its sidebands have the spacing of a gear with {found}"

@@ -95,4 +95,5 @@ def _alone(table: FeatureTable, channel: int) -> FeatureTable:
         value=table.value[channel : channel + 1],
         retained=table.retained[channel : channel + 1],
         of_average=table.of_average[channel : channel + 1],
+        repeating=table.repeating[channel : channel + 1],
     )

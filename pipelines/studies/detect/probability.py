@@ -123,7 +123,7 @@ def share(found: Sequence[bool]) -> Share:
 
 
 def _tooth_found(table: FeatureTable, damage: Damage, kinematics: Kinematics) -> bool:
-    """Whether the most conspicuous tooth is the damaged one or a neighbour of it."""
+    """Whether the tooth that is found is the damaged one or a neighbour of it."""
     gear, tooth = damage
     found = table.tooth_of(gear)
     if found is None or tooth is None:
