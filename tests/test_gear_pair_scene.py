@@ -142,3 +142,5 @@ def test_the_stress_of_a_stage_with_a_crack_says_where_the_crack_is_not(tmp_path
     assert out == f"{tmp_path / 'teeth.vtu'}\n"
     assert "warning: stage 1: the crack is not in the finite elements: the stress is that of an uncracked tooth" in err
     assert "--mesh FILE.inp" in err
+    assert main([*command, "--json"]) == 2
+    assert "--json prints root stresses. Add --stress" in capsys.readouterr().err

@@ -94,11 +94,11 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         numbers = f"a number from 1 to {last}" if last > 1 else "1, the only stage of the scene"
         raise InputError(f"--stage {stage}: there is no such stage. Set {numbers}.")
     graph, machine = scene_graph(loaded)
+    if options.json and not options.stress:
+        raise InputError("--json prints root stresses. Add --stress, or delete --json.")
     if options.stress or options.mesh is not None:
         yield from _stress(machine, graph, options, work)
         return
-    if options.json:
-        raise InputError("--json prints root stresses. Add --stress, or delete --json.")
     folder.mkdir(parents=True, exist_ok=True)
     if options.casing_mode:
         yield from _casing_mode(graph, machine, options.casing_mode, folder, work)
@@ -139,7 +139,8 @@ def _stress(machine: Plant, graph: Graph, options: argparse.Namespace, work: Wor
         f"Largest von Mises stress of the tooth roots on the loaded side, mesh cycle {view.cycle:.4g}, load "
         f"{view.force:.4g} N. Pair n makes contact at the pitch point at cycle n; y is from mid face"
     )
-    yield grid(title, rows).to_text()
+    if options.stress:
+        yield grid(title, rows).to_text()
     yield from files
 
 
