@@ -103,7 +103,7 @@ THICK = {
 
 EXTREMES = pytest.mark.parametrize(
     ("change", "size"),
-    [({"wall_thickness": 0.003}, 0.03), (THICK, 0.08), ({"length": 3.2, "left": -1.6}, 0.16)],
+    [({"wall_thickness": 0.003}, 0.05), (THICK, 0.08), ({"length": 3.2, "left": -1.6}, 0.16)],
     ids=["wall 3 mm", "wall 60 mm", "aspect 1:20"],
 )
 
