@@ -16,6 +16,7 @@ from pipelines.engine.remaining import Remaining, Task, expected
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, Step, StepRecord
 from pipelines.io.shown import duration
+from pipelines.report.figures import render
 
 SCHEDULE = (  # two processes: casing 10 beside laws 2 + 2, then motions 6 beside 6, then the report 3
     Task(name="law_1", takes=(), seconds=2.0, kind="law"),
@@ -179,7 +180,8 @@ def test_in_a_pipe_a_run_writes_no_control_characters(tmp_path):
     assert said[said.index("next:") + 3].strip() == "gearcase new my.toml --from minimal"
 
 
-def test_a_quiet_run_writes_nothing_to_standard_error(tmp_path, capfd):
+def test_a_quiet_run_writes_nothing_to_standard_error(tmp_path, monkeypatch, capfd):
+    monkeypatch.setattr(render, "command", lambda _: [sys.executable, "-S", "-c", "pass"])  # see test_report_listing
     settings = ("--set", "simulation.end_s=0.07", "--set", "diagnosis.windows_s={}")
     assert main(["run", "minimal", "-q", *settings, "--out", str(tmp_path / "out")]) == 0
     assert capfd.readouterr().err == ""
