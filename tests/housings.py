@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+import numpy as np
+
+from benchmarks.solids import box_mesh
 from fem.casing.geometry.dimensions import Bore, Sensor
 from fem.casing.geometry.features import Feet
 from fem.casing.geometry.housing import Housing
+from fem.casing.mesh.finished import RawMesh, finished_mesh
+from fem.casing.mesh.mesh import CasingMesh
+from fem.elements.solid_elements import SOLIDS
 
 RIG_SHAFTS = (0.0, 0.07668, 0.18275, 0.31569)  # m
 RIG_BORES = (0.047, 0.062, 0.075, 0.095)  # m
@@ -117,3 +123,50 @@ def usual_sensors(housing: Housing) -> tuple[Sensor, ...]:
     middle = 0.5 * (low + high)
     sensors.append(Sensor(name="sensor_9", position=(float(middle[0]), 0.0, float(high[2]))))
     return tuple(sensors)
+
+
+def angle_casing(
+    element: str = "hexahedron-20", divided: int = 1, move: Callable[[np.ndarray], np.ndarray] | None = None
+) -> CasingMesh:
+    """An angle of two plates with four feet and two seats, a mirror plane and a re-entrant edge: 36 cells, no mesher.
+
+    Legs of 100 mm, 20 mm thick and 80 mm wide; the seats are at the top of the upright leg. A housing has many times
+    the edge functions and unknowns: what holds for any casing is tested on this one in a fraction of the time.
+
+    Parameters
+    ----------
+    divided : cells through the thickness, of which a tetrahedron takes a sixth
+    move : places (n, 3) of the nodes, m, to other ones
+    """
+    leg, width, thick = 0.1, 0.08, 0.02
+    counts = [divided * round(side / thick) for side in (leg, width, leg)]
+    nodes, elements = box_mesh((leg, width, leg), counts, element=element)
+    nodes = nodes - [0.0, width / 2, 0.0]
+    middle = nodes[elements[:, : SOLIDS[element].corners]].mean(axis=1)
+    used, flat = np.unique(elements[middle[:, [0, 2]].min(axis=1) < thick], return_inverse=True)
+    nodes = nodes[used]
+    corners = {
+        f"ground_{2 * row + side + 1}": ((x, (width - thick) * (side - 0.5), 0.0), (thick, thick, 0.0))
+        for row, x in enumerate((thick / 2, leg - thick / 2))
+        for side in (0, 1)
+    } | {
+        f"bearing_{side + 1}": ((0.0, (width - thick) * (side - 0.5), leg - thick / 2), (0.0, thick, thick))
+        for side in (0, 1)
+    }
+    sets = {
+        name: np.flatnonzero((abs(nodes - middle) < np.array(size) / 2 + 1e-9).all(axis=1))
+        for name, (middle, size) in corners.items()
+    }
+    return finished_mesh(
+        RawMesh(
+            nodes=nodes if move is None else move(nodes), elements=flat.reshape(-1, elements.shape[1]), node_sets=sets
+        ),
+        lambda surface: (
+            {name: np.flatnonzero(surface.groups[name]) for name in sets},
+            {name: np.array(middle) for name, (middle, _) in corners.items()},
+        ),
+        name="angle",
+        element=element,
+        element_size=thick / divided,
+        remedy="",
+    )

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import scipy.linalg as la
 import scipy.sparse as sp
-from housings import housing_for_shafts, small_housing
+from housings import housing_for_shafts, short_housing
 
 from fem.casing.geometry.dimensions import HousingError, Sensor
 from fem.casing.mesh.mesh import CasingMesh, MeshError
@@ -29,7 +29,7 @@ from fem.elements.facets import surface_weights
 from fem.elements.materials import CAST_IRON
 from fem.elements.solids import mass_properties
 
-BAND = 1500.0
+BAND = 3500.0
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,7 @@ def rig():
 
 @pytest.fixture(scope="module")
 def small():
-    return small_housing()
+    return short_housing()
 
 
 @pytest.fixture(scope="module")
@@ -116,7 +116,7 @@ def test_patches_have_the_area_of_bores_and_feet(small, mesh):
         area = surface_weights(mesh.nodes, mesh.patch(bore.name))[2].sum()
         assert area == pytest.approx(np.pi * bore.diameter * bore.boss_length, rel=1e-3)
     for name in mesh.patches("ground_"):
-        assert surface_weights(mesh.nodes, mesh.patch(name))[2].sum() == pytest.approx(0.04**2, rel=1e-9)
+        assert surface_weights(mesh.nodes, mesh.patch(name))[2].sum() == pytest.approx(0.03**2, rel=1e-9)
     volume = np.einsum("fd,fd->", *_facet_moments(mesh)) / 3  # the whole surface is closed
     assert abs(volume) == pytest.approx(mass_properties(mesh.nodes, mesh.elements, 1.0)[0], rel=1e-2)
 
@@ -180,10 +180,10 @@ def test_reduced_body_has_interface_and_recovered_rows(small, modes):
         "bearing_2:ux",
     )
     assert np.array_equal(body.row("bearing_2:uz"), np.eye(len(body.mass))[7])
-    assert len(body.row_names) == 20 + 3 * len(small.sensors)
-    one = reduced_body(modes, sensors=[place for place in small.sensors if place.name == "sensor_3"])
-    assert len(one.row_names) == 20 + 3
-    assert np.array_equal(one.row("sensor_3:uz"), body.row("sensor_3:uz"))
+    assert len(body.row_names) == 10 + 3 * len(small.sensors)
+    one = reduced_body(modes, sensors=[place for place in small.sensors if place.name == "sensor_2"])
+    assert len(one.row_names) == 10 + 3
+    assert np.array_equal(one.row("sensor_2:uz"), body.row("sensor_2:uz"))
 
 
 def test_sensor_rows_read_the_full_model(casing, reduction, modes, small):
@@ -192,7 +192,7 @@ def test_sensor_rows_read_the_full_model(casing, reduction, modes, small):
     node = mesh.facets[mesh.facet_patch < 0][10, 0]
     sensor = Sensor(name="sensor_1", position=tuple(mesh.nodes[node]))
     body = reduced_body(modes, sensors=[sensor])
-    load = casing.interface.rows.T @ np.eye(20)[2]
+    load = casing.interface.rows.T @ np.eye(10)[2]
     full = casing.expanded(casing.interface.factor.solve(load))
     q = la.solve(body.stiffness, body.row("bearing_1:uz"))
     found = np.array([body.row(f"sensor_1:{axis}") @ q for axis in ("ux", "uy", "uz")])
@@ -212,8 +212,8 @@ def test_a_sensor_away_from_the_casing_is_refused(modes):
 
 def test_model_none_has_rows_without_coordinates(small):
     body = NoCasing().reduce(bearings={bore.name: small.bore_centre(bore) for bore in small.bores})
-    assert body.rows.shape == (20, 0)
-    assert body.row("bearing_4:rz").size == 0
+    assert body.rows.shape == (10, 0)
+    assert body.row("bearing_2:rz").size == 0
     assert NoCasing().reduce(bearings={"bearing_1": (0.0, -0.1, 0.0)}).point_names == ("bearing_1",)
 
 
@@ -221,10 +221,10 @@ def test_model_rigid_moves_as_one_body(small):
     body = RigidCasing(mount_stiffness=1e8, damping_ratio=0.0).reduce(small, CAST_IRON)
     mass, centre, _ = housing_mass(small, CAST_IRON.density)
     assert body.mass[0, 0] == mass
-    assert np.diag(body.stiffness)[:3] == pytest.approx(6e8)
+    assert np.diag(body.stiffness)[:3] == pytest.approx(4e8)
     assert not body.damping.any()
     lift = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
-    assert all(body.row(f"bearing_{i}:uz") @ lift == 1.0 for i in range(1, 5))
+    assert all(body.row(f"bearing_{i}:uz") @ lift == 1.0 for i in (1, 2))
     turn = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0])  # about x: uz = y
     assert body.row("bearing_2:uz") @ turn == pytest.approx(
         small.bore_centre(next(one for one in small.bores if one.name == "bearing_2"))[1]
@@ -239,7 +239,7 @@ def test_model_static_has_only_interface_coordinates(mesh, casing, small):
     assert check.failures == ()
     body = model.recovery(structure).build(modes=(modes, check))
     assert body.model == "static"
-    assert body.mass.shape == (20, 20)
+    assert body.mass.shape == (10, 10)
     assert la.inv(body.stiffness) == pytest.approx(la.inv(casing.interface.stiffness), rel=1e-9)
 
 

@@ -13,7 +13,7 @@ import pytest
 import scipy.io
 import scipy.linalg as la
 import scipy.sparse as sp
-from housings import small_housing
+from housings import short_housing
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from fem.casing.imported.body import ForeignError
@@ -50,7 +50,7 @@ RATIOS = np.full(3, math.sqrt(FACTOR))  # of the frequencies
 @pytest.fixture(scope="module")
 def full():
     """Mesh and full model of a small casing."""
-    housing = small_housing()
+    housing = short_housing()
     mesh = mesh_housing(housing, element_size=0.05)
     return housing, mesh, ground_casing(mesh, CAST_IRON)
 

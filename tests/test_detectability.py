@@ -102,7 +102,10 @@ def alarm_probability(given, rises):
     return 1.0 - np.prod(norm.cdf(healthy.mean(axis=0)[0, 1:] + bound - rises[1:]))
 
 
-@pytest.mark.parametrize("rise", [4.0, 6.0, 8.0])
+# the slow ones: the integral of 6.0 at other places
+@pytest.mark.parametrize(
+    "rise", [pytest.param(4.0, marks=pytest.mark.slow), 6.0, pytest.param(8.0, marks=pytest.mark.slow)]
+)
 def test_the_probability_of_detection_is_the_normal_integral_beyond_the_limit_of_the_baseline(rise):
     rises = np.array([0.0, 0.0, rise])
     given = machines(rises)

@@ -155,6 +155,7 @@ def test_casing_modes_of_a_rigid_casing_are_those_of_its_body_on_its_mounts(scen
 
 def test_run_open_run_and_simulate_give_the_same_signals(scene, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(render, "command", lambda _: [sys.executable, "-S", "-c", "pass"])  # see test_report_listing
     short = scene.changed(SHORT)
     finished = gearcase.run(short)
     again = gearcase.open_run("minimal")

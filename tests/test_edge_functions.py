@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from housings import small_housing
+from housings import short_housing
 
 from benchmarks.bracket import END, LEG, THICKNESS, bracket, frequencies, matrices
 from benchmarks.solids import box_mesh
@@ -94,7 +94,7 @@ def test_a_block_without_edges_and_tetrahedra_have_no_functions():
         name="block", element="hexahedron-20", element_size=0.05, remedy="",
     )  # fmt: skip
     assert not len(edge_functions(block, CAST_IRON, held=()))
-    tetrahedra = mesh_geometry(small_housing(), Sizes(element=0.03))
+    tetrahedra = mesh_geometry(short_housing(), Sizes(element=0.03))
     assert not len(edge_functions(tetrahedra, CAST_IRON, held=tetrahedra.patches("ground_")))
 
 

@@ -135,7 +135,7 @@ def test_the_pattern_of_a_missing_tooth_is_that_of_its_neighbours(tmp_path, monk
 
 def test_the_stress_of_a_stage_with_a_crack_says_where_the_crack_is_not(tmp_path, capsys):
     fault = 'faults=[{kind="cracked-tooth", stage=1, gear="wheel", tooth=0, depth_mm=1.0}]'
-    coarse = 'stages.1.mesh={model="solid", slices=5, refinement=0.6}'
+    coarse = 'stages.1.mesh={model="solid", slices=3, refinement=0.6, positions=8}'
     command = ["inspect", "pair", "--set", fault, "--set", coarse, "--position", "0", "--quiet", "--processes", "1"]
     assert main([*command, "--mesh", str(tmp_path / "teeth.vtu")]) == 0
     out, err = capsys.readouterr()

@@ -179,7 +179,10 @@ def fitted_eigenvalue(signal, step, frequency):
     return np.log(np.roots([1.0, -a, -b]).astype(complex)[0]) / (n * step)
 
 
-@pytest.mark.parametrize(("stages", "load"), [(1, "torque"), (1, "rope"), (2, "rope")])
+@pytest.mark.parametrize(
+    ("stages", "load"),
+    [(1, "torque"), (1, "rope"), pytest.param(2, "rope", marks=pytest.mark.slow)],  # [1-rope] with more shafts
+)
 def test_small_free_motion_has_the_linearised_frequencies_and_shapes(stages, load):
     system = undamped(stages, load)
     modes = linear_modes(system, up_to=9e3)

@@ -8,6 +8,7 @@ import sys
 import pytest
 
 from pipelines.cli import run
+from pipelines.cli.main import main
 from pipelines.engine.build_step import Event, Result
 from pipelines.engine.cache import Cache
 from pipelines.engine.progress import StepReporter, step_words
@@ -15,6 +16,7 @@ from pipelines.engine.remaining import Remaining, Task, expected
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, Step, StepRecord
 from pipelines.io.shown import duration
+from pipelines.report.figures import render
 
 SCHEDULE = (  # two processes: casing 10 beside laws 2 + 2, then motions 6 beside 6, then the report 3
     Task(name="law_1", takes=(), seconds=2.0, kind="law"),
@@ -178,13 +180,11 @@ def test_in_a_pipe_a_run_writes_no_control_characters(tmp_path):
     assert said[said.index("next:") + 3].strip() == "gearcase new my.toml --from minimal"
 
 
-def test_a_quiet_run_writes_nothing_to_standard_error(tmp_path):
-    done = subprocess.run(
-        [sys.executable, "-m", "pipelines.cli.main", "run", "minimal", "--set", "simulation.end_s=0.07", "-q",
-         "--set", "diagnosis.windows_s={}", "--out", str(tmp_path / "out")],
-        capture_output=True, check=False,
-    )  # fmt: skip
-    assert (done.returncode, done.stderr) == (0, b"")
+def test_a_quiet_run_writes_nothing_to_standard_error(tmp_path, monkeypatch, capfd):
+    monkeypatch.setattr(render, "command", lambda _: [sys.executable, "-S", "-c", "pass"])  # see test_report_listing
+    settings = ("--set", "simulation.end_s=0.07", "--set", "diagnosis.windows_s={}")
+    assert main(["run", "minimal", "-q", *settings, "--out", str(tmp_path / "out")]) == 0
+    assert capfd.readouterr().err == ""
 
 
 def test_the_next_commands_name_the_program_as_it_was_typed_where_path_does_not_hold_it(monkeypatch):

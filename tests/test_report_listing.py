@@ -110,7 +110,7 @@ def test_a_faulty_machine_is_shown_beside_its_control(tmp_path, monkeypatch):
 
 def test_a_sensor_that_is_not_on_the_casing_is_named_once_in_the_log_and_in_the_report(tmp_path, monkeypatch, caplog):
     """15 mm before the wall: it measures at the nearest point of the mesh."""
-    settings = {"simulation.end_s": 0.1, "diagnosis.windows_s": {}, "casing.element_size_mm": 20.0}
+    settings = {"simulation.end_s": 0.1, "diagnosis.windows_s": {}, "casing.element_size_mm": 40.0}
     listed(
         tmp_path / "run",
         {**settings, "casing.model": "static", "sensors.1.position_mm": [76.7, -95.0, 35.5]},

@@ -11,7 +11,7 @@ from fem.contact.models.plane import Plane
 from fem.contact.models.solid import Solid
 from fem.contact.models.solid_stress import stress_field
 
-QUICK = Solid(slices=9, refinement=0.8, positions=16)
+QUICK = Solid(slices=9, refinement=0.6, positions=8)
 LOAD = 100e3 * 12e-3
 
 

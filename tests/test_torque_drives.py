@@ -141,7 +141,7 @@ def test_work_in_is_work_out_and_what_turns(started):
 def test_other_methods_find_the_same_start(method, step):
     """Generalised-alpha keeps the rolling as a remainder in a frame of constant speed: another derivation."""
     system = assembled(free(motor(), BRAKE, start=100.0))
-    one, other = run(system, 0.05), run(system, 0.05, step, method)
+    one, other = run(system, 0.03), run(system, 0.03, step, method)
     filtered = one.time > 2e-3  # before, the filter of the remainder takes the rest before t = 0 for a constant speed
     for what, limit in (("angle", 1e-6), ("speed", 2e-6), ("torque", 1e-3)):
         np.testing.assert_allclose(
