@@ -19,10 +19,10 @@ from fem.casing.mesh.gmsh_session import session
 from fem.casing.mesh.mesher import mesh_housing, write_step
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.mesh.step_file import import_solids
-from fem.casing.recognition.contents import Bore
+from fem.casing.recognition.contents import FoundBore
 from fem.casing.recognition.features import bolt_patterns
 from fem.casing.recognition.read import survey
-from fem.casing.recognition.shaft_fit import ShaftPlace, fit_shafts
+from fem.casing.recognition.shaft_fit import FittedShaft, fit_shafts
 from fem.casing.reduced.grounded import ground_casing
 from fem.elements.materials import Material
 from fem.elements.solids import assemble
@@ -53,7 +53,7 @@ def shafts(small, **changes):
     """The shafts that run in the bores of a housing."""
     pairs = zip(small.bores[::2], small.bores[1::2], strict=True)
     return [
-        ShaftPlace(
+        FittedShaft(
             x=one.x + changes.get("x", {}).get(one.name, 0.0),
             z=one.z,
             bearings=tuple((bore.name, float(small.bore_centre(bore)[1])) for bore in (one, two)),
@@ -127,7 +127,7 @@ def test_the_wider_bores_are_taken_for_the_thicker_shaft_of_a_file_whose_shafts_
     """Turned by 90 degrees to either side the file fits equally well: only the diameters differ."""
     along, places = np.array([1.0, 0.0, 0.0]), {0.055: (0.0, 0.1, 0.0), 0.068: (0.0, 0.19, 0.0)}
     bores = [
-        Bore(
+        FoundBore(
             number=n,
             solid=1,
             centre=np.array(places[d]) + x * along,
@@ -141,7 +141,7 @@ def test_the_wider_bores_are_taken_for_the_thicker_shaft_of_a_file_whose_shafts_
     for thick, thin in permutations((0.03, 0.04)):
         diameters = (thick, thin)
         machine = [
-            ShaftPlace(x=0.09 * i, z=0.0, bearings=((f"{i}a", -0.1), (f"{i}b", 0.1)), diameter=d)
+            FittedShaft(x=0.09 * i, z=0.0, bearings=((f"{i}a", -0.1), (f"{i}b", 0.1)), diameter=d)
             for i, d in enumerate(diameters)
         ]
         for seat in fit_shafts(bores, machine).seats:
@@ -152,11 +152,13 @@ def test_a_file_whose_y_axis_points_up_is_not_put_on_its_cover():
     """Two parallel shafts fit in four positions, in two of them upside down."""
     along, places = np.array([0.0, 0.0, 1.0]), {0.062: (0.5, 0.2, 0.0), 0.080: (0.38, 0.2, 0.0)}
     bores = [
-        Bore(number=n, solid=1, centre=np.array(places[d]) + z * along, axis=along, diameter=d, length=0.02, angle=6.3)
+        FoundBore(
+            number=n, solid=1, centre=np.array(places[d]) + z * along, axis=along, diameter=d, length=0.02, angle=6.3
+        )
         for n, (d, z) in enumerate(product(places, (-0.08, 0.08)), 1)
     ]
     machine = [
-        ShaftPlace(x=0.12 * i, z=0.0, bearings=((f"{i}a", -0.08), (f"{i}b", 0.08)), diameter=d)
+        FittedShaft(x=0.12 * i, z=0.0, bearings=((f"{i}a", -0.08), (f"{i}b", 0.08)), diameter=d)
         for i, d in enumerate((0.03, 0.04))
     ]
     fit = fit_shafts(bores, machine)
@@ -223,7 +225,9 @@ def test_a_bolt_circle_is_known_by_its_bore(tmp_path):
 def test_rounding_errors_of_the_height_do_not_divide_a_bolt_pattern():
     z = np.array([0.0, 0.0, 1.0])
     bores = [
-        Bore(number=i + 1, solid=1, axis=z, centre=np.array([*place, height]), diameter=0.011, length=0.023, angle=6.28)
+        FoundBore(
+            number=i + 1, solid=1, axis=z, centre=np.array([*place, height]), diameter=0.011, length=0.023, angle=6.28
+        )
         for i, (place, height) in enumerate(
             [((0, 0), -2.5e-3), ((0.2, 0), -2.5e-3 - 1e-15), ((0, 0.3), -2.5e-3 + 1e-15), ((0.2, 0.3), -2.5e-3)]
             + [((0.1 * k, 0.1), 0.02) for k in range(2)]  # in another plane

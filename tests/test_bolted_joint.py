@@ -15,7 +15,7 @@ from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.parts.bolted_joint import BoltedJoint, contact_areas, joint_stiffness
 from fem.casing.parts.bolts import Bolt, BoltError
-from fem.casing.parts.split import Plane, split_mesh
+from fem.casing.parts.split import SplitPlane, split_mesh
 from fem.casing.reduced.checkup import check_up
 from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.lanczos import block_lanczos
@@ -25,7 +25,7 @@ from fem.elements.materials import CAST_IRON, Material
 from fem.elements.solids import mass_properties, rigid_body_modes
 
 HARD = Material(name="hard", elastic_modulus=1e15, poisson_ratio=0.3, density=7850.0)
-PLANE = Plane(through=(0.0, 0.0, 0.1), normal=(0.0, 0.0, 1.0))
+PLANE = SplitPlane(through=(0.0, 0.0, 0.1), normal=(0.0, 0.0, 1.0))
 
 
 def test_the_cone_of_a_published_example():
@@ -228,7 +228,7 @@ def test_two_planks_bolted_along_their_length_bend_as_a_beam_with_slip(slip):
     stuff = replace(CAST_IRON, poisson_ratio=0.0)
     places = tuple(((i + 0.5) * length / count, 0.0, high) for i in range(count))
     held = BoltedJoint(
-        plane=Plane(through=(0.0, 0.0, high), normal=(0.0, 0.0, 1.0)),
+        plane=SplitPlane(through=(0.0, 0.0, high), normal=(0.0, 0.0, 1.0)),
         bolt=Bolt.of_size("M10", clamped=(high, high), outer=0.03),
         places=places,
         stiffness=(1e11, slip),
@@ -271,7 +271,7 @@ BOLTS = (
 
 
 def test_a_bolted_housing_is_softer_than_a_glued_one_and_passes_the_check_up(flanged):
-    plane = Plane(through=(0.0, 0.0, 0.0), normal=(0.0, 0.0, 1.0))
+    plane = SplitPlane(through=(0.0, 0.0, 0.0), normal=(0.0, 0.0, 1.0))
     held = BoltedJoint(plane=plane, bolt=Bolt.of_size("M10", clamped=(0.012, 0.012)), places=BOLTS)
     found = {}
     for name, option in (("glued", None), ("bolted", held)):

@@ -14,7 +14,7 @@ from fem.casing.mesh.sizes import Sizes
 from fem.casing.mesh.source import mesh_geometry
 from fem.casing.parts.bolted_joint import BoltedJoint
 from fem.casing.parts.bolts import Bolt
-from fem.casing.parts.split import Plane, split_mesh
+from fem.casing.parts.split import SplitPlane, split_mesh
 from fem.casing.reduced.grounded import assembled_casing, ground_casing
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.uncertainty.extrapolation import lowest_modes
@@ -157,8 +157,8 @@ def test_two_solids_of_a_file_that_touch_are_bolted_as_the_housing_they_were_mad
     sizes = Sizes(element=0.05)
     bolt = Bolt.of_size("M10", clamped=(0.012, 0.012))
     places = tuple((x, y, 0.0) for x in (-0.08, 0.08) for y in (-0.0725, 0.0725))
-    up = BoltedJoint(plane=Plane(through=(0.0, 0.0, 0.0), normal=(0.0, 0.0, 1.0)), bolt=bolt, places=places)
-    down = replace(up, plane=Plane(through=(0.1, 0.0, 0.0), normal=(0.0, 0.0, -1.0)))
+    up = BoltedJoint(plane=SplitPlane(through=(0.0, 0.0, 0.0), normal=(0.0, 0.0, 1.0)), bolt=bolt, places=places)
+    down = replace(up, plane=SplitPlane(through=(0.1, 0.0, 0.0), normal=(0.0, 0.0, -1.0)))
     native, stepped = mesh_geometry(housing, sizes), mesh_step(file, sizes, "tetrahedron-10")
     assert frequencies(stepped, down) == pytest.approx(frequencies(native, up), rel=0.02)
     assert lowest_modes(assembled_casing(native, CAST_IRON, interfaces={}, joint=up), static=False).frequencies[
@@ -173,6 +173,6 @@ def test_a_joint_across_a_plane_of_a_file_in_si():
     }  # fmt: skip
     loaded = load_scene("rig-step", {"casing.housing.joint": joint})
     found = make_plant(loaded.scene).structure.joint
-    assert found.plane == Plane(through=(0.0, 0.0, 0.01), normal=(0.0, 0.0, 1.0))
+    assert found.plane == SplitPlane(through=(0.0, 0.0, 0.01), normal=(0.0, 0.0, 1.0))
     assert found.places == ((0.1, 0.05, 0.01), (-0.1, 0.05, 0.01))
     assert (found.bolt.length, found.bolt.tapped) == (0.015, True)

@@ -9,7 +9,7 @@ import pytest
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError
 from pipelines.report.figures import render
-from pipelines.runs.recorded import Recorded, other_speeds, recording_path
+from pipelines.runs.recorded import RecordedFile, other_speeds, recording_path
 from pipelines.runs.run import run_scene
 from pipelines.scene.file import load_scene
 
@@ -60,7 +60,7 @@ def test_a_result_folder_may_have_a_dot_in_its_name(tmp_path):
 
 def test_healthy_recordings_of_another_speed_are_warned_of():
     def recorded(rpm):
-        return Recorded(name="a.csv", table=SimpleNamespace(speed=[rpm / 60]), error=0.0, turning="", warnings=())
+        return RecordedFile(name="a.csv", table=SimpleNamespace(speed=[rpm / 60]), error=0.0, turning="", warnings=())
 
     near, far = {"near.csv": recorded(1540)}, {f"far-{n}.csv": recorded(1200) for n in range(4)}
     assert other_speeds(recorded(1500), near) == []

@@ -9,7 +9,7 @@ from fem.contact.faults.missing_tooth import MissingTooth
 from pipelines.engine.code_version import reachable
 from pipelines.engine.storage import class_modules, digest
 from pipelines.io.errors import SceneError
-from pipelines.machine.checks.collisions import Cylinder
+from pipelines.machine.checks.collisions import RevolvedBody
 from pipelines.machine.flanks import Fault, first_tooth_fault
 from pipelines.machine.machine import make_drivetrain, make_plant
 from pipelines.scene.file import load_scene
@@ -129,7 +129,7 @@ def test_a_missing_tooth_is_shown_before_other_damage():
 
 def test_gears_that_touch_with_their_faces_do_not_overlap():
     def gear(start, end):
-        return Cylinder(name="tip circle", path="stages.1", shaft=0, radius=0.05, start=start, end=end)
+        return RevolvedBody(name="tip circle", path="stages.1", shaft=0, radius=0.05, start=start, end=end)
 
     assert gear(0.0, 0.02).overlaps(gear(0.01, 0.03))
     assert not gear(0.0, 0.02).overlaps(gear(0.02, 0.04))

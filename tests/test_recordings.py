@@ -17,7 +17,7 @@ from pipelines.diagnosis.export import export
 from pipelines.io.errors import InputError
 from pipelines.io.universal_file import Function, read_functions, write_function
 from pipelines.recordings import formats
-from pipelines.recordings.channels import Channel
+from pipelines.recordings.channels import RecordedChannel
 from pipelines.recordings.formats import BY_ENDING, memory_needed
 from pipelines.recordings.machine_table import SpeedTable, TachometerTable
 from pipelines.recordings.recording import read_recording
@@ -67,7 +67,7 @@ def test_any_part_of_a_recording_is_what_the_whole_has_there(tmp_path):
 @pytest.mark.parametrize("name", ["r.npy", "r.h5", "r.csv"])
 def test_a_streamed_file_takes_no_memory_for_its_samples(name, tmp_path, monkeypatch):
     monkeypatch.setattr("pipelines.recordings.delimited._LINES", 1000)
-    monkeypatch.setattr(Channel.blocks, "__defaults__", (1000,))
+    monkeypatch.setattr(RecordedChannel.blocks, "__defaults__", (1000,))
     count, channels = 20_000, 16
     values, path = np.tile(signals(count), channels // 2), tmp_path / name
     if name == "r.csv":

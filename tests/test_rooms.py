@@ -117,3 +117,17 @@ def test_the_architecture_page_lists_the_folders_in_the_order_of_their_imports()
     ]
     folders = [name.split(".")[:2] for name in ROOMS if "." in name]
     assert listed == list(dict.fromkeys("/".join(folder) for folder in folders))
+
+
+def test_a_class_name_repeats_only_for_one_idea_on_two_floors():
+    places = {}
+    for path in sources.FILES:
+        for node in nodes(path):
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                places.setdefault(node.name, []).append(module_name(path).partition(".")[0])
+    repeated = {name: tuple(sorted(rooms)) for name, rooms in places.items() if len(rooms) > 1}
+    assert repeated == {
+        "Gear": ("fem", "pipelines"),  # its geometry; its place in the kinematics
+        "Scene": ("gearcase", "pipelines"),  # as Python sees it; its tables
+        "TorqueCurve": ("mbd", "pipelines"),  # as a force; its table
+    }

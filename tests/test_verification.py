@@ -13,7 +13,7 @@ from pipelines.signals.analysis import DiagnosisSettings
 from pipelines.studies.verification import page
 from pipelines.studies.verification.claims import (
     CLAIMS,
-    Evidence,
+    ClaimEvidence,
     added_in_lifting,
     lifting_over_lowering,
     over_control,
@@ -128,7 +128,7 @@ def evidence(**measures):
     loads = xarray.DataArray(rng.normal(0, 0.1, [len(v) for v in kinds.values()]), coords=kinds)
     for name, (where, value) in measures.items():
         levels.loc[{"measure": name, **where}] += value
-    return Evidence(levels=levels, loads=loads)
+    return ClaimEvidence(levels=levels, loads=loads)
 
 
 def test_over_control_is_faulty_over_healthy_with_the_same_deviations():

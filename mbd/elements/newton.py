@@ -26,7 +26,7 @@ from numba import types
 from fem.numerics.compiled import CUBE, FLOAT, INTEGER, INTEGER_MATRIX, MATRIX, VECTOR, by_address, stored
 from fem.numerics.inner import UNCOUNTED, inner
 from mbd.elements.element import WIDTH
-from mbd.elements.table import CLOCK, INSTANT, TABLE, Instant, Table, follow_tangent, parametric_work, row_forces
+from mbd.elements.table import CLOCK, INSTANT, TABLE, ElementTable, Instant, follow_tangent, parametric_work, row_forces
 
 MAX_ITERATIONS = 60
 MAX_HALVINGS = 8
@@ -238,7 +238,7 @@ def solve_dense(matrix, right):
 
 
 def solve_rows(
-    table: Table, clock: tuple[float, float, float], *, u_p: np.ndarray, v_p: np.ndarray, g_u: np.ndarray,
+    table: ElementTable, clock: tuple[float, float, float], *, u_p: np.ndarray, v_p: np.ndarray, g_u: np.ndarray,
     g_v: np.ndarray, force: np.ndarray, u: np.ndarray, v: np.ndarray, now: Instant, tolerance: float,
 ) -> int:  # fmt: skip
     """`iterate` for one instant, to the tolerance.

@@ -26,7 +26,7 @@ from mbd.elements.rule_call import call_rule, rule_number
 LOG_WIDTH = len(LOG_COLUMNS)
 
 
-class Table(NamedTuple):
+class ElementTable(NamedTuple):
     """Constants of the elements in their order, as a tuple for compiled code; rows are counted over all elements."""
 
     rule: np.ndarray  # (element,) cell of the kind's rule
@@ -60,13 +60,13 @@ TABLE = types.NamedTuple(
         *(INTEGERS, INTEGERS, INTEGERS, VECTOR, INTEGER_MATRIX, INTEGER_MATRIX, INTEGERS, INTEGERS),
         *(INTEGER_MATRIX, INTEGERS, VECTOR, VECTOR, VECTOR),
     ),
-    Table,
+    ElementTable,
 )
 INSTANT = types.NamedTuple((VECTOR, VECTOR, MATRIX, MATRIX, VECTOR, MATRIX), Instant)
 CLOCK = types.UniTuple(FLOAT, 3)  # motor angle (rad), its speed (rad/s), time (s)
 
 
-def element_table(elements: Sequence[Element], n_coordinates: int) -> tuple[Table, np.ndarray]:
+def element_table(elements: Sequence[Element], n_coordinates: int) -> tuple[ElementTable, np.ndarray]:
     """Table of the elements, and all rows (k, coordinate) that they observe."""
     first = _starts(len(element.rows) for element in elements)
     place = {element.name: i for i, element in enumerate(elements)}
@@ -84,7 +84,7 @@ def element_table(elements: Sequence[Element], n_coordinates: int) -> tuple[Tabl
         name: np.concatenate([np.zeros(0), *(element.reference(name) for element in elements)])
         for name in ("stiffness", "damping", "scale")
     }
-    table = Table(
+    table = ElementTable(
         rule=np.array([rule_number(element.rule) for element in elements], dtype=np.int64),
         row=first,
         value=_starts(len(values) for values in packed),
@@ -114,7 +114,7 @@ def _observed(known: list[np.ndarray], rows: np.ndarray) -> tuple[int, int]:
     return len(known) - n, len(known)
 
 
-def instant(table: Table) -> Instant:
+def instant(table: ElementTable) -> Instant:
     """Zero arrays for the answers of one instant."""
     m = len(table.pattern)
     return Instant(
@@ -127,7 +127,7 @@ def instant(table: Table) -> Instant:
     )
 
 
-def slope_matrix(slope: np.ndarray, table: Table) -> np.ndarray:
+def slope_matrix(slope: np.ndarray, table: ElementTable) -> np.ndarray:
     """Matrix (m, m) of the slopes (m, WIDTH) with respect to the rows that each row's force depends on."""
     matrix = np.zeros((len(slope), len(slope)))
     for r, values in enumerate(slope):

@@ -17,7 +17,7 @@ NAME = "casing"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Casing(Component):
+class MachineCasing(Component):
     """The casing of a machine; a body without coordinates is the ground."""
 
     body: ReducedBody

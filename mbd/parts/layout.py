@@ -14,7 +14,7 @@ import numpy as np
 from fem.casing.reduced.body import ReducedBody
 from mbd.elements.component import Component
 from mbd.elements.coordinates import Coordinates
-from mbd.parts.casing import Casing
+from mbd.parts.casing import MachineCasing
 from mbd.parts.checks import MachineError
 from mbd.parts.machine import Machine
 from mbd.parts.shafts import flexibility, shaft_basis, shaft_nodes
@@ -32,7 +32,7 @@ class Layout(Coordinates):
     @property
     def components(self) -> tuple[Component, ...]:
         """The components of the machine, and the casing."""
-        return (*self.machine.components, Casing(body=self.casing))
+        return (*self.machine.components, MachineCasing(body=self.casing))
 
     @property
     def gravity(self) -> float:

@@ -17,7 +17,7 @@ import numpy as np
 from fem.casing.reduced.body import ReducedBody
 from mbd.elements.element import Element
 from mbd.elements.linear import Part
-from mbd.elements.table import Table, element_table
+from mbd.elements.table import ElementTable, element_table
 from mbd.forces import drag, efficiency, film, flank, gyroscopic_plane, sliding
 from mbd.parts.assembly import Assembly
 from mbd.parts.channels import ChannelRows, channel_names, channel_rows
@@ -65,7 +65,7 @@ class System:
     row_names: tuple[str, ...]
     rolls: np.ndarray  # (m,) motion of the row per motor angle, 0 for elements whose forces do no work on it
     observed: np.ndarray  # (k, n) rows that elements observe without a force on them
-    table: Table  # the elements for compiled code
+    table: ElementTable  # the elements for compiled code
     gyroscopic: np.ndarray  # G (n, n) per motor speed; empty if left out
     channels: ChannelRows
     frame: RollingFrame  # motion of the frame of q

@@ -18,7 +18,7 @@ from pipelines.runs.recorded import asked_windows, machine_of, recording_and_win
 if TYPE_CHECKING:
     from pipelines.diagnosis.comparison.curves import Curves
     from pipelines.diagnosis.comparison.features import Features
-    from pipelines.diagnosis.comparison.part import Part
+    from pipelines.diagnosis.comparison.part import ComparedPart
 
 MOST_NAME = 60  # characters of the name of a recording in a table
 FOLDER = "comparison"
@@ -99,7 +99,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     yield from map(str, [*files, target / "features.csv"])
 
 
-def _read(sources: Sequence[str], machine: str | Path | None) -> list[Part]:
+def _read(sources: Sequence[str], machine: str | Path | None) -> list[ComparedPart]:
     """Every recording with its machine: the one that is given, its own scene, or that of the first that has one."""
     from pipelines.diagnosis.comparison.part import part_of
     from pipelines.recordings.recording import read_recording
@@ -121,7 +121,7 @@ def _read(sources: Sequence[str], machine: str | Path | None) -> list[Part]:
     return parts
 
 
-def _shaft(parts: Sequence[Part], found: Features, number: int | None) -> str:
+def _shaft(parts: Sequence[ComparedPart], found: Features, number: int | None) -> str:
     """The shaft whose turns are averaged."""
     from pipelines.diagnosis.comparison.features import most_different_shaft
 
@@ -141,7 +141,7 @@ def _shaft(parts: Sequence[Part], found: Features, number: int | None) -> str:
     return shafts[number - 1].name
 
 
-def _write(target: Path, drawn: Curves, found: Features, parts: Sequence[Part]) -> list[Path]:
+def _write(target: Path, drawn: Curves, found: Features, parts: Sequence[ComparedPart]) -> list[Path]:
     """The figures as SVG."""
     from pipelines.diagnosis.comparison.words import LETTERS
     from pipelines.report.figures.comparison_plots import comparison_figures

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from pipelines.io.argument_types import count, path, positive
 
 if TYPE_CHECKING:
-    from fem.casing.recognition.contents import Contents
+    from fem.casing.recognition.contents import GeometryContents
     from fem.casing.recognition.shaft_fit import ShaftFit
 
 HELP = """\
@@ -164,7 +164,7 @@ def _matrices(path: Path, options: argparse.Namespace) -> Iterator[str]:
     yield f"{reduced_text(body, reduced, options.band)}\n{target}"
 
 
-def _surveyed(path: Path, options: argparse.Namespace) -> tuple[Contents, ShaftFit | None, str, list[str]]:
+def _surveyed(path: Path, options: argparse.Namespace) -> tuple[GeometryContents, ShaftFit | None, str, list[str]]:
     """Contents of the file (of the chosen solids), fit of the shafts of the scene, block, and remarks."""
     from fem.casing.recognition.read import survey
     from pipelines.io.errors import InputError
@@ -204,7 +204,7 @@ def _surveyed(path: Path, options: argparse.Namespace) -> tuple[Contents, ShaftF
     return contents, fit, housing_block(contents, path.name, path.suffix.lower(), fit, loaded.scene), words
 
 
-def no_fit(contents: Contents, shafts: tuple) -> str:
+def no_fit(contents: GeometryContents, shafts: tuple) -> str:
     """Message why no seats are proposed, with the centre distances of the scene."""
     import numpy as np
 

@@ -55,7 +55,7 @@ class Function:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Record:
+class UniversalFunction:
     """A function with its values (n,); `x` is the abscissa if its step varies."""
 
     head: Function
@@ -81,7 +81,7 @@ def write_function(file: IO[str], head: Function, blocks: Iterable[np.ndarray]) 
     file.write(f"{_FRAME}\n")
 
 
-def read_functions(file: IO[str]) -> Iterator[Record]:
+def read_functions(file: IO[str]) -> Iterator[UniversalFunction]:
     """All time responses of a file in their order; datasets of other types are skipped.
 
     Raises
@@ -114,7 +114,7 @@ def _content(lines: Iterator[str]) -> Iterator[str]:
     raise UniversalFileError("it ends within a dataset")
 
 
-def _record(lines: Iterator[str]) -> Iterator[Record]:
+def _record(lines: Iterator[str]) -> Iterator[UniversalFunction]:
     head = list(islice(lines, 11))
     if len(head) < 11:
         raise UniversalFileError("a dataset 58 ends within its eleven head records")
@@ -137,7 +137,7 @@ def _record(lines: Iterator[str]) -> Iterator[Record]:
         values = {name: rows[name].astype(float) for name, _ in columns}
     except ValueError as error:
         raise UniversalFileError(f"the values of {found.lines[0]!r} are not all numbers ({error})") from error
-    yield Record(head=found, values=values["y"], x=values.get("x"))
+    yield UniversalFunction(head=found, values=values["y"], x=values.get("x"))
 
 
 def _head(lines: list[str]) -> tuple[int, int, int, Function]:

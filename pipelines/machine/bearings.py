@@ -13,7 +13,7 @@ from mbd.forces.bearing_models import Support
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.rolling_elements import RollingElements
 from pipelines.io.errors import Problems
-from pipelines.machine.layout import Layout
+from pipelines.machine.layout import TrainLayout
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.bearings import BearingModel
 from pipelines.scene.tables.shafts import ShaftTable
@@ -59,7 +59,7 @@ def bearing_names(shafts: Sequence[ShaftTable]) -> list[tuple[str, int, int]]:
     return found
 
 
-def bearing_points(shafts: Sequence[ShaftTable], layout: Layout) -> tuple[tuple[float, float, float], ...]:
+def bearing_points(shafts: Sequence[ShaftTable], layout: TrainLayout) -> tuple[tuple[float, float, float], ...]:
     """(x, y, z) of the bearings on the casing, bearing_1, bearing_2, ..., m."""
     return tuple(
         (layout.axes[shaft][0], shafts[shaft].si.bearing_positions[place], layout.axes[shaft][1])

@@ -18,12 +18,12 @@ from fem.casing.geometry.housing import Housing
 from fem.casing.geometry.locators import Point
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
 from fem.casing.mesh.source import Geometry
-from fem.casing.models.casing import Casing, Structure
+from fem.casing.models.casing import CasingModel, Structure
 from fem.casing.models.registry import casing_class
 from mbd.parts.bearings import BEARING_AXES
 from pipelines.io.errors import Problem, SceneError
 from pipelines.machine.bearings import bearing_points
-from pipelines.machine.layout import Layout
+from pipelines.machine.layout import TrainLayout
 from pipelines.machine.parts import MachineParts
 from pipelines.scene.scene import Scene
 from pipelines.scene.shipped_files import find_file
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 END_DISTANCE = 0.05  # from the end of the box to the outer feet, in lengths of the box
 
 
-def casing(scene: Scene, layout: Layout, machine: MachineParts) -> tuple[Casing, Structure]:
+def casing(scene: Scene, layout: TrainLayout, machine: MachineParts) -> tuple[CasingModel, Structure]:
     """The casing model with its options, and the structure that it reduces, with the sensors on it.
 
     Parameters
@@ -50,7 +50,7 @@ def casing(scene: Scene, layout: Layout, machine: MachineParts) -> tuple[Casing,
     SceneError : the same, with the keys that must be corrected
     """
     table, points = scene.casing, bearing_points(scene.shafts, layout)
-    model: Casing = table.made()
+    model: CasingModel = table.made()
     if scene.housing is None:
         return model, Structure(bearings={f"bearing_{number}": point for number, point in enumerate(points, 1)})
     made = housing(scene.housing, tuple(sensor.made() for sensor in scene.sensors), layout, points)
@@ -96,7 +96,7 @@ def forced_points(machine: MachineParts, sensors: Sequence[Sensor]) -> tuple[For
     return tuple(ForcedPoint(sensor=sensor, axes=axes) for sensor, axes in points if axes)
 
 
-def bores(table: HousingBase, layout: Layout) -> tuple[Bore, ...]:
+def bores(table: HousingBase, layout: TrainLayout) -> tuple[Bore, ...]:
     """Two bores per shaft, odd numbers in the wall at -y."""
     return tuple(
         Bore(
@@ -115,7 +115,7 @@ def bores(table: HousingBase, layout: Layout) -> tuple[Bore, ...]:
     )
 
 
-def dimensions(table: HousingBase, layout: Layout) -> Dimensions:
+def dimensions(table: HousingBase, layout: TrainLayout) -> Dimensions:
     """The dimensions of the housing, valid or not."""
     return table.made_part(Dimensions, bores=bores(table, layout), feet=feet(table))
 
@@ -135,7 +135,7 @@ def feet(table: HousingBase) -> Feet:
 def housing(
     table: HousingBase | ImportedTable | MatricesHousingTable,
     sensors: tuple[Sensor, ...],
-    layout: Layout,
+    layout: TrainLayout,
     points: Sequence[Point],
 ) -> Any:
     """The housing with the sensors on it: a `Geometry`, or a `ForeignHousing` of matrices.

@@ -12,7 +12,7 @@ from fem.casing.geometry.dimensions import Bore, HousingError
 from fem.casing.geometry.housing import Housing
 from fem.casing.parts.bolted_joint import BoltedJoint
 from fem.casing.parts.bolts import Bolt, BoltError
-from fem.casing.parts.split import Plane
+from fem.casing.parts.split import SplitPlane
 from fem.elements.materials import Material
 from pipelines.io.errors import Problem, SceneError
 from pipelines.scene.tables.housing import CoverJointTable, PlaneJointTable
@@ -50,7 +50,7 @@ def _across_plane(table: PlaneJointTable) -> BoltedJoint:
     places = np.array(table.si.positions)
     on_plane = places - np.outer((places - through) @ normal, normal)
     return BoltedJoint(
-        plane=Plane(through=_point(through), normal=_point(normal)),
+        plane=SplitPlane(through=_point(through), normal=_point(normal)),
         bolt=Bolt.of_size(table.bolt, clamped=(above, beyond), tapped=table.tapped, outer=table.si.outer_diameter),
         places=tuple(_point(place) for place in on_plane),
         stiffness=table.si.stiffness,
@@ -73,7 +73,7 @@ def _of_cover(table: CoverJointTable, housing: Housing) -> BoltedJoint:
     if table.pitch_mm is not None:
         places += cover_bolts(housing, bolt, table.si.pitch)
     return BoltedJoint(
-        plane=Plane(through=(0.0, 0.0, z), normal=(0.0, 0.0, 1.0)),
+        plane=SplitPlane(through=(0.0, 0.0, z), normal=(0.0, 0.0, 1.0)),
         bolt=bolt,
         places=tuple((x, y, z) for x, y in places),
         stiffness=table.si.stiffness,

@@ -9,14 +9,14 @@ from collections.abc import Sequence
 
 from mbd.parts.rolling_elements import RollingElements, pass_frequencies
 from pipelines.machine.bearings import BearingFault, RollingBearing
-from pipelines.machine.layout import Layout
+from pipelines.machine.layout import TrainLayout
 from pipelines.scene.shaft_faults import ShaftFault
 from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 from pipelines.signals.pass_lines import PassLines
 from pipelines.signals.shaft_lines import ShaftLines
 
 
-def kinematics_of(layout: Layout, rolling: Sequence[RollingBearing]) -> Kinematics:
+def kinematics_of(layout: TrainLayout, rolling: Sequence[RollingBearing]) -> Kinematics:
     """The kinematics of a scene, with the names of its runs, at the highest speed of the drive.
 
     `rolling` are the bearings with known rolling elements; other bearings have no pass orders.
@@ -48,22 +48,22 @@ def pass_orders(elements: RollingElements) -> dict[str, float]:
     return {"BPFO": per.outer, "BPFI": per.inner, "BSF": per.spin, "FTF": per.cage}
 
 
-def pass_rates(layout: Layout, bearing: RollingBearing) -> dict[str, float]:
+def pass_rates(layout: TrainLayout, bearing: RollingBearing) -> dict[str, float]:
     """BPFO, BPFI, BSF, FTF (Hz) of a bearing at the highest motor speed."""
     turn = _turns(layout, bearing.shaft)
     return {label: turn * order for label, order in pass_orders(bearing.elements).items()}
 
 
-def shaft_lines(layout: Layout, fault: ShaftFault) -> ShaftLines:
+def shaft_lines(layout: TrainLayout, fault: ShaftFault) -> ShaftLines:
     """Orders of a faulty shaft at the highest motor speed."""
     return ShaftLines(shaft=f"shaft_{fault.shaft + 1}", frequency=abs(_turns(layout, fault.shaft)))
 
 
-def _turns(layout: Layout, shaft: int) -> float:
+def _turns(layout: TrainLayout, shaft: int) -> float:
     return layout.turns * layout.shaft_ratios[shaft]
 
 
-def pass_lines(layout: Layout, rolling: Sequence[RollingBearing], fault: BearingFault) -> PassLines:
+def pass_lines(layout: TrainLayout, rolling: Sequence[RollingBearing], fault: BearingFault) -> PassLines:
     """Pass frequency, sidebands and slip of a spall in one of the rolling bearings."""
     name = fault.bearing
     rates = pass_rates(layout, next(bearing for bearing in rolling if bearing.name == name))

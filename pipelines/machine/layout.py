@@ -125,7 +125,7 @@ class StageFacts:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Layout:
+class TrainLayout:
     """Gear pairs and flank modifications of a scene by stage, and its axes, speeds and torques by shaft.
 
     Axes are (x, z) in m. Shafts are numbered from 0. Speed ratios are relative to the shaft ``driven`` of the motors,
@@ -218,7 +218,7 @@ class Layout:
         return tuple(self.senses[pinion] for pinion, _ in self.pair_shafts)
 
 
-def lay_out(scene: Scene, source: str = "scene") -> Layout:
+def lay_out(scene: Scene, source: str = "scene") -> TrainLayout:
     """Gear pairs and axes of a scene; `source` names it in errors.
 
     Raises
@@ -244,7 +244,7 @@ def lay_out(scene: Scene, source: str = "scene") -> Layout:
     if problems := problems or phases:
         raise SceneError(source, problems)
     driven, loaded = (scene.drive.shaft or 1) - 1, (scene.load.shaft or len(scene.shafts)) - 1
-    return Layout(
+    return TrainLayout(
         pairs=tuple(pairs),
         modifications=tuple(flanks),
         axes=tuple((place.x, place.z) for place in places),

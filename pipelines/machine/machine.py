@@ -27,7 +27,7 @@ from pipelines.machine.bearings import bearing_faults, bearing_points, bearing_s
 from pipelines.machine.casing import casing
 from pipelines.machine.drives import motor_couplings, motor_torques, speed_profile
 from pipelines.machine.flanks import GEARS, Fault, damaged_teeth, flanks_spec, prescribed_deviations, tooth_faults
-from pipelines.machine.layout import Layout, lay_out
+from pipelines.machine.layout import TrainLayout, lay_out
 from pipelines.machine.loads import hanging_load, load_places, torque_load, weight
 from pipelines.machine.parts import GearMesh, GearTeeth, MachineParts, Recorded
 from pipelines.machine.plant import Drivetrain, Plant, labels
@@ -78,7 +78,7 @@ def in_casing(train: Drivetrain, scene: Scene, problems: Problems) -> Plant | No
     return None if problems else Plant(**vars(train), casing=made[0], structure=made[1])
 
 
-def drivetrain(scene: Scene, layout: Layout, problems: Problems) -> Drivetrain:
+def drivetrain(scene: Scene, layout: TrainLayout, problems: Problems) -> Drivetrain:
     """The machine model without its casing; `problems` collects errors of its parts. With errors it is not complete."""
     faults = tooth_faults(scene.tooth_faults.values(), layout.pinion_senses)
     return Drivetrain(
@@ -150,7 +150,7 @@ def gear_disk(name: str, y: float, gear: Gear, density: float) -> Disk:
     )
 
 
-def _disks(scene: Scene, layout: Layout, shaft: int) -> list[Disk]:
+def _disks(scene: Scene, layout: TrainLayout, shaft: int) -> list[Disk]:
     density = scene.gear_material.density_kg_m3
     found: list[Disk] = []
     for number, (stage, pair) in enumerate(zip(scene.stages, layout.pairs, strict=True)):
@@ -180,7 +180,7 @@ def _disks(scene: Scene, layout: Layout, shaft: int) -> list[Disk]:
     return found
 
 
-def shaft_specs(scene: Scene, layout: Layout) -> tuple[ShaftSpec, ...]:
+def shaft_specs(scene: Scene, layout: TrainLayout) -> tuple[ShaftSpec, ...]:
     """All shafts; in lifting, shaft 1 rotates about +y and the shafts that mesh with it about -y."""
     steel = scene.gear_material
     specs = []
@@ -227,7 +227,7 @@ def gear_teeth(
     )
 
 
-def gear_meshes(scene: Scene, layout: Layout, faults: Sequence[Fault], problems: Problems) -> tuple[GearMesh, ...]:
+def gear_meshes(scene: Scene, layout: TrainLayout, faults: Sequence[Fault], problems: Problems) -> tuple[GearMesh, ...]:
     """All gear meshes.
 
     Parameters
@@ -272,7 +272,7 @@ def film_spec(table: FilmModel, pair: GearPair) -> Film | None:
     )
 
 
-def machine_parts(scene: Scene, layout: Layout, faults: Sequence[Fault], problems: Problems) -> MachineParts:
+def machine_parts(scene: Scene, layout: TrainLayout, faults: Sequence[Fault], problems: Problems) -> MachineParts:
     """All parts of the machine of a scene.
 
     Parameters

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from fem.casing.geometry.dimensions import Sensor
-from fem.casing.models.casing import Casing, Structure
+from fem.casing.models.casing import CasingModel, Structure
 from fem.contact.models.mesh_model import LawSpec
 from mbd.forces.load_models import HangingLoad
 from mbd.integrators.settings import MotionSettings
@@ -19,7 +19,7 @@ from pipelines.machine.bearings import BearingFault, RollingBearing
 from pipelines.machine.flanks import Fault
 from pipelines.machine.flanks_spec import FlanksSpec
 from pipelines.machine.kinematics import pass_lines, pass_rates, shaft_lines
-from pipelines.machine.layout import Layout, StageFacts
+from pipelines.machine.layout import StageFacts, TrainLayout
 from pipelines.machine.parts import MachineParts, Recorded
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import ShaftFault, shaft_faults
@@ -51,7 +51,7 @@ class Drivetrain:
     title: str
     labels: Mapping[str, Any]
     models: Mapping[str, Any]
-    layout: Layout
+    layout: TrainLayout
     laws: tuple[LawSpec, ...]
     flanks: tuple[FlanksSpec, ...]
     machine: MachineParts
@@ -136,7 +136,7 @@ class Drivetrain:
 class Plant(Drivetrain):
     """The machine model with its casing: the model of the casing, and the structure with sensors that it reduces."""
 
-    casing: Casing
+    casing: CasingModel
     structure: Structure
 
     @property

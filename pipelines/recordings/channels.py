@@ -21,7 +21,7 @@ _RATES = (  # without "rate", which can be the speed of a shaft
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Channel:
+class RecordedChannel:
     """One signal of a file.
 
     `read` returns the samples of a slice; `units` and `rate` (Hz) are those in the file, "" and None without; `place`
@@ -51,10 +51,10 @@ class Channel:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Contents:
+class RecordedContents:
     """The channels of a file, in its order, and the function that closes it."""
 
-    channels: tuple[Channel, ...]
+    channels: tuple[RecordedChannel, ...]
     close: Callable[[], None] = lambda: None
 
     def names(self) -> str:
@@ -62,14 +62,14 @@ class Contents:
         return ", ".join(shown(channel.name, 60) for channel in self.channels[:20]) or "none"
 
 
-def of_array(name: str, values: np.ndarray, **facts: Any) -> Channel:
-    """Channel of an array of one dimension, in memory or in a file; `facts` are other fields of `Channel`."""
-    return Channel(name=name, size=len(values), dtype=values.dtype, read=lambda part: values[part], **facts)
+def of_array(name: str, values: np.ndarray, **facts: Any) -> RecordedChannel:
+    """Channel of an array of one dimension, in memory or in a file; `facts` are other fields of `RecordedChannel`."""
+    return RecordedChannel(name=name, size=len(values), dtype=values.dtype, read=lambda part: values[part], **facts)
 
 
 def array_channels(
     name: str, values: Any, *, units: str = "", rate: float | None = None, problem: str = ""
-) -> Iterator[Channel]:
+) -> Iterator[RecordedChannel]:
     """Channels of an array of one or two dimensions, of which the longer one is time; none for other arrays.
 
     Parameters
@@ -81,7 +81,7 @@ def array_channels(
     shape = values.shape
     facts: dict[str, Any] = {"dtype": np.dtype(values.dtype), "units": units, "rate": rate, "problem": problem}
     if len(shape) == 1 and shape[0] >= LEAST_VALUES:
-        yield Channel(name=name, size=shape[0], read=lambda part: values[part], **facts)
+        yield RecordedChannel(name=name, size=shape[0], read=lambda part: values[part], **facts)
     if len(shape) != 2 or max(shape) < LEAST_VALUES or not min(shape):
         return
     along = 0 if shape[0] >= shape[1] else 1
@@ -91,7 +91,7 @@ def array_channels(
             return values[part, column] if along == 0 else values[column, part]
 
         label = name if shape[1 - along] == 1 else f"{name} {column + 1}".strip()
-        yield Channel(name=label, size=shape[along], read=read, **facts)
+        yield RecordedChannel(name=label, size=shape[along], read=read, **facts)
 
 
 def name_and_units(text: str) -> tuple[str, str]:

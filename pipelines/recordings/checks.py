@@ -6,7 +6,7 @@ import numpy as np
 
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
-from pipelines.recordings.channels import Channel
+from pipelines.recordings.channels import RecordedChannel
 
 LEAST_SAMPLES = 256
 _NEAR = 0.02  # of the range: how wide the neighbourhood of an extreme value is
@@ -15,7 +15,7 @@ _PILED = 1.5  # times as many samples at the extreme value as in its neighbourho
 _LEAST_LEVELS = 100  # in the first block: below, the resolution is too coarse to judge by
 
 
-def checked_extremes(channel: Channel, source: str) -> tuple[float, float]:
+def checked_extremes(channel: RecordedChannel, source: str) -> tuple[float, float]:
     """Lowest and highest value of a channel that holds enough real numbers, all finite; NaN if none is a number.
 
     Raises
@@ -55,13 +55,13 @@ def is_silent(extremes: tuple[float, float]) -> bool:
     return not extremes[0] < extremes[1]
 
 
-def whole_numbers(channel: Channel) -> bool:
+def whole_numbers(channel: RecordedChannel) -> bool:
     """Whether the first block holds whole numbers only, as an analog-to-digital converter counts."""
     _, start = next(channel.blocks())
     return bool(np.all(start == np.round(start)))
 
 
-def clipped_share(channel: Channel, low: float, high: float) -> float:
+def clipped_share(channel: RecordedChannel, low: float, high: float) -> float:
     """Share of the samples that lie at the extreme values because the signal was cut there; 0.0 where it was not.
 
     A signal that is not clipped spends less time at its highest value than just below it: samples that pile up at the

@@ -22,7 +22,14 @@ import numpy as np
 
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
-from pipelines.recordings.channels import Channel, Contents, distinct, exported_place, name_and_units, of_array
+from pipelines.recordings.channels import (
+    RecordedChannel,
+    RecordedContents,
+    distinct,
+    exported_place,
+    name_and_units,
+    of_array,
+)
 
 _LINES = 50_000  # read at once
 _HEAD = 100  # lines within which the data must begin
@@ -34,7 +41,7 @@ _DIALECTS = (("\t", "."), ("\t", ","), (";", "."), (";", ","), (",", "."), (None
 
 
 @dataclass(frozen=True, kw_only=True)
-class Layout:
+class ColumnLayout:
     """Layout of a file: separator, decimal mark, titles.
 
     `separator` is None for blanks; `ended` is true if one also ends each line; `first` is the number of the first line
@@ -51,7 +58,7 @@ class Layout:
     rate: float | None = None
 
 
-def open_channels(path: Path, text: Path | None = None) -> Contents:
+def open_channels(path: Path, text: Path | None = None) -> RecordedContents:
     """Channels of all columns.
 
     Parameters
@@ -75,13 +82,13 @@ def open_channels(path: Path, text: Path | None = None) -> Contents:
             scratch.write(block.tobytes())
         scratch.flush()
         values = np.memmap(scratch, dtype=float, mode="r").reshape(-1, columns)
-        return Contents(channels=tuple(_channels(values, layout)), close=scratch.close)
+        return RecordedContents(channels=tuple(_channels(values, layout)), close=scratch.close)
     except BaseException:
         scratch.close()
         raise
 
 
-def _channels(values: np.ndarray, layout: Layout) -> Iterator[Channel]:
+def _channels(values: np.ndarray, layout: ColumnLayout) -> Iterator[RecordedChannel]:
     for column, (name, units, kind) in enumerate(zip(layout.names, layout.units, layout.kinds, strict=True)):
         label = name or (_guessed(values[:1000, column]) if column == 0 else "") or f"channel {column + 1}"
         if kind == TEXT:
@@ -101,7 +108,7 @@ def _guessed(start: np.ndarray) -> str:
     return "time" if np.ptp(steps) <= 0.5 * steps.mean() else ""
 
 
-def _blocks(path: Path, text: Path, encoding: str, layout: Layout) -> Iterator[np.ndarray]:
+def _blocks(path: Path, text: Path, encoding: str, layout: ColumnLayout) -> Iterator[np.ndarray]:
     """Numbers (lines, columns), block by block: seconds of time stamps, NaN for text."""
     read: dict[str, Callable[[str], float]] = {STAMP: _seconds(), TEXT: lambda _: float("nan")}
     found = ((column, kind) for column, kind in enumerate(layout.kinds) if kind != NUMBER)
@@ -123,7 +130,7 @@ def _blocks(path: Path, text: Path, encoding: str, layout: Layout) -> Iterator[n
             yield values
 
 
-def _data_lines(file: Iterable[str], layout: Layout) -> Iterator[tuple[int, str]]:
+def _data_lines(file: Iterable[str], layout: ColumnLayout) -> Iterator[tuple[int, str]]:
     """Numbers (from 1) and lines of data, without comments, and without lines at the end that have no number."""
     held: list[tuple[int, str]] = []
     for number, line in enumerate(file, 1):
@@ -152,7 +159,7 @@ def _seconds() -> Callable[[str], float]:
     return seconds
 
 
-def _plain(line: str, layout: Layout) -> str:
+def _plain(line: str, layout: ColumnLayout) -> str:
     """A line without the separator at its end, with decimal points."""
     line = line.rstrip("\r\n ")
     if layout.ended:
@@ -160,7 +167,7 @@ def _plain(line: str, layout: Layout) -> str:
     return line.replace(",", ".") if layout.decimal == "," else line
 
 
-def _damaged(path: Path, block: list[tuple[int, str]], layout: Layout) -> InputError | None:
+def _damaged(path: Path, block: list[tuple[int, str]], layout: ColumnLayout) -> InputError | None:
     """Error of the first bad line of a block."""
     for place, (number, line) in enumerate(block):
         cells = _cells(_plain(line, layout), layout.separator)
@@ -180,7 +187,7 @@ def _damaged(path: Path, block: list[tuple[int, str]], layout: Layout) -> InputE
     return None
 
 
-def _layout(head: list[str], path: Path) -> Layout:
+def _layout(head: list[str], path: Path) -> ColumnLayout:
     """First layout for which a line is all numbers and the next line has as many cells.
 
     Without one, that for which all lines to the end of the head have numbers, time stamps and text in the same columns.
@@ -210,7 +217,7 @@ def _layout(head: list[str], path: Path) -> Layout:
 
 def _titled(
     head: list[str], first: int, row: list[str], separator: str | None, decimal: str, kinds: tuple[str, ...]
-) -> Layout | None:
+) -> ColumnLayout | None:
     """The layout with the titles above the first row; None if a single title shows that "0,5" is one number.
 
     One title more than columns is that of comments at the ends of lines, as LabVIEW writes them.
@@ -238,7 +245,7 @@ def _titled(
         pairs = [*pairs[:1], *((name, label) for (name, _), label in zip(pairs[1:], labels, strict=False))]
     step = (settings.get("Delta_X") or ["0"])[0].replace(",", ".")
     named = iter(distinct([name for name, _ in pairs if name]))
-    return Layout(
+    return ColumnLayout(
         separator=separator,
         decimal=decimal,
         ended=len(row) > count,

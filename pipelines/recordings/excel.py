@@ -10,10 +10,10 @@ from typing import Any
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
 from pipelines.recordings import delimited
-from pipelines.recordings.channels import Contents
+from pipelines.recordings.channels import RecordedContents
 
 
-def open_channels(path: Path) -> Contents:
+def open_channels(path: Path) -> RecordedContents:
     """The channels of the first sheet; its rows are the lines of messages.
 
     Raises

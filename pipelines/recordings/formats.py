@@ -11,13 +11,13 @@ from pathlib import Path
 from pipelines.io.errors import InputError
 from pipelines.io.shown import nearest_name, shown
 from pipelines.io.user_files import regular_file, sibling_names
-from pipelines.recordings.channels import Contents
+from pipelines.recordings.channels import RecordedContents
 
 SHARE = 0.5  # of the memory that is free, which one file may take
 
 
 @dataclass(frozen=True, kw_only=True)
-class Format:
+class RecordingFormat:
     """A reader by the names of its module and functions; it is imported when a file of the format is opened.
 
     `opens` gives the channels of a file; `measures` the bytes that takes, "" where it is read part by part.
@@ -29,7 +29,7 @@ class Format:
     opens: str = "open_channels"
     measures: str = ""
 
-    def open(self, path: Path) -> Contents:
+    def open(self, path: Path) -> RecordedContents:
         """The channels of a file."""
         return getattr(import_module(self.reader), self.opens)(path)
 
@@ -41,20 +41,20 @@ class Format:
 _TEXT, _ROOM = (".csv", ".txt", ".tsv", ".dat", ".asc", ".lvm"), "pipelines.recordings."
 _NUMPY = _ROOM + "numpy_files"
 FORMATS = (
-    Format(name="text", endings=_TEXT, reader=_ROOM + "delimited"),
-    Format(name="MATLAB", endings=(".mat",), reader=_ROOM + "matlab", measures="memory"),
-    Format(name="HDF5", endings=(".h5", ".hdf5", ".hdf", ".nc"), reader=_ROOM + "hdf5"),
-    Format(name="UFF 58", endings=(".uff", ".unv"), reader=_ROOM + "universal", measures="memory"),
-    Format(name="NPY", endings=(".npy",), reader=_NUMPY, opens="open_npy"),
-    Format(name="NPZ", endings=(".npz",), reader=_NUMPY, opens="open_npz", measures="npz_memory"),
-    Format(name="WAV", endings=(".wav",), reader=_ROOM + "wav", measures="memory"),
-    Format(name="Excel", endings=(".xlsx",), reader=_ROOM + "excel"),
-    Format(name="TDMS", endings=(".tdms",), reader=_ROOM + "tdms", measures="memory"),
+    RecordingFormat(name="text", endings=_TEXT, reader=_ROOM + "delimited"),
+    RecordingFormat(name="MATLAB", endings=(".mat",), reader=_ROOM + "matlab", measures="memory"),
+    RecordingFormat(name="HDF5", endings=(".h5", ".hdf5", ".hdf", ".nc"), reader=_ROOM + "hdf5"),
+    RecordingFormat(name="UFF 58", endings=(".uff", ".unv"), reader=_ROOM + "universal", measures="memory"),
+    RecordingFormat(name="NPY", endings=(".npy",), reader=_NUMPY, opens="open_npy"),
+    RecordingFormat(name="NPZ", endings=(".npz",), reader=_NUMPY, opens="open_npz", measures="npz_memory"),
+    RecordingFormat(name="WAV", endings=(".wav",), reader=_ROOM + "wav", measures="memory"),
+    RecordingFormat(name="Excel", endings=(".xlsx",), reader=_ROOM + "excel"),
+    RecordingFormat(name="TDMS", endings=(".tdms",), reader=_ROOM + "tdms", measures="memory"),
 )
-BY_ENDING: Mapping[str, Format] = {ending: one for one in FORMATS for ending in one.endings}
+BY_ENDING: Mapping[str, RecordingFormat] = {ending: one for one in FORMATS for ending in one.endings}
 
 
-def format_of(path: Path) -> Format:
+def format_of(path: Path) -> RecordingFormat:
     """The format of a file.
 
     Raises
@@ -87,7 +87,7 @@ def memory_needed(path: Path) -> int:
         return form.memory(path)
 
 
-def open_channels(path: Path) -> Contents:
+def open_channels(path: Path) -> RecordedContents:
     """The channels of a file, to be closed.
 
     Raises
@@ -108,7 +108,7 @@ def open_channels(path: Path) -> Contents:
 
 
 @contextlib.contextmanager
-def damage_refused(path: Path, form: Format) -> Iterator[None]:
+def damage_refused(path: Path, form: RecordingFormat) -> Iterator[None]:
     """Turn what a library raises, when it reads a file in the block, into InputError."""
     try:
         yield

@@ -11,13 +11,13 @@ import numpy as np
 from fem.storage.hdf5 import blocks_missing
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
-from pipelines.recordings.channels import Channel, Contents, array_channels, says_rate
+from pipelines.recordings.channels import RecordedChannel, RecordedContents, array_channels, says_rate
 
 _REFERENCES = "#refs#"  # where MATLAB keeps what its cells hold
 _TEXT_CLASSES = ("char", "logical")  # of MATLAB, stored as numbers
 
 
-def open_channels(path: Path) -> Contents:
+def open_channels(path: Path) -> RecordedContents:
     """The channels of all datasets, named by their paths.
 
     Attributes `units` and `fs`, `sample_rate` or the like of a dataset are obeyed, as is a dataset or an attribute of
@@ -36,7 +36,7 @@ def open_channels(path: Path) -> Contents:
             )
     file = h5py.File(path, "r")
     try:
-        return Contents(channels=tuple(_channels(file)), close=file.close)
+        return RecordedContents(channels=tuple(_channels(file)), close=file.close)
     except BaseException:
         file.close()
         raise
@@ -54,7 +54,7 @@ def holds_recording(path: Path) -> bool:
         return False
 
 
-def _channels(file: Any) -> Iterator[Channel]:
+def _channels(file: Any) -> Iterator[RecordedChannel]:
     import h5py
 
     datasets: dict[str, Any] = {}

@@ -18,7 +18,7 @@ from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 
 
 @dataclass(frozen=True, kw_only=True)
-class Machine:
+class MeasuredMachine:
     """Kinematics, and the `table` by which the channels of a file become signals in m/s2.
 
     A machine from a scene has the table of a machine file without such settings: every channel is a sensor.
@@ -29,7 +29,7 @@ class Machine:
     table: MachineTable = field(default_factory=MachineTable.model_construct)
 
 
-def read_machine(source: str | Path) -> Machine:
+def read_machine(source: str | Path) -> MeasuredMachine:
     """Read the machine from a machine file or scene file (both end in .toml), or a shipped scene by its name.
 
     Raises
@@ -57,7 +57,7 @@ def read_machine(source: str | Path) -> Machine:
     return _of_table(table, shafts, bearings, found.name)
 
 
-def _of_scene(source: str | Path) -> Machine:
+def _of_scene(source: str | Path) -> MeasuredMachine:
     from pipelines.machine.bearings import rolling_bearings
     from pipelines.machine.kinematics import kinematics_of
     from pipelines.machine.layout import lay_out
@@ -65,10 +65,10 @@ def _of_scene(source: str | Path) -> Machine:
 
     loaded = load_scene(source)
     layout = lay_out(loaded.scene, loaded.source.shown)
-    return Machine(name=loaded.name, kinematics=kinematics_of(layout, rolling_bearings(loaded.scene)))
+    return MeasuredMachine(name=loaded.name, kinematics=kinematics_of(layout, rolling_bearings(loaded.scene)))
 
 
-def _of_table(table: MachineTable, shafts: Sequence[Shaft], bearings: Sequence[Bearing], name: str) -> Machine:
+def _of_table(table: MachineTable, shafts: Sequence[Shaft], bearings: Sequence[Bearing], name: str) -> MeasuredMachine:
     kinematics = Kinematics(
         shafts=tuple(shafts),
         gears=tuple(
@@ -79,7 +79,7 @@ def _of_table(table: MachineTable, shafts: Sequence[Shaft], bearings: Sequence[B
         bearings=tuple(bearings),
         frequency=None if table.speed_rpm is None else table.speed_rpm / 60,
     )
-    return Machine(name=name, kinematics=kinematics, table=table)
+    return MeasuredMachine(name=name, kinematics=kinematics, table=table)
 
 
 def shaft_name(number: int) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from pipelines.recordings import hdf5
-from pipelines.recordings.channels import Channel, Contents, of_array
+from pipelines.recordings.channels import RecordedChannel, RecordedContents, of_array
 from pipelines.recordings.numpy_files import named_arrays
 
 _WIDTH = 8  # bytes of a number
@@ -28,7 +28,7 @@ def memory(path: Path) -> int:
     return max(plain, _PACKED * path.stat().st_size)
 
 
-def open_channels(path: Path) -> Contents:
+def open_channels(path: Path) -> RecordedContents:
     """The channels of all numeric variables; those of structures are named "structure.field"."""
     import h5py
 
@@ -37,7 +37,7 @@ def open_channels(path: Path) -> Contents:
     from scipy.io import loadmat
 
     content = {name: value for name, value in loadmat(path, simplify_cells=True).items() if not name.startswith("__")}
-    return Contents(channels=(*_exported(content), *named_arrays(dict(_arrays(content)))))
+    return RecordedContents(channels=(*_exported(content), *named_arrays(dict(_arrays(content)))))
 
 
 def _arrays(content: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, np.ndarray]]:
@@ -48,7 +48,7 @@ def _arrays(content: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, 
             yield f"{above}{name}", np.asarray(value)
 
 
-def _exported(content: Mapping[str, Any]) -> Iterator[Channel]:
+def _exported(content: Mapping[str, Any]) -> Iterator[RecordedChannel]:
     """The accelerations (time, sensor, axis) of a run that `gearcase export` wrote."""
     values, names = np.asarray(content.get("acceleration", 0.0)), content.get("coordinates")
     if values.ndim != 3 or not isinstance(names, Mapping):

@@ -7,16 +7,16 @@ from pathlib import Path
 
 import numpy as np
 
-from pipelines.recordings.channels import Channel, Contents, array_channels, says_rate
+from pipelines.recordings.channels import RecordedChannel, RecordedContents, array_channels, says_rate
 
 
-def open_npy(path: Path) -> Contents:
+def open_npy(path: Path) -> RecordedContents:
     """The channels of an array, mapped from the file: a column each, or a field each."""
     values = np.load(path, mmap_mode="r", allow_pickle=False)
     if values.dtype.names is None:
-        return Contents(channels=tuple(array_channels("channel", values)))
+        return RecordedContents(channels=tuple(array_channels("channel", values)))
     fields = [channel for name in values.dtype.names for channel in array_channels(name, values[name])]
-    return Contents(channels=tuple(fields))
+    return RecordedContents(channels=tuple(fields))
 
 
 def npz_memory(path: Path) -> int:
@@ -25,14 +25,14 @@ def npz_memory(path: Path) -> int:
         return sum(entry.file_size for entry in archive.infolist())
 
 
-def open_npz(path: Path) -> Contents:
+def open_npz(path: Path) -> RecordedContents:
     """The channels of all its arrays; one number that is called fs, sample_rate or the like is the sampling rate."""
     with np.load(path, allow_pickle=False) as archive:
         arrays = {name: archive[name] for name in archive.files}
-    return Contents(channels=named_arrays(arrays))
+    return RecordedContents(channels=named_arrays(arrays))
 
 
-def named_arrays(arrays: dict[str, np.ndarray]) -> tuple[Channel, ...]:
+def named_arrays(arrays: dict[str, np.ndarray]) -> tuple[RecordedChannel, ...]:
     """The channels of named arrays, of which single numbers are settings."""
     rates = [float(value.item()) for name, value in arrays.items() if value.size == 1 and says_rate(name)]
     rate = rates[0] if rates else None

@@ -19,11 +19,11 @@ from xarray.core import indexing
 
 from pipelines.io.errors import InputError
 from pipelines.io.shown import nearest_name, shown
-from pipelines.recordings.channels import Channel, Contents
+from pipelines.recordings.channels import RecordedChannel, RecordedContents
 from pipelines.recordings.checks import checked_extremes, clipped_share, is_silent, whole_numbers
 from pipelines.recordings.formats import damage_refused, format_of, memory_needed, open_channels
 from pipelines.recordings.hdf5 import holds_recording
-from pipelines.recordings.machine import Machine, shaft_name
+from pipelines.recordings.machine import MeasuredMachine, shaft_name
 from pipelines.recordings.machine_table import AXES, DEFAULT_AXIS, ChannelName
 from pipelines.recordings.time_axis import is_time, sampling
 from pipelines.recordings.units import ACCELERATIONS, GRAVITY, VOLTAGES, may_be_acceleration, plain_units
@@ -35,7 +35,7 @@ _COUNTERS = ("sample", "index", "piece")
 _WORTH_A_LINE = 1e6  # bytes: reading a smaller file is not logged
 
 
-def read_recording(source: str | Path, machine: Machine) -> xarray.Dataset:
+def read_recording(source: str | Path, machine: MeasuredMachine) -> xarray.Dataset:
     """Read the recording in a file; close it, or use it in a `with` block, to close the file.
 
     A response of a run is returned as it is. Attributes of others: `source` (name of the file), `format`, and
@@ -70,7 +70,7 @@ def _response(path: Path) -> xarray.Dataset:
     return found
 
 
-def _recording(contents: Contents, machine: Machine, path: Path, form: str) -> xarray.Dataset:
+def _recording(contents: RecordedContents, machine: MeasuredMachine, path: Path, form: str) -> xarray.Dataset:
     source, table, tachometer, speed = shown(path), machine.table, machine.table.tachometer, machine.table.speed
     clock = _clock(contents, machine, source)
     named = tachometer.channel if tachometer is not None else None if speed is None else speed.channel
@@ -154,7 +154,7 @@ class _View(BackendArray):
         return values[0] if part is not instants else values
 
 
-def channel_of(contents: Contents, wanted: ChannelName, source: str) -> Channel:
+def channel_of(contents: RecordedContents, wanted: ChannelName, source: str) -> RecordedChannel:
     """Channel of a name or number.
 
     Raises
@@ -176,7 +176,7 @@ def channel_of(contents: Contents, wanted: ChannelName, source: str) -> Channel:
     raise InputError(f'{source}: there is no channel "{shown(wanted)}", the file has {contents.names()}. {hint}')
 
 
-def _clock(contents: Contents, machine: Machine, source: str) -> Channel | None:
+def _clock(contents: RecordedContents, machine: MeasuredMachine, source: str) -> RecordedChannel | None:
     """Channel of the time: that of the machine file, or the first with such a name."""
     wanted = machine.table.time
     if wanted is False:
@@ -187,8 +187,8 @@ def _clock(contents: Contents, machine: Machine, source: str) -> Channel | None:
 
 
 def _places(
-    contents: Contents, machine: Machine, others: Sequence[Channel], source: str
-) -> dict[str, dict[str, Channel]]:
+    contents: RecordedContents, machine: MeasuredMachine, others: Sequence[RecordedChannel], source: str
+) -> dict[str, dict[str, RecordedChannel]]:
     """Channels by sensor and axis: those of the machine file, else all that can be accelerations."""
     if machine.table.sensors:
         return {
@@ -209,7 +209,7 @@ def _places(
             f"{source}: no channel has the unit of an acceleration; the channels are {contents.names()}. Set sensors "
             "and units in the machine file."
         )
-    places: dict[str, dict[str, Channel]] = {}
+    places: dict[str, dict[str, RecordedChannel]] = {}
     for channel in [channel for channel in found if channel.place] or found:
         sensor, axis = channel.place or (channel.name, DEFAULT_AXIS)
         if axis in places.setdefault(sensor, {}):
@@ -222,12 +222,12 @@ def _places(
 
 
 def _without_silent(
-    places: dict[str, dict[str, Channel]],
+    places: dict[str, dict[str, RecordedChannel]],
     extremes: Mapping[str, tuple[float, float]],
-    needed: Sequence[Channel],
-    machine: Machine,
+    needed: Sequence[RecordedChannel],
+    machine: MeasuredMachine,
     source: str,
-) -> tuple[dict[str, dict[str, Channel]], dict[str, str]]:
+) -> tuple[dict[str, dict[str, RecordedChannel]], dict[str, str]]:
     """The places without constant channels, and a warning of each by its kind.
 
     Raises
@@ -264,7 +264,7 @@ def _silence(extremes: tuple[float, float]) -> str:
     return "holds no number" if np.isnan(extremes[0]) else f"is {extremes[0]:g} throughout"
 
 
-def _check_lengths(channels: Sequence[Channel], source: str) -> None:
+def _check_lengths(channels: Sequence[RecordedChannel], source: str) -> None:
     if len({channel.size for channel in channels}) > 1:
         lengths = ", ".join(f"{shown(channel.name, 60)} {channel.size}" for channel in channels[:10])
         raise InputError(
@@ -273,12 +273,12 @@ def _check_lengths(channels: Sequence[Channel], source: str) -> None:
         )
 
 
-def _units(channel: Channel, machine: Machine) -> str:
+def _units(channel: RecordedChannel, machine: MeasuredMachine) -> str:
     """Units of the machine file, else of the recording, else m/s2."""
     return plain_units(machine.table.units or channel.units) or "m/s2"
 
 
-def _to_si(channel: Channel, sensor: str, machine: Machine, source: str) -> float:
+def _to_si(channel: RecordedChannel, sensor: str, machine: MeasuredMachine, source: str) -> float:
     """Factor from the numbers of a channel to m/s2."""
     units, table = _units(channel, machine), machine.table
     scale = _of_sensor(table.scale, sensor) or 1.0
@@ -302,9 +302,9 @@ def _of_sensor(numbers: Mapping[str, float], sensor: str) -> float | None:
 
 
 def _warnings(
-    places: Mapping[str, Mapping[str, Channel]],
+    places: Mapping[str, Mapping[str, RecordedChannel]],
     extremes: Mapping[str, tuple[float, float]],
-    machine: Machine,
+    machine: MeasuredMachine,
     scales: Mapping[tuple[str, str], float],
 ) -> Iterator[tuple[str, str]]:
     """Warnings by kind, as sentences."""

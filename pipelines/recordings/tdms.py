@@ -12,7 +12,7 @@ import numpy as np
 
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
-from pipelines.recordings.channels import Channel, Contents, of_array
+from pipelines.recordings.channels import RecordedChannel, RecordedContents, of_array
 
 _INCREMENT = "wf_increment"  # s, of a waveform
 _UNITS = ("unit_string", "NI_UnitDescription")
@@ -26,7 +26,7 @@ def memory(path: Path) -> int:
         return sum(max(8, channel.dtype.itemsize) * len(channel) for channel in channels)
 
 
-def open_channels(path: Path) -> Contents:
+def open_channels(path: Path) -> RecordedContents:
     """The channels of all groups, named "group/channel" where there are several groups.
 
     Raises
@@ -47,7 +47,7 @@ def open_channels(path: Path) -> Contents:
         for channel in group.channels():
             name = f"{group.name}/{channel.name}" if several else channel.name
             found.append(_channel(name, channel))
-    return Contents(channels=tuple(found))
+    return RecordedContents(channels=tuple(found))
 
 
 @contextlib.contextmanager
@@ -69,7 +69,7 @@ def _complaints() -> Iterator[list[str]]:
             logger.removeFilter(keep)
 
 
-def _channel(name: str, channel: Any) -> Channel:
+def _channel(name: str, channel: Any) -> RecordedChannel:
     values = np.asarray(channel[:])
     step = channel.properties.get(_INCREMENT)
     units = next((str(channel.properties[key]) for key in _UNITS if channel.properties.get(key)), "")

@@ -8,7 +8,7 @@ import numpy as np
 
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
-from pipelines.recordings.channels import Channel
+from pipelines.recordings.channels import RecordedChannel
 from pipelines.recordings.units import TIMES, plain_units
 
 NAMES = ("time", "t", "zeit", "times", "timestamp", "time_s", "seconds", "x_value")
@@ -18,12 +18,14 @@ LOST = 0.4  # of a step: one lost sample shifts instants by at least half a step
 _DIGITS = 12
 
 
-def is_time(channel: Channel) -> bool:
+def is_time(channel: RecordedChannel) -> bool:
     """Whether a channel contains time stamps, or has the name of a time; only the last part of a path matters."""
     return channel.stamps or (channel.name.lower().replace(" ", "_").rpartition(".")[2] in NAMES and channel.is_numeric)
 
 
-def sampling(signals: Sequence[Channel], clock: Channel | None, rate: float | None, source: str) -> tuple[float, float]:
+def sampling(
+    signals: Sequence[RecordedChannel], clock: RecordedChannel | None, rate: float | None, source: str
+) -> tuple[float, float]:
     """Sampling rate (Hz) and time of the first sample (s); the rate of the machine if the file agrees with it.
 
     Parameters
@@ -56,7 +58,7 @@ def sampling(signals: Sequence[Channel], clock: Channel | None, rate: float | No
     return found, start
 
 
-def _even_steps(clock: Channel, source: str) -> tuple[float, float]:
+def _even_steps(clock: RecordedChannel, source: str) -> tuple[float, float]:
     """Rate and start of a time channel with even steps."""
     seconds = TIMES.get(plain_units(clock.units) or "s")
     where = f'{source}: the time in "{shown(clock.name, 60)}"'

@@ -4,8 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pipelines.io.universal_file import QUANTITIES, Function, Record, read_functions
-from pipelines.recordings.channels import Channel, Contents, array_channels, distinct, exported_place, of_array
+from pipelines.io.universal_file import QUANTITIES, Function, UniversalFunction, read_functions
+from pipelines.recordings.channels import (
+    RecordedChannel,
+    RecordedContents,
+    array_channels,
+    distinct,
+    exported_place,
+    of_array,
+)
 
 _AXES = {1: "x", 2: "y", 3: "z"}
 _UNSAID = (0, 1, 12)  # types of the ordinate that may be an acceleration: unknown, general, acceleration
@@ -16,7 +23,7 @@ def memory(path: Path) -> int:
     return 2 * path.stat().st_size
 
 
-def open_channels(path: Path) -> Contents:
+def open_channels(path: Path) -> RecordedContents:
     """A channel for each time response, with the sensor and axis of its point; uneven ones bring their time along."""
     with path.open(encoding="latin-1") as file:
         records = list(read_functions(file))
@@ -24,10 +31,10 @@ def open_channels(path: Path) -> Contents:
     channels = [_channel(name, record) for name, record in zip(names, records, strict=True)]
     times = [record.x for record in records if record.x is not None]
     found = [*array_channels("time", times[0], units="s"), *channels] if times else channels
-    return Contents(channels=tuple(found))
+    return RecordedContents(channels=tuple(found))
 
 
-def _channel(name: str, record: Record) -> Channel:
+def _channel(name: str, record: UniversalFunction) -> RecordedChannel:
     head = record.head
     values = -record.values if head.direction < 0 else record.values
 

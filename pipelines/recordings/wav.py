@@ -9,7 +9,7 @@ import numpy as np
 
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
-from pipelines.recordings.channels import Channel, Contents
+from pipelines.recordings.channels import RecordedChannel, RecordedContents
 
 _UNSAID = 0xFFFFFFFF  # size in the header of a file that was written as a stream
 _PADDING = 1  # byte that some programs include in the size but do not write
@@ -20,7 +20,7 @@ def memory(path: Path) -> int:
     return path.stat().st_size * 4 // 3
 
 
-def open_channels(path: Path) -> Contents:
+def open_channels(path: Path) -> RecordedContents:
     """Channels of a WAV file, named by their numbers.
 
     Raises
@@ -45,8 +45,10 @@ def open_channels(path: Path) -> Contents:
             return (samples[part, column].astype(float) - middle) / scale
 
         kind = samples.dtype if scale == 1.0 else np.dtype(float)
-        found.append(Channel(name=f"channel {column + 1}", size=len(samples), dtype=kind, read=read, rate=float(rate)))
-    return Contents(channels=tuple(found))
+        found.append(
+            RecordedChannel(name=f"channel {column + 1}", size=len(samples), dtype=kind, read=read, rate=float(rate))
+        )
+    return RecordedContents(channels=tuple(found))
 
 
 def _scale(kind: np.dtype) -> tuple[float, float]:

@@ -16,7 +16,7 @@ import numpy as np
 
 from pipelines.report import page
 from pipelines.report.figures.plots import FAULTY, HEALTHY
-from pipelines.report.zoom_data import Channel, Trace, View
+from pipelines.report.zoom_data import Trace, ZoomChannel, ZoomView
 
 LEVELS = 32_767  # of a 16-bit number
 STEP = 1 / 2_000  # of a decade
@@ -24,7 +24,10 @@ LEAST = 1e-15  # m/s2, in place of an amplitude of zero
 
 
 def charts(
-    runs: Sequence[str], shown: Sequence[View], found: Iterable[Channel], windows: Mapping[str, tuple[float, float]]
+    runs: Sequence[str],
+    shown: Sequence[ZoomView],
+    found: Iterable[ZoomChannel],
+    windows: Mapping[str, tuple[float, float]],
 ) -> str:
     """HTML element with the charts, their data, style and scripts.
 

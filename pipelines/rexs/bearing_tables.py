@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import Any
 
 from mbd.parts.rolling_catalogue import designations
-from pipelines.rexs.gear_unit import Bearing, Note, Shaft
+from pipelines.rexs.gear_unit import Note, RexsBearing, RexsShaft
 
 BALL_SHARE, BALL_RATING = 0.3, 14.0
 RADIAL = {"ball": 4.0, "roller": 8.0}  # N/um per mm of bore
@@ -23,7 +23,7 @@ BOTH = "its balls hold both"
 BALLS = ("radial_grooved_ball_bearing", "angular_contact_ball_bearing", "four_point_contact_ball_bearing")
 
 
-def bearing_table(bearing: Bearing, shaft: Shaft, path: str) -> tuple[dict[str, Any], list[Note]]:
+def bearing_table(bearing: RexsBearing, shaft: RexsShaft, path: str) -> tuple[dict[str, Any], list[Note]]:
     """Table of a bearing, and the assumptions made.
 
     Parameters
@@ -50,7 +50,7 @@ def bearing_table(bearing: Bearing, shaft: Shaft, path: str) -> tuple[dict[str, 
     return _springs(bearing, shaft, path, "not in the catalogue and without rolling elements in the file")
 
 
-def between_table(bearing: Bearing, shaft: Shaft, path: str) -> tuple[dict[str, float], list[Note]]:
+def between_table(bearing: RexsBearing, shaft: RexsShaft, path: str) -> tuple[dict[str, float], list[Note]]:
     """Keys of [[couplings]] for a bearing between two shafts: springs in all directions but the rotation."""
     springs, notes = _springs(bearing, shaft, path, "between two shafts", 0.0)
     return {
@@ -62,7 +62,7 @@ def between_table(bearing: Bearing, shaft: Shaft, path: str) -> tuple[dict[str, 
     }, notes
 
 
-def _given(bearing: Bearing, path: str) -> tuple[dict[str, Any], list[Note]]:
+def _given(bearing: RexsBearing, path: str) -> tuple[dict[str, Any], list[Note]]:
     elements = bearing.elements
     assert elements is not None
     table: dict[str, Any] = {
@@ -79,7 +79,7 @@ def _given(bearing: Bearing, path: str) -> tuple[dict[str, Any], list[Note]]:
 
 
 def _estimated(
-    bearing: Bearing, bore: float, outside: float, rating: float, path: str
+    bearing: RexsBearing, bore: float, outside: float, rating: float, path: str
 ) -> tuple[dict[str, Any], list[Note]]:
     diameter, pitch = BALL_SHARE * (outside - bore), (bore + outside) / 2
     count = max(3, round(rating / (BALL_RATING * diameter**2)))
@@ -95,7 +95,7 @@ def _estimated(
     return table, [_assumed(path, value, reason), *_one_way(bearing, path, BOTH)]
 
 
-def _one_way(bearing: Bearing, path: str, both: str) -> list[Note]:
+def _one_way(bearing: RexsBearing, path: str, both: str) -> list[Note]:
     """Note on a bearing with thrust in one direction in the file; `both` states that the scene carries both."""
     if bearing.axial not in ("positive", "negative"):
         return []
@@ -104,7 +104,7 @@ def _one_way(bearing: Bearing, path: str, both: str) -> list[Note]:
 
 
 def _springs(
-    bearing: Bearing, shaft: Shaft, path: str, why: str, least: float = FREE
+    bearing: RexsBearing, shaft: RexsShaft, path: str, why: str, least: float = FREE
 ) -> tuple[dict[str, Any], list[Note]]:
     bore = bearing.inner_diameter or max(  # that of the shaft
         max(s.outer) for s in shaft.sections if s.start - 1e-6 <= bearing.y <= s.end + 1e-6

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
-from pipelines.rexs.document import Component, Document
-from pipelines.rexs.gear_unit import Bearing, Between, Elements
+from pipelines.rexs.document import Document, RexsComponent
+from pipelines.rexs.gear_unit import Between, Elements, RexsBearing
 from pipelines.rexs.places import Directions, Frame
 
 KINDS = (
@@ -16,7 +16,7 @@ KINDS = (
 )
 
 
-def read_bearings(document: Document, shaft: Component, place: Frame, scene: Directions) -> list[Bearing]:
+def read_bearings(document: Document, shaft: RexsComponent, place: Frame, scene: Directions) -> list[RexsBearing]:
     """The bearings between a shaft and the casing.
 
     Parameters
@@ -55,7 +55,7 @@ def read_between(
             )
 
 
-def _seated(document: Document) -> Iterator[tuple[Component, Component, Component]]:
+def _seated(document: Document) -> Iterator[tuple[RexsComponent, RexsComponent, RexsComponent]]:
     """Every bearing with what carries its inner and its outer ring."""
     for relation in document.relations:
         bearing = document.components.get(relation.roles.get("assembly", -1))
@@ -68,12 +68,14 @@ def _seated(document: Document) -> Iterator[tuple[Component, Component, Componen
         yield bearing, inner, outer
 
 
-def _bearing(document: Document, bearing: Component, side: str, place: Frame, scene: Directions, sense: int) -> Bearing:
+def _bearing(
+    document: Document, bearing: RexsComponent, side: str, place: Frame, scene: Directions, sense: int
+) -> RexsBearing:
     axial = bearing.text("axial_force_absorption")
     if sense < 0:
         axial = {"positive": "negative", "negative": "positive"}.get(axial, axial)
     rating = bearing.optional("radial_static_load_rating", "N")
-    return Bearing(
+    return RexsBearing(
         label=bearing.label,
         y=scene.along(place, bearing.number(f"u_coordinate_on_shaft_{side}_side", "mm")),
         kind=bearing.text("bearing_type"),
@@ -88,7 +90,7 @@ def _bearing(document: Document, bearing: Component, side: str, place: Frame, sc
     )
 
 
-def _elements(document: Document, bearing: Component, sense: int) -> Elements | None:
+def _elements(document: Document, bearing: RexsComponent, sense: int) -> Elements | None:
     """The rolling elements of a bearing of one row, None where the file does not describe them."""
     rows = document.parts(bearing, "rolling_bearing_row")
     if len(rows) != 1:

@@ -1,6 +1,6 @@
 """REXS document: components with attributes, and the relations between them, from any version of the file.
 
-Attributes have a unit in the file; `Component.number` converts them to the requested unit.
+Attributes have a unit in the file; `RexsComponent.number` converts them to the requested unit.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Attribute:
 
 
 @dataclass(frozen=True)
-class Component:
+class RexsComponent:
     """A part of the gear unit."""
 
     number_in_file: int
@@ -129,15 +129,15 @@ class Document:
     source: str
     version: str
     written_by: str
-    components: Mapping[int, Component]
+    components: Mapping[int, RexsComponent]
     relations: tuple[Relation, ...]
     load_cases: Mapping[int, Mapping[int, Mapping[str, Attribute]]]
 
-    def of_kind(self, *kinds: str) -> list[Component]:
+    def of_kind(self, *kinds: str) -> list[RexsComponent]:
         """All components of some kinds, in the order of the file."""
         return [component for component in self.components.values() if component.kind in kinds]
 
-    def parts(self, whole: Component, kind: str) -> list[Component]:
+    def parts(self, whole: RexsComponent, kind: str) -> list[RexsComponent]:
         """The components of a kind that are assembled into another one, in the order of the file."""
         found = [
             self.components.get(relation.roles.get("part", -1))
@@ -147,7 +147,7 @@ class Document:
         ]
         return [part for part in found if part is not None and part.kind == kind]
 
-    def role(self, relation: Relation, name: str) -> Component:
+    def role(self, relation: Relation, name: str) -> RexsComponent:
         """Component in a role; RexsError if there is none."""
         component = self.components.get(relation.roles.get(name, -1))
         if component is None:
@@ -166,9 +166,9 @@ class Document:
         return replace(self, components=components)
 
 
-def by_number(components: Iterable[Component], source: str) -> dict[int, Component]:
+def by_number(components: Iterable[RexsComponent], source: str) -> dict[int, RexsComponent]:
     """Components by their number in the file; RexsError for a duplicate number."""
-    found: dict[int, Component] = {}
+    found: dict[int, RexsComponent] = {}
     for component in components:
         number = component.number_in_file
         if number in found:

@@ -10,7 +10,7 @@ from typing import Literal
 
 
 @dataclass(frozen=True, kw_only=True)
-class Section:
+class RexsSection:
     """A stretch of a shaft, from -y to +y, whose diameters may change along it."""
 
     start: float
@@ -31,7 +31,7 @@ class Elements:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Bearing:
+class RexsBearing:
     """A bearing on a shaft."""
 
     label: str
@@ -52,11 +52,11 @@ class Between:
     """A bearing between two shafts, given by their positions in the unit's tuple of shafts."""
 
     shafts: tuple[int, int]
-    bearing: Bearing
+    bearing: RexsBearing
 
 
 @dataclass(frozen=True, kw_only=True)
-class Gear:
+class RexsGear:
     """A cylindrical gear; None for a value that is not in the file."""
 
     label: str
@@ -75,7 +75,7 @@ class Gear:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Material:
+class RexsMaterial:
     """A material; N/mm2, kg/dm3."""
 
     elastic_modulus: float
@@ -84,25 +84,25 @@ class Material:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Shaft:
+class RexsShaft:
     """A shaft with its axis at (x, z)."""
 
     label: str
     x: float
     z: float
-    sections: tuple[Section, ...]
-    bearings: tuple[Bearing, ...]
-    material: Material | None
+    sections: tuple[RexsSection, ...]
+    bearings: tuple[RexsBearing, ...]
+    material: RexsMaterial | None
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stage:
+class RexsStage:
     """A gear pair; `shafts` are the positions of the driving and the driven shaft in the unit's tuple of shafts."""
 
     label: str
     shafts: tuple[int, int]
-    pinion: Gear
-    wheel: Gear
+    pinion: RexsGear
+    wheel: RexsGear
     centre_distance: float
 
 
@@ -122,8 +122,8 @@ class GearUnit:
     source: str
     written_by: str
     version: str
-    shafts: tuple[Shaft, ...]
-    stages: tuple[Stage, ...]
+    shafts: tuple[RexsShaft, ...]
+    stages: tuple[RexsStage, ...]
     between: tuple[Between, ...]
     output: int
     output_y: float | None  # where the load is coupled

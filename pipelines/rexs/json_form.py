@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pipelines.io.shown import shown, shown_value
-from pipelines.rexs.document import Attribute, Component, Document, Relation, RexsError, by_number
+from pipelines.rexs.document import Attribute, Document, Relation, RexsComponent, RexsError, by_number
 
 _ABOUT = ("id", "unit")  # keys of an attribute, except the key of its value
 
@@ -50,8 +50,8 @@ def document_of_model(model: Mapping[str, Any], source: str) -> Document:
     )
 
 
-def _component(table: Mapping[str, Any], source: str) -> Component:
-    return Component(
+def _component(table: Mapping[str, Any], source: str) -> RexsComponent:
+    return RexsComponent(
         number_in_file=_whole(table, source),
         kind=str(table.get("type", "")),
         name=str(table.get("name", "")),

@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from pipelines.rexs.document import Component, Document, RexsError
+from pipelines.rexs.document import Document, RexsComponent, RexsError
 from pipelines.rexs.gear_unit import LoadCase, Note
 
-Gears = tuple[Component, Component]
+Gears = tuple[RexsComponent, RexsComponent]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,10 +20,10 @@ class Operation:
     """A load case with the order of the power flow; `sense` is +1 if the input turns about +y in the file."""
 
     document: Document  # with the attributes of the load case
-    shafts: list[Component]
-    stages: list[tuple[Component, Gears]]  # driving gear first
-    output: Component
-    output_load: Component | None
+    shafts: list[RexsComponent]
+    stages: list[tuple[RexsComponent, Gears]]  # driving gear first
+    output: RexsComponent
+    output_load: RexsComponent | None
     sense: int
     load_case: LoadCase
     other_cases: tuple[LoadCase, ...]
@@ -92,7 +92,7 @@ class _Train:
         one, other = (self.carried[gear.number_in_file] for gear in gears)
         return one, other
 
-    def order(self, source: Component) -> tuple[list[Component], list[tuple[Component, Gears]]]:
+    def order(self, source: RexsComponent) -> tuple[list[RexsComponent], list[tuple[RexsComponent, Gears]]]:
         """Shafts and stages outwards from a shaft, the driving gear of each stage first."""
         reached, stages, waiting = [source.number_in_file], [], list(self.stages)
         while ready := next((one for one in waiting if set(self._pair(one[1])) & set(reached)), None):
@@ -108,7 +108,7 @@ class _Train:
                 raise shaft.error(f"no stage connects it to {source.label}. Leave it out or give the stage.")
         return [self.shafts[number] for number in reached], stages
 
-    def ratios(self, source: Component) -> dict[int, float]:
+    def ratios(self, source: RexsComponent) -> dict[int, float]:
         """Signed speed of every shaft divided by that of a shaft, about one direction."""
         found = {source.number_in_file: 1.0}
         for _, (pinion, wheel) in self.order(source)[1]:
@@ -117,7 +117,7 @@ class _Train:
             found.setdefault(driven, found[driving] * turn)
         return found
 
-    def ends(self, document: Document) -> tuple[Component, Component]:
+    def ends(self, document: Document) -> tuple[RexsComponent, RexsComponent]:
         """The two shafts with external torques; RexsError if they are not two."""
         loaded = [shaft for shaft in self.shafts.values() if self.loads(document, shaft)]
         free = [shaft for number, shaft in self.shafts.items() if self.meshes[number] == 1 and shaft not in loaded]
@@ -131,8 +131,8 @@ class _Train:
         return loaded[0], loaded[1]
 
     def direction(
-        self, document: Document, ends: tuple[Component, Component]
-    ) -> tuple[Component, Component, list[Note]]:
+        self, document: Document, ends: tuple[RexsComponent, RexsComponent]
+    ) -> tuple[RexsComponent, RexsComponent, list[Note]]:
         """The ends as input and output, with a note on the assumption if no torque determines them."""
         for one, other in (ends, ends[::-1]):
             torque = self._torque(document, one)
@@ -147,11 +147,11 @@ class _Train:
         )
         return source, sink, [Note(kind="assumed", where="input", value=source.label, reason=reason)]
 
-    def sense(self, document: Document, source: Component) -> int:
+    def sense(self, document: Document, source: RexsComponent) -> int:
         """Sense of the input in a load case, about y."""
         return -1 if (self._speed(document, source) or 1.0) < 0 else 1
 
-    def case(self, name: str, document: Document, source: Component, sink: Component, sense: int) -> LoadCase:
+    def case(self, name: str, document: Document, source: RexsComponent, sink: RexsComponent, sense: int) -> LoadCase:
         """Speed of the input and torque into it, positive as in the chosen case."""
         speed, torque = self._speed(document, source), self._torque(document, source)
         if torque is None and (leaving := self._torque(document, sink)) is not None:
@@ -162,7 +162,7 @@ class _Train:
             torque=None if torque is None else sense * torque,
         )
 
-    def _speed(self, document: Document, shaft: Component) -> float | None:
+    def _speed(self, document: Document, shaft: RexsComponent) -> float | None:
         """Speed of a shaft about y (1/min), from the shaft whose speed is in the file; None without one."""
         given = {
             number: one.optional("rotational_speed", "1 / min")
@@ -176,19 +176,19 @@ class _Train:
         speed = (given[known[0]] or 0.0) * self.senses[known[0]]
         return speed * self.ratios(self.shafts[known[0]])[shaft.number_in_file]
 
-    def loads(self, document: Document, shaft: Component) -> list[Component]:
+    def loads(self, document: Document, shaft: RexsComponent) -> list[RexsComponent]:
         """The external loads of a shaft that transmit torque."""
         loads = document.parts(shaft, "external_load")
         return [load for load in loads if load.text("transmits_torque") != "false"]
 
-    def _torque(self, document: Document, shaft: Component) -> float | None:
+    def _torque(self, document: Document, shaft: RexsComponent) -> float | None:
         """Sum of the external torques on a shaft about y (N m); None if the file gives none."""
         torques = [load.optional("torque_around_u_axis", "N m") for load in self.loads(document, shaft)]
         given = [torque for torque in torques if torque is not None]
         return self.senses[shaft.number_in_file] * sum(given) if given else None
 
 
-def _gears(document: Document, stage: Component) -> Gears:
+def _gears(document: Document, stage: RexsComponent) -> Gears:
     for relation in document.relations:
         if relation.kind == "stage" and relation.roles.get("stage") == stage.number_in_file:
             gears = document.role(relation, "gear_1"), document.role(relation, "gear_2")

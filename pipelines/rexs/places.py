@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipelines.rexs.document import Component, Document
+from pipelines.rexs.document import Document, RexsComponent
 
 PARALLEL = 1e-6  # rad
 Vector = np.ndarray
@@ -25,7 +25,7 @@ class Frame:
     axes: np.ndarray
 
 
-def frame(document: Document, component: Component) -> Frame | None:
+def frame(document: Document, component: RexsComponent) -> Frame | None:
     """Frame of a component, None if the file gives none.
 
     Raises
@@ -35,7 +35,7 @@ def frame(document: Document, component: Component) -> Frame | None:
     return _frame(document, component, ())
 
 
-def _frame(document: Document, component: Component, seen: tuple[int, ...]) -> Frame | None:
+def _frame(document: Document, component: RexsComponent, seen: tuple[int, ...]) -> Frame | None:
     place = component.vector("support_vector")
     u, w = component.vector("u_axis_vector"), component.vector("w_axis_vector")
     if place is None or u is None or w is None:
@@ -56,7 +56,7 @@ def _frame(document: Document, component: Component, seen: tuple[int, ...]) -> F
     return Frame(below.origin + below.axes @ own.origin, below.axes @ own.axes)
 
 
-def _axes(component: Component, u: Vector, w: Vector) -> np.ndarray:
+def _axes(component: RexsComponent, u: Vector, w: Vector) -> np.ndarray:
     lengths = np.linalg.norm(u), np.linalg.norm(w)
     if min(lengths) < 1e-9 or abs(u @ w) > PARALLEL * lengths[0] * lengths[1]:
         raise component.error("its u and w axes are not perpendicular. Correct u_axis_vector and w_axis_vector.")
@@ -84,7 +84,7 @@ class Directions:
         """y of the point at coordinate u on an axis."""
         return float(self.y @ (place.origin + u * place.axes[:, 0]))
 
-    def sense(self, shaft: Component, place: Frame) -> int:
+    def sense(self, shaft: RexsComponent, place: Frame) -> int:
         """+1 if the u axis of a shaft points along +y, -1 against it; RexsError if it is not parallel."""
         cosine = float(self.y @ place.axes[:, 0])
         if math.hypot(*np.cross(self.y, place.axes[:, 0])) > PARALLEL:

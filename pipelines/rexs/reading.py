@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from pipelines.rexs.bearings import read_bearings, read_between
-from pipelines.rexs.document import Component, Document, RexsError
-from pipelines.rexs.gear_unit import Gear, GearUnit, Material, Note, Section, Shaft, Stage
+from pipelines.rexs.document import Document, RexsComponent, RexsError
+from pipelines.rexs.gear_unit import GearUnit, Note, RexsGear, RexsMaterial, RexsSection, RexsShaft, RexsStage
 from pipelines.rexs.left_out import left_out
 from pipelines.rexs.operation import Operation, read_operation
 from pipelines.rexs.places import Directions, Frame, directions, frame
@@ -92,16 +92,16 @@ def _guessed_places(document: Document) -> Iterator[Note]:
             yield Note(kind="assumed", where=f"{gear.label} u_coordinate_on_shaft", value=value, reason=reason)
 
 
-def _frame_of(document: Document, shaft: Component) -> Frame:
+def _frame_of(document: Document, shaft: RexsComponent) -> Frame:
     place = frame(document, shaft)
     if place is None:
         raise shaft.error("has no place: support_vector, u_axis_vector and w_axis_vector are missing. Add them.")
     return place
 
 
-def _shaft(document: Document, shaft: Component, place: Frame, scene: Directions, bearings: list) -> Shaft:
+def _shaft(document: Document, shaft: RexsComponent, place: Frame, scene: Directions, bearings: list) -> RexsShaft:
     x, z = scene.across(place)
-    return Shaft(
+    return RexsShaft(
         label=shaft.label,
         x=x,
         z=z,
@@ -111,7 +111,7 @@ def _shaft(document: Document, shaft: Component, place: Frame, scene: Directions
     )
 
 
-def _sections(document: Document, shaft: Component, place: Frame, scene: Directions) -> Iterator[Section]:
+def _sections(document: Document, shaft: RexsComponent, place: Frame, scene: Directions) -> Iterator[RexsSection]:
     sections = document.parts(shaft, "shaft_section")
     if not sections:
         raise shaft.error("has no sections. Give its shaft_section parts.")
@@ -124,15 +124,15 @@ def _sections(document: Document, shaft: Component, place: Frame, scene: Directi
         )
         if ends[0] > ends[1]:
             ends, outer, inner = ends[::-1], outer[::-1], inner[::-1]
-        yield Section(start=ends[0], end=ends[1], outer=outer, inner=inner)
+        yield RexsSection(start=ends[0], end=ends[1], outer=outer, inner=inner)
 
 
-def _material(document: Document, shaft: Component) -> Material | None:
+def _material(document: Document, shaft: RexsComponent) -> RexsMaterial | None:
     for relation in document.relations:
         if relation.kind == "reference" and relation.roles.get("origin") == shaft.number_in_file:
             material = document.components.get(relation.roles.get("referenced", -1))
             if material is not None and material.kind == "material":
-                return Material(
+                return RexsMaterial(
                     elastic_modulus=material.number("elastic_modulus", "N / mm^2"),
                     poisson_ratio=material.number("poisson_ratio"),
                     density=material.number("density", "kg / dm^3"),
@@ -141,11 +141,11 @@ def _material(document: Document, shaft: Component) -> Material | None:
 
 
 def _stage(
-    document: Document, stage: Component, gears: tuple[Component, Component], shafts: list[int],
+    document: Document, stage: RexsComponent, gears: tuple[RexsComponent, RexsComponent], shafts: list[int],
     frames: dict[int, Frame], carried: dict[int, int], scene: Directions,
-) -> Stage:  # fmt: skip
+) -> RexsStage:  # fmt: skip
     pinion, wheel = (_gear(document, gear, frames[carried[gear.number_in_file]], scene) for gear in gears)
-    return Stage(
+    return RexsStage(
         label=stage.label,
         shafts=(shafts[0], shafts[1]),
         pinion=pinion,
@@ -154,7 +154,7 @@ def _stage(
     )
 
 
-def _gear(document: Document, gear: Component, shaft: Frame, scene: Directions) -> Gear:
+def _gear(document: Document, gear: RexsComponent, shaft: Frame, scene: Directions) -> RexsGear:
     place = frame(document, gear)
     own = gear.optional("u_coordinate_on_shaft", "mm")
     if place is None and own is None:
@@ -165,7 +165,7 @@ def _gear(document: Document, gear: Component, shaft: Frame, scene: Directions) 
     module = gear.number("normal_module", "mm")
     edge = flank.optional("tool_edge_radius", "mm")
     grade = gear.optional("tolerance_class_according_to_iso_1328_2013")
-    return Gear(
+    return RexsGear(
         label=gear.label,
         teeth=round(gear.number("number_of_teeth")),
         module=module,
@@ -182,7 +182,7 @@ def _gear(document: Document, gear: Component, shaft: Frame, scene: Directions) 
     )
 
 
-def _flank(document: Document, gear: Component) -> Component:
+def _flank(document: Document, gear: RexsComponent) -> RexsComponent:
     """The flank that stands for both: they must agree in pressure angle and profile shift."""
     for relation in document.relations:
         if relation.kind == "flank" and relation.roles.get("gear") == gear.number_in_file:

@@ -12,14 +12,14 @@ from pipelines.io.shown import shown
 from pipelines.io.toml_text import format_value
 from pipelines.rexs.bearing_tables import bearing_table, between_table
 from pipelines.rexs.document import RexsError
-from pipelines.rexs.gear_unit import GearUnit, Material, Note, Section, Shaft
+from pipelines.rexs.gear_unit import GearUnit, Note, RexsMaterial, RexsSection, RexsShaft
 from pipelines.rexs.motion_tables import MotionTables, motion_tables
-from pipelines.rexs.stage_tables import StageTable, stage_table
+from pipelines.rexs.stage_tables import RexsStageTable, stage_table
 
 DIGITS = 12  # significant digits that are written
 PIECES = 4  # cylinders in place of a conical stretch
 JOINT = 1e-6  # mm: sections with a smaller gap are connected
-STEEL = Material(elastic_modulus=206_000.0, poisson_ratio=0.3, density=7.85)
+STEEL = RexsMaterial(elastic_modulus=206_000.0, poisson_ratio=0.3, density=7.85)
 GRADE = 5
 HARMONICS = 20  # least output rate divided by the fastest mesh frequency: ten harmonics
 SIMPLEST = (
@@ -127,7 +127,7 @@ def _rounded(value: Any) -> Any:
     return value
 
 
-def _material(unit: GearUnit) -> tuple[Material, list[Note]]:
+def _material(unit: GearUnit) -> tuple[RexsMaterial, list[Note]]:
     """Material of all gears and shafts: that of the first shaft with a material."""
     given = [shaft.material for shaft in unit.shafts if shaft.material is not None]
     material = given[0] if given else STEEL
@@ -150,7 +150,7 @@ def _grade(unit: GearUnit) -> tuple[int, list[Note]]:
     return grade, [Note(kind="assumed", where="deviations.iso_grade", value=f"{grade}", reason=reason)]
 
 
-def _stage_lines(unit: GearUnit, number: int, stage: StageTable) -> Iterator[str]:
+def _stage_lines(unit: GearUnit, number: int, stage: RexsStageTable) -> Iterator[str]:
     pair = stage.pair
     yield ""
     yield f"[[stages]]  # {number}: {unit.stages[number - 1].label}"
@@ -173,7 +173,7 @@ def _stage_lines(unit: GearUnit, number: int, stage: StageTable) -> Iterator[str
     yield 'mesh = { model = "iso" }  # "plane": 2-D finite elements, seconds; "solid": 3-D, tens of seconds'
 
 
-def _shaft_lines(unit: GearUnit, number: int, shaft: Shaft) -> tuple[list[str], list[Note]]:
+def _shaft_lines(unit: GearUnit, number: int, shaft: RexsShaft) -> tuple[list[str], list[Note]]:
     notes: list[Note] = []
     sections = list(_cylinders(unit, shaft, notes, f"shafts.{number}.sections"))
     if not shaft.bearings:
@@ -202,9 +202,9 @@ def _between_lines(unit: GearUnit) -> tuple[list[str], list[Note]]:
     return lines, notes
 
 
-def _cylinders(unit: GearUnit, shaft: Shaft, notes: list[Note], path: str) -> Iterator[dict[str, float]]:
+def _cylinders(unit: GearUnit, shaft: RexsShaft, notes: list[Note], path: str) -> Iterator[dict[str, float]]:
     """Sections without gaps; conical ones become steps of the mean diameter."""
-    before: Section | None = None
+    before: RexsSection | None = None
     for section in shaft.sections:
         if before is not None and abs(section.start - before.end) > JOINT:
             raise RexsError(
@@ -212,7 +212,7 @@ def _cylinders(unit: GearUnit, shaft: Shaft, notes: list[Note], path: str) -> It
                 f"{section.start:g} mm. Sections must join: correct u_coordinate_on_shaft or length."
             )
         start = section.start if before is None else before.end
-        before = Section(start=start, end=section.end, outer=section.outer, inner=section.inner)
+        before = RexsSection(start=start, end=section.end, outer=section.outer, inner=section.inner)
         conical = section.outer[0] != section.outer[1] or section.inner[0] != section.inner[1]
         if conical:
             where = f"{path} from y = {start:g} to {section.end:g} mm"
@@ -230,7 +230,7 @@ def _cylinders(unit: GearUnit, shaft: Shaft, notes: list[Note], path: str) -> It
             }
 
 
-def _motion_lines(unit: GearUnit, motion: MotionTables, stages: list[StageTable]) -> Iterator[str]:
+def _motion_lines(unit: GearUnit, motion: MotionTables, stages: list[RexsStageTable]) -> Iterator[str]:
     yield ""
     yield "[drive]"
     yield f"# load case {unit.load_case.name}"

@@ -15,13 +15,13 @@ from fem.gears.geometry import Gear as Body
 from fem.gears.geometry import GearPair, GeometryError, Rack
 from pipelines.machine.layout import USUAL_BACKLASH
 from pipelines.rexs.document import RexsError
-from pipelines.rexs.gear_unit import Gear, GearUnit, Note, Shaft, Stage
+from pipelines.rexs.gear_unit import GearUnit, Note, RexsGear, RexsShaft, RexsStage
 
 USUAL_RACK = {"rack_addendum": 1.0, "rack_dedendum": 1.25, "rack_tip_radius": 0.38}  # ISO 53 A
 
 
 @dataclass(frozen=True)
-class StageTable:
+class RexsStageTable:
     """Keys and values of the table, the gears in SI, and what was assumed."""
 
     values: dict[str, Any]
@@ -29,7 +29,7 @@ class StageTable:
     notes: tuple[Note, ...]
 
 
-def stage_table(unit: GearUnit, number: int) -> StageTable:
+def stage_table(unit: GearUnit, number: int) -> RexsStageTable:
     """The table of a stage, counted from 1.
 
     Raises
@@ -84,10 +84,10 @@ def stage_table(unit: GearUnit, number: int) -> StageTable:
         notes.append(
             Note(kind="assumed", where=f"stages.{number}.backlash_um", value=f"{1e6 * USUAL_BACKLASH:g}", reason=reason)
         )
-    return StageTable(values, pair, tuple(notes))
+    return RexsStageTable(values, pair, tuple(notes))
 
 
-def _same(unit: GearUnit, stage: Stage) -> None:
+def _same(unit: GearUnit, stage: RexsStage) -> None:
     pinion, wheel = stage.pinion, stage.wheel
     for name, one, other in (
         ("normal_module", pinion.module, wheel.module),
@@ -102,7 +102,9 @@ def _same(unit: GearUnit, stage: Stage) -> None:
             )
 
 
-def _direction(unit: GearUnit, stage: Stage, one: Shaft, other: Shaft, notes: list[Note], number: int) -> float:
+def _direction(
+    unit: GearUnit, stage: RexsStage, one: RexsShaft, other: RexsShaft, notes: list[Note], number: int
+) -> float:
     """Direction from the pinion's axis to that of the wheel (deg); the distance must be that of the stage."""
     x, z = other.x - one.x, other.z - one.z
     distance, wanted = math.hypot(x, z), stage.centre_distance
@@ -119,7 +121,7 @@ def _direction(unit: GearUnit, stage: Stage, one: Shaft, other: Shaft, notes: li
     return math.degrees(math.atan2(z, x))
 
 
-def _details(stage: Stage, gear: Gear, path: str) -> tuple[dict[str, float], list[Note]]:
+def _details(stage: RexsStage, gear: RexsGear, path: str) -> tuple[dict[str, float], list[Note]]:
     """The table of one gear: rack and tip."""
     notes = []
     values = {"rack_addendum": gear.addendum, "rack_dedendum": _dedendum(gear), "rack_tip_radius": gear.tip_radius}
@@ -144,18 +146,18 @@ def _details(stage: Stage, gear: Gear, path: str) -> tuple[dict[str, float], lis
     return details, notes
 
 
-def _dedendum(gear: Gear) -> float | None:
+def _dedendum(gear: RexsGear) -> float | None:
     if gear.root_diameter is None:
         return None
     return (_reference_diameter(gear) - gear.root_diameter) / 2 / gear.module + gear.profile_shift
 
 
-def _reference_diameter(gear: Gear) -> float:
+def _reference_diameter(gear: RexsGear) -> float:
     return gear.teeth * gear.module / math.cos(math.radians(gear.helix))
 
 
 def _bore(
-    gear: Gear, shaft: Shaft, y: float, details: dict[str, float], path: str, unit: GearUnit
+    gear: RexsGear, shaft: RexsShaft, y: float, details: dict[str, float], path: str, unit: GearUnit
 ) -> tuple[float, list[Note]]:
     """Where the gear body begins: at the shaft's surface, or inside it where the gear is cut from the shaft."""
     root = _reference_diameter(gear) - 2 * gear.module * (details["rack_dedendum"] - gear.profile_shift)
@@ -171,7 +173,7 @@ def _bore(
     return largest, [Note(kind="assumed", where=path, value=_text(largest), reason=reason)]
 
 
-def _pair(unit: GearUnit, stage: Stage, values: dict[str, Any]) -> GearPair:
+def _pair(unit: GearUnit, stage: RexsStage, values: dict[str, Any]) -> GearPair:
     """The gears of a table in SI; RexsError with the reason where they do not work."""
     try:
         pinion, wheel = (_body(values, name, hand) for name, hand in (("pinion", "right"), ("wheel", "left")))

@@ -36,7 +36,7 @@ _PARTIAL = ".partial-"
 
 
 @dataclass
-class Claim:
+class ClaimedFolder:
     """A result folder claimed by this process. Files are written to `folder`; `final` is where they are afterwards."""
 
     final: Path
@@ -46,7 +46,7 @@ class Claim:
 
 
 @contextlib.contextmanager
-def claimed(name: str, out: str | Path | None = None, root: Path | None = None) -> Iterator[Claim]:
+def claimed(name: str, out: str | Path | None = None, root: Path | None = None) -> Iterator[ClaimedFolder]:
     """Claim a folder: `out`, or a new one in ``<root>/<name>/`` with the time as its name; the default root is "runs".
 
     The folder exists only if the block ends without an error, and is then complete.
@@ -76,14 +76,14 @@ def claimed(name: str, out: str | Path | None = None, root: Path | None = None) 
         _drop(claim.marker, claim.lock)
 
 
-def _claim_new(parent: Path) -> Claim:
+def _claim_new(parent: Path) -> ClaimedFolder:
     parent.mkdir(parents=True, exist_ok=True)
     _sweep(parent)
     names = _names(parent / time.strftime("%Y-%m-%d_%H-%M-%S"))
     return next(claim for final in names if (claim := _claim(final, parent)) is not None)
 
 
-def _claim_given(final: Path) -> Claim:
+def _claim_given(final: Path) -> ClaimedFolder:
     place = final if final.is_dir() else final.parent
     place.mkdir(parents=True, exist_ok=True)
     _sweep(place)
@@ -105,7 +105,7 @@ def _claim_given(final: Path) -> Claim:
     )
 
 
-def _claim(final: Path, place: Path) -> Claim | None:
+def _claim(final: Path, place: Path) -> ClaimedFolder | None:
     """The claim on a free name, with marker and files in `place`; None if the name is taken."""
     marker, folder = _path_of(place, _MARKER, final), _path_of(place, _PARTIAL, final)
     if _taken(final, place, marker):
@@ -122,7 +122,7 @@ def _claim(final: Path, place: Path) -> Claim | None:
         lock.write(_host())
         if not _taken(final, place, marker):
             folder.mkdir()
-            return Claim(final, folder, marker, lock)
+            return ClaimedFolder(final, folder, marker, lock)
     except FileExistsError:
         _LOG.debug("%s keeps results that could not be moved", folder)
     except BaseException:
@@ -139,7 +139,7 @@ def _taken(final: Path, place: Path, marker: Path) -> bool:
     return any(path != marker for path in final.iterdir())
 
 
-def _publish(claim: Claim) -> None:
+def _publish(claim: ClaimedFolder) -> None:
     """Move the files to the result folder, or to the next free name if it was created meanwhile."""
     try:
         if claim.folder.parent == claim.final:

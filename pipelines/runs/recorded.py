@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray
 
-    from pipelines.diagnosis.comparison.part import Part
+    from pipelines.diagnosis.comparison.part import ComparedPart
     from pipelines.diagnosis.impacts import Impacts
     from pipelines.diagnosis.verdict import Verdict
-    from pipelines.recordings.machine import Machine
+    from pipelines.recordings.machine import MeasuredMachine
     from pipelines.signals.features.table import FeatureTable
     from pipelines.signals.orders.kinematics import Kinematics
     from pipelines.signals.orders.rotation import Rotation
@@ -33,7 +33,7 @@ Windows = Mapping[str, tuple[float, float]]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Recorded:
+class RecordedFile:
     """A recorded file: its features, the relative uncertainty of its speed, its rotation in words, and warnings."""
 
     name: str
@@ -47,7 +47,7 @@ class Recorded:
 class JudgedFile:
     """A file with its features, and the verdict if healthy recordings were given."""
 
-    recorded: Recorded
+    recorded: RecordedFile
     kinematics: Kinematics
     verdict: Verdict | None
 
@@ -80,7 +80,7 @@ def judge_files(
     """
     from pipelines.signals.features.table import confirmed
 
-    read: dict[str, list[Recorded]] = {}  # healthy recordings, by machine and windows
+    read: dict[str, list[RecordedFile]] = {}  # healthy recordings, by machine and windows
     names = [shown(one) for one in healthy]
     for source in sources:
         path, asked = recording_and_window(source)
@@ -102,7 +102,7 @@ def judge_files(
 
 def recorded_parts(
     sources: Sequence[str | Path], machine: str | Path | None, window: tuple[float, float] | None
-) -> list[Part]:
+) -> list[ComparedPart]:
     """Recordings with their rotation, for figures; `machine` and `window` as in `judge_files`, for the last recording.
 
     Raises
@@ -123,7 +123,7 @@ def recorded_parts(
     return parts
 
 
-def other_speeds(own: Recorded, healthy: Mapping[str, Recorded]) -> list[str]:
+def other_speeds(own: RecordedFile, healthy: Mapping[str, RecordedFile]) -> list[str]:
     """A warning if healthy recordings (by name) have other speeds, since levels depend on speed."""
     speeds = {name: 60.0 * float(one.table.speed[0]) for name, one in healthy.items()}
     rpm = 60.0 * float(own.table.speed[0])
@@ -213,7 +213,7 @@ def asked_windows(source: str | Path, asked: str, windows: Windows | None) -> Wi
     )
 
 
-def machine_of(path: Path, machine: str | Path | None) -> tuple[Machine, Windows | None]:
+def machine_of(path: Path, machine: str | Path | None) -> tuple[MeasuredMachine, Windows | None]:
     """The machine of a recording, and the windows of its scene; None if it has none.
 
     Raises
@@ -236,7 +236,7 @@ def machine_of(path: Path, machine: str | Path | None) -> tuple[Machine, Windows
     return read_machine(given), windows or None
 
 
-def read_features(path: Path, machine: Machine, windows: Windows | None) -> Recorded:
+def read_features(path: Path, machine: MeasuredMachine, windows: Windows | None) -> RecordedFile:
     """The features of a recorded file.
 
     Parameters
@@ -275,7 +275,7 @@ def read_features(path: Path, machine: Machine, windows: Windows | None) -> Reco
         except (FeatureError, RotationError) as error:
             raise InputError(f"{shown(path)}: {error}") from error
     turning = _turning(rotation, time, machine.kinematics, windows)
-    return Recorded(name=path.name, table=table, error=rotation.error, turning=turning, warnings=warnings)
+    return RecordedFile(name=path.name, table=table, error=rotation.error, turning=turning, warnings=warnings)
 
 
 def _turning(rotation: Rotation, time: np.ndarray, kinematics: Kinematics, windows: Windows | None) -> str:

@@ -37,7 +37,7 @@ _WRITERS = ("h5py", "h5netcdf", "xarray")  # of the signals
 
 
 @dataclass(frozen=True, kw_only=True)
-class Finished:
+class FinishedRun:
     """A run that is written: its folder, the verdict, and what was done."""
 
     folder: Path
@@ -57,7 +57,7 @@ def run_scene(
     seeds: int = 0,
     baseline: int = 0,
     work: Work | None = None,
-) -> Finished:
+) -> FinishedRun:
     """Run a loaded scene and write its result folder: the signals first, so that nothing after them can cost them.
 
     Parameters
@@ -99,7 +99,7 @@ def run_scene(
         run_folder.note_latest(claim.final)
     if failure is not None:
         raise _kept(failure, claim.final) from failure
-    return Finished(
+    return FinishedRun(
         folder=claim.final,
         words=written.words,
         records=written.outcome.records,

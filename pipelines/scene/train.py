@@ -19,7 +19,7 @@ MEETING = 1e-5  # m: how close two ways to one axis must come
 
 
 @dataclass(frozen=True)
-class Place:
+class ShaftAxis:
     """Axis (m), lifting sense and speed (over that of shaft 1) of a shaft."""
 
     x: float
@@ -41,8 +41,8 @@ class _Step:
     def back(self) -> _Step:
         return _Step(self.path, self.second, self.first, -self.x, -self.z, self.sense, 1 / self.speed)
 
-    def to(self, place: Place) -> Place:
-        return Place(place.x + self.x, place.z + self.z, place.sense * self.sense, place.speed * self.speed)
+    def to(self, place: ShaftAxis) -> ShaftAxis:
+        return ShaftAxis(place.x + self.x, place.z + self.z, place.sense * self.sense, place.speed * self.speed)
 
 
 def stage_shafts(stages: Sequence[StageTable]) -> list[tuple[int, int]]:
@@ -61,7 +61,7 @@ def shaft_senses(count: int, stages: Sequence[StageTable], couplings: Sequence[C
 
 def place_shafts(
     count: int, stages: Sequence[StageTable], pairs: Sequence[GearPair], couplings: Sequence[CouplingTable]
-) -> tuple[list[Place], list[Problem]]:
+) -> tuple[list[ShaftAxis], list[Problem]]:
     """Places of the shafts, and what contradicts itself: shafts out of reach, loops that do not close.
 
     Parameters
@@ -81,11 +81,11 @@ def place_shafts(
                 "Connect it, or delete it",
             )
         )
-    places = [found.get(shaft, Place(0.0, 0.0, 1, 1.0)) for shaft in range(count)]
+    places = [found.get(shaft, ShaftAxis(0.0, 0.0, 1, 1.0)) for shaft in range(count)]
     return places, problems + list(_beside_one_another(places, couplings))
 
 
-def _beside_one_another(places: Sequence[Place], couplings: Sequence[CouplingTable]) -> Iterator[Problem]:
+def _beside_one_another(places: Sequence[ShaftAxis], couplings: Sequence[CouplingTable]) -> Iterator[Problem]:
     """Bearings between two shafts that are not on one axis."""
     for number, table in enumerate(couplings, 1):
         one, other = (places[shaft - 1] for shaft in table.shafts)
@@ -100,9 +100,9 @@ def _beside_one_another(places: Sequence[Place], couplings: Sequence[CouplingTab
             )
 
 
-def _walked(waiting: list[_Step]) -> tuple[dict[int, Place], list[Problem]]:
+def _walked(waiting: list[_Step]) -> tuple[dict[int, ShaftAxis], list[Problem]]:
     """Places of the shafts in reach of the first, and loops that do not close."""
-    found, problems = {0: Place(0.0, 0.0, 1, 1.0)}, []
+    found, problems = {0: ShaftAxis(0.0, 0.0, 1, 1.0)}, []
     while ready := next((step for step in waiting if step.first in found or step.second in found), None):
         waiting.remove(ready)
         step = ready if ready.first in found else ready.back()
@@ -128,7 +128,7 @@ def _coupling_steps(couplings: Sequence[CouplingTable]) -> Iterator[_Step]:
             yield _Step(f"couplings.{number}", table.shafts[0] - 1, table.shafts[1] - 1, 0.0, 0.0, 1, 1.0)
 
 
-def _loop(step: _Step, place: Place, known: Place, shaft: int) -> list[Problem]:
+def _loop(step: _Step, place: ShaftAxis, known: ShaftAxis, shaft: int) -> list[Problem]:
     """Why a loop of stages and couplings that ends with ``step`` does not close."""
     off = math.hypot(place.x - known.x, place.z - known.z)
     problems = []

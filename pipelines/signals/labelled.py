@@ -27,7 +27,7 @@ ROUNDING = "float32, rounded by at most 2^-24 (6e-8) of each value; the motion i
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Signal:
+class LabelledSignal:
     """One variable of a response; `rows` are its channel numbers in the shape of `dims`, which follow time."""
 
     name: str
@@ -58,7 +58,7 @@ def stored_type(units: str) -> np.dtype:
     return np.dtype("<f4" if units in ROUNDED else "<f8")
 
 
-def signals(motion: Trajectory) -> Iterator[Signal]:
+def signals(motion: Trajectory) -> Iterator[LabelledSignal]:
     """All signals of a motion."""
     number = {name: row for row, name in enumerate(motion.channel_names)}
     for kind in channels.channel_kinds():
@@ -66,7 +66,7 @@ def signals(motion: Trajectory) -> Iterator[Signal]:
         if named and named[0][0] in number:
             rows = np.array([[number[name] for name in names] for names in named])
             shape = rows.shape[: len(kind.dims)]
-            yield Signal(
+            yield LabelledSignal(
                 name=kind.variable,
                 dims=kind.dims,
                 rows=rows.reshape(shape),
@@ -84,7 +84,9 @@ def _things(kind: channels.ChannelKind, motion: Trajectory) -> tuple[str, ...]:
     return tuple(name.removesuffix(last) for name in motion.channel_names if name.endswith(last))
 
 
-def read(motion: Trajectory, signal: Signal, time: int | slice, place: tuple[int | slice, ...] = ()) -> np.ndarray:
+def read(
+    motion: Trajectory, signal: LabelledSignal, time: int | slice, place: tuple[int | slice, ...] = ()
+) -> np.ndarray:
     """A part of a signal (time, ...) in its stored type; other channels and samples are not read.
 
     Parameters

@@ -15,7 +15,7 @@ from xarray.backends import BackendArray
 from xarray.core import indexing
 
 from mbd.output.trajectory import Trajectory
-from pipelines.signals.labelled import Signal, coordinates, facts, read, signals
+from pipelines.signals.labelled import LabelledSignal, coordinates, facts, read, signals
 
 
 def make_response(motion: Trajectory, labels: Mapping[str, Any]) -> xarray.Dataset:
@@ -33,7 +33,7 @@ def make_response(motion: Trajectory, labels: Mapping[str, Any]) -> xarray.Datas
 class _View(BackendArray):
     """A signal as an array (time, ...) that is read when it is used."""
 
-    def __init__(self, motion: Trajectory, signal: Signal) -> None:
+    def __init__(self, motion: Trajectory, signal: LabelledSignal) -> None:
         self._motion, self._signal = motion, signal
         self.shape, self.dtype = (motion.values.shape[1], *signal.rows.shape), signal.dtype
 

@@ -16,7 +16,7 @@ from fem.gears.modifications import EndRelief, FlankModifications, Relief
 from fem.options import options_of
 from pipelines.engine.step import Unkept
 from pipelines.machine.kinematics import pass_rates, shaft_lines
-from pipelines.machine.layout import Layout
+from pipelines.machine.layout import TrainLayout
 from pipelines.machine.plant import Plant
 from pipelines.signals.motion_warnings import gathered, stored_warnings
 from pipelines.steps.casing import misread_sensors
@@ -197,7 +197,7 @@ def gear_rows(machine: Plant) -> list[dict[str, Any]]:
     return rows
 
 
-def _modification_words(own: FlankModifications, layout: Layout, stage: int) -> str:
+def _modification_words(own: FlankModifications, layout: TrainLayout, stage: int) -> str:
     """The modifications of the flanks of a gear, with the ends of the face as in the scene."""
     own, words = own if layout.pinion_senses[stage - 1] > 0 else own.turned, []
     for item, one in options_of(FlankModifications):

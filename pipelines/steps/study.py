@@ -28,7 +28,7 @@ HEALTHY = "healthy "  # prefix of the steps that only a control has
 
 
 @dataclass(frozen=True, kw_only=True)
-class Motion:
+class StudyMotion:
     """A machine, and the name of the step of its motion."""
 
     plant: Plant
@@ -36,12 +36,12 @@ class Motion:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Case:
+class StudyCase:
     """A motion of the scene, and that of its healthy control under the same load and deviations; None without one."""
 
     label: str
-    own: Motion
-    control: Motion | None
+    own: StudyMotion
+    control: StudyMotion | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,9 +49,9 @@ class Study:
     """All steps and the cases, first that of the scene itself; `baseline` are further healthy machines."""
 
     graph: Graph
-    cases: tuple[Case, ...]
+    cases: tuple[StudyCase, ...]
     control: LoadedScene | None
-    baseline: tuple[Motion, ...] = ()
+    baseline: tuple[StudyMotion, ...] = ()
 
     @property
     def plant(self) -> Plant:
@@ -96,10 +96,10 @@ def plan_study(
         )
     source = loaded.source.shown
     steps: list[Step] = []
-    cases: list[Case] = []
+    cases: list[StudyCase] = []
 
-    def added(machine: Plant, prefix: str) -> Motion:
-        return Motion(plant=machine, step=list(add_steps(steps, plant_steps(machine), prefix).values())[-1])
+    def added(machine: Plant, prefix: str) -> StudyMotion:
+        return StudyMotion(plant=machine, step=list(add_steps(steps, plant_steps(machine), prefix).values())[-1])
 
     for label, scene in _variants(loaded.scene, both_loads and control is not None, seeds):
         own = added(checked_plant(scene, source), label)
@@ -107,7 +107,7 @@ def plan_study(
         if control is not None:
             like = _like(control.scene, scene, scene.deviations)
             healthy = added(checked_plant(like, control.source.shown), f"{label}{HEALTHY}")
-        cases.append(Case(label=label.strip(), own=own, control=healthy))
+        cases.append(StudyCase(label=label.strip(), own=own, control=healthy))
     others = [added(machine, f"healthy seed {seed} ") for seed, machine in _baseline(loaded, control, baseline)]
     study = Study(graph=Graph(steps), cases=tuple(cases), control=control, baseline=tuple(others))
     check_room(tuple(study.machines.values()), source)

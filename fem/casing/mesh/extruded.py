@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem.casing.geometry.housing import Housing
-from fem.casing.mesh.section import Section, divided, lines_across, section, shaft_places
+from fem.casing.mesh.section import SectionMesh, divided, lines_across, section, shaft_places
 from fem.elements.solid_elements import SOLIDS
 from fem.numerics.quadratic_grids import with_middles
 
@@ -77,7 +77,7 @@ def _in_box(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray
     return np.asarray(((points > low) & (points < high)).all(axis=-1))
 
 
-def _extruded(housing: Housing, flat: Section, y_lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _extruded(housing: Housing, flat: SectionMesh, y_lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Hexahedra over the cells and layers whose middle lies in the body."""
     levels = with_middles(y_lines)
     middle = flat.nodes[flat.cells[:, 1, 1]]

@@ -28,7 +28,7 @@ _MARGIN = 0.6  # target distance from the largest circle to the rectangle, in el
 
 
 @dataclass(frozen=True, eq=False)
-class Section:
+class SectionMesh:
     """Nodes (n, 2) at x, z and cells (c, 3, 3) of node numbers; the corners of a cell are ordered from x towards z."""
 
     nodes: np.ndarray
@@ -132,7 +132,7 @@ def lines_across(places: Sequence[ShaftPlace], axis: int, size: float) -> list[f
     return lines
 
 
-def section(places: Sequence[ShaftPlace], x_lines: np.ndarray, z_lines: np.ndarray, *, size: float) -> Section:
+def section(places: Sequence[ShaftPlace], x_lines: np.ndarray, z_lines: np.ndarray, *, size: float) -> SectionMesh:
     """Nine-node quadrilaterals of a section.
 
     Parameters
@@ -223,7 +223,7 @@ def _rings(place: ShaftPlace, outline: np.ndarray, size: float) -> np.ndarray:
     return np.concatenate([circles, (1.0 - part) * outermost + part * outline])
 
 
-def _merged(nodes: np.ndarray, cells: np.ndarray) -> Section:
+def _merged(nodes: np.ndarray, cells: np.ndarray) -> SectionMesh:
     """Merge coincident nodes, drop unused ones, and order the corners of every cell from x towards z."""
     _, first, same = np.unique(np.round(nodes / _SAME).astype(np.int64), axis=0, return_index=True, return_inverse=True)
     cells = same.ravel()[cells]
@@ -232,4 +232,4 @@ def _merged(nodes: np.ndarray, cells: np.ndarray) -> Section:
     one, other = nodes[cells[:, 2, 0]] - nodes[cells[:, 0, 0]], nodes[cells[:, 0, 2]] - nodes[cells[:, 0, 0]]
     backwards = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0] < 0.0
     cells[backwards] = cells[backwards].transpose(0, 2, 1)
-    return Section(nodes, cells)
+    return SectionMesh(nodes, cells)

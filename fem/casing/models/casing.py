@@ -62,7 +62,7 @@ class Structure:
         return replace(self.housing, sensors=())
 
 
-class Casing(ABC):
+class CasingModel(ABC):
     """A casing model. Modes up to `limit` (Hz) are kept; None for a model without modes."""
 
     model: str
@@ -93,7 +93,7 @@ class Casing(ABC):
 
 
 @dataclass(frozen=True, kw_only=True)
-class HousingCasing(Casing):
+class HousingCasing(CasingModel):
     """Base of the models with a housing: its elements, if any, and its damping."""
 
     element_size: float = option(

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from fem.casing.models.casing import Casing, Structure
+from fem.casing.models.casing import CasingModel, Structure
 from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.models.stage import MODES, CasingError, CasingInputError, PlannedStage, Stage
 
@@ -58,7 +58,7 @@ class MatricesReduction(Stage):
 
 
 @dataclass(frozen=True, kw_only=True)
-class MatricesCasing(Casing):
+class MatricesCasing(CasingModel):
     """Imported matrices in place of finite elements, reduced with the options `of` a model."""
 
     of: ElasticCasing

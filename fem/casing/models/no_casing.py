@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-from fem.casing.models.casing import Casing, Structure
+from fem.casing.models.casing import CasingModel, Structure
 from fem.casing.models.recovery import BearingsOnGround
 from fem.casing.models.stage import BODY, PlannedStage
 
 
 @dataclass(frozen=True, kw_only=True)
-class NoCasing(Casing):
+class NoCasing(CasingModel):
     """Bearings held by the ground. The channels are bearing forces and shaft motions; there are no sensors."""
 
     model: Literal["none"] = "none"

@@ -25,7 +25,7 @@ import scipy.sparse as sp
 
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.parts.bolts import Bolt
-from fem.casing.parts.split import Plane, SplitMesh
+from fem.casing.parts.split import SplitMesh, SplitPlane
 from fem.elements.facets import facet_element
 from fem.elements.materials import Material
 from fem.elements.solid_elements import shapes
@@ -41,7 +41,7 @@ class BoltedJoint:
     `stiffness` (N/m, normal and tangential, per bolt) replaces that of the deformation cone.
     """
 
-    plane: Plane
+    plane: SplitPlane
     bolt: Bolt
     places: tuple[tuple[float, float, float], ...]
     stiffness: tuple[float, float] | None = None

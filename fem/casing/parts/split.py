@@ -15,7 +15,7 @@ _IN_PLANE = 1e-3  # of the element size: largest distance of nodes from the plan
 
 
 @dataclass(frozen=True, kw_only=True)
-class Plane:
+class SplitPlane:
     """A plane through a point (m); `normal` has unit length."""
 
     through: tuple[float, float, float]
@@ -35,7 +35,7 @@ class SplitMesh:
     above: np.ndarray
 
 
-def split_mesh(mesh: CasingMesh, plane: Plane) -> SplitMesh:
+def split_mesh(mesh: CasingMesh, plane: SplitPlane) -> SplitMesh:
     """The mesh split into the elements above the plane (along its normal) and those below.
 
     Raises

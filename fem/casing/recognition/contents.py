@@ -8,7 +8,7 @@ import numpy as np
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Solid:
+class FoundSolid:
     """A body: its number from 1, volume (m3), corners of its box (2, 3) m, and the number of its part.
 
     Touching solids form one part; a file of one part is a connected body. `open_at` (3,) m is a position where its
@@ -23,7 +23,7 @@ class Solid:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Bore:
+class FoundBore:
     """A cylindrical hole."""
 
     number: int
@@ -63,7 +63,7 @@ class BoltPattern:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Contents:
+class GeometryContents:
     """Recognised contents of a file. `gaps` are (solid, solid, m, position (3,) m) of neighbours that do not touch."""
 
     name: str
@@ -72,9 +72,9 @@ class Contents:
     points: np.ndarray  # (n, 3) m, of the surface
     triangles: np.ndarray  # (t, 3), seen from outside counter-clockwise
     solid: np.ndarray  # (t,), number of the solid of each triangle
-    solids: tuple[Solid, ...]
+    solids: tuple[FoundSolid, ...]
     gaps: tuple[tuple[int, int, float, np.ndarray], ...]
-    bores: tuple[Bore, ...]  # the widest first
+    bores: tuple[FoundBore, ...]  # the widest first
     flats: tuple[FlatFace, ...]  # the largest first
     patterns: tuple[BoltPattern, ...]
 

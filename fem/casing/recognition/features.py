@@ -9,7 +9,7 @@ from itertools import groupby, pairwise
 import numpy as np
 
 from fem.casing.mesh.nearest_candidates import fitted_circle
-from fem.casing.recognition.contents import BoltPattern, Bore, FlatFace
+from fem.casing.recognition.contents import BoltPattern, FlatFace, FoundBore
 from fem.casing.recognition.cylinders import Cylinder, fitted_cylinder, is_flat, turn
 
 _SAME_AXIS = 2e-5  # m, and
@@ -22,7 +22,7 @@ _ON_CIRCLE = 1e-4  # m
 
 def faces_of(
     points: np.ndarray, triangles: np.ndarray, face: np.ndarray, solid: np.ndarray
-) -> tuple[tuple[Bore, ...], tuple[FlatFace, ...]]:
+) -> tuple[tuple[FoundBore, ...], tuple[FlatFace, ...]]:
     """Bores, the widest first, and flat faces, the largest first.
 
     Parameters
@@ -54,7 +54,7 @@ def _flat(corners: np.ndarray, vectors: np.ndarray, solid: int) -> FlatFace:
     return FlatFace(number=0, solid=solid, area=float(area.sum()), centre=centre, normal=total / np.linalg.norm(total))
 
 
-def _bores(cylinders: Sequence[tuple[Cylinder, int]]) -> list[Bore]:
+def _bores(cylinders: Sequence[tuple[Cylinder, int]]) -> list[FoundBore]:
     """Merge cylindrical faces of one axis and radius that touch along it."""
     rest, found = list(cylinders), []
     while rest:
@@ -78,7 +78,7 @@ def _bores(cylinders: Sequence[tuple[Cylinder, int]]) -> list[Bore]:
             found.append((first.radius, solid, sign * first.axis, centre, high - low, angle))
     found.sort(key=lambda one: (-round(one[0], 6), *np.round(one[3], 6)))
     return [
-        Bore(number=n, solid=solid, axis=axis, centre=centre, diameter=2 * radius, length=length, angle=angle)
+        FoundBore(number=n, solid=solid, axis=axis, centre=centre, diameter=2 * radius, length=length, angle=angle)
         for n, (radius, solid, axis, centre, length, angle) in enumerate(found, 1)
     ]
 
@@ -97,16 +97,16 @@ def _same(one: Cylinder, two: Cylinder) -> bool:
     return float(np.linalg.norm(offset - one.axis * (offset @ one.axis))) < max(_SAME_AXIS, 2e-3 * one.radius)
 
 
-def bolt_patterns(bores: Sequence[Bore]) -> tuple[BoltPattern, ...]:
+def bolt_patterns(bores: Sequence[FoundBore]) -> tuple[BoltPattern, ...]:
     """Groups of three or more equal parallel holes that begin in one plane, with their circles.
 
     Circles about a wider parallel bore are tried first, then one circle through the remaining holes of a group.
     """
 
-    def kind(bore: Bore) -> tuple:
+    def kind(bore: FoundBore) -> tuple:
         return tuple(np.round(bore.axis, 3)), round(bore.diameter, 5), round(bore.length, 4)
 
-    def level(bore: Bore) -> float:
+    def level(bore: FoundBore) -> float:
         return float(bore.centre @ bore.axis)
 
     patterns = []
@@ -118,7 +118,7 @@ def bolt_patterns(bores: Sequence[Bore]) -> tuple[BoltPattern, ...]:
     return tuple(sorted(patterns, key=lambda one: one.bores))
 
 
-def _circles(holes: list[Bore], bores: Sequence[Bore]) -> list[BoltPattern]:
+def _circles(holes: list[FoundBore], bores: Sequence[FoundBore]) -> list[BoltPattern]:
     found, left = [], list(holes)
     if len(left) < 3:
         return []
@@ -155,7 +155,9 @@ def _around(offsets: np.ndarray) -> bool:
     return bool(np.diff(np.append(angles, angles[0] + 2 * math.pi)).max() < math.radians(200.0))
 
 
-def _pattern(holes: Sequence[Bore], circle: float, wide: Bore | None, centre: np.ndarray | None = None) -> BoltPattern:
+def _pattern(
+    holes: Sequence[FoundBore], circle: float, wide: FoundBore | None, centre: np.ndarray | None = None
+) -> BoltPattern:
     if centre is None:
         middle = np.mean([one.centre for one in holes], axis=0)
         centre = middle if wide is None else wide.centre + wide.axis * ((middle - wide.centre) @ wide.axis)

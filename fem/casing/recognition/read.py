@@ -14,7 +14,7 @@ from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesh_file import read_mesh_file
 from fem.casing.mesh.sizes import MM
 from fem.casing.mesh.step_file import closed_triangles, declared_unit, import_solids, open_place, touching
-from fem.casing.recognition.contents import Contents, Solid
+from fem.casing.recognition.contents import FoundSolid, GeometryContents
 from fem.casing.recognition.faces import split
 from fem.casing.recognition.features import bolt_patterns, faces_of
 from fem.elements.facets import corner_triangles, outer_facets
@@ -27,7 +27,7 @@ _AROUND = 16  # elements of a full turn; with 12, short bores cannot be distingu
 _COARSE, _FINE = 10, 400  # least and largest number of elements along the diagonal of the box
 
 
-def survey(path: Path, unit: str | None = None) -> Contents:
+def survey(path: Path, unit: str | None = None) -> GeometryContents:
     """Solids, bores, flat faces and bolt patterns of a CAD or mesh file.
 
     Parameters
@@ -47,7 +47,7 @@ def survey(path: Path, unit: str | None = None) -> Contents:
     return _of_mesh(path, unit or "mm")
 
 
-def _of_solids(path: Path, unit: str | None) -> Contents:
+def _of_solids(path: Path, unit: str | None) -> GeometryContents:
     declared = declared_unit(path) if path.suffix.lower() in (".step", ".stp") else ""
     with session() as gmsh:
         tags = import_solids(gmsh, path, unit)
@@ -59,7 +59,7 @@ def _of_solids(path: Path, unit: str | None) -> Contents:
         own = triangles[solid == n]
         loose = open_place(own)
         solids.append(
-            Solid(
+            FoundSolid(
                 number=n,
                 volume=volumes[n - 1],
                 box=_box(points[own]),
@@ -130,14 +130,14 @@ def outward(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     return np.where(((volume < 0.0) ^ hollow)[label][:, None], triangles[:, [0, 2, 1]], triangles)
 
 
-def _of_triangles(path: Path, unit: str) -> Contents:
+def _of_triangles(path: Path, unit: str) -> GeometryContents:
     points, triangles = closed_triangles(path, unit)
     solid = 1 + _connected(triangles, len(points))
     triangles = np.vstack([outward(points, triangles[solid == n]) for n in range(1, solid.max() + 1)])
     return _by_edges(path, unit, points, triangles, np.sort(solid))
 
 
-def _of_mesh(path: Path, unit: str) -> Contents:
+def _of_mesh(path: Path, unit: str) -> GeometryContents:
     raw = read_mesh_file(path, MM * UNITS[unit])
     linear = SOLIDS["tetrahedron-4" if solid_element(raw.elements).corners == 4 else "hexahedron-8"]
     nodes, elements = converted(UNITS[unit] * raw.nodes, raw.elements, linear)
@@ -156,10 +156,10 @@ def _connected(cells: np.ndarray, count: int) -> np.ndarray:
     return np.unique(connected_parts(count, rows, cells[:, 1:].ravel())[cells[:, 0]], return_inverse=True)[1].ravel()
 
 
-def _by_edges(path: Path, unit: str, points: np.ndarray, triangles: np.ndarray, solid: np.ndarray) -> Contents:
+def _by_edges(path: Path, unit: str, points: np.ndarray, triangles: np.ndarray, solid: np.ndarray) -> GeometryContents:
     face = split(points, triangles)
     solids = tuple(
-        Solid(
+        FoundSolid(
             number=n,
             volume=float(np.linalg.det(points[triangles[solid == n]]).sum() / 6.0),
             box=_box(points[triangles[solid == n]]),
@@ -179,11 +179,11 @@ def _contents(
     triangles: np.ndarray,
     face: np.ndarray,
     solid: np.ndarray,
-    solids: tuple[Solid, ...],
+    solids: tuple[FoundSolid, ...],
     gaps: tuple[tuple[int, int, float, np.ndarray], ...] = (),
-) -> Contents:
+) -> GeometryContents:
     bores, flats = faces_of(points, triangles, face, solid)
-    return Contents(
+    return GeometryContents(
         name=path.name,
         unit=unit,
         declared=declared,

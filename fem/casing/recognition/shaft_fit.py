@@ -16,7 +16,7 @@ from itertools import permutations
 
 import numpy as np
 
-from fem.casing.recognition.contents import Bore
+from fem.casing.recognition.contents import FoundBore
 
 OFF = 0.002  # m, or
 OFF_SHARE = 0.03  # of the distance: tolerance of centre distances between file and machine
@@ -27,7 +27,7 @@ _PARALLEL = math.cos(math.radians(0.5))
 
 
 @dataclass(frozen=True, kw_only=True)
-class ShaftPlace:
+class FittedShaft:
     """A shaft: its axis at (x, z), y of its bearings in the casing, its diameter there; a seat is wider (m)."""
 
     x: float
@@ -42,7 +42,7 @@ class SeatFit:
 
     bearing: str
     shaft: int  # from 0
-    bore: Bore
+    bore: FoundBore
     off: float
     y: float  # of the bearing
     middle: float  # of the seat, in the frame of the machine
@@ -71,10 +71,10 @@ class _Line:
     """Bores about one axis through `point` along the common direction."""
 
     point: np.ndarray
-    bores: tuple[Bore, ...]
+    bores: tuple[FoundBore, ...]
 
 
-def fit_shafts(bores: Sequence[Bore], shafts: Sequence[ShaftPlace]) -> ShaftFit | None:
+def fit_shafts(bores: Sequence[FoundBore], shafts: Sequence[FittedShaft]) -> ShaftFit | None:
     """The best position of the file; None if no two bores have the distance of two shafts.
 
     Fits are ranked by the number of bearings in seats, the least deviation, and the fewest incomplete bores. Among
@@ -102,7 +102,7 @@ def fit_shafts(bores: Sequence[Bore], shafts: Sequence[ShaftPlace]) -> ShaftFit 
     return max(found, key=worth, default=None)
 
 
-def _directions(bores: Sequence[Bore]) -> list[np.ndarray]:
+def _directions(bores: Sequence[FoundBore]) -> list[np.ndarray]:
     """Directions of the bores, one of each group of parallel ones."""
     found: list[np.ndarray] = []
     for bore in bores:
@@ -111,8 +111,8 @@ def _directions(bores: Sequence[Bore]) -> list[np.ndarray]:
     return found
 
 
-def _lines(bores: Sequence[Bore], axis: np.ndarray) -> list[_Line]:
-    lines: list[tuple[np.ndarray, list[Bore]]] = []
+def _lines(bores: Sequence[FoundBore], axis: np.ndarray) -> list[_Line]:
+    lines: list[tuple[np.ndarray, list[FoundBore]]] = []
     for bore in bores:
         if abs(bore.axis @ axis) < _PARALLEL:
             continue
@@ -126,7 +126,7 @@ def _lines(bores: Sequence[Bore], axis: np.ndarray) -> list[_Line]:
     return [_Line(point, tuple(own)) for point, own in lines]
 
 
-def _fits(lines: Sequence[_Line], axis: np.ndarray, shafts: Sequence[ShaftPlace]) -> Iterator[ShaftFit]:
+def _fits(lines: Sequence[_Line], axis: np.ndarray, shafts: Sequence[FittedShaft]) -> Iterator[ShaftFit]:
     for y in (axis, -axis):
         for turn, place in _turns(lines, y, shafts):
             fit = _along(lines, shafts, turn, place)
@@ -135,7 +135,7 @@ def _fits(lines: Sequence[_Line], axis: np.ndarray, shafts: Sequence[ShaftPlace]
 
 
 def _turns(
-    lines: Sequence[_Line], y: np.ndarray, shafts: Sequence[ShaftPlace]
+    lines: Sequence[_Line], y: np.ndarray, shafts: Sequence[FittedShaft]
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Rotations `axes` (3, 3) and origins (3,), the latter without their part along y."""
     if len(shafts) == 1:
@@ -174,10 +174,10 @@ def _nearest_turn(y: np.ndarray) -> np.ndarray:
 
 
 def _along(
-    lines: Sequence[_Line], shafts: Sequence[ShaftPlace], turn: np.ndarray, place: np.ndarray
+    lines: Sequence[_Line], shafts: Sequence[FittedShaft], turn: np.ndarray, place: np.ndarray
 ) -> ShaftFit | None:
     """The fit shifted along y so that most bearings are in seats."""
-    of_shaft: list[tuple[float, list[tuple[Bore, float]]]] = []
+    of_shaft: list[tuple[float, list[tuple[FoundBore, float]]]] = []
     for shaft in shafts:
         at = np.array([line.point @ turn + place for line in lines])
         distance = np.hypot(at[:, 0] - shaft.x, at[:, 2] - shaft.z)
@@ -218,7 +218,7 @@ def _along(
     )
 
 
-def tilt(bores: Sequence[Bore]) -> tuple[np.ndarray, float]:
+def tilt(bores: Sequence[FoundBore]) -> tuple[np.ndarray, float]:
     """The axis of the file nearest to the direction of the widest bores, and the angle (rad) between the two."""
     axis = bores[0].axis
     nearest = np.eye(3)[int(np.abs(axis).argmax())]

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipelines.diagnosis.comparison.part import Channel, Part
+from pipelines.diagnosis.comparison.part import Channel, ComparedPart
 from pipelines.signals.features.recorded import FeatureError, envelope_band
 from pipelines.signals.orders.band import banded
 from pipelines.signals.orders.revolutions import HIGHEST, revolutions
@@ -47,7 +47,7 @@ class Curves:
     turned: tuple[bool, ...]
 
 
-def curves(parts: Sequence[Part], channel: Channel, shaft: str) -> Curves:
+def curves(parts: Sequence[ComparedPart], channel: Channel, shaft: str) -> Curves:
     """The curves of recordings with the same channels and rate.
 
     Parameters
@@ -95,13 +95,13 @@ def curves(parts: Sequence[Part], channel: Channel, shaft: str) -> Curves:
     )
 
 
-def _guard(part: Part) -> float:
+def _guard(part: ComparedPart) -> float:
     """Lower end of the range of the envelope, in orders of the first shaft."""
     frequency = part.windows[0].frequency
     return envelope_band(part.kinematics, part.time, frequency)[0] / frequency
 
 
-def _turns(part: Part, row: int, ratio: float, places: int) -> np.ndarray:
+def _turns(part: ComparedPart, row: int, ratio: float, places: int) -> np.ndarray:
     """Values (turn, place) of a channel over the complete turns of a shaft in the first window."""
     span = (part.windows[0].start, part.windows[0].end)
     return revolutions(part.acceleration[row], part.time, part.rotation, ratio, places, [span])

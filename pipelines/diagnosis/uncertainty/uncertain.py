@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from fem.casing.models.casing import Casing
+from fem.casing.models.casing import CasingModel
 from fem.casing.reduced.modes import RIGID_MOTIONS, CasingModes
 from fem.casing.uncertainty.extrapolation import LowestModes, measured_limits
 from fem.casing.uncertainty.frequency_errors import FrequencyErrors, frequency_errors
@@ -25,7 +25,7 @@ class Uncertain:
 
 
 def uncertain(
-    casing: Casing, modes: CasingModes | None, coarser: Sequence[LowestModes], damping_spread: float
+    casing: CasingModel, modes: CasingModes | None, coarser: Sequence[LowestModes], damping_spread: float
 ) -> Uncertain:
     """The uncertain properties of a casing.
 

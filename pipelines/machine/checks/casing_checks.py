@@ -21,7 +21,7 @@ from fem.casing.parts.names import FEWEST_MOUNTS, few_feet
 from mbd.parts.layout import BEARING_PLACE_TOLERANCE
 from pipelines.io.errors import Problem
 from pipelines.machine.bearings import bearing_names, bearing_points
-from pipelines.machine.layout import Layout
+from pipelines.machine.layout import TrainLayout
 from pipelines.machine.plant import Plant
 from pipelines.scene.scene import Scene
 
@@ -127,7 +127,7 @@ def _nodes(made: Housing, size: float) -> float:
     return sum(4 * area / size**2 * (2 * math.ceil(thickness / size) + 1) for area, thickness in _walls(made))
 
 
-def _off_middle(scene: Scene, layout: Layout, points: dict[str, np.ndarray], what: str) -> Iterator[Problem]:
+def _off_middle(scene: Scene, layout: TrainLayout, points: dict[str, np.ndarray], what: str) -> Iterator[Problem]:
     """Bearings that are not in the middle of their seat, where their load acts on the casing."""
     keys = " by casing.housing.width_mm or boss_length_mm" if what == "boss" else ""
     carried = [found for found in bearing_names(scene.shafts) if not found[0].startswith("ground")]
@@ -195,7 +195,7 @@ def _group_of_step(made: ImportedHousing, path: str, locator: Locator, instead: 
         yield Problem(f"{path}.group", f"{of}a STEP file has no groups", f"Set {instead} instead", f'"{locator.group}"')
 
 
-def _seats_in_file(scene: Scene, layout: Layout, made: ImportedHousing) -> Iterator[Problem]:
+def _seats_in_file(scene: Scene, layout: TrainLayout, made: ImportedHousing) -> Iterator[Problem]:
     """Seats that are not in the file, or not where the bearings are."""
     table, found = scene.housing, _looked_up(made, scene.casing.element)
     if isinstance(found, MeshError):

@@ -15,7 +15,7 @@ import numpy as np
 from fem.casing.geometry.dimensions import Dimensions
 from pipelines.io.errors import Problem
 from pipelines.machine.casing import dimensions
-from pipelines.machine.layout import Layout
+from pipelines.machine.layout import TrainLayout
 from pipelines.machine.plant import Drivetrain
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.housing import HousingBase
@@ -32,7 +32,7 @@ _WAYS_OUT = {  # what makes room at a wall
 
 
 @dataclass(frozen=True)
-class Cylinder:
+class RevolvedBody:
     """A body of revolution about the axis of `shaft`, between two y (m); hollow below the radius `inner`."""
 
     name: str
@@ -43,19 +43,19 @@ class Cylinder:
     end: float
     inner: float = 0.0
 
-    def overlaps(self, other: Cylinder) -> bool:
+    def overlaps(self, other: RevolvedBody) -> bool:
         """Whether the ranges of y of both overlap."""
         return self.start < other.end and other.start < self.end
 
-    def encloses(self, other: Cylinder, distance: float) -> bool:
+    def encloses(self, other: RevolvedBody, distance: float) -> bool:
         """Whether another cylinder, whose axis has a distance (m), is inside the bore of this one."""
         return distance + other.radius < self.inner
 
 
-def gears(scene: Scene, layout: Layout) -> list[Cylinder]:
+def gears(scene: Scene, layout: TrainLayout) -> list[RevolvedBody]:
     """Tip cylinders of all gears, pinion and wheel of stage 1 first."""
     return [
-        Cylinder(
+        RevolvedBody(
             f"tip circle of the stage {number} {name}",
             f"stages.{number}",
             shaft,
@@ -69,10 +69,10 @@ def gears(scene: Scene, layout: Layout) -> list[Cylinder]:
     ]
 
 
-def shafts(scene: Scene) -> list[Cylinder]:
+def shafts(scene: Scene) -> list[RevolvedBody]:
     """All shaft sections."""
     return [
-        Cylinder(
+        RevolvedBody(
             f"section of shaft {number}",
             f"shafts.{number}",
             number - 1,
@@ -85,16 +85,18 @@ def shafts(scene: Scene) -> list[Cylinder]:
     ]
 
 
-def bosses(housing: Dimensions) -> list[Cylinder]:
+def bosses(housing: Dimensions) -> list[RevolvedBody]:
     """Bearing bosses inside both side walls."""
     key = "casing.housing.boss_diameters_mm"
     return [
-        Cylinder(f"boss of bearing {number}", key, (number - 1) // 2, bore.boss_diameter / 2, *housing.bore_span(bore))
+        RevolvedBody(
+            f"boss of bearing {number}", key, (number - 1) // 2, bore.boss_diameter / 2, *housing.bore_span(bore)
+        )
         for number, bore in enumerate(housing.bores, 1)
     ]
 
 
-def _clashes(first: list[Cylinder], second: list[Cylinder], layout: Layout) -> Iterator[Problem]:
+def _clashes(first: list[RevolvedBody], second: list[RevolvedBody], layout: TrainLayout) -> Iterator[Problem]:
     for one in first:
         for two in second:
             if one.shaft == two.shaft or not one.overlaps(two):
@@ -112,7 +114,7 @@ def _clashes(first: list[Cylinder], second: list[Cylinder], layout: Layout) -> I
                 )
 
 
-def _mates(bodies: list[Cylinder], layout: Layout) -> Iterator[Problem]:
+def _mates(bodies: list[RevolvedBody], layout: TrainLayout) -> Iterator[Problem]:
     """Pairs of gears that overlap in y and do not mesh, on two shafts or on one; a gear may be in several stages."""
     meshing = {frozenset((_body(one), _body(two))) for one, two in zip(bodies[::2], bodies[1::2], strict=True)}
     for i, one in enumerate(bodies):
@@ -128,7 +130,7 @@ def _mates(bodies: list[Cylinder], layout: Layout) -> Iterator[Problem]:
             yield from _clashes([one], [two], layout)
 
 
-def _body(gear: Cylinder) -> tuple[int, float, float, float]:
+def _body(gear: RevolvedBody) -> tuple[int, float, float, float]:
     """Shaft, tip circle and place, by which a gear in two stages is recognised."""
     return gear.shaft, round(gear.radius, 9), round(gear.start, 9), round(gear.end, 9)
 

@@ -15,7 +15,7 @@ from pipelines.machine.checks.flank_checks import flank_warnings
 from pipelines.machine.checks.strength import strength_warnings
 from pipelines.machine.checks.window_checks import bad_windows
 from pipelines.machine.drives import motor_torques
-from pipelines.machine.layout import Layout
+from pipelines.machine.layout import TrainLayout
 from pipelines.machine.plant import Drivetrain
 from pipelines.scene.problems import other_unit
 from pipelines.scene.scene import Scene
@@ -63,7 +63,7 @@ def _mounts(scene: Scene) -> Iterator[str]:
         )
 
 
-def _sensors(scene: Scene, layout: Layout) -> Iterator[str]:
+def _sensors(scene: Scene, layout: TrainLayout) -> Iterator[str]:
     """Sensors at one place, and deep inside a parametric housing, as are positions in another unit."""
     box = 1000 * np.array(dimensions(scene.housing, layout).box) if isinstance(scene.housing, HousingBase) else None
     names: dict[tuple, str] = {}
@@ -79,7 +79,7 @@ def _sensors(scene: Scene, layout: Layout) -> Iterator[str]:
             )
 
 
-def _gears(scene: Scene, layout: Layout) -> Iterator[str]:
+def _gears(scene: Scene, layout: TrainLayout) -> Iterator[str]:
     for number, (stage, pair, facts) in enumerate(zip(scene.stages, layout.pairs, layout.stages, strict=True), 1):
         place = f"stages.{number}"
         if facts.transverse_contact_ratio < 1.2:
@@ -116,7 +116,7 @@ def _gears(scene: Scene, layout: Layout) -> Iterator[str]:
             )
 
 
-def _fits(scene: Scene, layout: Layout) -> Iterator[str]:
+def _fits(scene: Scene, layout: TrainLayout) -> Iterator[str]:
     """Shafts that are thicker than the bore of a bearing or gear on them."""
     for _, shaft, place in bearing_names(scene.shafts):
         table = bearing_table(scene.shafts[shaft], scene.bearings, place)
@@ -146,7 +146,7 @@ def _fits(scene: Scene, layout: Layout) -> Iterator[str]:
                     )
 
 
-def _drive(scene: Scene, layout: Layout) -> Iterator[str]:
+def _drive(scene: Scene, layout: TrainLayout) -> Iterator[str]:
     """Motors of a torque that the largest load overcomes at their greatest."""
     motors = motor_torques(scene.drive, layout.driven, layout.motors)
     given, needed = sum(abs(motor.largest) for motor in motors), layout.input_torque
@@ -158,7 +158,7 @@ def _drive(scene: Scene, layout: Layout) -> Iterator[str]:
         )
 
 
-def _record(scene: Scene, layout: Layout) -> Iterator[str]:
+def _record(scene: Scene, layout: TrainLayout) -> Iterator[str]:
     for number, facts in enumerate(layout.stages, 1):
         if scene.simulation.output_rate_Hz < 2 * HARMONICS * facts.mesh_frequency:
             yield (

@@ -11,7 +11,7 @@ from fem.gears.prescribed import PrescribedDeviations, check_prescribed
 from fem.gears.rack import GeometryError
 from pipelines.io.errors import Problem
 from pipelines.machine.flanks import GEARS, Fault
-from pipelines.machine.layout import Layout
+from pipelines.machine.layout import TrainLayout
 from pipelines.machine.plant import Drivetrain
 from pipelines.scene.presets import most_slices
 from pipelines.scene.scene import Scene
@@ -53,7 +53,7 @@ def bad_flanks(scene: Scene, train: Drivetrain) -> Iterator[Problem]:
                 )
 
 
-def _prescribed_warnings(scene: Scene, layout: Layout) -> Iterator[str]:
+def _prescribed_warnings(scene: Scene, layout: TrainLayout) -> Iterator[str]:
     """Warnings of prescribed deviations that are disabled, and of run-out beyond the coarsest tolerance class."""
     for number, (stage, pair) in enumerate(zip(scene.stages, layout.pairs, strict=True), 1):
         for name in GEARS:
@@ -128,7 +128,7 @@ def _finer(stage: int, slices: int, needed: float, key: str) -> str:
     return f"Raise stages.{stage}.mesh.slices to {limit}"
 
 
-def _hidden(scene: Scene, layout: Layout, number: int, fault: Fault) -> Iterator[str]:
+def _hidden(scene: Scene, layout: TrainLayout, number: int, fault: Fault) -> Iterator[str]:
     """Warning of a fault whose change of the transmission error is small compared with the single pitch tolerance.
 
     The change is estimated only for faults for which it follows from their size.

@@ -15,7 +15,7 @@ from mbd.parts.checks import MachineError
 from mbd.parts.gear_mesh import contact_rows
 from mbd.parts.shafts import shaft_nodes
 from pipelines.io.errors import Problem
-from pipelines.machine.layout import Layout
+from pipelines.machine.layout import TrainLayout
 from pipelines.machine.loads import load_places
 from pipelines.machine.parts import MachineParts
 from pipelines.machine.plant import Plant
@@ -29,7 +29,7 @@ _TAKES_PART = 0.25  # share of a direction of a shaft in free motions from which
 _FREE = 1e-9  # singular value relative to the largest, below which a motion is free
 
 
-def off_shaft(scene: Scene, layout: Layout) -> Iterator[Problem]:
+def off_shaft(scene: Scene, layout: TrainLayout) -> Iterator[Problem]:
     """Parts that are beyond the ends of their shaft."""
     placed = [(f"probes.{n}.position_mm", p.shaft - 1, p.position_mm) for n, p in enumerate(scene.probes, 1)]
     placed += [(f"disks.{n}.position_mm", d.shaft - 1, d.position_mm) for n, d in enumerate(scene.disks, 1)]

@@ -22,7 +22,7 @@ from fem.elements.materials import STEEL
 from fem.gears.geometry import GearPair
 from pipelines.io.errors import Problem
 from pipelines.machine.checks.flank_checks import TYPICAL_STIFFNESS
-from pipelines.machine.layout import Layout, StageFacts
+from pipelines.machine.layout import StageFacts, TrainLayout
 from pipelines.scene.problems import other_unit
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.motion import SpeedDrive
@@ -66,7 +66,7 @@ def contact_pressure(pair: GearPair, pinion_torque: float) -> float:
     return math.sqrt(zone * elastic * ratio * slant * load)
 
 
-def torques_along(scene: Scene, layout: Layout) -> list[list[tuple[float, float]]]:
+def torques_along(scene: Scene, layout: TrainLayout) -> list[list[tuple[float, float]]]:
     """By shaft: positions y (m) and the torques (N m, driving positive) that act there, without losses."""
     entering: list[list[tuple[float, float]]] = [[] for _ in scene.shafts]
     places = [(stage.si.position, stage.si.position) for stage in scene.stages]
@@ -81,7 +81,7 @@ def torques_along(scene: Scene, layout: Layout) -> list[list[tuple[float, float]
     return entering
 
 
-def torsions(scene: Scene, layout: Layout) -> list[Torsion]:
+def torsions(scene: Scene, layout: TrainLayout) -> list[Torsion]:
     """The most stressed section of every shaft with torque."""
     found = []
     for number, (shaft, entering) in enumerate(zip(scene.shafts, torques_along(scene, layout), strict=True), 1):
@@ -102,7 +102,7 @@ def torsions(scene: Scene, layout: Layout) -> list[Torsion]:
     return found
 
 
-def overloaded(scene: Scene, layout: Layout) -> Iterator[Problem]:
+def overloaded(scene: Scene, layout: TrainLayout) -> Iterator[Problem]:
     """Teeth and shafts for which no steel is strong enough at the largest load."""
     for number, (pair, facts) in enumerate(zip(layout.pairs, layout.stages, strict=True), 1):
         yield from _overloaded_teeth(number, pair, facts)
@@ -144,7 +144,7 @@ def _overloaded_teeth(number: int, pair: GearPair, facts: StageFacts) -> Iterato
         )
 
 
-def bursting(scene: Scene, layout: Layout) -> Iterator[Problem]:
+def bursting(scene: Scene, layout: TrainLayout) -> Iterator[Problem]:
     """The first stage with a gear whose tip speed would burst a solid disc of the strongest steel.
 
     The largest stress of a solid disc with the rim speed v is the tangential stress (3 + nu)/8 rho v^2 at its centre
@@ -166,7 +166,7 @@ def bursting(scene: Scene, layout: Layout) -> Iterator[Problem]:
                 return
 
 
-def strength_warnings(scene: Scene, layout: Layout) -> Iterator[str]:
+def strength_warnings(scene: Scene, layout: TrainLayout) -> Iterator[str]:
     """Warnings of loads above the fatigue strength of steel."""
     for number, (pair, fact) in enumerate(zip(layout.pairs, layout.stages, strict=True), 1):
         pressure = contact_pressure(pair, fact.pinion_torque)

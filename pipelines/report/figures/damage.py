@@ -22,7 +22,7 @@ from fem.contact.law import MeshLaw
 from fem.gears.geometry import GearPair
 from fem.gears.sector import root_chord
 from pipelines.report.figures.solids import swept
-from pipelines.report.figures.tooth_shape import DrawnTooth, Section, cut_down, stations, surface_of
+from pipelines.report.figures.tooth_shape import DrawnTooth, ToothSection, cut_down, stations, surface_of
 
 DRAWN_DEPTH = 0.12  # modules: depth of wear in the picture
 _ROUND = (1.0, 2.0, 5.0)
@@ -46,7 +46,7 @@ def drawn_tooth(
     faults : of the tooth
     """
     fine = any(isinstance(fault, FlankDamage) for fault in faults)
-    section = Section(gear=getattr(pair, gear), twist=twist, flank_points=96 if fine else 24)
+    section = ToothSection(gear=getattr(pair, gear), twist=twist, flank_points=96 if fine else 24)
     edges = [edge for fault in faults for edge in _edges(fault, pair.face_width)]
     face = stations(pair.face_width, edges, 161 if fine else 25)
     height = np.full(face.size, np.inf)
@@ -75,29 +75,29 @@ def drawn_tooth(
     return tooth
 
 
-def _with_wear(tooth: DrawnTooth, section: Section, pair: GearPair, fault: ToothFault) -> DrawnTooth:
+def _with_wear(tooth: DrawnTooth, section: ToothSection, pair: GearPair, fault: ToothFault) -> DrawnTooth:
     deepest = 1e6 * tooth.depth.max()
     return _told(tooth, f"up to {deepest:.3g} µm removed from the flank{_scaled(tooth)}")
 
 
-def _with_spall(tooth: DrawnTooth, section: Section, pair: GearPair, fault: SpalledTooth) -> DrawnTooth:
+def _with_spall(tooth: DrawnTooth, section: ToothSection, pair: GearPair, fault: SpalledTooth) -> DrawnTooth:
     size = f"{1000 * fault.height:.3g} x {1000 * fault.length:.3g} mm, {1e6 * fault.depth:.3g} µm deep"
     words = f"spall on the {fault.flank} flank: {size}{_scaled(tooth)}"
     return replace(_told(tooth, words), flank=1 if fault.flank == "drive" else -1)
 
 
-def _with_pits(tooth: DrawnTooth, section: Section, pair: GearPair, fault: PittedTooth) -> DrawnTooth:
+def _with_pits(tooth: DrawnTooth, section: ToothSection, pair: GearPair, fault: PittedTooth) -> DrawnTooth:
     words = f"{len(fault.patches(section.gear))} pits on the {fault.flank} flank{_scaled(tooth)}"
     return replace(_told(tooth, words), flank=1 if fault.flank == "drive" else -1)
 
 
-def _with_chip(tooth: DrawnTooth, section: Section, pair: GearPair, fault: ChippedTooth) -> DrawnTooth:
+def _with_chip(tooth: DrawnTooth, section: ToothSection, pair: GearPair, fault: ChippedTooth) -> DrawnTooth:
     piece = "corner" if fault.corner else "piece"
     words = f"{piece} broken off: {1000 * fault.depth:.3g} mm deep, {1000 * fault.extent:.3g} mm long"
     return replace(_told(tooth, words), end=_side(fault.end))
 
 
-def _with_crack(tooth: DrawnTooth, section: Section, pair: GearPair, fault: CrackedTooth) -> DrawnTooth:
+def _with_crack(tooth: DrawnTooth, section: ToothSection, pair: GearPair, fault: CrackedTooth) -> DrawnTooth:
     """Crack surface inside the tooth, and its edges in the fillet and on the end face."""
     inside, depth = crack_depth(fault, pair.face_width)
     radius, chord = root_chord(section.gear)
@@ -120,7 +120,7 @@ def _with_crack(tooth: DrawnTooth, section: Section, pair: GearPair, fault: Crac
     )
 
 
-def _with_gap(tooth: DrawnTooth, section: Section, pair: GearPair, fault: MissingTooth) -> DrawnTooth:
+def _with_gap(tooth: DrawnTooth, section: ToothSection, pair: GearPair, fault: MissingTooth) -> DrawnTooth:
     return replace(_told(tooth, "tooth broken off at the root"), missing=True)
 
 
@@ -146,7 +146,7 @@ def crack_depth(fault: CrackedTooth, face_width: float) -> tuple[np.ndarray, np.
     return inside, fault.depth_at(inside, face_width)
 
 
-def patch_depth(section: Section, face: np.ndarray, patches: Sequence[Patch], flank: str) -> np.ndarray:
+def patch_depth(section: ToothSection, face: np.ndarray, patches: Sequence[Patch], flank: str) -> np.ndarray:
     """Depth (station, point), m, of patches on a flank.
 
     Parameters
@@ -168,7 +168,7 @@ def patch_depth(section: Section, face: np.ndarray, patches: Sequence[Patch], fl
 
 
 def worn_depth(
-    section: Section, face: np.ndarray, pair: GearPair, law: MeshLaw, gear: str, fault: ToothFault
+    section: ToothSection, face: np.ndarray, pair: GearPair, law: MeshLaw, gear: str, fault: ToothFault
 ) -> np.ndarray:
     """Depth (station, point), m, by which a fault lowers the flanks: the gap that it opens to the mate.
 
@@ -196,7 +196,7 @@ def worn_depth(
     return depth
 
 
-def _normals(section: Section) -> np.ndarray:
+def _normals(section: ToothSection) -> np.ndarray:
     """Unit normals (point, 2) of the section, outwards."""
     along = np.gradient(section.points, axis=0)
     return np.asarray(np.column_stack([along[:, 1], -along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None])

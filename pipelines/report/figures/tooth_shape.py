@@ -37,7 +37,7 @@ class DrawnTooth:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Section:
+class ToothSection:
     """Transverse section of a tooth without damage."""
 
     gear: Gear
@@ -64,7 +64,7 @@ def stations(face_width: float, edges: Sequence[float] = (), count: int = 25) ->
 
 
 def surface_of(
-    section: Section, face: np.ndarray, flat: np.ndarray, broken: np.ndarray
+    section: ToothSection, face: np.ndarray, flat: np.ndarray, broken: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Closed surface of a tooth; its end faces are fans about the middle of its base.
 
@@ -86,7 +86,7 @@ def surface_of(
     return points, quads, np.concatenate([torn, np.zeros(len(quads) - torn.size, dtype=bool)])
 
 
-def cut_down(section: Section, height: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def cut_down(section: ToothSection, height: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Section at stations without the material outside a radius.
 
     Parameters

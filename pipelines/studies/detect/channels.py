@@ -23,7 +23,7 @@ from pipelines.studies.detect.probability import Machines, Share, share
 
 
 @dataclass(frozen=True, kw_only=True)
-class Channel:
+class DetectionChannel:
     """A sensor and axis alone.
 
     `index` is d' of its best feature, the mean over all sizes. `detected` is the share of damaged machines of all sizes
@@ -38,7 +38,7 @@ class Channel:
     detected: Share
 
 
-def channels(sizes: Sequence[Machines]) -> tuple[Channel, ...]:
+def channels(sizes: Sequence[Machines]) -> tuple[DetectionChannel, ...]:
     """All channels, the highest index first.
 
     Parameters
@@ -57,7 +57,7 @@ def channels(sizes: Sequence[Machines]) -> tuple[Channel, ...]:
     indices = np.mean([_indices(one) for one in sizes], axis=0)  # (channel, line)
     best = [own[int(np.argmax(indices[channel, own]))] for channel in range(len(table.sensor))]
     found = [
-        Channel(
+        DetectionChannel(
             sensor=table.sensor[channel],
             axis=table.axis[channel],
             index=float(indices[channel, line]),

@@ -11,7 +11,7 @@ from pipelines.diagnosis.words import NAMES
 from pipelines.io.grid import Grid, grid
 from pipelines.io.shown import number_of
 from pipelines.studies.detect.probability import Detection, Share
-from pipelines.studies.detect.study import Detectability, Point
+from pipelines.studies.detect.study import Detectability, DetectionPoint
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -143,7 +143,7 @@ def figure(found: Detectability) -> Figure:
 
     made = new_figure(4.5)
     axes = made.subplots()
-    lines: dict[tuple[float, str], list[Point]] = {}
+    lines: dict[tuple[float, str], list[DetectionPoint]] = {}
     for point in found.points:
         rest = _values(dict(list(point.values.items())[1:]))
         lines.setdefault((point.noise, rest), []).append(point)

@@ -19,7 +19,7 @@ from pipelines.machine.machine import make_drivetrain
 from pipelines.signals.features.table import FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.steps.verdict import known_damages
-from pipelines.studies.detect.channels import Channel, channels
+from pipelines.studies.detect.channels import DetectionChannel, channels
 from pipelines.studies.detect.design import HEALTHY, SPECIMEN, STATE, Design
 from pipelines.studies.detect.over import Over
 from pipelines.studies.detect.probability import Damage, Detection, Machines, detection
@@ -29,7 +29,7 @@ Values = tuple[Any, ...]  # of the varied keys, in their order
 
 
 @dataclass(frozen=True, kw_only=True)
-class Point:
+class DetectionPoint:
     """Detection for one combination of `values`, by key of the scene, at one noise (m/s2 rms)."""
 
     values: Mapping[str, Any]
@@ -49,8 +49,8 @@ class Detectability:
     design: Design
     shared: tuple[str, ...]
     noises: tuple[float, ...]
-    points: tuple[Point, ...]
-    channels: tuple[Channel, ...]
+    points: tuple[DetectionPoint, ...]
+    channels: tuple[DetectionChannel, ...]
 
 
 def study(
@@ -117,7 +117,7 @@ def study(
             )
             _check_seen(machines)
             named = dict(zip((over.key for over in design.over), values, strict=True))
-            found.append(Point(values=named, noise=noise, detection=detection(machines)))
+            found.append(DetectionPoint(values=named, noise=noise, detection=detection(machines)))
             if noise == noises[0]:
                 first.append(machines)
     return Detectability(

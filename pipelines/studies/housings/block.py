@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from fem.casing.mesh.imported import OFF_AXIS, STEP_SUFFIXES
-from fem.casing.recognition.contents import Contents, FlatFace
+from fem.casing.recognition.contents import FlatFace, GeometryContents
 from fem.casing.recognition.shaft_fit import ShaftFit
 from fem.casing.reduced.attachment import FARTHEST_SENSOR
 from fem.elements.facets import nearest_on_facets
@@ -20,7 +20,7 @@ _NOT_SMALL = 0.002  # of the area of the largest flat face: lower limit for all 
 _LEVEL = 1e-4  # m, tolerance of the height of faces in one plane
 
 
-def housing_block(contents: Contents, file: str, suffix: str, fit: ShaftFit, scene: Scene) -> str:
+def housing_block(contents: GeometryContents, file: str, suffix: str, fit: ShaftFit, scene: Scene) -> str:
     """TOML text of the table; comments above it list the changes that the scene needs.
 
     Parameters
@@ -51,7 +51,7 @@ def housing_block(contents: Contents, file: str, suffix: str, fit: ShaftFit, sce
     return "\n".join([*lines, ""])
 
 
-def seat_solids(contents: Contents, fit: ShaftFit) -> list[int]:
+def seat_solids(contents: GeometryContents, fit: ShaftFit) -> list[int]:
     """Numbers of the solids with bearing seats, and of all solids in contact with them."""
     parts = {contents.solids[seat.bore.solid - 1].part for seat in fit.seats}
     return [solid.number for solid in contents.solids if solid.part in parts]
@@ -84,7 +84,7 @@ def changes(fit: ShaftFit, scene: Scene) -> Iterator[str]:
         yield f"{missing} bearings of the scene have no bore: move them, or support them on the ground"
 
 
-def _far_sensors(contents: Contents, fit: ShaftFit, scene: Scene) -> Iterator[str]:
+def _far_sensors(contents: GeometryContents, fit: ShaftFit, scene: Scene) -> Iterator[str]:
     """Messages on sensors that are not on the housing, each with the nearest position on it."""
     chosen = np.isin(contents.solid, seat_solids(contents, fit))
     triangles = contents.triangles[chosen]
@@ -101,7 +101,7 @@ def _far_sensors(contents: Contents, fit: ShaftFit, scene: Scene) -> Iterator[st
             )
 
 
-def _grounds(contents: Contents, fit: ShaftFit) -> list[str]:
+def _grounds(contents: GeometryContents, fit: ShaftFit) -> list[str]:
     """TOML lines of the ground: the lowest flat face that points down (-z), else the largest face, to be corrected."""
     chosen = set(seat_solids(contents, fit))
     flats = [flat for flat in contents.flats if flat.solid in chosen]

@@ -238,7 +238,7 @@ def write_vtu(mesh: CasingMesh, modes: CasingModes, natural: NaturalModes, path:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Format:
+class CasingFormat:
     """A format of an export: `write(casing, title, path, target)` returns the files next to the target, if any."""
 
     write: Callable[[Casing, str, Path, Path], list[Path] | None]
@@ -263,20 +263,20 @@ def _step(casing: Casing, title: str, path: Path, target: Path) -> None:
     write_step(casing.housing, path)
 
 
-def _free(write: Callable[[Superelement, Path, Path], list[Path] | None]) -> Format:
-    return Format(write=lambda casing, title, path, target: write(free_body(casing), path, target), elastic=True)
+def _free(write: Callable[[Superelement, Path, Path], list[Path] | None]) -> CasingFormat:
+    return CasingFormat(write=lambda casing, title, path, target: write(free_body(casing), path, target), elastic=True)
 
 
-FORMATS: Mapping[str, Format] = {
-    ".h5": Format(write=lambda casing, title, path, target: casing.body.save(path)),
-    ".mat": Format(write=lambda casing, title, path, target: write_mat(casing.body, path)),
+FORMATS: Mapping[str, CasingFormat] = {
+    ".h5": CasingFormat(write=lambda casing, title, path, target: casing.body.save(path)),
+    ".mat": CasingFormat(write=lambda casing, title, path, target: write_mat(casing.body, path)),
     ".npz": _free(write_npz),
     ".mtx": _free(write_matrix_market),
     ".op4": _free(write_output4),
     ".pch": _free(write_punch),
-    ".uff": Format(
+    ".uff": CasingFormat(
         write=lambda casing, title, path, target: write_uff(casing.body, path, title=title, band=casing.band)
     ),
-    ".vtu": Format(write=_vtu, elastic=True),
-    ".step": Format(write=_step),
+    ".vtu": CasingFormat(write=_vtu, elastic=True),
+    ".step": CasingFormat(write=_step),
 }

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.casing.recognition.contents import Contents
+from fem.casing.recognition.contents import GeometryContents
 from fem.casing.recognition.shaft_fit import ShaftFit, tilt
 from pipelines.io.grid import grid
 from pipelines.io.shown import shown
@@ -17,7 +17,7 @@ _LEAST_TILT = 0.01  # degrees that are mentioned
 _USUAL_SIZE = (0.02, 5.0)  # m, longest side of a housing
 
 
-def listing(contents: Contents) -> Iterator[str]:
+def listing(contents: GeometryContents) -> Iterator[str]:
     """Unit and size, solids and what hangs loose, bores, flat faces, bolt patterns, tilt."""
     yield from _head(contents)
     yield _solids(contents)
@@ -41,7 +41,7 @@ def listing(contents: Contents) -> Iterator[str]:
         yield _patterns(contents)
 
 
-def _head(contents: Contents) -> Iterator[str]:
+def _head(contents: GeometryContents) -> Iterator[str]:
     size = np.ptp(contents.box, axis=0)
     how = "declared by the file" if contents.declared else "assumed, the file declares none; --unit states another"
     yield f"{shown(contents.name)}: unit {contents.unit} ({how})"
@@ -54,7 +54,7 @@ def _head(contents: Contents) -> Iterator[str]:
         yield (f"  a housing {longest:.4g} m long is unusual: give --unit, or --scene to find the unit of the shafts")
 
 
-def _solids(contents: Contents) -> str:
+def _solids(contents: GeometryContents) -> str:
     rows = [
         {
             "solid": one.number,
@@ -71,7 +71,7 @@ def _solids(contents: Contents) -> str:
     return _cut_off(title, rows, len(contents.solids))
 
 
-def _bores(contents: Contents) -> str:
+def _bores(contents: GeometryContents) -> str:
     rows = [
         {
             "bore": one.number,
@@ -88,14 +88,14 @@ def _bores(contents: Contents) -> str:
     return _cut_off(title, rows, len(contents.bores))
 
 
-def _tilt(contents: Contents) -> Iterator[str]:
+def _tilt(contents: GeometryContents) -> Iterator[str]:
     axis, angle = tilt(contents.bores)
     if np.degrees(angle) > _LEAST_TILT:
         name = "xyz"[int(np.abs(axis).argmax())]
         yield f"  tilt: {np.degrees(angle):.3f} deg between the widest bore and the axis {name} of the file"
 
 
-def _flats(contents: Contents) -> str:
+def _flats(contents: GeometryContents) -> str:
     rows = [
         {
             "face": one.number,
@@ -110,7 +110,7 @@ def _flats(contents: Contents) -> str:
     return _cut_off(title, rows, len(contents.flats))
 
 
-def _patterns(contents: Contents) -> str:
+def _patterns(contents: GeometryContents) -> str:
     rows = []
     for one in contents.patterns[: MOST_ROWS // 2]:
         around = f" about bore {one.around}" if one.around else ""

@@ -9,7 +9,7 @@ from importlib.resources import files
 
 import numpy as np
 
-from fem.casing.recognition.contents import Contents
+from fem.casing.recognition.contents import GeometryContents
 
 MOST_LABELS = 200
 _STEPS = 65535  # of a coordinate along the longest side, in two bytes
@@ -17,7 +17,7 @@ MOST_TRIANGLES = 125_000  # 3 MB of a page
 _CELLS = 2000  # of the finest grid along the longest side
 
 
-def housing_page(contents: Contents, seats: dict[int, str], text: str) -> str:
+def housing_page(contents: GeometryContents, seats: dict[int, str], text: str) -> str:
     """The HTML.
 
     Parameters

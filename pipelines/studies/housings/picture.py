@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.casing.recognition.contents import Contents
+from fem.casing.recognition.contents import GeometryContents
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -18,7 +18,7 @@ _LIGHT = np.array([0.35, -0.75, 0.56])
 _WALL, _SEAT, _OTHER = "#b9c2cc", "#c0392b", "#1f4e79"
 
 
-def housing_picture(contents: Contents, seats: dict[int, str]) -> Figure:
+def housing_picture(contents: GeometryContents, seats: dict[int, str]) -> Figure:
     """The surface from two sides, with the numbers of the widest bores; seats in red with the name of their bearing.
 
     A bore has its number where its end is seen; the title lists those that no side shows.
@@ -52,7 +52,7 @@ def housing_picture(contents: Contents, seats: dict[int, str]) -> Figure:
     return figure
 
 
-def _seen(contents: Contents, place: np.ndarray, eye: np.ndarray) -> bool:
+def _seen(contents: GeometryContents, place: np.ndarray, eye: np.ndarray) -> bool:
     """Whether no triangle lies between a place and the eye (Moller & Trumbore 1997, J. Graphics Tools 2, 21-28)."""
     first, second, third = contents.points[contents.triangles].transpose(1, 0, 2)
     along, across = second - first, third - first
@@ -68,7 +68,7 @@ def _seen(contents: Contents, place: np.ndarray, eye: np.ndarray) -> bool:
     return not bool(((u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (distance > near)).any())
 
 
-def _draw(axes: object, contents: Contents, azimuth: float) -> None:
+def _draw(axes: object, contents: GeometryContents, azimuth: float) -> None:
     from matplotlib.colors import to_rgb
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 

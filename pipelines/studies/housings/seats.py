@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from fem.casing.mesh.imported import UNITS
-from fem.casing.recognition.contents import Contents
-from fem.casing.recognition.shaft_fit import ShaftFit, ShaftPlace, fit_shafts
+from fem.casing.recognition.contents import GeometryContents
+from fem.casing.recognition.shaft_fit import FittedShaft, ShaftFit, fit_shafts
 from pipelines.machine.bearings import bearing_names
 from pipelines.machine.layout import lay_out
 from pipelines.scene.scene import Scene
 
 
-def shaft_places(scene: Scene, source: str) -> tuple[ShaftPlace, ...]:
+def shaft_places(scene: Scene, source: str) -> tuple[FittedShaft, ...]:
     """The shafts that have bearings in the casing; SceneError if its gears do not work."""
     layout = lay_out(scene, source)
     found: dict[int, list[tuple[str, float]]] = {}
@@ -21,7 +21,7 @@ def shaft_places(scene: Scene, source: str) -> tuple[ShaftPlace, ...]:
         if name.startswith("bearing"):
             found.setdefault(shaft, []).append((name, scene.shafts[shaft].si.bearing_positions[place]))
     return tuple(
-        ShaftPlace(
+        FittedShaft(
             x=layout.axes[shaft][0],
             z=layout.axes[shaft][1],
             bearings=tuple(bearings),
@@ -37,7 +37,7 @@ def _diameter(scene: Scene, shaft: int, y: float) -> float:
     return min(one.outer_diameter for one in sections if one.y_start <= y <= one.y_end)
 
 
-def fitting_units(contents: Contents, shafts: Sequence[ShaftPlace]) -> dict[str, ShaftFit]:
+def fitting_units(contents: GeometryContents, shafts: Sequence[FittedShaft]) -> dict[str, ShaftFit]:
     """Units of length for which bores coincide with the shafts, each with its fit, the best first."""
     count = sum(len(shaft.bearings) for shaft in shafts)
     found = {}

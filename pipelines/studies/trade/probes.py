@@ -45,7 +45,7 @@ class Value:
 
 
 @dataclass(frozen=True)
-class Probe:
+class QuantityKind:
     """A kind of quantity: `steps` gives the names of the required steps, `read` the values from their outcome."""
 
     steps: Callable[[Plant], Sequence[str]]
@@ -168,12 +168,12 @@ def _lines(machine: Plant, outcome: Outcome) -> list[Value]:
 
 
 PROBES = {
-    "gears": Probe(law_names, _gears),
-    "transmission": Probe(law_names, _transmission),
-    "casing": Probe(lambda _: ["casing"], lambda _, outcome: _natural_modes(outcome, FREQUENCIES)),
-    "modes": Probe(lambda _: ["casing"], lambda _, outcome: _natural_modes(outcome, MODES)),
-    "frf": Probe(lambda _: ["casing"], _frf),
-    "machine": Probe(lambda machine: [*machine.law_names, "casing"], _machine),
-    "signals": Probe(lambda _: ["simulate"], _signals),
-    "lines": Probe(lambda _: ["simulate"], _lines),
+    "gears": QuantityKind(law_names, _gears),
+    "transmission": QuantityKind(law_names, _transmission),
+    "casing": QuantityKind(lambda _: ["casing"], lambda _, outcome: _natural_modes(outcome, FREQUENCIES)),
+    "modes": QuantityKind(lambda _: ["casing"], lambda _, outcome: _natural_modes(outcome, MODES)),
+    "frf": QuantityKind(lambda _: ["casing"], _frf),
+    "machine": QuantityKind(lambda machine: [*machine.law_names, "casing"], _machine),
+    "signals": QuantityKind(lambda _: ["simulate"], _signals),
+    "lines": QuantityKind(lambda _: ["simulate"], _lines),
 }

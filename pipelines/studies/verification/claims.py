@@ -24,7 +24,7 @@ SIGNALS_DIFFER = -20.0  # dB; signals that differ by a tenth
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Evidence:
+class ClaimEvidence:
     """All measures in dB, see `pipelines.studies.verification.measures`.
 
     levels : (losses, load, seed, state, window, measure)
@@ -45,36 +45,36 @@ class Claim:
 
     words: str
     measure: str
-    compare: Callable[[Evidence, str], xarray.DataArray]
+    compare: Callable[[ClaimEvidence, str], xarray.DataArray]
     least: float
     reasons: tuple[str, ...]
 
 
-def over_control(evidence: Evidence, measure: str) -> xarray.DataArray:
+def over_control(evidence: ClaimEvidence, measure: str) -> xarray.DataArray:
     """Faulty over healthy (losses, load, seed), mean over lifting and lowering."""
     levels = evidence.levels.sel(measure=measure)
     return (levels.sel(state="faulty") - levels.sel(state="healthy")).mean("window")
 
 
-def of_control(evidence: Evidence, measure: str) -> xarray.DataArray:
+def of_control(evidence: ClaimEvidence, measure: str) -> xarray.DataArray:
     """The healthy machine (losses, load, seed), mean over lifting and lowering."""
     return evidence.levels.sel(measure=measure, state="healthy").mean("window")
 
 
-def lifting_over_lowering(evidence: Evidence, measure: str) -> xarray.DataArray:
+def lifting_over_lowering(evidence: ClaimEvidence, measure: str) -> xarray.DataArray:
     """Lifting over lowering (losses, load, seed) of the faulty machine."""
     levels = evidence.levels.sel(measure=measure, state="faulty")
     return levels.sel(window="lifting") - levels.sel(window="lowering")
 
 
-def added_in_lifting(evidence: Evidence, measure: str) -> xarray.DataArray:
+def added_in_lifting(evidence: ClaimEvidence, measure: str) -> xarray.DataArray:
     """Increase by the fault in lifting less that in lowering (losses, load, seed)."""
     levels = evidence.levels.sel(measure=measure)
     added = levels.sel(state="faulty") - levels.sel(state="healthy")
     return added.sel(window="lifting") - added.sel(window="lowering")
 
 
-def rope_over_torque(evidence: Evidence, measure: str) -> xarray.DataArray:
+def rope_over_torque(evidence: ClaimEvidence, measure: str) -> xarray.DataArray:
     """Rope over constant torque (losses, stretch, seed) of the faulty machine."""
     return evidence.loads.sel(measure=measure)
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipelines.io.grid import Grid
-from pipelines.studies.verification.claims import CLAIMS, UNTESTED, Claim, Evidence
+from pipelines.studies.verification.claims import CLAIMS, UNTESTED, Claim, ClaimEvidence
 
 if TYPE_CHECKING:
     import xarray
@@ -80,7 +80,7 @@ def stated() -> str:
     return "\n\n".join([RULE, *parts]) + "\n"
 
 
-def verdicts(evidence: Evidence) -> Verdicts:
+def verdicts(evidence: ClaimEvidence) -> Verdicts:
     """The judgements on every claim, one for each condition, by heading."""
     return {
         heading: [
@@ -139,7 +139,7 @@ def markdown(found: Verdicts) -> str:
     return _with_reasons(found, [f"**{grid.title}**\n\n{grid.to_markdown()}" for grid in grids(found)])
 
 
-def write(folder: Path, evidence: Evidence, found: Verdicts, facts: Mapping[str, Any]) -> tuple[Path, Path]:
+def write(folder: Path, evidence: ClaimEvidence, found: Verdicts, facts: Mapping[str, Any]) -> tuple[Path, Path]:
     """Write claims.md and claims.json: the verdicts, and all measures of all seeds.
 
     Parameters

@@ -22,7 +22,7 @@ from pipelines.signals.analysis import DiagnosisSettings
 from pipelines.signals.features.table import labelled_array
 from pipelines.signals.response import make_response
 from pipelines.studies.trade.variants import build_variants
-from pipelines.studies.verification.claims import Evidence
+from pipelines.studies.verification.claims import ClaimEvidence
 from pipelines.studies.verification.measures import Levels, fault_levels, load_levels
 
 LOADS = ("rope", "static-torque")
@@ -45,7 +45,7 @@ STRETCHES = {  # s; the ramps last from 0.2 to 0.3 s and from 2.6 to 2.9 s
 
 
 @dataclass(frozen=True, kw_only=True)
-class Case:
+class RigCase:
     """One simulation."""
 
     losses: str
@@ -59,22 +59,22 @@ class Case:
         return f"{self.state}, {self.load}, losses {self.losses}, seed {self.seed}"
 
 
-def cases(seeds: int) -> Iterator[Case]:
+def cases(seeds: int) -> Iterator[RigCase]:
     """Eight cases for each of the seeds 1, 2, ..."""
     for seed in range(1, seeds + 1):
         for losses in LOSSES:
             for load in LOADS:
                 for state in STATES:
-                    yield Case(losses=losses, load=load, seed=seed, state=state)
+                    yield RigCase(losses=losses, load=load, seed=seed, state=state)
 
 
-def scene_of(case: Case, preset: str) -> LoadedScene:
+def scene_of(case: RigCase, preset: str) -> LoadedScene:
     """The shipped scene of a case with its seed and friction, and the settings of the preset."""
     own = {"deviations.seed": case.seed, "sensors": [SENSOR], **LOSSES[case.losses]}
     return preset_on(load_scene(SCENES[case.state, case.load], own), preset)
 
 
-def simulated(seeds: int, preset: str, work: Work) -> Evidence:
+def simulated(seeds: int, preset: str, work: Work) -> ClaimEvidence:
     """Simulate all cases, or take them from the cache, and read the measures.
 
     Parameters
@@ -96,7 +96,7 @@ def simulated(seeds: int, preset: str, work: Work) -> Evidence:
         if machine.diagnosis is not None and case.state == "faulty"
     }
 
-    def run(case: Case) -> xarray.Dataset:
+    def run(case: RigCase) -> xarray.Dataset:
         return make_response(built[case.name][1].value("simulate"), machines[case].labels)
 
     levels: dict[tuple[str, ...], Levels] = {}
@@ -104,7 +104,7 @@ def simulated(seeds: int, preset: str, work: Work) -> Evidence:
     for seed in range(1, seeds + 1):
         for losses in LOSSES:
             runs = {
-                (state, load): run(Case(losses=losses, load=load, seed=seed, state=state))
+                (state, load): run(RigCase(losses=losses, load=load, seed=seed, state=state))
                 for state in STATES
                 for load in LOADS
             }
@@ -113,7 +113,7 @@ def simulated(seeds: int, preset: str, work: Work) -> Evidence:
                 levels |= {(losses, load, str(seed), *where): found for where, found in pair.items()}
             for stretch, found in _load_levels(runs, settings_by_load["rope"]).items():
                 loads[losses, str(seed), stretch] = found
-    return Evidence(
+    return ClaimEvidence(
         levels=_table(levels, ("losses", "load", "seed", "state", "window", "measure")),
         loads=_table(loads, ("losses", "seed", "stretch", "measure")),
     )
