@@ -111,11 +111,6 @@ def options_of(owner: type) -> tuple[tuple[dataclasses.Field, Option], ...]:
     return tuple((f, f.metadata["option"]) for f in dataclasses.fields(owner) if "option" in f.metadata)
 
 
-def option_of(owner: type, name: str) -> Option:
-    """The option of a dataclass that is the field of that name."""
-    return next(one for field, one in options_of(owner) if field.name == name)
-
-
 def check_options(owner: Any, error: type[Exception], name: str = "") -> None:
     """Raise an error that names the first option outside its limits or choices; None is inside.
 

@@ -245,6 +245,7 @@ def test_the_block_of_a_file_makes_the_scene_fit(tmp_path, monkeypatch, capsys):
     assert "units of length in which bores match the shafts of the scene: mm" in told
     block = (tmp_path / "found" / "housing.toml").read_text(encoding="utf-8")
     assert block in told
+    assert re.search(r"\ngrounds = .* through_mm = \[.*, -95\.0\], normal = \[0\.0, 0\.0, -1\.0\]", block)  # the feet
     assert re.search(r"# sensor sensor_3 is \d+ mm away from the housing \(limit 50 mm\): set position_mm = \[", block)
     (tmp_path / "mine.toml").write_text(f'extends = "minimal"\n{block}', encoding="utf-8")
     assert check_scene(load_scene("mine.toml")).plant.structure.housing.is_step

@@ -84,6 +84,12 @@ def test_pass_frequencies_are_looked_for_with_the_sidebands_of_the_load_zone():
     assert make_plant(scene()).diagnosis.passes == ()
 
 
+def test_a_spall_is_looked_for_at_the_rates_of_its_own_bearing():
+    sizes = [{"model": "hertz", "designation": name} for name in ("6206", "6205")]
+    (inner,) = make_plant(scene(INNER, **{"shafts.1.bearings": sizes})).diagnosis.passes
+    assert inner.frequency == pytest.approx(PER["BPFI"] * 50.0, rel=1e-4)
+
+
 def test_a_scene_without_its_faults_keeps_the_slip_of_its_cages_alone():
     slipping = BENCH["bearings"] | {"cage_slip": 0.01}
     healthy, faulty = (make_plant(scene(*faults, bearings=slipping)).machine for faults in ([], [OUTER]))

@@ -12,9 +12,8 @@ import benchmarks.reference_integrator  # noqa: F401 - registers it
 from mbd.elements.element import ENERGY
 from mbd.elements.rule_call import evaluated
 from mbd.excitations.cage_slip import PITCHES, CageSlip, lag_at
-from mbd.excitations.faulty_bearing import FaultyContacts, faulty_rule, with_faults
+from mbd.excitations.faulty_bearing import FaultyContacts, drop_at, faulty_rule, with_faults
 from mbd.excitations.spall import Spall, race_radius
-from mbd.excitations.spall_drop import drop_at
 from mbd.forces.rolling_bearing import RollingContacts, hertz_bearing
 from mbd.forces.torque import Torque
 from mbd.integrators.settings import Settings

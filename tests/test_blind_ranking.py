@@ -184,6 +184,8 @@ def test_against_a_control_known_damage_is_found_with_its_evidence_and_tooth():
         "of seed 1): mean of 6 features at near "
     )
     assert "). Tooth 7 has the highest envelope energy in 1 of 1. The reference is" in text
+    single = " ".join(case_sentences(cases[:1], [damage]))
+    assert "). Tooth 7 has the highest envelope energy. The reference is" in single
     alone = " ".join(case_sentences(cases[1:], [damage]))
     assert alone.startswith("Missing tooth 7 of the stage 1 pinion: not found. The reference is")
     assert [row[4] for row in cases_grid(cases, [damage]).rows] == ["found", "not found"]

@@ -12,7 +12,7 @@ import pytest
 
 from fem.storage.records import Record, array
 from pipelines.engine.cache import Cache
-from pipelines.engine.storage import StorageError, digest, flat, load_value, save_value
+from pipelines.engine.storage import StorageError, digest, flat, reader, save_value
 from pipelines.io.errors import CacheWarning
 
 KEY = "0123456789abcdef" * 4
@@ -286,7 +286,7 @@ def values():
 
 def test_values_come_back_with_the_same_bits(tmp_path):
     save_value(tmp_path, values())
-    loaded = load_value(tmp_path)
+    loaded = reader(tmp_path)()
     assert digest(loaded) == digest(values())
     assert loaded["page"] == "ü" * 500
     assert isinstance(loaded["nested"]["pair"], tuple)

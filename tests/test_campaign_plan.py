@@ -1,13 +1,14 @@
 """Plans: what is drawn, from which distribution, which scenes stay together, and what is refused."""
 
 import json
+from collections import Counter
 
 import numpy as np
 import pytest
 
 from pipelines.datasets.expressions import Expression, ExpressionError
 from pipelines.datasets.plan import load_plan
-from pipelines.datasets.scenes import sampled_scenes, scene_key, scene_of
+from pipelines.datasets.scenes import sampled_scenes, scene_key, scene_of, split_groups
 from pipelines.io.errors import InputError, SceneError
 
 SPEED = 'drive.speeds_rpm = [0.0, "$speed", "$speed"]\n'
@@ -151,6 +152,59 @@ validation = 0.15
     assert all(len(parts) == 1 for parts in sides.values())
     counts = {part: sum(parts == {part} for parts in sides.values()) for part in ("train", "test", "validation")}
     assert counts == {"train": 12, "test": 5, "validation": 3}
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_every_label_has_its_share_of_every_part_of_the_split(tmp_path, seed):
+    """About a third of the scenes are healthy; by chance alone a part of 4 has none of them in a fifth of all plans."""
+    text = f"""scenes = 40
+seed = {seed}
+[variables]
+state = {{ values = ["healthy", "missing"], weights = [1.0, 2.0] }}
+speed = {{ from = 600.0, to = 900.0 }}
+tooth = {{ from = 0, to = 9 }}
+[settings]
+{SPEED}{CASES}
+[split]
+test = 0.3
+validation = 0.1
+"""
+    found = sampled_scenes(plan(tmp_path, text))
+    assert Counter(one.split for one in found) == {"train": 24, "test": 12, "validation": 4}
+    count = Counter(one.values["state"] for one in found)
+    for part, share in (("test", 0.3), ("validation", 0.1)):
+        inside = Counter(one.values["state"] for one in found if one.split == part)
+        assert all(abs(inside[state] - share * count[state]) < 1.0 for state in count)
+    assert [one.split for one in found] == [one.split for one in sampled_scenes(plan(tmp_path, text, "again"))]
+
+
+def test_labels_have_their_share_also_where_groups_stay_together(tmp_path):
+    """60 scenes of 10 gears, each with both labels in other numbers: 3 gears for testing, 18 scenes."""
+    text = f"""scenes = 60
+design = "random"
+[variables]
+state = ["healthy", "missing"]
+specimen = {{ from = 1, to = 10 }}
+tooth = {{ from = 0, to = 9 }}
+[settings]
+deviations.seed = "$specimen"{CASES}"""
+    found = sampled_scenes(plan(tmp_path, text))
+    test = [one for one in found if one.split == "test"]
+    assert len({one.group for one in test}) == 3
+    assert not {one.group for one in test} & {one.group for one in found if one.split == "train"}
+    for state, count in Counter(one.values["state"] for one in found).items():
+        assert sum(one.values["state"] == state for one in test) == pytest.approx(0.3 * count, abs=2.5)
+
+
+@pytest.mark.parametrize(("sizes", "expected"), [((32, 43, 25), (3, 4, 3)), ((1, 1, 8), (0, 0, 1))])
+def test_groups_of_one_scene_are_apportioned_by_largest_remainders(tmp_path, sizes, expected):
+    """Hamilton's method: a tenth of 32, 43 and 25 is 3.2, 4.3 and 2.5; the largest remainder is 0.5."""
+    cases = [(name,) for name, size in zip("abc", sizes, strict=False) for _ in range(size)]
+    settings = "[variables]\nspeed = { from = 600.0, to = 900.0 }\n[settings]\n" + SPEED
+    made = plan(tmp_path, f"scenes = 4\n[split]\ntest = 0.1\n{settings}")
+    parts = split_groups(made.table, [str(n) for n in range(len(cases))], cases)
+    inside = Counter(case for n, (case,) in enumerate(cases) if parts[str(n)] == "test")
+    assert tuple(inside[name] for name in "abc"[: len(sizes)]) == expected
 
 
 def test_a_key_tells_scenes_apart_and_nothing_else(tmp_path):

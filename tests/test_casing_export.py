@@ -19,7 +19,7 @@ from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
-from pipelines.cli.casing import missed_error, mode_table, part_table, reduction_words
+from pipelines.cli.casing import _texts, band_words, missed_error, mode_table, part_table, reduction_words
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, Step, explain
@@ -134,6 +134,19 @@ def test_a_mode_has_one_frequency_and_its_error_band(elastic):
         ["1", f"{natural.frequencies[0]:.2f}", "-"],
         ["2", f"{natural.frequencies[1]:.2f}", "1.23"],
     ]
+
+
+def test_modes_that_are_not_shown_and_modes_without_a_band_are_explained(elastic):
+    _, modes, body = elastic
+    fields = {"mesh": None, "checkup": None, "limits": None, "error": None, "records": (), "band": 1e3}
+    casing = Casing(body=body, modes=modes, natural=natural_modes(modes), **fields)
+    casing = replace(casing, checkup=SimpleNamespace(report=lambda _: ""))
+    total = len(casing.frequencies)
+    assert f"Modes 1 to 2 of {total}. To print more, set --modes." in list(_texts(casing, 2))
+    assert not [text for text in _texts(casing, total) if text.startswith("Modes 1")]
+    limits = SimpleNamespace(orders=np.full(2, np.nan), ratios=np.array([0.99, 1.0]))
+    assert "-: no band." in band_words(limits, np.array([np.nan, 0.01]))
+    assert "-: no band." not in band_words(limits, np.array([0.02, 0.01]))
 
 
 def test_the_band_of_a_frequency_is_that_of_its_extrapolation(elastic):
@@ -270,7 +283,9 @@ def test_a_sheet_holds_a_still_of_every_mode_at_its_largest_deflection(elastic, 
     monkeypatch.setattr(mode_pictures, "render_mode", render)
     monkeypatch.setattr(mode_pictures, "sheet_figure", lambda *some: drawn_sheets.append(some) or sheet(*some))
     views = [replace(mode_view(elastic), number=n, frequency=100.0 * n) for n in range(1, 31)]
-    found = mode_pictures.write_modes(iter(views), len(views), tmp_path)
+    done = []
+    found = mode_pictures.write_modes(iter(views), len(views), tmp_path, lambda *counts: done.append(counts))
+    assert done == [(n, 30) for n in range(1, 31)]
     assert [path.name for path in found] == ["casing_modes_1.png", "casing_modes_2.png"]
     assert all(path.stat().st_size > 1000 for path in found)
     assert len(shades) == 30

@@ -29,6 +29,7 @@ from pipelines.machine.checks.strength import (
 from pipelines.machine.checks.validity import checked_plant
 from pipelines.machine.layout import lay_out
 from pipelines.machine.machine import make_drivetrain
+from pipelines.runs.checked import check_scene
 from pipelines.scene.file import load_scene
 from pipelines.steps.study import plan_study
 
@@ -275,6 +276,13 @@ def test_check_counts_the_signals_of_each_simulation():
     assert found.endswith(f"{cost.words(on_disk)} on disk")
 
 
+def test_the_time_of_a_step_grows_with_every_sixteen_slices_of_a_stage():
+    train = [make_drivetrain(load_scene("minimal", {"stages.1.mesh.slices": n}).scene) for n in (1, 16, 17, 33)]
+    one, full, two, three = (cost.cost(each).seconds for each in train)
+    assert one == full < two
+    assert three - two == pytest.approx(two - full)
+
+
 @pytest.mark.parametrize("scene", ["minimal", "rig-healthy"])
 def test_the_channels_counted_are_those_recorded(scene):
     loaded = load_scene(scene).scene
@@ -382,3 +390,11 @@ def test_mounts_that_do_not_fit_the_feet_are_refused_before_the_mesh(name, setti
     loaded = load_scene(name, {"casing.ground": "springs", **settings})
     with pytest.raises(SceneError, match=words):
         checked_plant(loaded.scene, loaded.source.shown)
+
+
+def test_one_load_that_is_too_large_is_one_problem():
+    """It exceeds both the static strength and the deflection at which linear elasticity holds."""
+    with pytest.raises(SceneError) as refused:
+        check_scene(load_scene("pair", {"load.torque_N_m": 1e5}))
+    assert len(refused.value.problems) == 1
+    assert "the best gear steel bears 2640 MPa" in str(refused.value)

@@ -81,9 +81,7 @@ def test_a_program_of_ours_runs_nothing_of_the_working_folder(planted, monkeypat
 
 def test_the_renderer_runs_nothing_of_the_working_folder(planted, tmp_path, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", str(planted))
-    job = tmp_path / "job.json"
-    job.write_text("{}", encoding="utf-8")
-    assert "KeyError" in str(render._run_child(job, 120.0))  # it came as far as the empty job
+    assert "KeyError" in render._run_job(tmp_path, {}, {}, 120.0)  # it came as far as the empty job
     assert harmless(planted)
 
 

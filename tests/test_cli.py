@@ -152,6 +152,12 @@ def test_an_example_prints_what_its_help_shows(capsys, here, own_cache, command)
         (["dataset"], "Give one of info, check, features, export"),
         (["gears", "pair", "--torque", "50,100"], "Separate numbers by blanks: 50 100"),
         (["tradeoff", "minimal", "--error", "2"], "'2' is above 1, that is above 100 %; for 2 per cent write 2%"),
+        (
+            ["check", "minimal", "--torque", "3"],
+            "arguments: --torque 3. --torque is an option of gears, inspect. Help:",
+        ),
+        (["check", "minimal", "--quieet"], "Did you mean --quiet?"),
+        (["check", "minimal", "--xyz"], "arguments: --xyz. Help:"),
         (["chek", "minimal"], "Did you mean check? Help: gearcase COMMAND --help"),
         (["runs", "clena"], "Did you mean clean? Help: gearcase runs --help"),
         (["tradeoff", "minimal", "--time", "2h"], "'2h' is not a time above 0 in s"),

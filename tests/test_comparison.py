@@ -13,6 +13,8 @@ from pipelines.cli.main import main
 from pipelines.diagnosis.comparison.curves import curves
 from pipelines.diagnosis.comparison.features import features_of, most_different_shaft
 from pipelines.diagnosis.comparison.part import brought_together, part_of
+from pipelines.report.figures.comparison_plots import _mark
+from pipelines.report.figures.plots import new_figure
 from pipelines.scene.file import load_scene
 from pipelines.signals.features.average import FEWEST_TURNS
 from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
@@ -291,3 +293,16 @@ def test_the_time_that_a_slow_shaft_needs_follows_from_the_longest_window():
     part = part_of("r", recording({20: 1.0}), slow, windows)
     (line,) = features_of([part, part]).tables[0].left_out
     assert line == f"slow: 0.8 turns in a window, {(FEWEST_TURNS + 1) * 2:g} s would be needed"
+
+
+def test_the_names_of_orders_that_almost_coincide_are_all_readable():
+    """2 BSF and BPFI of a bearing can differ by a hundredth of an order."""
+    figure = new_figure(2.6)
+    axes, span = figure.subplots(), (0.0, 20.0)
+    axes.set_xlim(*span)
+    marks = {"bearing_1 BPFI": 5.43, "shaft_1": 1.0, "bearing_1 2 BSF": 5.42, "bearing_1 BPFO": 3.57, "$f_{m1}$": 5.6}
+    _mark(axes, marks, span, named=True)
+    figure.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in axes.texts]
+    assert {text.get_text() for text in axes.texts} == set(marks)
+    assert not any(one.overlaps(other) for n, one in enumerate(boxes) for other in boxes[:n])

@@ -13,6 +13,7 @@ import pytest
 import xarray
 
 import gearcase
+from gearcase import hidden
 from pipelines.report.figures import render
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -248,6 +249,14 @@ def test_the_import_names_the_folder_that_hides_a_package(tmp_path, name):
         folder = tmp_path.resolve()
         assert last.startswith(f"ImportError: {folder / name} in the folder {folder} hides {what}")
         assert "start Python in another folder" in last
+
+
+def test_files_and_packages_named_like_modules_of_python_are_found(tmp_path, monkeypatch):
+    monkeypatch.setattr(sys, "path", [str(tmp_path), *sys.path])
+    for name in ("queue.py", "json", "mine.py"):
+        write(tmp_path, name)
+    found = hidden._named_like_pythons_own()
+    assert found == {"queue": tmp_path / "queue.py", "json": tmp_path / "json" / "__init__.py"}
 
 
 def test_a_folder_without_init_hides_nothing_or_is_named(tmp_path):

@@ -65,6 +65,7 @@ def test_a_web_takes_the_stiffness_of_its_thickness():
     inner = np.linalg.norm(mesh.points[mesh.elements[:, 4]], axis=1) < rimmed.rim_inner_radius
     assert set(mesh.filling[inner]) == {0.25}
     assert set(mesh.filling[~inner]) == {1.0}
+    assert set(sector_mesh(replace(gear, rim_thickness=5e-3), 0.5).filling) == {1.0}  # by default as wide as the face
     full = stiffness(mesh.points, mesh.elements, 1.0, 0.3)
     webbed = stiffness(mesh.points, mesh.elements, 1.0, 0.3, filling=mesh.filling)
     rim = stiffness(mesh.points, mesh.elements[~inner], 1.0, 0.3)

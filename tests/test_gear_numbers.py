@@ -53,6 +53,16 @@ def test_a_crack_shows_on_the_flank_of_its_mouth_alone():
     assert coast["secant N/um"] == pytest.approx(healthy["secant N/um"], rel=1e-9)
 
 
+@pytest.mark.parametrize("fault", [CRACK | {"depth_mm": 3.0}, {k: CRACK[k] for k in ("stage", "gear", "tooth")} | {
+    "kind": "missing-tooth"}])  # fmt: skip
+def test_the_pressure_beside_a_damaged_tooth_is_that_of_the_neighbour_that_carries_its_load(fault):
+    _, (healthy, faulty), (pair,) = found(fault)
+    patterns = [float(np.nanmax(pair.pattern(tooth=n, faulty=True).values, initial=0.0)) for n in (2, 3, 4)]
+    assert patterns[1] < max(patterns)
+    assert faulty["pressure MPa"] == pytest.approx(max(patterns) / 1e6, rel=1e-12)
+    assert faulty["pressure MPa"] > healthy["pressure MPa"]
+
+
 def test_wear_of_all_teeth_is_not_in_the_healthy_curve():
     worn, _, _ = found(WEAR)
     sound, _, _ = found()

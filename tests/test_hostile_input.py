@@ -344,11 +344,11 @@ def test_markup_in_a_title_stays_text(tmp_path):
     from pipelines.report.figures.callouts import plain
     from pipelines.report.figures.film import film_page
     from pipelines.report.figures.plots import dress, new_figure
-    from pipelines.report.first_page import first_screen
     from pipelines.report.report import report_body, write_report
+    from pipelines.report.run_screen import screen_parts
 
     title = "<script>alert(1)</script> [bold]$\\frac$ & $x"
-    first = first_screen(sentences=[title], figures=[(title, title)])
+    first = screen_parts(sentences=[title], figures=[(title, title)])
     page = write_report(
         tmp_path / "report.html",
         title,

@@ -33,11 +33,15 @@ from pipelines.report.figures.shapes import gear_view
 from pipelines.report.figures.stress_pictures import (
     FORMATS,
     StressView,
+    root_stresses,
     stress_figure,
     teeth_in_mesh,
     write_teeth,
 )
 from pipelines.report.figures.views import Picture
+from pipelines.runs.inspect_stress import _stress_steps
+from pipelines.runs.single_results import scene_graph
+from pipelines.scene.file import load_scene
 from pipelines.steps import stress
 
 LOAD = 1200.0
@@ -49,10 +53,7 @@ def state_of(pair, record, law, wheel, index=24):
     flanks = FlanksSpec(
         pair=pair, modifications=PairModifications(), pinion_damage=(), wheel_damage=(), pinion_wear=(), wheel_wear=()
     )
-    spec = stress.StressSpec(
-        flanks=flanks, model=COARSE, index=index, force=LOAD, pinion_terms=np.zeros(20), wheel_terms=wheel
-    )
-    return stress.build(spec, record=record, laws=(law, law))
+    return stress.build(flanks, COARSE, index, LOAD, np.zeros(20), wheel, record=record, laws=(law, law))
 
 
 @pytest.fixture(scope="module", params=[("right", "left"), pytest.param(("left", "right"), marks=pytest.mark.slow)])
@@ -113,6 +114,35 @@ def test_a_missing_tooth_leaves_its_rim_and_loads_its_neighbours(solved):
     assert teeth.von_mises.max() > 1.3 * whole.von_mises.max()
     for state in (healthy, faulty):
         assert state.line_load.sum() * pair.face_width / COARSE.slices == pytest.approx(LOAD, rel=1e-9)
+
+
+def test_the_root_stress_is_that_of_a_cantilever_on_the_fillet_and_grows_beside_a_missing_tooth(solved):
+    """ISO 6336-3: sigma_F0 = F_t / (b m_n) Y_F Y_S Y_beta, with Y_F Y_S from 2 to 4; two pairs share the load."""
+    pair, healthy, faulty = solved
+    nominal = LOAD * np.cos(pair.working_pressure_angle) / pair.face_width / pair.pinion.normal_module / 1e6
+    rows = root_stresses(pair, teeth_in_mesh(pair, healthy))
+    assert [row["gear"] for row in rows] == ["pinion", "wheel"]
+    for row, gear in zip(rows, (pair.pinion, pair.wheel), strict=True):
+        above_root = row["diameter mm"] / 2000 - gear.root_radius
+        assert 0.0 < above_root < 0.8 * gear.normal_module
+        assert abs(row["y mm"]) <= 500 * pair.face_width * (1 + 1e-9)
+        assert 1.0 * nominal < row["root stress MPa"] < 4.0 * nominal
+    if faulty is not None:
+        beside = root_stresses(pair, teeth_in_mesh(pair, faulty))[1]
+        assert beside["tooth pair"] != 3
+        assert beside["root stress MPa"] > 1.3 * rows[1]["root stress MPa"]
+
+
+def test_a_crack_alone_has_one_state_because_the_elements_are_those_of_a_healthy_tooth():
+    crack = {"kind": "cracked-tooth", "stage": 1, "gear": "wheel", "tooth": 3, "depth_mm": 1.0}
+    gone = {"kind": "missing-tooth", "stage": 1, "gear": "wheel", "tooth": 7}
+
+    def names(*faults):
+        machine = scene_graph(load_scene("minimal", {"faults": list(faults)}))[1]
+        return [step.name for step in _stress_steps(machine, 1, 24, LOAD)[1:]]
+
+    assert names(crack) == ["healthy_stress_1"]
+    assert names(crack, gone) == ["healthy_stress_1", "faulty_stress_1"]
 
 
 @pytest.mark.parametrize("ending", [".vtu", ".inp", ".msh", ".bdf"])

@@ -7,9 +7,8 @@ import pytest
 from measured import signals
 
 from pipelines.io.errors import InputError, SceneError
-from pipelines.machine.kinematics import kinematics_of
+from pipelines.machine.kinematics import kinematics_of, pass_rates
 from pipelines.machine.layout import lay_out
-from pipelines.machine.looked_for import pass_rates
 from pipelines.machine.machine import make_plant
 from pipelines.recordings.machine import read_machine
 from pipelines.recordings.recording import read_recording

@@ -21,10 +21,10 @@ from pipelines.report import page
 from pipelines.report.figures.plots import StiffnessPlot, drive_figure, stiffness_figure, waveform_figure
 from pipelines.report.figures.views import LeftOut
 from pipelines.report.first_figures import average_figure, envelope_figure
-from pipelines.report.first_page import first_screen
 from pipelines.report.page import typeset
 from pipelines.report.report import report_body, write_report
-from pipelines.report.zoom_data import extremes, largest
+from pipelines.report.run_screen import screen_parts
+from pipelines.report.zoom_data import extremes, largest, views
 from pipelines.steps import pictures
 
 LEFT_OUT = "The picture of the gear pair is left out: off-screen rendering ended with SIGSEGV. Install libegl1."
@@ -121,7 +121,7 @@ def full(tmp_path_factory, runs, diagnosis):
     contents = {
         "sensor": "sensor_3",
         "title": "Hoist with a missing tooth",
-        "first": first_screen(**FIRST),
+        "first": screen_parts(**FIRST),
         "diagnoses": (diagnosis,),
         "seeds": (diagnosis,),
         "summary": {"motor speed": "900 rpm", "coordinates": 212},
@@ -227,6 +227,15 @@ def test_a_spectrum_that_zooms_has_the_lines_of_the_diagnosis(full, diagnosis):
     at = int(np.argmax(amplitude))
     assert trace["start"] + at * trace["step"] == pytest.approx(MESH)
     assert len(amplitude) == len(diagnosis.spectra["faulty", "lifting"].amplitude)
+
+
+def test_spectra_that_zoom_have_marks_from_the_first_harmonic_on():
+    settings = DiagnosisSettings(
+        revolution_frequency=WHEEL, mesh_frequency=MESH, windows={"lifting": WINDOWS["lifting"]}, sensor="sensor_3"
+    )
+    _, spectrum, envelope = views(settings, (1500.0, 4500.0))
+    assert spectrum.marks[:2] == ((MESH, "fₘ"), (2 * MESH, "2 fₘ"))
+    assert envelope.marks[:2] == ((WHEEL, "fᵣ"), (2 * WHEEL, "2 fᵣ"))
 
 
 def unpacked(trace):

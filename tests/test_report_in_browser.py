@@ -13,8 +13,8 @@ from pipelines.diagnosis.control_diagnosis import DiagnosisSettings, diagnose
 from pipelines.report import page
 from pipelines.report.figures.plots import StiffnessPlot
 from pipelines.report.first_figures import average_figure, envelope_figure
-from pipelines.report.first_page import first_screen
 from pipelines.report.report import report_body, write_report
+from pipelines.report.run_screen import screen_parts
 from pipelines.steps import pictures
 
 pytestmark = [
@@ -56,7 +56,7 @@ def report(tmp_path_factory):
         marked_name="tooth 21",
     )
     envelope = envelope_figure(own.frequency[:120], own.amplitude[:120], marked=[(WHEEL, "f_r")], band="1 to 2 kHz")
-    first = first_screen(
+    first = screen_parts(
         sentences=[
             "A tooth of gear 2 (55 teeth, shaft 2) is damaged: tooth 21 +- 1.",
             "The rms of the difference signal lies 14.2 dB over the healthy recordings, p = 0.002 after Holm's "

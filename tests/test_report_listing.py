@@ -3,16 +3,20 @@
 import re
 import sys
 
+import numpy as np
 import pytest
 
+from fem.gears.modifications import active_roll
 from pipelines.engine.run_graph import Work
 from pipelines.engine.storage import digest
 from pipelines.machine.machine import make_plant
 from pipelines.report.figures import render
 from pipelines.runs import run_folder
+from pipelines.runs.checked import check_scene
 from pipelines.runs.run import run_scene
 from pipelines.scene.file import load_scene
 from pipelines.steps.pictures import picture_steps
+from pipelines.steps.reporting import gear_rows
 
 RENDERER = """
 import json, sys
@@ -116,6 +120,41 @@ def test_a_sensor_that_is_not_on_the_casing_is_named_once_in_the_log_and_in_the_
     for text in (page, caplog.text):
         (distance,) = re.findall(r"sensor_3 measures at the nearest point of the casing, ([\d.]+) mm from", text)
         assert float(distance) == pytest.approx(15, abs=0.5)
+
+
+def test_a_run_warns_as_check_does(tmp_path, caplog):
+    """The scene minimal has the model iso and a line load of less than 100 N/mm."""
+    loaded = load_scene("minimal", {"simulation.end_s": 0.1, "diagnosis.windows_s": {}})
+    warnings = check_scene(loaded).warnings
+    assert any("low-load reduction of ISO 6336-1" in text for text in warnings)
+    run_scene(loaded, out=tmp_path / "run", with_report=False, work=Work(quiet=True, processes=1))
+    logged = [record.getMessage() for record in caplog.records]
+    assert [text for text in warnings if text in logged] == list(warnings)
+
+
+def root_start(plant):
+    """A radius (m) near the root of the active profile of the wheel of stage 1."""
+    pair = plant.layout.pairs[0]
+    return np.hypot(pair.wheel.base_radius, active_roll(pair, "wheel")[0] + 0.3e-3)
+
+
+def test_the_table_of_gears_states_the_modifications_of_the_scene_whatever_the_sense_of_the_law():
+    """The face coordinate of a law may run along -y; the ends and slopes of the table are those of the scene."""
+    pinion = {"tip_relief": {"amount_um": 11.0, "length_mm": 1.5}, "helix_slope_um": 4.0,
+              "end_relief_plus_y": {"amount_um": 6.0, "length_mm": 2.0, "shape": "parabolic"}}  # fmt: skip
+    words = "tip relief 11 um over 1.5 mm, linear; end relief plus y 6 um over 2 mm, parabolic; helix slope 4 um"
+    senses = set()
+    for scene in ("minimal", "rig-healthy"):
+        settings = {f"stages.{n}.pinion": pinion for n in range(1, len(load_scene(scene).scene.stages) + 1)}
+        plant = make_plant(load_scene(scene, settings).scene)
+        senses |= set(plant.layout.pinion_senses)
+        rows = gear_rows(plant)
+        by_diameter = {"stages.1.wheel.root_relief": {"amount_um": 5.0, "diameter_mm": 2e3 * root_start(plant)}}
+        changed_plant = make_plant(load_scene(scene, by_diameter).scene)
+        assert gear_rows(changed_plant)[1]["flank modifications"].startswith("root relief 5 um from diameter ")
+        assert {row["flank modifications"] for row in rows if row["gear"] == "pinion"} == {words}
+        assert {row["flank modifications"] for row in rows if row["gear"] == "wheel"} == {"none"}
+    assert senses == {1, -1}
 
 
 def changed(**settings):

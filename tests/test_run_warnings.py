@@ -14,6 +14,7 @@ from pipelines.datasets.plan import load_plan
 from pipelines.datasets.rows import read_row, write_row, write_table
 from pipelines.datasets.scenes import sampled_scenes, scene_of
 from pipelines.scene.file import load_scene
+from pipelines.signals.motion_warnings import needed_step_us
 
 ROOT = Path(__file__).resolve().parent.parent
 COARSE = """
@@ -67,6 +68,7 @@ def test_a_step_that_is_too_long_is_counted_everywhere_and_the_named_one_is_shor
     assert f"is {least} to {most} % of their rms, limit 5 %" in line
     (step,) = re.findall(r"Set simulation\.step_us = ([\d.]+) under \[settings\] of the plan", line)
     assert all(line.removeprefix("warning: ") in text for text in shown(done.folder, capsys))
+    assert step == needed_step_us(max(errors), step=400e-6, rate=2500.0)
     better = simulated(tmp_path / "fine", COARSE.replace("step_us = 400.0", f"step_us = {step}"))
     assert better.warnings == ()
     info, check, card = shown(better.folder, capsys)

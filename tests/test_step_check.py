@@ -14,8 +14,8 @@ from mbd.parts.drive import SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 from pipelines.cli.main import main
-from pipelines.report.first_page import first_screen
 from pipelines.report.report import report_body
+from pipelines.report.run_screen import screen_parts
 from pipelines.signals.motion_warnings import gathered, motion_warnings
 
 RAMP = SpeedProfile(times=np.array([0.0, 0.04]), speeds=np.array([0.0, 94.25]))
@@ -101,7 +101,7 @@ def test_a_sound_run_says_nothing(tmp_path, capsys, caplog):
 
 
 def test_the_report_says_it_before_all_else(tmp_path):
-    first = first_screen(sentences=["A tooth is missing."])
+    first = screen_parts(sentences=["A tooth is missing."])
     contents = {"title": "A machine", "cautions": ("The time step is too long.",), "first": first}
     text = report_body(**contents)
     assert text.index("Warning: The time step is too long.") < text.index("A tooth is missing.")

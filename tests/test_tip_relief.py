@@ -1,4 +1,4 @@
-"""Usual tip reliefs, orders of the transmission error, and the one Hertz pressure of `gears` and `inspect`."""
+"""Compared tip reliefs, orders of the transmission error, and the one Hertz pressure of `gears` and `inspect`."""
 
 import math
 
@@ -10,7 +10,7 @@ from fem.gears.modifications import relief_lengths
 from pipelines.cli.gears import notes
 from pipelines.machine.layout import lay_out
 from pipelines.report.figures.plots import orders
-from pipelines.runs.gear_numbers import MeshState, gear_curves, gear_rows, relief_amounts, transmission_errors
+from pipelines.runs.gear_numbers import MeshState, gear_curves, gear_rows, relief_errors, transmission_errors
 from pipelines.scene.file import load_scene
 
 SPUR = {"stages.1.pinion_teeth": 23, "stages.1.wheel_teeth": 57, "stages.1.module_mm": 3.0,
@@ -50,44 +50,65 @@ def test_teeth_with_two_or_three_pairs_in_contact_have_no_usual_length():
     gears = lay_out(load_scene("pair", settings).scene).pairs[0]
     assert gears.transverse_contact_ratio > 2
     assert relief_lengths(gears) is None
+    assert relief_errors(pair(**settings), MeshState(force=1000.0, tilt=0.0)) == []
 
 
-def test_the_amount_is_the_deflection_of_one_tooth_pair():
+def test_the_largest_amount_is_the_deflection_of_one_tooth_pair():
     """C_eff = F / (b c') with c' = 15.09 N/(mm um) of a separate finite-element program at the pitch point, 50 N/mm."""
     found = pair(**{
         "stages.1.pinion_teeth": 20, "stages.1.wheel_teeth": 55, "stages.1.module_mm": 2.0,
         "stages.1.face_width_mm": 30.0, "stages.1.pinion_bore_mm": 35.0 / 1.4, "stages.1.wheel_bore_mm": 105.0 / 1.4,
     })  # fmt: skip
-    _, whole = relief_amounts(found, MeshState(force=1500.0, tilt=0.0))
-    at_pitch_point = 1500.0 / 30.0 / 15.09e6 * 1.0
+    whole = relief_errors(found, MeshState(force=1500.0, tilt=0.0))[-1]["amount um"]
+    at_pitch_point = 1500.0 / 30.0 / 15.09
     assert at_pitch_point <= whole * 1.01
     assert whole == pytest.approx(at_pitch_point, rel=0.06)
 
 
-def test_the_smaller_amount_with_long_reliefs_removes_most_of_the_transmission_error():
-    involute = pair()
+@pytest.mark.parametrize("helix", [0.0, 12.0])
+def test_the_best_relief_in_a_scene_gives_the_transmission_error_that_is_printed(helix):
+    """The full deflection of a helical pair would leave more transmission error than no relief with a short length."""
+    settings = {"stages.1.helix_angle_deg": helix, "stages.1.mesh.slices": 15 if helix else 1}
     state = MeshState(force=6000.0, tilt=0.0)
-    least, whole = relief_amounts(involute, state)
-    _, long = relief_lengths(involute.pair)
-
-    def error(amount):
-        relief = {"amount_um": 1e6 * amount, "length_mm": 1e3 * long * (1 - 1e-9)}
-        relieved = pair(**{"stages.1.pinion.tip_relief": relief, "stages.1.wheel.tip_relief": relief})
-        found = transmission_errors(relieved, state)
-        assert np.allclose(found.unmodified, transmission_errors(involute, state).actual, rtol=1e-12)
-        return np.ptp(found.actual)
-
-    plain = np.ptp(transmission_errors(involute, state).actual)
-    assert error(least) < 0.35 * plain
-    assert error(least) < min(error(0.6 * least), error(1.4 * least))
-    assert least < whole
+    none, *others = relief_errors(pair(**settings), state)
+    best = min(others, key=lambda row: row["TE p-p um"])
+    (line,) = (line for line in notes([], [none, *others]) if "reduces" in line)
+    assert f"amount_um = {best['amount um']:g}, length_mm = {best['length mm']:g} reduces" in line
+    assert best["TE p-p um"] < 0.35 * none["TE p-p um"]
+    relief = {"amount_um": best["amount um"], "length_mm": best["length mm"]}
+    relieved = pair(**settings, **{"stages.1.pinion.tip_relief": relief, "stages.1.wheel.tip_relief": relief})
+    unmodified, modified = gear_rows([relieved], gear_curves([relieved], [state]))
+    assert none["TE p-p um"] == pytest.approx(unmodified["TE p-p um"], rel=1e-6)
+    assert best["TE p-p um"] == pytest.approx(modified["TE p-p um"], rel=1e-6)
 
 
-def test_a_proposed_amount_is_within_the_limit_of_its_key():
-    """Above 0.1 modules (0.3 mm) no relief can be set; the proposal gives the limit and the remedy."""
-    (line,) = (line for line in notes([(pair(), MeshState(force=1e7, tilt=0.0))]) if "amount_um" in line)
-    assert "amount_um = 300 (least" in line
-    assert "above the limit of amount_um, 300 um (0.1 modules, at most 1 mm). Reduce the torque" in line
+def test_other_modifications_of_the_scene_stay_with_the_compared_reliefs():
+    changed = pair(**{"stages.1.pinion.profile_crowning_um": 8.0, "stages.1.pinion.tip_relief": {
+        "amount_um": 5.0, "length_mm": 3.0}})  # fmt: skip
+    state = MeshState(force=6000.0, tilt=0.0)
+    crowned = pair(**{"stages.1.pinion.profile_crowning_um": 8.0})
+    assert relief_errors(changed, state) == relief_errors(crowned, state)
+    assert relief_errors(crowned, state)[0]["TE p-p um"] != relief_errors(pair(), state)[0]["TE p-p um"]
+
+
+def test_where_every_relief_increases_the_transmission_error_none_is_best():
+    rows = [{"stage": 1, "torque N m": 50.0, "amount um": a, "length mm": 2 * a, "TE p-p um": 1.0 + a} for a in (0, 1)]
+    assert "stage 1, 50 N m on the pinion: no tip relief is better: TE p-p 1 um, with relief at least 2 um" in notes(
+        [], rows
+    )
+
+
+def test_amounts_end_at_the_limit_of_their_key():
+    """Above 0.1 modules (0.3 mm) no relief can be set."""
+    assert relief_errors(pair(), MeshState(force=1e6, tilt=0.0))[-1]["amount um"] == 300.0
+
+
+def test_one_load_beyond_the_table_of_the_law_has_one_warning(caplog):
+    found, state = pair(), MeshState(force=3e5, tilt=0.0)
+    relief_errors(found, state)
+    gear_curves([found], [state])
+    transmission_errors(found, state)
+    assert len({record.getMessage() for record in caplog.records}) == 1
 
 
 def test_orders_are_the_amplitudes_of_the_waves():

@@ -13,7 +13,7 @@ from pipelines.engine.run_graph import Work
 from pipelines.io.errors import SceneError
 from pipelines.scene import presets
 from pipelines.scene.file import load_scene
-from pipelines.scene.presets import LEVELS, PRESETS, load_asked, preset_on
+from pipelines.scene.presets import LEVELS, PRESETS, load_asked, preset_on, replaced
 from pipelines.studies.trade import choices as choices_module
 from pipelines.studies.trade import tradeoff
 from pipelines.studies.trade.choices import choices
@@ -146,6 +146,12 @@ def test_a_band_in_a_file_of_the_user_overrides_the_preset(tmp_path, capsys):
     assert "band_Hz" not in said
     load_asked(argparse.Namespace(scene=str(plain), settings=[], preset="standard", quiet=False))
     assert f"casing.band_Hz {shipped:g} -> {0.7 * shipped:g}" in capsys.readouterr().err
+
+
+def test_a_preset_names_the_defaults_that_it_replaces():
+    """The element is a default of the scene, which the file does not state."""
+    scene = load_scene("minimal", {"casing.model": "craig-bampton"})
+    assert "casing.element tetrahedron-10 -> hexahedron-32" in replaced(scene, preset_on(scene, "draft"))
 
 
 def test_a_setting_counts_more_than_the_preset():

@@ -64,7 +64,8 @@ def claim(root: Path, *, make: bool) -> None:
     if _marked(root):
         check_private(root)
         return
-    if not any(root.iterdir()) and _own(root.stat()) and not _of_group(root.stat()):
+    own = os.name == "posix" and root.stat().st_uid == os.geteuid()
+    if own and not any(root.iterdir()) and not _of_group(root.stat()):
         root.chmod(0o700)
     check_private(root)
     strangers = _strangers(root)
@@ -141,10 +142,6 @@ def _of_group(status: os.stat_result) -> bool:
     """Whether a group shares a folder: new files inherit its group, and the group can write in it."""
     shared = stat.S_ISGID | stat.S_IWGRP
     return os.name == "posix" and status.st_mode & shared == shared
-
-
-def _own(status: os.stat_result) -> bool:
-    return os.name == "posix" and status.st_uid == os.geteuid()
 
 
 def _marked(root: Path) -> bool:

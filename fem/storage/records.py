@@ -94,8 +94,9 @@ class Record:
         if kind != "array":
             raise RecordError(f"{where}: declare the field with array(), scalar(), integer(), text() or names()")
         stored = isinstance(value, StoredArray)
-        if not stored:
-            value = _own(value, meta["dtype"])
+        if not stored:  # an array that its caller cannot edit: a copy unless it is one already
+            sealed = isinstance(value, np.ndarray) and value.flags.owndata and not value.flags.writeable
+            value = np.asarray(value, meta["dtype"]) if sealed else np.array(value, meta["dtype"])
         if value.ndim != len(meta["dims"]):
             raise RecordError(f"{where}: shape {value.shape} does not fit the dimensions {meta['dims']}")
         _same_size(where, meta["dims"], value.shape, sizes)
@@ -202,12 +203,6 @@ class Record:
             else:
                 total.update(repr(value).encode())
         return total.hexdigest()
-
-
-def _own(value: Any, dtype: Any) -> np.ndarray:
-    """The value as an array that its caller cannot edit; a copy unless it is one already."""
-    sealed = isinstance(value, np.ndarray) and value.flags.owndata and not value.flags.writeable
-    return np.asarray(value, dtype) if sealed else np.array(value, dtype)
 
 
 def _shown(field: dataclasses.Field, value: Any) -> tuple[str, str, str]:

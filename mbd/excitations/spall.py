@@ -1,4 +1,4 @@
-"""Spall: a pit in a race or an element of a rolling bearing; `mbd.excitations.spall_drop` computes the path over it."""
+"""Spall: a pit in a race or an element of a rolling bearing; `mbd.excitations.faulty_bearing` has the path over it."""
 
 from __future__ import annotations
 

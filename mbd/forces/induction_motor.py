@@ -14,7 +14,7 @@ Kloss (1909); Fitzgerald, Kingsley & Umans (2003), Electric Machinery, section 6
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -41,6 +41,7 @@ def induction_rule(values, motion, answer):
 class InductionMotor(TorqueSource):
     """An induction motor on the mains, by its rating and the formula of Kloss."""
 
+    rule: ClassVar[Rule] = induction_rule
     model: Literal["induction-motor"] = "induction-motor"
     synchronous_speed: float = option(
         unit="rpm", key="synchronous_rpm", gt=0, text="synchronous speed: 60 times mains frequency over pole pairs"
@@ -59,11 +60,6 @@ class InductionMotor(TorqueSource):
             )
         if self.breakdown_slip >= 1.0:
             raise MachineError(f"breakdown_slip {self.breakdown_slip!r} must lie between 0 and 1.")
-
-    @property
-    def rule(self) -> Rule:
-        """Kloss' formula."""
-        return induction_rule
 
     @property
     def breakdown_torque(self) -> float:

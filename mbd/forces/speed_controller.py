@@ -23,7 +23,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -81,6 +81,7 @@ def controller_rule(values, motion, answer):
 class SpeedController(TorqueSource):
     """A motor under PI speed control."""
 
+    rule: ClassVar[Rule] = controller_rule
     model: Literal["controlled-motor"] = "controlled-motor"
     times: np.ndarray = option(unit="s", text="times, rising, starting at 0")
     speeds: np.ndarray = option(unit="rpm", text="target speed at these times")
@@ -101,11 +102,6 @@ class SpeedController(TorqueSource):
     def reference(self) -> SpeedProfile:
         """Target speed of its shaft or rotor."""
         return SpeedProfile(times=self.times, speeds=self.speeds)
-
-    @property
-    def rule(self) -> Rule:
-        """Rule of the controller."""
-        return controller_rule
 
     @property
     def _given_way(self) -> tuple[str, ...]:

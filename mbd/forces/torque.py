@@ -48,13 +48,9 @@ class TorqueCurve(TorqueSource):
 class Torque(TorqueCurve):
     """Torque over time (s)."""
 
+    rule: ClassVar[Rule] = torque_rule
     places_are: ClassVar[str] = "times"
     times: np.ndarray
-
-    @property
-    def rule(self) -> Rule:
-        """Interpolation over the time."""
-        return torque_rule
 
     def values(self, ratio: float) -> np.ndarray:
         """Times, then torques."""
@@ -69,13 +65,9 @@ class Torque(TorqueCurve):
 class SpeedTorque(TorqueCurve):
     """Torque over the speed (rad/s) of its shaft or rotor."""
 
+    rule: ClassVar[Rule] = speed_torque_rule
     places_are: ClassVar[str] = "speeds"
     speeds: np.ndarray
-
-    @property
-    def rule(self) -> Rule:
-        """Interpolation over the speed."""
-        return speed_torque_rule
 
     def values(self, ratio: float) -> np.ndarray:
         """The ratio, the speeds, the torques."""

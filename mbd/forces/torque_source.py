@@ -10,6 +10,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -48,13 +49,9 @@ class Rotor(Options):
 class TorqueSource(OutsideForce):
     """A torque on the rotation at ``y`` (m) of ``shaft`` or on a rotor there."""
 
+    rule: ClassVar[Rule]  # of the element, see `mbd.elements.element.rule`
     rotor: Rotor = inline(Rotor())
     drives: bool = False  # it is a motor, which determines the sense of rotation
-
-    @property
-    @abstractmethod
-    def rule(self) -> Rule:
-        """Rule of the element, see `mbd.elements.element.rule`."""
 
     @abstractmethod
     def values(self, ratio: float) -> np.ndarray:

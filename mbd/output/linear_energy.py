@@ -31,7 +31,17 @@ class LinearWork:
         self._turn = -integrator.inverse_mass @ (system.mass @ system.rolling)
         self._massless = [(part, part.rows(system.layout.size)) for part in system.parts if not part.is_massive]
         self._ports = np.vstack([system.rows, *(rows for _, rows in self._massless)])
-        self._to_force = np.vstack([self._element_forces(), *(self._part_forces(*pair) for pair in self._massless)])
+        table = system.table
+        self._to_force = np.vstack(
+            [
+                table.stiffness[:, None] * (system.rows @ self.to_q)
+                + table.damping[:, None] * (system.rows @ self.to_v),
+                *(
+                    part.own("stiffness") @ (rows @ self.to_q) + part.own("damping") @ (rows @ self.to_v)
+                    for part, rows in self._massless
+                ),
+            ]
+        )
         self._flow = None if integrator.flow is None else FlowWork(integrator.flow)
         self._sampled = None
         self.steps = n_steps
@@ -107,12 +117,3 @@ class LinearWork:
     def _energy(self, part: Part, state: np.ndarray) -> float:
         """Kinetic and strain energy of a linear part."""
         return part.stored(self.to_q[part.index] @ state, self.to_v[part.index] @ state)
-
-    def _element_forces(self) -> np.ndarray:
-        """Forces (row, state) of the linear reference of the elements."""
-        table, rows = self._system.table, self._system.rows
-        return table.stiffness[:, None] * (rows @ self.to_q) + table.damping[:, None] * (rows @ self.to_v)
-
-    def _part_forces(self, part: Part, rows: np.ndarray) -> np.ndarray:
-        """Forces (displacement, state) of a massless part."""
-        return part.own("stiffness") @ (rows @ self.to_q) + part.own("damping") @ (rows @ self.to_v)

@@ -19,7 +19,6 @@ import numpy as np
 
 from fem.storage.stored_array import StoredArray
 from mbd.integrators.base import ACCELERATION, ANGLE, SPEED, Block, Integrator
-from mbd.parts.channels import ChannelRows
 from mbd.parts.checks import StepError
 from mbd.system.system import System
 
@@ -46,12 +45,6 @@ def _filter_matrix(taps: np.ndarray, every: int) -> np.ndarray:
     for k in range(CHUNK):
         matrix[k * every : k * every + len(taps), k] = taps
     return matrix
-
-
-def _signals(rows: ChannelRows) -> np.ndarray:
-    """Numbers of the channels by which a run is judged: vibration of casing or journals, else the forces."""
-    vibration = np.flatnonzero(rows.vibration)
-    return vibration if vibration.size else np.flatnonzero(np.array(rows.units, dtype=object) == "N")
 
 
 class Recorder:
@@ -81,7 +74,8 @@ class Recorder:
         self._filter = _filter_matrix(self._taps, steps_per_sample)
         self._pending = np.zeros((len(rows.names), 0))  # instants that later samples need
         self._next = 0  # next sample
-        self.signals = _signals(rows)
+        judged = rows.vibration if rows.vibration.any() else np.array(rows.units, dtype=object) == "N"
+        self.signals = np.flatnonzero(judged)  # channels by which a run is judged: vibration, else the forces
         self._rigid, self._rate = rows.rigid, rate
         self._turned = np.zeros((0, 2))  # angle and speed of the frame at whole steps, from the next sample on
         self.values = values

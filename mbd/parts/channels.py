@@ -162,7 +162,8 @@ def channel_rows(names: tuple[str, ...], lay: Layout, elements: Sequence[Element
     MachineError : an unknown channel, with the known ones
     """
     readings = []
-    offered = _offered(lay, elements)
+    offered = {name: reading for component in lay.components for name, reading in component.readings(lay).items()}
+    offered |= _signals(lay, elements)
     for name in names:
         thing, _, quantity = name.partition(":")
         if name in offered:
@@ -207,11 +208,6 @@ def _shaken(readings: Sequence[Reading], lay: Layout, elements: Sequence[Element
 
 def _stack(rows: list, length: int) -> np.ndarray:
     return np.array([np.broadcast_to(row, length) for row in rows]).reshape(len(rows), length)
-
-
-def _offered(lay: Layout, elements: Sequence[Element]) -> dict[str, Reading]:
-    offered = {name: reading for component in lay.components for name, reading in component.readings(lay).items()}
-    return offered | _signals(lay, elements)
 
 
 def _signals(lay: Layout, elements: Sequence[Element]) -> dict[str, Reading]:

@@ -93,7 +93,8 @@ class _PressedContact:
 
     def __init__(self, system: System, sides: tuple[Element, ...]) -> None:
         self._system = system
-        self.sides = sorted((side for side in sides if side.contact is not None), key=_side)
+        touching = [(side.contact.side, side) for side in sides if side.contact is not None]
+        self.sides = [side for _, side in sorted(touching, key=lambda one: one[0])]
         self.rows = [system.at(side.name) for side in self.sides]
         self.approaches = [rows.start for rows in self.rows]
 
@@ -112,10 +113,6 @@ class _PressedContact:
         all rows, and those (n,) of the side."""
         observed = self._system.observed_by(self.sides[side].name, motion)
         return self.contacts[side].touching(observed, rows)
-
-
-def _side(element: Element) -> int:
-    return 0 if element.contact is None else element.contact.side
 
 
 def _press(contacts: list[_PressedContact], free: np.ndarray, flexibility: np.ndarray, force: np.ndarray) -> None:

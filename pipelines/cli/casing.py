@@ -124,6 +124,8 @@ def _texts(casing: Casing, count: int) -> Iterator[str]:
             yield f"element size {1000 * casing.mesh.element_size:.3g} mm{asked}"
         yield casing.checkup.report(0)
         yield mode_table(casing.natural, count, casing.bands)
+        if count < (total := len(casing.natural.frequencies)):
+            yield f"Modes 1 to {count} of {total}. To print more, set --modes."
         if casing.limits is None and casing.mesh is not None:
             yield "no uncertainty bands: set casing.extrapolated = true, or use --preset standard"
         if casing.limits is not None:
@@ -230,11 +232,16 @@ def band_words(limits: FrequencyLimits, relative: np.ndarray) -> str:
     by_sizes = bool(np.isfinite(limits.orders).any())  # meshes of one size give no order
     how = f"three element sizes, common order {limits.order:.2f}" if by_sizes else "cubic and quadratic elements"
     least, most = (100 * (ratio - 1) for ratio in (limits.ratios.min(), limits.ratios.max()))
+    lacking = (
+        "\n-: no band. The element size does not affect rigid-body modes on the mount springs, and the highest modes "
+        "are not extrapolated."
+    )
     return (
         f"Hz: extrapolated to zero element size from {how}. This changes them by {least:+.2f} to {most:+.2f} %.\n"
         f"+-: uncertainty band, {100 * np.nanmedian(relative):.2f} % in the median, "
         f"{100 * np.nanmax(relative):.2f} % at most.\n"
         "--json also prints the frequencies without extrapolation."
+        f"{lacking if np.isnan(relative).any() else ''}"
     )
 
 

@@ -109,7 +109,7 @@ def command_parser(top: argparse.ArgumentParser, command: str | None) -> argpars
 
 
 def _nearest(message: str, options: Iterable[str]) -> str:
-    """What was probably meant by a word that is not among the choices or options, as a sentence, or ""."""
+    """What was probably meant by a word that is not among the choices or options, or which commands have the option."""
     from pipelines.io.shown import nearest_name
 
     choice = re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message)
@@ -117,8 +117,12 @@ def _nearest(message: str, options: Iterable[str]) -> str:
     name = ""
     if choice is not None:
         name = nearest_name(choice[1], re.findall(r"[\w-]+", choice[2]))
-    elif option is not None:
-        name = nearest_name(option[1], [one for one in options if one.startswith("--")])
+    elif option is not None:  # compared without dashes, which all options have in common
+        name = nearest_name(option[1][2:], [one[2:] for one in options if one.startswith("--")])
+        name, every = f"--{name}" if name else "", parser()
+        having = [one for one in COMMANDS if option[1] in command_parser(every, one)._option_string_actions]
+        if having and not name:
+            return f"{option[1]} is an option of {', '.join(having)}. "
     return f"Did you mean {name}? " if name else ""
 
 

@@ -70,10 +70,10 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.datasets.workers import local_workers
     from pipelines.engine.progress import reported_count
     from pipelines.io.errors import InputError
+    from pipelines.io.json_text import json_text
     from pipelines.io.user_files import write_whole
     from pipelines.machine.checks.validity import checked_plant
     from pipelines.report.figures.film import save_figure
-    from pipelines.runs.run_folder import write_json
     from pipelines.scene.presets import load_asked
     from pipelines.studies.detect.design import Design, detection_plan
     from pipelines.studies.detect.over import parse_over
@@ -103,7 +103,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         found = study(plan, folder, design, looked_for.windows, noises, workers.executor, report)
     words = text(found)
     write_whole(folder / "detectability.txt", words)
-    write_json(folder / "detectability.json", plain(found))
+    write_whole(folder / "detectability.json", json_text(plain(found)))
     save_figure(figure(found), folder / "detectability.png", dpi=130)
     yield words
     yield from finished.lines()

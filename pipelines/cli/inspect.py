@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipelines.cli.command_line import scene_and_work, work_arguments
+from pipelines.cli.command_line import json_argument, scene_and_work, work_arguments
 from pipelines.io.argument_types import count, mode_number, number, path, positive
 
 if TYPE_CHECKING:
@@ -57,7 +57,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--stress",
         action="store_true",
-        help="show the von Mises stress of the loaded teeth instead, by the model `solid` (PNG)",
+        help="show the von Mises stress of the loaded teeth instead, by the model `solid` (PNG), and print the largest "
+        "root stress of each gear, at this position alone",
     )
     sub.add_argument(
         "--mesh",
@@ -73,6 +74,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         help="show natural mode N of the casing instead (PNG, GIF and HTML); all: sheets of 24 modes up "
         "to casing.band_Hz (PNG)",
     )
+
+    json_argument(sub)
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
@@ -92,10 +95,10 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         raise InputError(f"--stage {stage}: there is no such stage. Set {numbers}.")
     graph, machine = scene_graph(loaded)
     if options.stress or options.mesh is not None:
-        from pipelines.runs.inspect_stress import stress_files
-
-        yield from _listed(stress_files, machine, graph, options, work)
+        yield from _stress(machine, graph, options, work)
         return
+    if options.json:
+        raise InputError("--json prints root stresses. Add --stress, or delete --json.")
     folder.mkdir(parents=True, exist_ok=True)
     if options.casing_mode:
         yield from _casing_mode(graph, machine, options.casing_mode, folder, work)
@@ -114,6 +117,30 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     yield from _write_mesh(shown, folder / f"mesh_{stage}", options, frames)
     yield from _listed(shown.write_pattern, folder / f"pattern_{stage}.png")
     yield from _write_casing(graph, machine, folder, work)
+
+
+def _stress(machine: Plant, graph: Graph, options: argparse.Namespace, work: Work) -> Iterator[str]:
+    """Root stresses, and the files of --stress and --mesh."""
+    from pipelines.io.grid import grid
+    from pipelines.io.json_text import json_text
+    from pipelines.report.figures.stress_pictures import write_stress
+    from pipelines.runs.inspect_stress import loaded_teeth
+
+    rows, view = loaded_teeth(machine, graph, options, work)
+    files = [] if options.mesh is None else [str(options.mesh)]
+    if options.stress:
+        folder = Path(options.out)
+        folder.mkdir(parents=True, exist_ok=True)
+        files = [*_listed(write_stress, view, folder / f"stress_{options.stage}.png"), *files]
+    if options.json:
+        yield json_text({"root_stress": rows, "cycle": view.cycle, "force_N": view.force, "files": files})
+        return
+    title = (
+        f"Largest von Mises stress of the tooth roots on the loaded side, mesh cycle {view.cycle:.4g}, load "
+        f"{view.force:.4g} N. Pair n makes contact at the pitch point at cycle n; y is from mid face"
+    )
+    yield grid(title, rows).to_text()
+    yield from files
 
 
 def _cycles(shown: InspectedStage, options: argparse.Namespace) -> np.ndarray:
@@ -162,6 +189,7 @@ def _write_casing(graph: Graph, machine: Plant, folder: Path, work: Work) -> Ite
 
 
 def _casing_mode(graph: Graph, machine: Plant, number: int | str, folder: Path, work: Work) -> Iterator[str]:
+    from pipelines.engine.progress import reported_count
     from pipelines.io.errors import InputError
 
     if "casing mesh" not in graph.steps or "casing modes" not in graph.steps:
@@ -170,7 +198,9 @@ def _casing_mode(graph: Graph, machine: Plant, number: int | str, folder: Path, 
             "craig-bampton, and casing.housing to a shape, a CAD file or a mesh."
         )
     outcome = work.build(graph, ["casing", "casing modes"])
-    yield from _listed(_casing_mode_files, outcome, graph, machine.title, number, folder)
+    with reported_count("pictures", quiet=work.quiet) as report:
+        written = _listed(_casing_mode_files, outcome, graph, machine.title, number, folder, report)
+    yield from written
 
 
 def _listed(write: Callable[..., Path | list[Path]], *given: object) -> list[str]:
@@ -184,7 +214,14 @@ def _listed(write: Callable[..., Path | list[Path]], *given: object) -> list[str
     return [str(path) for path in (written if isinstance(written, list) else [written])]
 
 
-def _casing_mode_files(outcome: Outcome, graph: Graph, title: str, number: int | str, folder: Path) -> list[Path]:
+def _casing_mode_files(
+    outcome: Outcome,
+    graph: Graph,
+    title: str,
+    number: int | str,
+    folder: Path,
+    report: Callable[[int, int], None],
+) -> list[Path]:
     """Write picture, animation and page of a natural mode of the mounted casing, or a sheet of all modes in the band.
 
     Raises
@@ -221,4 +258,5 @@ def _casing_mode_files(outcome: Outcome, graph: Graph, title: str, number: int |
     limit = graph.steps["casing"].spec.limit
     inside = len(natural.frequencies) if limit is None else int((natural.frequencies <= limit / MODES_OVER_BAND).sum())
     places = range(max(inside, 1))
-    return write_modes((view(place, mode_shapes(modes, natural, [place])[0]) for place in places), len(places), folder)
+    views = (view(place, mode_shapes(modes, natural, [place])[0]) for place in places)
+    return write_modes(views, len(places), folder, report)

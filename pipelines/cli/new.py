@@ -32,21 +32,16 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """Write the file and print the next step; for a gear unit in REXS also what is missing or was assumed."""
     from pipelines.rexs.files import is_rexs
 
-    return _from_rexs(options) if is_rexs(options.source) else _from_scene(options)
+    step = "Change it"
+    if is_rexs(options.source):
+        from pipelines.rexs.new import new_scene_from_rexs
 
+        path, made = new_scene_from_rexs(options.file, options.source)
+        yield from map(str, made.notes)
+        yield from (f"still to be set: {key}: {words}" for key, words in made.missing.items())
+        step = "Set the missing keys" if made.missing else "Check what was assumed, set a housing"
+    else:
+        from pipelines.scene.new import new_scene
 
-def _from_scene(options: argparse.Namespace) -> Iterator[str]:
-    from pipelines.scene.new import new_scene
-
-    path = new_scene(options.file, options.source)
-    yield f"{path} written from {options.source}. Change it, then: gearcase check {path}"
-
-
-def _from_rexs(options: argparse.Namespace) -> Iterator[str]:
-    from pipelines.rexs.new import new_scene_from_rexs
-
-    path, made = new_scene_from_rexs(options.file, options.source)
-    yield from map(str, made.notes)
-    yield from (f"still to be set: {key}: {words}" for key, words in made.missing.items())
-    step = "Set the missing keys" if made.missing else "Check what was assumed, set a housing"
+        path = new_scene(options.file, options.source)
     yield f"{path} written from {options.source}. {step}, then: gearcase check {path}"

@@ -102,6 +102,7 @@ def card(folder: Path, found: Summary) -> str:
     licence = plan_texts(folder).get("licence") or (
         'not stated. To publish the data set, choose one and set `licence = "..."` in its plan.'
     )
+    meanings = {f"`{name}`": meaning for name, meaning in COLUMNS.items()} | {"variables": "one column each, see below"}
     parts = [
         f"# {found.title}",
         f"Simulated vibration of a gearbox with known damage, made by `gearcase campaign` from the scene "
@@ -114,7 +115,7 @@ def card(folder: Path, found: Summary) -> str:
         "NaN. "
         "`rows/` has a JSON file per run, `rows.parquet` all of them as a table; the column `status` is `done` when "
         "the signals of a run are stored.",
-        _columns().to_markdown(),
+        Grid(title="", headers=("column", "meaning"), rows=tuple(meanings.items())).to_markdown(),
         f"## What was varied\n\n{design_words(plan)[0].upper()}{design_words(plan)[1:]}.",
         varied_grid(plan, found.columns).to_markdown() if plan["variables"] else "Nothing.",
         f"## Labels and split\n\n{_counts(found).to_markdown()}",
@@ -153,11 +154,6 @@ def _arrays(found: Summary) -> str:
     return f"{table.to_markdown()}\n\nTime from 0, {seconds:g} s at {layout['rate']:g} Hz. Names: {named}."
 
 
-def _columns() -> Grid:
-    rows = tuple((f"`{name}`", meaning) for name, meaning in COLUMNS.items())
-    return Grid(title="", headers=("column", "meaning"), rows=(*rows, ("variables", "one column each, see below")))
-
-
 def _counts(found: Summary) -> Grid:
     """Runs that are done by label and part of the split."""
     columns = found.columns
@@ -187,7 +183,10 @@ def _provenance(found: Summary, scene: Scene | None) -> str:
     versions = {**facts["made with"], **facts["facts"]["versions"]}
     lines = [f"Versions: {', '.join(f'{name} {version}' for name, version in versions.items())}."]
     if scene is not None:
-        models = ", ".join(f"{name} {_joined(model)}" for name, model in scene.models().items())
+        models = ", ".join(
+            f"{name} {model if isinstance(model, str) else '/'.join(dict.fromkeys(model))}"
+            for name, model in scene.models().items()
+        )
         lines.append(f"Models, unless a variable changes them: {models}.")
     errors = _numbers(found, "step_error")
     if errors.size:
@@ -231,10 +230,6 @@ def _numbers(found: Summary, name: str) -> np.ndarray:
     """A column of the runs that are done."""
     values = found.columns.get(name, np.array([]))
     return values[np.isfinite(values)] if values.dtype.kind in "fi" else np.array([])
-
-
-def _joined(model: str | list[str]) -> str:
-    return model if isinstance(model, str) else "/".join(dict.fromkeys(model))
 
 
 def _loading() -> str:

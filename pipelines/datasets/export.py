@@ -119,7 +119,10 @@ def _cut(
         count=each * part.sizes["run"],
         shape=first.shape[1:],
         runs=runs,
-        columns={name: _plain(values) for name, values in columns.items()} | {"start": starts},
+        columns={  # texts of fixed length, which NumPy stores without pickling
+            name: values.astype(np.str_) if values.dtype == object else values for name, values in columns.items()
+        }
+        | {"start": starts},
         named={name: first[name].values for name in ("sensor", "axis", "time")}
         | {"rate_Hz": np.array(dataset.attrs["rate_Hz"])},
     )
@@ -132,11 +135,6 @@ def _from(runs: xarray.Dataset, start: float) -> xarray.Dataset:
     if first > len(time) - 2:
         raise InputError(f"--start {start:g}: the runs last {len(time) / rate:g} s. Set a time from 0 to below that.")
     return runs.isel(time=slice(first, None))
-
-
-def _plain(values: np.ndarray) -> np.ndarray:
-    """Texts as an array of fixed length, which NumPy stores without pickling."""
-    return values.astype(np.str_) if values.dtype == object else values
 
 
 def _write_npz(cut: Cut, path: Path) -> None:

@@ -32,7 +32,7 @@ from pipelines.datasets.variables import ListTable, Variable
 from pipelines.io.errors import InputError, SceneError
 from pipelines.io.other_files import SCENE_KEYS
 from pipelines.io.toml_text import format_document
-from pipelines.scene.file import LoadedScene, Source, find_source, load_scene, parse, validate
+from pipelines.scene.file import LoadedScene, find_source, load_scene, parse, validate
 from pipelines.scene.merge import Merged, Whole, leaves
 from pipelines.scene.presets import preset_on
 from pipelines.scene.shipped_files import anchored
@@ -216,7 +216,10 @@ def load_plan(file: str | Path) -> Plan:
             "scene, as docs/campaigns.md shows."
         )
     table, _ = validate(Merged(anchored(tree, source.folder)), PlanTable, source.shown)
-    return Plan(name=source.name, text=source.text, table=table, tree=_base_tree(source, table))
+    found = find_source(table.scene, source.folder)
+    loaded = load_scene(found.name if found.folder is None else found.folder / f"{found.name}.toml")
+    scene = preset_on(loaded, table.preset).tree if table.preset else loaded.tree
+    return Plan(name=source.name, text=source.text, table=table, tree=_bare(scene))
 
 
 def stored_plan(facts: Mapping[str, Any]) -> Plan:
@@ -245,13 +248,6 @@ def plan_on(loaded: LoadedScene, tables: Mapping[str, Any], name: str) -> Plan:
     told = {"scene": loaded.name, **tables}
     table, _ = validate(Merged(told), PlanTable, f"plan {name}")
     return Plan(name=name, text=format_document(told), table=table, tree=_bare(loaded.tree))
-
-
-def _base_tree(source: Source, table: PlanTable) -> dict[str, Any]:
-    """The scene of a plan with its preset, as a tree that extends no other scene."""
-    found = find_source(table.scene, source.folder)
-    loaded = load_scene(found.name if found.folder is None else found.folder / f"{found.name}.toml")
-    return _bare(preset_on(loaded, table.preset).tree if table.preset else loaded.tree)
 
 
 def _bare(tree: Mapping[str, Any]) -> dict[str, Any]:

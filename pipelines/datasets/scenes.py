@@ -13,9 +13,8 @@ import numpy as np
 from pipelines.datasets.expressions import Expression
 from pipelines.datasets.plan import Plan, PlanTable, expressions
 from pipelines.datasets.sampling import Values, sampled_values
-from pipelines.scene.file import LoadedScene, Source, validate
+from pipelines.scene.file import LoadedScene, Source, scene_of_merged
 from pipelines.scene.merge import Merged, merge
-from pipelines.scene.scene import Scene
 
 SEED_PATH = ("deviations", "seed")
 TRAIN, TEST, VALIDATION = "train", "test", "validation"
@@ -49,7 +48,8 @@ def sampled_scenes(plan: Plan) -> list[SampledScene]:
     groups = ["/".join(f"{name}={row[name]}" for name in by) for row in distinct.values()]
     if not by:
         groups = [str(number) for number in range(len(distinct))]
-    parts = split_groups(table, groups)
+    cases = [tuple(str(row[name]) for name in table.cases) for row in distinct.values()]
+    parts = split_groups(table, groups, cases)
     return [
         SampledScene(run=run, values=row, group=group, split=parts[group])
         for run, (row, group) in enumerate(zip(distinct.values(), groups, strict=True))
@@ -59,12 +59,8 @@ def sampled_scenes(plan: Plan) -> list[SampledScene]:
 def used_variables(table: PlanTable, values: Values) -> set[str]:
     """Variables on which the scene of these values depends."""
     chosen = [table.settings, *(cases[str(values[name])] for name, cases in table.cases.items())]
-    return set().union(table.cases.keys(), *map(_names, chosen))
-
-
-def _names(tree: Any) -> set[str]:
-    """Variables in the expressions of a tree."""
-    return {name for _, text in expressions(tree) for name in Expression(text[1:]).names}
+    texts = [text for tree in chosen for _, text in expressions(tree)]
+    return set().union(table.cases.keys(), *(Expression(text[1:]).names for text in texts))
 
 
 def group_variables(table: PlanTable) -> tuple[str, ...]:
@@ -79,15 +75,34 @@ def group_variables(table: PlanTable) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
 
 
-def split_groups(table: PlanTable, groups: Sequence[str]) -> dict[str, str]:
-    """Part of the split of each group. The seed of the plan determines the order, the plan the shares of the parts."""
-    distinct = sorted(set(groups))
-    order = np.random.default_rng([table.seed, 1]).permutation(len(distinct))
-    tests = round(table.split.test * len(distinct))
-    validations = round(table.split.validation * len(distinct))
-    parts = [TEST] * tests + [VALIDATION] * validations
-    parts += [TRAIN] * (len(distinct) - len(parts))
-    return {distinct[place]: part for place, part in zip(order, parts, strict=True)}
+def split_groups(table: PlanTable, groups: Sequence[str], cases: Sequence[tuple[str, ...]]) -> dict[str, str]:
+    """Part of the split of each group, stratified by `cases`, on which the labels depend.
+
+    A part gets its share of the groups: one after the other that group which brings its numbers of scenes of all cases
+    closest to their share, by the sum of squares. For groups of one scene these are the numbers by largest remainders.
+    The seed of the plan chooses between equal groups.
+
+    Parameters
+    ----------
+    table : seed, and shares of the parts
+    groups, cases : of each scene: its group, and the values of the variables that have cases
+    """
+    distinct, column = sorted(set(groups)), {case: n for n, case in enumerate(sorted(set(cases)))}
+    row = {group: n for n, group in enumerate(distinct)}
+    counts = np.zeros((len(row), len(column)))
+    np.add.at(counts, ([row[group] for group in groups], [column[case] for case in cases]), 1.0)
+    kinds, kind = np.unique(counts, axis=0, return_inverse=True)
+    left: list[list[str]] = [[] for _ in kinds]
+    for place in np.random.default_rng([table.seed, 1]).permutation(len(distinct)):
+        left[kind[place]].append(distinct[place])
+    parts, remaining = dict.fromkeys(distinct, TRAIN), np.bincount(kind)
+    for part, share in ((TEST, table.split.test), (VALIDATION, table.split.validation)):
+        lacking = share * counts.sum(axis=0)
+        for _ in range(round(share * len(distinct))):
+            best = int(np.where(remaining > 0, ((lacking - kinds) ** 2).sum(axis=1), np.inf).argmin())
+            parts[left[best].pop()] = part
+            lacking, remaining[best] = lacking - kinds[best], remaining[best] - 1
+    return parts
 
 
 def scene_of(plan: Plan, values: Mapping[str, Any]) -> LoadedScene:
@@ -101,9 +116,7 @@ def scene_of(plan: Plan, values: Mapping[str, Any]) -> LoadedScene:
     merged = merge(Merged(dict(plan.tree)), _filled(plan.table.settings, values))
     for name, cases in plan.table.cases.items():
         merged = merge(merged, _filled(cases[str(values[name])], values))
-    source = Source(plan.name, "", None, f"scene of {plan.name}")
-    scene, tree = validate(merged, Scene, source.shown)
-    return LoadedScene(plan.name, source, {}, tree, scene)
+    return scene_of_merged(plan.name, Source(plan.name, "", None, f"scene of {plan.name}"), {}, merged)
 
 
 def _filled(tree: Any, values: Mapping[str, Any]) -> Any:

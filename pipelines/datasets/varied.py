@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from pipelines.datasets.plan import expressions
 from pipelines.io.grid import Grid, grid
 
 _DESIGNS = {
@@ -42,23 +43,17 @@ def varied_grid(plan: Mapping[str, Any], columns: Mapping[str, np.ndarray]) -> G
 
 
 def sets(plan: Mapping[str, Any], variable: str) -> list[str]:
-    """Keys of the scene that depend on a variable, and so define its unit."""
+    """Keys of the scene that depend on a variable, and so define its unit; items of a list have the key of the list."""
     name = re.compile(rf"\b{variable}\b")
     cases = [case for values in plan["cases"].values() for case in values.values()]
-    found = [path for tree in (plan["settings"], *cases) for path, text in _expressions(tree, "") if name.search(text)]
+    trees = (plan["settings"], *cases)
+    found = [
+        re.sub(r"(\.\d+)+$", "", ".".join(path))
+        for tree in trees
+        for path, text in expressions(tree)
+        if name.search(text)
+    ]
     return list(dict.fromkeys(found + [f"cases.{variable}"] * (variable in plan["cases"])))
-
-
-def _expressions(value: Any, path: str) -> Iterator[tuple[str, str]]:
-    """Expressions in a tree with their keys; items of a list have the key of the list."""
-    if isinstance(value, Mapping):
-        for key, item in value.items():
-            yield from _expressions(item, f"{path}.{key}" if path else str(key))
-    elif isinstance(value, list):
-        for item in value:
-            yield from _expressions(item, path)
-    elif isinstance(value, str) and value.startswith("$"):
-        yield path, value[1:]
 
 
 def design_words(plan: Mapping[str, Any]) -> str:

@@ -18,7 +18,7 @@ from fem.storage.cache_folder import warn_without
 from fem.storage.ledger import counting
 from pipelines.engine.cache import Cache, Entry
 from pipelines.engine.step import Step, StepRecord, Unkept
-from pipelines.engine.storage import StorageError, digest, load_value, save_value
+from pipelines.engine.storage import StorageError, digest, reader, save_value
 from pipelines.io.errors import WorkError
 
 LONG_SECONDS = 3.0  # steps that are expected to take longer may be built in a child process
@@ -37,7 +37,7 @@ class Result:
         if self.entry is None or self.value is not None:
             return self.value
         try:
-            return load_value(self.entry.folder)
+            return reader(self.entry.folder)()
         except OSError as error:
             raise WorkError(
                 f"step {self.record.name}: its stored result {self.entry.name} was removed during the run "
@@ -94,7 +94,8 @@ def _built(
     start, code = time.perf_counter(), _written(compiled_folder())
     with peak_memory() as peak, counting() as counts:
         try:
-            made = step.build(step.spec, **inputs, **place)
+            given = ((), step.spec) if isinstance(step.spec, Mapping) else ((step.spec,), {})
+            made = step.build(*given[0], **given[1], **inputs, **place)
         except Exception as error:
             error.add_note(f"in step {step.name}")
             raise

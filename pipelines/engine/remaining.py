@@ -142,7 +142,9 @@ def expected(steps: Iterable[Step], cache: Cache) -> list[Task]:
                 contents[step.name] = entry.facts["content"]
                 continue
         if step.kind not in factors:
-            factors[step.kind] = _factor(cache, step.kind)
+            facts = [entry.facts for entry in _newest(cache, step.kind)]
+            ratios = [one["seconds"] / one["estimate"] for one in facts if one.get("estimate")]
+            factors[step.kind] = median(ratios) if ratios else None
         missing.append(step)
     known = [factor for factor in factors.values() if factor is not None]
     machine = median(known) if known else 1.0
@@ -168,16 +170,6 @@ def _like(step: Step, cache: Cache, contents: Mapping[str, str]) -> Entry | None
         return None
     took = step.received(contents.__getitem__)
     return next((entry for entry in _newest(cache, step.kind) if entry.facts["takes"] == took), None)
-
-
-def _factor(cache: Cache, kind: str) -> float | None:
-    """Ratio of the actual time of steps of a kind on this machine to their estimates; None if none is stored."""
-    found = [
-        entry.facts["seconds"] / entry.facts["estimate"]
-        for entry in _newest(cache, kind)
-        if entry.facts.get("estimate")
-    ]
-    return median(found) if found else None
 
 
 def _newest(cache: Cache, kind: str) -> Iterator[Entry]:

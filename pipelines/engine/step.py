@@ -35,7 +35,7 @@ _FACTS: dict[str, type | tuple[type, ...]] = {
 
 @dataclass(frozen=True, kw_only=True)
 class Step:
-    """One step of a run: ``build(spec, **results of takes)``.
+    """One step of a run: ``build(spec, **results of takes)``; a mapping as `spec` holds arguments of `build` by name.
 
     `kind` names the cache entries; steps of one kind with equal inputs share one entry. `build` is a function of a
     module (not a lambda); its counts (`fem.storage.ledger`) are stored with the result. `takes` maps parameters of
@@ -248,9 +248,10 @@ def explain(graph: Graph, cache: Cache) -> list[StepStatus]:
     for step in graph:
         waiting = [name for name in step.inputs if name not in contents]
         if waiting:
-            own = _own_changes(step, cache, contents)
-            reason = "; ".join([f"after {', '.join(waiting)}", *([FIRST] if own is None else own)])
-            out.append(StepStatus(step.name, "follow" if own == [] else "build", reason, first=own is None))
+            nearest = _nearest(step, cache, step.facts({name: contents.get(name, "") for name in step.inputs}))
+            own = [FIRST] if nearest is None else [d for d in nearest if not d.startswith("another")]  # yet unknown
+            reason = "; ".join([f"after {', '.join(waiting)}", *own])
+            out.append(StepStatus(step.name, "build" if own else "follow", reason, first=nearest is None))
             continue
         key = step.key(contents)
         entry = stored(step, cache, contents, thorough=False)
@@ -266,13 +267,6 @@ def explain(graph: Graph, cache: Cache) -> list[StepStatus]:
             reason = FIRST if differences is None else "; ".join(differences) or "its stored result was removed"
             out.append(StepStatus(step.name, "build", reason, first=differences is None))
     return out
-
-
-def _own_changes(step: Step, cache: Cache, contents: Mapping[str, str]) -> list[str] | None:
-    """Differences to the nearest entry, except in results that are not known yet; None without such an entry."""
-    known = {name: contents.get(name, "") for name in step.inputs}
-    differences = _nearest(step, cache, step.facts(known))
-    return None if differences is None else [d for d in differences if not d.startswith("another")]
 
 
 def _nearest(step: Step, cache: Cache, facts: Mapping[str, Any]) -> list[str] | None:

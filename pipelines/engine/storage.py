@@ -47,16 +47,6 @@ def save_value(folder: Path, value: Any) -> None:
     (folder / CONTENTS).write_text(json.dumps(node), encoding="utf-8")
 
 
-def load_value(folder: Path) -> Any:
-    """Read a value of `save_value`.
-
-    Raises
-    ------
-    OSError, ValueError : a file is missing or damaged
-    """
-    return reader(folder)()
-
-
 def reader(folder: Path) -> Callable[[], Any]:
     """A function that reads a value of `save_value`; the whole table of contents is checked first.
 

@@ -29,7 +29,7 @@ class Grid:
     def numeric(self) -> tuple[bool, ...]:
         """Which columns hold numbers."""
         columns = [[row[i] for row in self.rows if row[i] not in ("", "-")] for i in range(len(self.headers))]
-        return tuple(bool(cells) and all(_starts_like_number(cell) for cell in cells) for cells in columns)
+        return tuple(bool(cells) and all(cell.lstrip("+-−")[:1].isdigit() for cell in cells) for cells in columns)
 
     def to_text(self) -> str:
         """Aligned columns for a log or a text file."""
@@ -62,10 +62,6 @@ class Grid:
             body.append(f'<tr class="marked">{cells}</tr>' if i in self.marked else f"<tr>{cells}</tr>")
         caption = f"<caption>{typeset(self.title)}</caption>" if self.title else ""
         return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>{''.join(body)}</tbody></table>"
-
-
-def _starts_like_number(cell: str) -> bool:
-    return cell.lstrip("+-−")[:1].isdigit()
 
 
 def grid(title: str, rows: Iterable[Mapping[str, Any]], marked: frozenset[int] = frozenset()) -> Grid:

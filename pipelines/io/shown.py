@@ -25,7 +25,7 @@ _SHORTEST_BEGINNING = 3  # characters by which a name is recognised
 
 def shown(text: str | Path, most: int = MOST_CHARACTERS) -> str:
     """A text on one line, what cannot be printed escaped, cut to `most` characters."""
-    text = "".join(map(_printable, str(text)[: most + 1]))
+    text = "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in str(text)[: most + 1])
     return text if len(text) <= most else text[: most - 3] + "..."
 
 
@@ -64,10 +64,6 @@ def duration(seconds: float) -> str:
     if seconds < 120:
         return f"{1 if 0 < seconds < 1 else seconds:.0f} s"
     return f"{seconds / 60:.0f} minutes" if seconds < 7200 else f"{seconds / 3600:.1f} hours"
-
-
-def _printable(character: str) -> str:
-    return character if character.isprintable() else character.encode("unicode_escape").decode("ascii")
 
 
 def _brief(value: Any, most: int) -> Any:

@@ -1,13 +1,19 @@
-"""Kinematics of a scene for the diagnosis of its runs: shafts, gears and pass orders of rolling bearings."""
+"""Kinematics of a scene for the diagnosis of its runs: shafts, gears and pass orders of rolling bearings.
+
+With the lines of known faults of bearings and shafts at the highest motor speed.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from mbd.parts.rolling_elements import RollingElements, pass_frequencies
-from pipelines.machine.bearings import RollingBearing
+from pipelines.machine.bearings import BearingFault, RollingBearing
 from pipelines.machine.layout import Layout
+from pipelines.scene.shaft_faults import ShaftFault
 from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
+from pipelines.signals.pass_lines import PassLines
+from pipelines.signals.shaft_lines import ShaftLines
 
 
 def kinematics_of(layout: Layout, rolling: Sequence[RollingBearing]) -> Kinematics:
@@ -40,3 +46,37 @@ def pass_orders(elements: RollingElements) -> dict[str, float]:
     """BPFO, BPFI, BSF and FTF as orders of the shaft, for a fixed outer race and without slip."""
     per = pass_frequencies(elements)
     return {"BPFO": per.outer, "BPFI": per.inner, "BSF": per.spin, "FTF": per.cage}
+
+
+def pass_rates(layout: Layout, bearing: RollingBearing) -> dict[str, float]:
+    """BPFO, BPFI, BSF, FTF (Hz) of a bearing at the highest motor speed."""
+    turn = _turns(layout, bearing.shaft)
+    return {label: turn * order for label, order in pass_orders(bearing.elements).items()}
+
+
+def shaft_lines(layout: Layout, fault: ShaftFault) -> ShaftLines:
+    """Orders of a faulty shaft at the highest motor speed."""
+    return ShaftLines(shaft=f"shaft_{fault.shaft + 1}", frequency=abs(_turns(layout, fault.shaft)))
+
+
+def _turns(layout: Layout, shaft: int) -> float:
+    return layout.turns * layout.shaft_ratios[shaft]
+
+
+def pass_lines(layout: Layout, rolling: Sequence[RollingBearing], fault: BearingFault) -> PassLines:
+    """Pass frequency, sidebands and slip of a spall in one of the rolling bearings."""
+    name = fault.bearing
+    rates = pass_rates(layout, next(bearing for bearing in rolling if bearing.name == name))
+    label, frequency, spacing, spacing_label = {
+        "outer-ring": ("BPFO", rates["BPFO"], 0.0, ""),
+        "inner-ring": ("BPFI", rates["BPFI"], _turns(layout, fault.shaft), f"f_shaft_{fault.shaft + 1}"),
+        "element": ("2 BSF", 2 * rates["BSF"], rates["FTF"], "FTF"),
+    }[fault.spall.on]
+    return PassLines(
+        label=f"{name} {label}",
+        fault=fault.name,
+        frequency=frequency,
+        spacing=spacing,
+        spacing_label=spacing_label,
+        spread=fault.slip,
+    )

@@ -16,7 +16,7 @@ from mbd.parts.train import power_flow
 from pipelines.io.errors import Problem, SceneError
 from pipelines.machine.drives import highest_rpm, motor_places
 from pipelines.machine.flanks import modifications
-from pipelines.machine.loads import load_places, load_torque, loaded_shaft
+from pipelines.machine.loads import load_places, load_torque
 from pipelines.scene.phases import mesh_cycles
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.forces import TorqueTable
@@ -243,7 +243,7 @@ def lay_out(scene: Scene, source: str = "scene") -> Layout:
     cycles, phases = mesh_cycles(scene.stages, pairs, senses)
     if problems := problems or phases:
         raise SceneError(source, problems)
-    driven, loaded = (scene.drive.shaft or 1) - 1, loaded_shaft(scene)
+    driven, loaded = (scene.drive.shaft or 1) - 1, (scene.load.shaft or len(scene.shafts)) - 1
     return Layout(
         pairs=tuple(pairs),
         modifications=tuple(flanks),

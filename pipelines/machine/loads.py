@@ -5,14 +5,8 @@ from __future__ import annotations
 from mbd.forces.load_models import HangingLoad
 from mbd.forces.torque_source import TorqueSource
 from mbd.parts.load import Load
-from pipelines.scene.scene import Scene
 from pipelines.scene.tables.motion import LoadBase, LoadModel, TorqueLoad
 from pipelines.scene.tables.shafts import ShaftTable
-
-
-def loaded_shaft(scene: Scene) -> int:
-    """Number of the shaft (from 0) that carries the load; by default the last."""
-    return (scene.load.shaft or len(scene.shafts)) - 1
 
 
 def load_places(table: LoadModel, shaft: ShaftTable) -> tuple[float, ...]:

@@ -18,8 +18,8 @@ from mbd.integrators.settings import MotionSettings
 from pipelines.machine.bearings import BearingFault, RollingBearing
 from pipelines.machine.flanks import Fault
 from pipelines.machine.flanks_spec import FlanksSpec
+from pipelines.machine.kinematics import pass_lines, pass_rates, shaft_lines
 from pipelines.machine.layout import Layout, StageFacts
-from pipelines.machine.looked_for import diagnosis_settings
 from pipelines.machine.parts import MachineParts, Recorded
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import ShaftFault, shaft_faults
@@ -94,15 +94,31 @@ class Drivetrain:
 
     @property
     def diagnosis(self) -> DiagnosisSettings | None:
-        """Settings of a diagnosis; None without windows or sensors."""
-        return diagnosis_settings(
-            self.looked_for,
-            self.layout,
-            self.hoist,
-            self.machine.profile,
-            self.rolling,
-            self.spalls,
-            self.shaft_faults,
+        """Signal, lines and windows of a diagnosis; None without windows or sensors."""
+        monitored, layout, hoist = self.looked_for, self.layout, self.hoist
+        if not monitored.possible:
+            return None
+        stage = layout.stages[monitored.stage - 1]
+        on_wheel = monitored.gear == "wheel"
+        ratio = layout.shaft_ratios[layout.loaded]
+        modes = {
+            name: hoist.rope_frequency_at(sum(window) / 2, self.machine.profile, ratio)
+            for name, window in monitored.windows.items()
+            if hoist is not None and monitored.speed_is_known
+        }
+        return DiagnosisSettings(
+            revolution_frequency=stage.wheel_frequency if on_wheel else stage.pinion_frequency,
+            mesh_frequency=stage.mesh_frequency,
+            windows=monitored.windows,
+            rope_mode={name: value for name, value in modes.items() if value is not None},
+            bearings={f"{one.name} {key}": f for one in self.rolling for key, f in pass_rates(layout, one).items()},
+            passes=tuple(dict.fromkeys(pass_lines(layout, self.rolling, fault) for fault in self.spalls)),
+            turning=tuple(shaft_lines(layout, fault) for fault in self.shaft_faults),
+            sensor=monitored.sensor or "",
+            axis=monitored.axis,
+            band=monitored.band,
+            shaft=f"shaft_{layout.pair_shafts[monitored.stage - 1][on_wheel] + 1}",
+            speed_is_known=monitored.speed_is_known,
         )
 
     @property

@@ -11,10 +11,11 @@ import numpy as np
 from pipelines.diagnosis import words
 from pipelines.diagnosis.cases import Case, Damage, any_found, sentences
 from pipelines.diagnosis.control_diagnosis import Diagnosis
-from pipelines.diagnosis.verdict import Finding, Verdict
+from pipelines.diagnosis.verdict import Finding, Verdict, decibels
+from pipelines.io.grid import grid
 from pipelines.machine.kinematics import kinematics_of
 from pipelines.machine.plant import Plant
-from pipelines.report import first_page, page
+from pipelines.report import page
 from pipelines.report.first_figures import average_figure, envelope_figure
 from pipelines.report.zoom_data import ENVELOPE_ORDERS, streams
 from pipelines.scene.tables.analysis import LookedFor
@@ -27,6 +28,7 @@ from pipelines.signals.orders.rotation import Rotation
 if TYPE_CHECKING:
     import xarray
 
+RANKED_AT_ONCE = 5  # components on the first screen; the others open on a click
 IN_MESH = 1.0  # pitches on either side of the pitch point, approximate range in which a tooth is in mesh
 
 
@@ -55,7 +57,7 @@ def first_screen(
     if settings is not None:
         evidence = _average(machine, settings, runs, verdict)
         evidence.append(_envelope(settings, diagnoses[0].band if diagnoses else None, runs))
-    return first_page.first_screen(
+    return screen_parts(
         sentences=sentences(cases, damages) if cases else [_no_verdict(machine, failure)],
         found=any_found(cases, damages) if cases else None,
         figures=_numbers(machine, settings),
@@ -63,6 +65,59 @@ def first_screen(
         ranking=() if verdict is None else [_ranked(finding) for finding in verdict.findings],
         ranking_note="" if verdict is None else _ranking_note(verdict),
     )
+
+
+def screen_parts(
+    *,
+    sentences: Sequence[str] = (),
+    found: bool | None = None,
+    figures: Sequence[tuple[str, str]] = (),
+    evidence: Sequence[str] = (),
+    ranking: Sequence[tuple[str, float, str, str]] = (),
+    ranking_note: str = "",
+) -> list[str]:
+    """The parts of the page: verdict, numbers, figures, ranking; parts that a run does not have are omitted.
+
+    Parameters
+    ----------
+    sentences, found : the verdict, the answer first; whether damage is found, None without a diagnosis
+    figures : names with their values: f_m, f_r, speed
+    evidence : the figures that support the verdict, as HTML
+    ranking : components with their increase in dB, their evidence ("-" where it has no limit), and a remark
+    ranking_note : explains the columns of the ranking
+    """
+    return [
+        *_sentences(sentences, found),
+        *_named_values(figures),
+        *([f'<div id="evidence">{"".join(evidence)}</div>'] if evidence else []),
+        *_ranking(ranking, ranking_note),
+    ]
+
+
+def _sentences(sentences: Sequence[str], found: bool | None) -> list[str]:
+    style = {True: "fault", False: "none", None: "open"}[found]
+    parts = [page.paragraph(sentence) for sentence in sentences]
+    return [f'<div class="verdict {style}" id="verdict">{"".join(parts)}</div>']
+
+
+def _named_values(figures: Sequence[tuple[str, str]]) -> list[str]:
+    pairs = (f"<div><dt>{page.typeset(n)}</dt><dd>{page.typeset(v)}</dd></div>" for n, v in figures)
+    return [f'<dl id="numbers">{"".join(pairs)}</dl>']
+
+
+def _ranking(ranking: Sequence[tuple[str, float, str, str]], note: str) -> list[str]:
+    if not ranking:
+        return []
+    rows = [
+        {"component": component, "increase dB": decibels(increase), words.STRENGTH: strength, "remark": remark}
+        for component, increase, strength, remark in ranking
+    ]
+    more = rows[RANKED_AT_ONCE:]
+    parts = [page.table(grid("Components by their evidence", rows[:RANKED_AT_ONCE]))]
+    if more:
+        parts.append(page.folded(f"{len(more)} more components", page.table(grid("", more))))
+    parts += [page.note(note)] if note else []
+    return [f'<div id="ranking">{"".join(parts)}</div>']
 
 
 def _ranked(finding: Finding) -> tuple[str, float, str, str]:

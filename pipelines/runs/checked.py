@@ -14,9 +14,6 @@ if TYPE_CHECKING:
     from pipelines.scene.file import LoadedScene
 
 
-MOST_DIFFERENCES = 10  # of scene and control that are listed; more belong to another machine
-
-
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Checked:
     """A scene that can be run; shown as the text that `gearcase check` prints."""
@@ -58,24 +55,15 @@ def check_scene(loaded: LoadedScene) -> Checked:
     SceneError, InputError : everything that does not fit
     """
     from pipelines.machine.checks.cost import estimate
-    from pipelines.machine.checks.design_warnings import design_warnings
-    from pipelines.scene.file import control_differences
-    from pipelines.steps.study import plan_study
+    from pipelines.steps.study import plan_study, scene_warnings
 
     study = plan_study(loaded)
-    warnings = list(design_warnings(loaded.scene, study.plant))
-    if study.control is not None:
-        lines = control_differences(loaded, study.control)
-        head = f"the control {study.control.name} differs in more than the fault"
-        warnings += [f"{head}: {line}" for line in lines[:MOST_DIFFERENCES]]
-        if more := len(lines) - MOST_DIFFERENCES:
-            warnings += [f'{head}: {more} further values. Set control = "without-faults"'] if more > 0 else []
     return Checked(
         plant=study.plant,
         facts=study.plant.facts,
         control=loaded.scene.control or "none",
         cost=estimate(tuple(study.machines.values())),
-        warnings=tuple(warnings),
+        warnings=scene_warnings(loaded, study),
     )
 
 
@@ -112,14 +100,14 @@ def _lines(machine: Plant, control: str) -> Iterator[str]:
 
         yield f"  joint: {joint_words(machine.structure.joint, machine.structure.material)}"
     if machine.rolling:
-        from pipelines.machine.looked_for import pass_rates
+        from pipelines.machine.kinematics import pass_rates
 
         yield "  rolling bearing    shaft  elements  BPFO Hz   BPFI Hz   BSF Hz    FTF Hz"
         for bearing in machine.rolling:
             rates = "  ".join(f"{value:<8.5g}" for value in pass_rates(machine.layout, bearing).values())
             yield f"  {bearing.name:<18} {bearing.shaft + 1:<6} {bearing.elements.count:<9} {rates}".rstrip()
     if machine.shaft_faults:
-        from pipelines.machine.looked_for import shaft_lines
+        from pipelines.machine.kinematics import shaft_lines
 
         for fault in machine.shaft_faults:
             monitored = shaft_lines(machine.layout, fault).monitored()

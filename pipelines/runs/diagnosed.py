@@ -77,33 +77,26 @@ def judge_folder(folder: Path) -> dict[str, Any]:
     """
     from pipelines.diagnosis.control_diagnosis import deviation_name
     from pipelines.diagnosis.prediction import FEWEST_FOR_P
-    from pipelines.diagnosis.simulated import FeatureSettings, window_features
+    from pipelines.diagnosis.simulated import FeatureSettings
     from pipelines.machine.kinematics import kinematics_of
     from pipelines.machine.machine import make_drivetrain
     from pipelines.scene.file import load_scene
-    from pipelines.signals.features.recorded import FeatureError
-    from pipelines.signals.orders.rotation import RotationError
-    from pipelines.steps import verdict
+    from pipelines.steps import features, verdict
 
     loaded = load_scene(folder / run_folder.RESOLVED)
     train = make_drivetrain(loaded.scene, loaded.source.shown)
     kinematics = kinematics_of(train.layout, train.rolling)
-    spec = verdict.VerdictSpec(
-        kinematics=kinematics,
-        damages=verdict.known_damages(train),
-        cases=((str(train.labels["load"]), deviation_name(train.labels)),),
-        exact=True,
-    )
     settings = FeatureSettings(kinematics=kinematics, windows=train.looked_for.windows)
-    with _pair(folder, train.looked_for.noise) as runs:
-        try:
-            own, control = (
-                {"tables": window_features(run, settings, samples), "failure": ""}
-                for run, samples in zip(runs, (1, FEWEST_FOR_P), strict=True)
-            )
-        except (FeatureError, RotationError) as error:
-            return {"cases": (), "words": "", "failure": str(error)}
-    return verdict.build(spec, own=[own], healthy=[control])
+    with _pair(folder, train.looked_for.noise) as (own, control):
+        found = [features.of_response(own, settings, 1)], [features.of_response(control, settings, FEWEST_FOR_P)]
+    return verdict.build(
+        kinematics,
+        verdict.known_damages(train),
+        ((str(train.labels["load"]), deviation_name(train.labels)),),
+        exact=True,
+        own=found[0],
+        healthy=found[1],
+    )
 
 
 def folder_bars(folder: Path, diagnosis: Diagnosis, settings: Settings, work: Work) -> LineBars | str:

@@ -6,16 +6,19 @@ of the tooth, pair 1 the following one.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fem.contact.contact_pressure import contact_pressure
-from fem.contact.evaluation.curves import StiffnessCurve
+from fem.contact.evaluation.curves import StiffnessCurve, loaded_approach
 from fem.contact.evaluation.evaluator import LawEvaluator
+from fem.contact.faults.changed_law import modified_law
+from fem.gears.modifications import LARGEST_PART, Misalignment, PairModifications, Relief, relief_lengths
 from pipelines.io.errors import InputError
 from pipelines.io.user_files import whole_file
 from pipelines.report.figures.plots import TransmissionErrors
@@ -30,6 +33,7 @@ if TYPE_CHECKING:
 
 PER_CYCLE = 40  # positions per mesh cycle
 ERROR_POSITIONS = 256  # in the mesh cycle whose mesh orders are computed
+RELIEF_AMOUNTS = 10  # that are compared, equal steps to the deflection
 EQUAL = 1e-9  # relative difference of stiffnesses by rounding
 FORMATS = (".csv", ".nc")
 UNMODIFIED = "healthy, unmodified"
@@ -121,15 +125,9 @@ def gear_curves(pairs: Sequence[PairLaws], states: Sequence[MeshState]) -> xarra
             cases.append(case)
             curves.append(curve)
             by_pair.append(_pressures(case, curve))
-            pattern = case.laws.pattern(
-                tooth=round(case.passage.cycle),
-                faulty=case.faulty,
-                modified=case.modified,
-                force=state.force,
-                tilt=state.tilt,
-            )
-            greatest.append(float(np.nanmax(pattern.values, initial=0.0)))
-            ranges.append(_peak_to_peak(case, state, position, curve.transmission_error))
+            greatest.append(_greatest_pressure(case, state))
+            inside = _in_contact(found.pair, position)
+            ranges.append(_peak_to_peak(_error(case, state), position[inside.start - 1 : inside.stop + 1]))
     numbers = np.unique(np.concatenate([pair for pair, _, _ in by_pair]))
     spread = np.zeros((2, len(cases), position.size, numbers.size))
     for i, (pair, share, pressure) in enumerate(by_pair):
@@ -187,6 +185,22 @@ def _pressures(case: _Case, curve: StiffnessCurve) -> tuple[np.ndarray, np.ndarr
     return curve.pair - round(case.passage.cycle), curve.share, pressure
 
 
+def _greatest_pressure(case: _Case, state: MeshState) -> float:
+    """Largest Hertz pressure (Pa) of the tooth and, if it is damaged, of its neighbours, which carry more."""
+    near = math.ceil(case.laws.pair.total_contact_ratio) - 1 if case.faulty else 0
+    patterns = (
+        case.laws.pattern(
+            tooth=round(case.passage.cycle) + number,
+            faulty=case.faulty,
+            modified=case.modified,
+            force=state.force,
+            tilt=state.tilt,
+        )
+        for number in range(-near, near + 1)
+    )
+    return max(float(np.nanmax(pattern.values, initial=0.0)) for pattern in patterns)
+
+
 def _in_contact(pair: GearPair, position: np.ndarray) -> slice:
     """Positions of the whole mesh cycles in which one tooth is in mesh."""
     first, last = engagement(pair)
@@ -194,27 +208,28 @@ def _in_contact(pair: GearPair, position: np.ndarray) -> slice:
     return slice(at, at + round((last - first) * PER_CYCLE))
 
 
-def _peak_to_peak(case: _Case, state: MeshState, position: np.ndarray, error: np.ndarray) -> float:
-    """Difference (m) of the greatest and the least transmission error while the tooth is in contact.
+def _error(case: _Case, state: MeshState) -> Callable[[np.ndarray], np.ndarray]:
+    """The transmission error (m) as a function of positions, in mesh cycles from that of the tooth."""
+    evaluator = LawEvaluator(case.laws.law(faulty=case.faulty, modified=case.modified))
+    teeth = case.laws.teeth(faulty=case.faulty)
+    return lambda place: loaded_approach(evaluator, state.force, case.passage.cycle + place, state.tilt, *teeth)[0]
 
-    The curve has corners where a tooth pair comes into or leaves contact, which may be between the 40 positions of a
-    mesh cycle. So the neighbourhood of both extrema is evaluated twice, each time at a tenth of the distances.
+
+def _peak_to_peak(error: Callable[[np.ndarray], np.ndarray], position: np.ndarray) -> float:
+    """Difference of the greatest and the least value at positions, of which the first and the last are neighbours only.
+
+    The transmission error has corners where a tooth pair comes into or leaves contact, which may be between the 40
+    positions of a mesh cycle. So the neighbourhood of both extrema is evaluated twice, each time at a tenth of the
+    distances.
     """
-    at = _in_contact(case.laws.pair, position)
-    extrema = []
+    extrema, known = [], error(position)[1:-1]
     for sign in (1.0, -1.0):
-        places, peak = position, at.start + int((sign * error[at]).argmax())
+        places, values, peak = position, known, 1 + int((sign * known).argmax())
         for _ in range(2):
             places = np.linspace(places[max(peak - 1, 0)], places[min(peak + 1, places.size - 1)], 21)
-            curve = case.laws.stiffness(
-                case.passage.cycle + places,
-                faulty=case.faulty,
-                modified=case.modified,
-                force=state.force,
-                tilt=state.tilt,
-            )
-            peak = int((sign * curve.transmission_error).argmax())
-        extrema.append(float(curve.transmission_error[peak]))
+            values = error(places)
+            peak = int((sign * values).argmax())
+        extrema.append(float(values[peak]))
     return extrema[0] - extrema[1]
 
 
@@ -222,7 +237,7 @@ def gear_rows(pairs: Sequence[PairLaws], curves: xarray.Dataset) -> list[dict[st
     """Summary with one row for each case; means over the whole pitches in which the tooth is in mesh.
 
     The mean of a healthy pair is the same over any whole pitches. Least stiffness and `TE p-p` are those of the same
-    interval, `share` and `pressure` the greatest values of the pair of the tooth.
+    interval, `share` is the greatest value of the pair of the tooth, `pressure` that of the pairs in mesh with it, too.
     """
     by_stage = {pair.stage: pair for pair in pairs}
     rows = []
@@ -274,20 +289,43 @@ def transmission_errors(found: PairLaws, state: MeshState) -> TransmissionErrors
     )
 
 
-def relief_amounts(found: PairLaws, state: MeshState) -> tuple[float, float]:
-    """Usual amounts of tip relief (m) at a load, from teeth without modifications: for minimum variation, and in full.
+def relief_errors(found: PairLaws, state: MeshState) -> list[dict[str, Any]]:
+    """Peak-to-peak transmission error of a pair with linear tip reliefs, equal on both gears; first without relief.
 
-    The second is the deflection, for a spur pair in single contact, for a helical pair in the mean. This is the
-    effective tip relief C_eff = F / (b c') and F / (b c_gamma_alpha) of ISO/TS 6336-22 with the computed stiffness. The
-    first for a spur pair is twice the step R between single and double contact: a long relief that takes R / 2 from
-    each of two tooth pairs increases the deflection in double contact by R / 2, so the step vanishes. The deflection of
-    bodies and shafts is the same in both contacts and cancels. The first for a helical pair equals the second.
+    The amounts are equal steps to the largest deflection of the teeth without modifications, and at most the limit of
+    the key. This is the effective tip relief C_eff of ISO/TS 6336-22 with the computed stiffness. The lengths are those
+    of `relief_lengths` and their mean. Misalignment and modifications of the scene remain, except tip and root reliefs.
+
+    Returns
+    -------
+    rows with stage, torque (N m), amount (um), length (mm) and transmission error (um); none where no length is usual,
+    and for the model `iso`, which does not model the effect of tip relief on load sharing
     """
-    curve = found.stiffness(modified=False, force=state.force)
-    deflection = curve.transmission_error  # at mid face, where a misalignment opens no gap
-    if found.pair.pinion.helix_angle:
-        return float(deflection.mean()), float(deflection.mean())
-    return 2 * float(np.ptp(deflection)), float(deflection.max())
+    gears, given = found.pair, found.flanks.modifications
+    lengths = relief_lengths(gears)
+    if lengths is None or found.drive.model == "iso":
+        return []
+    deflection = found.stiffness(modified=False, force=state.force).transmission_error.max()  # without misalignment
+    most = 1e6 * min(deflection, LARGEST_PART * gears.pinion.normal_module, 1e-3)
+    amounts = [float(f"{most * step / RELIEF_AMOUNTS:.3g}") for step in range(1, RELIEF_AMOUNTS + 1)]
+    reliefs = [(amount, float(f"{length:.3g}")) for length in 1e3 * np.linspace(*lengths, 3) for amount in amounts]
+    rows, position = [], np.arange(-1, PER_CYCLE + 1) / PER_CYCLE
+    for amount, length in ((0.0, 0.0), *reliefs):
+        relief = Relief(amount=1e-6 * amount, length=1e-3 * length) if amount else None
+        pinion, wheel = (replace(own, tip_relief=relief, root_relief=None) for own in (given.pinion, given.wheel))
+        added = PairModifications(pinion=pinion, wheel=wheel, misalignment=Misalignment())  # that of the law remains
+        relieved = replace(found, healthy=modified_law(found.unmodified, gears, added))
+        case = _Case(laws=relieved, state="healthy", faulty=False, modified=True, passage=Passage(name="", cycle=0.0))
+        rows.append(
+            {
+                "stage": found.stage,
+                "torque N m": state.force * gears.pinion.base_radius,
+                "amount um": amount,
+                "length mm": length,
+                "TE p-p um": 1e6 * _peak_to_peak(_error(case, state), position),
+            }
+        )
+    return rows
 
 
 def write_curves(curves: xarray.Dataset, path: Path) -> None:

@@ -1,12 +1,11 @@
-"""Pictures and mesh files of `gearcase inspect --stress` and `--mesh`: the stress of loaded teeth."""
+"""Stress of loaded teeth for `gearcase inspect --stress`, and the mesh file of `--mesh`."""
 
 from __future__ import annotations
 
 import argparse
 import warnings
 from dataclasses import replace
-from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from pipelines.io.errors import SceneWarning
 from pipelines.io.user_files import writable_file
@@ -17,29 +16,32 @@ if TYPE_CHECKING:
     from pipelines.engine.run_graph import Work
     from pipelines.engine.step import Graph, Step
     from pipelines.machine.plant import Plant
+    from pipelines.report.figures.stress_pictures import StressView
 
-_CRACK = "the crack is not in the finite elements: the stress is that of an uncracked tooth"
+CRACK = "cracked-tooth"
+_NOTE = "the crack is not in the finite elements: the stress is that of an uncracked tooth"
 _REMEDY = (
     "For the stress at the crack, write the mesh with --mesh FILE.inp, .msh or .bdf, and model the crack and the load "
     "in another finite-element program."
 )
 
 
-def stress_files(machine: Plant, graph: Graph, options: argparse.Namespace, work: Work) -> list[Path]:
-    """Write stress_<n>.png with `--stress`, and the mesh file of `--mesh`; the files.
+def loaded_teeth(
+    machine: Plant, graph: Graph, options: argparse.Namespace, work: Work
+) -> tuple[list[dict[str, Any]], StressView]:
+    """Compute the stress of loaded teeth and write the mesh file of `--mesh`; root stresses, and what a picture shows.
 
-    The mesh is that with the faults if the stage has any.
+    The mesh is that with the faults if any fault is in the finite elements.
 
     Parameters
     ----------
     machine, graph : the machine of a scene in SI, and its steps
-    options : of the command line: stage, position, stress, mesh, out
+    options : of the command line: stage, torque, position, mesh
     work : executor of the steps
 
     Raises
     ------
     InputError : the suffix of the mesh file is not known
-    NotRendered : the picture cannot be rendered
 
     Warns
     -----
@@ -50,8 +52,8 @@ def stress_files(machine: Plant, graph: Graph, options: argparse.Namespace, work
     from pipelines.report.figures.stress_pictures import (
         FORMATS,
         StressView,
+        root_stresses,
         teeth_in_mesh,
-        write_stress,
         write_teeth,
     )
     from pipelines.steps.pair_curves import acting, law_names, pair_laws
@@ -71,20 +73,15 @@ def stress_files(machine: Plant, graph: Graph, options: argparse.Namespace, work
     outcome = work.build(full, stresses)
     states = tuple(teeth_in_mesh(pair, outcome.value(name)) for name in stresses)
     kinds = list(dict.fromkeys(fault.kind for fault in machine.faults_of(stage)))
-    crack = _CRACK if "cracked-tooth" in kinds else ""
+    crack = _NOTE if CRACK in kinds else ""
     if crack:
         warnings.warn(f"stage {stage}: {crack}. {_REMEDY}", SceneWarning, stacklevel=2)
-    folder, written = Path(options.out), []
     placed = placed_pair(machine, stage)
     damaged = stage_view(placed, found.healthy, in_mesh=True)
     healthy = stage_view(placed, found.healthy, in_mesh=True, damaged=False)
     if target is not None:
         target.parent.mkdir(parents=True, exist_ok=True)
         write_teeth(states[-1], target, healthy.frame)
-        written.append(target)
-    if not options.stress:
-        return written
-    folder.mkdir(parents=True, exist_ok=True)
     view = StressView(
         title=f"{machine.title}: stage {stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth",
         gears=healthy,
@@ -97,7 +94,12 @@ def stress_files(machine: Plant, graph: Graph, options: argparse.Namespace, work
         names=("healthy", ", ".join(kind.replace("-", " ") for kind in kinds))[: len(states)],
         states=states,
     )
-    return [write_stress(view, folder / f"stress_{stage}.png"), *written]
+    rows = [
+        {"teeth": name, **row, "y mm": found.sense * row["y mm"]}
+        for name, teeth in zip(view.names, states, strict=True)
+        for row in root_stresses(pair, teeth)
+    ]
+    return rows, view
 
 
 def stress_model(law: LawSpec) -> Solid:
@@ -112,26 +114,27 @@ def _stress_steps(machine: Plant, stage: int, index: int, force: float) -> list[
     """Steps of the compliance of a stage and of the stress of its teeth, healthy and, with faults, faulty."""
     import numpy as np
 
+    from fem.contact.models.mesh_model import LawSpec
     from pipelines.engine.step import Step
     from pipelines.machine.assembly import mesh_faults
     from pipelines.steps import stress
 
     modified, model = machine.flanks[stage - 1], stress_model(machine.laws[stage - 1])
     worn = replace(modified, pinion_damage=(), wheel_damage=())
-    healthy, pair = replace(worn, pinion_wear=(), wheel_wear=()), modified.pair
+    pair = modified.pair
     found = [
         Step(
             name=f"compliance_{stage}",
             kind="compliance",
             build=stress.build_compliance,
-            spec=stress.ComplianceSpec(pair=pair, model=model),
+            spec=LawSpec(pair=pair, mesh=model),
             libraries=("numpy", "scipy"),
             seconds=6.0,
         )
     ]
     even = np.zeros(pair.pinion.teeth), np.zeros(pair.wheel.teeth)
-    cases = [("healthy", healthy, even)]
-    if machine.faults_of(stage):
+    cases = [("healthy", modified.healthy, even)]
+    if any(fault.kind != CRACK for fault in machine.faults_of(stage)):  # a crack is not in these finite elements
         cases.append(("faulty", worn, mesh_faults(machine.machine.meshes[stage - 1])))
     for name, spec, (pinion, wheel) in cases:
         found.append(
@@ -139,9 +142,14 @@ def _stress_steps(machine: Plant, stage: int, index: int, force: float) -> list[
                 name=f"{name}_stress_{stage}",
                 kind="stress",
                 build=stress.build,
-                spec=stress.StressSpec(
-                    flanks=spec, model=model, index=index, force=force, pinion_terms=pinion, wheel_terms=wheel
-                ),
+                spec={
+                    "flanks": spec,
+                    "model": model,
+                    "index": index,
+                    "force": force,
+                    "pinion_terms": pinion,
+                    "wheel_terms": wheel,
+                },
                 takes={"record": f"compliance_{stage}", "laws": f"law_{stage}"},
                 libraries=("numpy", "scipy"),
                 seconds=6.0,

@@ -78,10 +78,6 @@ def judge_files(
     ------
     InputError : a file or the machine cannot be used, or the recordings cannot be compared
     """
-    from pipelines.diagnosis.baseline import BaselineError
-    from pipelines.diagnosis.verdict import judge
-    from pipelines.signals.features.table import with_common_components
-
     read: dict[str, list[Recorded]] = {}  # healthy recordings, by machine and windows
     names = [shown(one) for one in healthy]
     for source in sources:
@@ -93,11 +89,8 @@ def judge_files(
         if same not in read:
             read[same] = [read_features(recording_path(one), known, chosen) for one in healthy]
         others = read[same]
-        tables = with_common_components([one.table for one in (own, *others)])
-        try:
-            verdict = judge(tables[0], tables[1:], known.kinematics, names) if others else None
-        except BaselineError as error:
-            raise InputError(f"{shown(path)}: {error}") from error
+        tables = [one.table for one in (own, *others)]
+        verdict = _judged(tables, known.kinematics, names, f"{shown(path)}: ") if others else None
         own = replace(own, warnings=(*own.warnings, *other_speeds(own, dict(zip(names, others, strict=True)))))
         yield JudgedFile(recorded=own, kinematics=known.kinematics, verdict=verdict)
 
@@ -144,11 +137,8 @@ def judge_recordings(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset
     ------
     InputError : a recording has no rotation or no features, or the recordings cannot be compared
     """
-    from pipelines.diagnosis.baseline import BaselineError
     from pipelines.diagnosis.simulated import FeatureSettings, run_features
-    from pipelines.diagnosis.verdict import judge
     from pipelines.signals.features.recorded import FeatureError
-    from pipelines.signals.features.table import with_common_components
     from pipelines.signals.orders.rotation import RotationError
 
     settings = FeatureSettings(kinematics=kinematics, windows={})
@@ -159,11 +149,22 @@ def judge_recordings(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset
             tables.append(run_features(one, settings))
         except (FeatureError, RotationError) as error:
             raise InputError(f"{name}: {error}") from error
-    tables = with_common_components(tables)
+    return _judged(tables, kinematics)
+
+
+def _judged(
+    tables: Sequence[FeatureTable], kinematics: Kinematics, names: Sequence[str] = (), where: str = ""
+) -> Verdict:
+    """The verdict on the first table against the others, with their names; InputError that begins with a place."""
+    from pipelines.diagnosis.baseline import BaselineError
+    from pipelines.diagnosis.verdict import judge
+    from pipelines.signals.features.table import with_common_components
+
+    own, *healthy = with_common_components(tables)
     try:
-        return judge(tables[0], tables[1:], kinematics)
+        return judge(own, healthy, kinematics, names)
     except BaselineError as error:
-        raise InputError(str(error)) from error
+        raise InputError(f"{where}{error}") from error
 
 
 def recording_path(source: str | Path) -> Path:
@@ -183,6 +184,7 @@ def machine_of(path: Path, machine: str | Path | None) -> tuple[Machine, Windows
     """
     from pipelines.recordings.formats import format_of
     from pipelines.recordings.machine import read_machine
+    from pipelines.scene.file import load_scene
 
     format_of(path)  # refuses a missing or empty file
     scene = path.parent / run_folder.RESOLVED
@@ -192,13 +194,8 @@ def machine_of(path: Path, machine: str | Path | None) -> tuple[Machine, Windows
             "speed and sensors."
         )
     given = scene if machine is None else machine
-    return read_machine(given), (_windows(scene) if is_regular_file(scene) else None)
-
-
-def _windows(scene: Path) -> Windows | None:
-    from pipelines.scene.file import load_scene
-
-    return dict(load_scene(scene).scene.diagnosis.windows_s) or None
+    windows = dict(load_scene(scene).scene.diagnosis.windows_s) if is_regular_file(scene) else {}
+    return read_machine(given), windows or None
 
 
 def read_features(path: Path, machine: Machine, windows: Windows | None) -> Recorded:

@@ -10,7 +10,7 @@ import json
 import logging
 import platform
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from traceback import format_exception
 from typing import Any
@@ -22,13 +22,15 @@ from pipelines.engine.code_version import library_versions
 from pipelines.engine.run_graph import Outcome, Work
 from pipelines.engine.step import Graph, Step, StepRecord
 from pipelines.io.errors import WorkError
+from pipelines.io.json_text import json_text
+from pipelines.io.user_files import write_whole
 from pipelines.machine.plant import Plant
 from pipelines.runs import run_folder
 from pipelines.runs.claims import claimed
 from pipelines.scene.file import LoadedScene, control_differences
 from pipelines.signals.motion_warnings import log_warnings
 from pipelines.steps.results import BARS, DIAGNOSIS, REPORT, VERDICT, result_steps
-from pipelines.steps.study import Study, plan_study
+from pipelines.steps.study import Study, plan_study, scene_warnings
 
 _LOG = logging.getLogger(__name__)
 _WRITERS = ("h5py", "h5netcdf", "xarray")  # of the signals
@@ -83,6 +85,8 @@ def run_scene(
     requested = graph.steps if with_report else study.motions
     failure: Exception | None = None
     with claimed(loaded.name, out) as claim, run_folder.logged_to(claim.folder / "log.jsonl"):
+        for text in scene_warnings(loaded, study):
+            _LOG.warning("%s", text)
         written = _Files(claim.folder, loaded, study)
         try:
             work.build(graph, requested, written.add)
@@ -173,7 +177,7 @@ class _Files:
         (self._folder / run_folder.RESOLVED).write_text(resolved, encoding="utf-8")
         needed = study.graph.needed(study.motions).steps
         facts = _facts(loaded.name, study.plant, Outcome({name: results[name] for name in needed}))
-        run_folder.write_json(self._folder / run_folder.RUN, facts)
+        write_whole(self._folder / run_folder.RUN, json_text(facts))
         case = study.cases[0]
         _write_response(self._folder / run_folder.RESPONSE, results[case.own.step].load(), case.own.plant, facts)
         if (control := case.control) is not None:
@@ -184,7 +188,7 @@ class _Files:
             self.left_out.append(f"The verdict is left out: {found['failure']}")
             return
         self._words[VERDICT] = found["words"]
-        run_folder.write_json(self._folder / f"{VERDICT}.json", {"cases": [asdict(case) for case in found["cases"]]})
+        write_whole(self._folder / f"{VERDICT}.json", json_text({"cases": found["cases"]}))
         (self._folder / f"{VERDICT}.txt").write_text(found["words"], encoding="utf-8")
 
     def _write_diagnosis(self, found: Mapping[str, Any]) -> None:
@@ -204,7 +208,7 @@ class _Files:
 
         facts = _facts(self._loaded.name, self._study.plant, self.outcome)
         write_report(self._folder / run_folder.REPORT, self._study.plant.title, found["body"], facts)
-        run_folder.write_json(self._folder / run_folder.RUN, facts)
+        write_whole(self._folder / run_folder.RUN, json_text(facts))
         self.left_out += found["left_out"]
 
 

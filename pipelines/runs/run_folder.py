@@ -8,7 +8,7 @@ import logging
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pipelines.io.errors import InputError, WorkError
 from pipelines.io.shown import shown
@@ -118,11 +118,6 @@ def loaded_run(folder: Path) -> xarray.Dataset:
     """
     with opened_run(folder / RESPONSE) as data:
         return data.load().assign_attrs(folder=str(folder))
-
-
-def write_json(path: Path, content: Any) -> None:
-    """Write readable JSON, UTF-8: all of it, or the file stays as it was."""
-    write_whole(path, json.dumps(content, indent=1, ensure_ascii=False) + "\n")
 
 
 class JsonLines(logging.FileHandler):

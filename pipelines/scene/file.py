@@ -100,11 +100,26 @@ def scene_of_tree(tree: Mapping[str, Any], name: str = "scene") -> LoadedScene:
 
 
 def _loaded(source: Source, change: Mapping[str, Any], problems: list[Problem]) -> LoadedScene:
+    merged = _shortened(read_tree(source), change, source.shown)
+    return scene_of_merged(folder_name(source.name), source, change, merged, problems)
+
+
+def scene_of_merged(
+    name: str, source: Source, settings: Mapping[str, Any], merged: Merged, problems: Iterable[Problem] = ()
+) -> LoadedScene:
+    """The scene of a tree; errors as `validate`.
+
+    Parameters
+    ----------
+    name, source : of the scene
+    settings : that the tree holds
+    merged : the tree
+    problems : found before
+    """
     from pipelines.scene.scene import Scene
 
-    name = folder_name(source.name)
-    scene, tree = validate(_shortened(read_tree(source), change, source.shown), Scene, source.shown, problems)
-    return LoadedScene(name, source, change, tree, scene)
+    scene, tree = validate(merged, Scene, source.shown, problems)
+    return LoadedScene(name, source, settings, tree, scene)
 
 
 def changed(loaded: LoadedScene, settings: Settings, tables: Mapping[str, Any] | None = None) -> LoadedScene:
@@ -114,16 +129,13 @@ def changed(loaded: LoadedScene, settings: Settings, tables: Mapping[str, Any] |
     ------
     SceneError : with all problems of the settings
     """
-    from pipelines.scene.scene import Scene
-
     change, problems = settings_tree(settings)
     if tables:
         problems += over_limits(plain(tables))
         change = merge(Merged(change), plain(tables)).tree
     merged = _shortened(Merged(dict(loaded.tree)), change, loaded.source.shown)
-    scene, tree = validate(merged, Scene, loaded.source.shown, problems)
     both = merge(Merged(dict(loaded.settings)), change).tree
-    return LoadedScene(loaded.name, loaded.source, both, tree, scene)
+    return scene_of_merged(loaded.name, loaded.source, both, merged, problems)
 
 
 def plain(value: Any) -> Any:
@@ -154,8 +166,7 @@ def control_of(loaded: LoadedScene) -> LoadedScene | None:
         tree = without_shaft_faults(loaded.tree, loaded.scene)
         tree = {key: value for key, value in tree.items() if key not in ("faults", "control")}
         tree["title"] = f"{loaded.scene.title} (without its faults)"
-        scene, tree = validate(Merged(tree), Scene, loaded.source.shown)
-        return LoadedScene(f"{loaded.name}-without-faults", loaded.source, loaded.settings, tree, scene)
+        return scene_of_merged(f"{loaded.name}-without-faults", loaded.source, loaded.settings, Merged(tree))
     try:
         source = find_source(control, loaded.source.folder)
     except InputError as error:

@@ -21,7 +21,7 @@ import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fem.options import option_of
+from fem.options import options_of
 
 if TYPE_CHECKING:
     import argparse
@@ -122,7 +122,7 @@ def most_slices() -> int:
     """Greatest number of slices of the mesh models."""
     from fem.contact.models.mesh_model import MeshModel
 
-    return int(option_of(MeshModel, "slices").le or 0)
+    return int(next(one.le for field, one in options_of(MeshModel) if field.name == "slices") or 0)
 
 
 def _casing_mesh(scene: Scene, casing: ElasticBase, level: Level) -> Settings:
@@ -202,11 +202,11 @@ def preset_on(loaded: LoadedScene, preset: str) -> LoadedScene:
 
 
 def replaced(before: LoadedScene, after: LoadedScene) -> str:
-    """The values of a scene that a preset replaced, as "simulation.step_us 20 -> 50, ..."; "" if none."""
+    """The values of a scene and its defaults that a preset replaced, as "simulation.step_us 20 -> 50, ..."."""
     from pipelines.scene.merge import leaves
     from pipelines.scene.problems import shown_number
 
-    old, new = leaves(before.tree), leaves(after.tree)
+    old, new = (leaves(loaded.scene.model_dump(mode="json")) for loaded in (before, after))
     return ", ".join(
         f"{'.'.join(map(str, path))} {shown_number(old[path])} -> {shown_number(new[path])}"
         for path in old

@@ -49,7 +49,11 @@ def unit_of(key: str) -> str:
 def problems_of(error: ValidationError, model: type[BaseModel], tree: Mapping[str, Any]) -> tuple[list[Problem], int]:
     """The problems of one validation as messages, without repeats, and the number of further errors."""
     out: dict[Problem, None] = {}
-    items = [item for item in error.errors(include_url=False) if not _counts_others(item)]
+    items: list[Any] = [  # a list may be too short only because of invalid items, which have separate errors
+        item
+        for item in error.errors(include_url=False)
+        if not (item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"])
+    ]
     paths = functools.cache(lambda: _all_paths(_Place(model, tree)))
     for item in items[:_MOST_WORDED]:
         own = getattr(item.get("ctx", {}).get("error"), "problems", None)
@@ -82,11 +86,6 @@ def _joined(found: Iterable[Problem]) -> list[Problem]:
         else:
             out.append(one)
     return out
-
-
-def _counts_others(item: Any) -> bool:
-    """True for a list that is too short only because of invalid items, which have separate errors."""
-    return item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"]
 
 
 def _own_words(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: _Paths) -> list[Problem]:

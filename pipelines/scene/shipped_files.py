@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -39,7 +38,8 @@ def find_file(name: str) -> Path:
     ------
     InputError : there is no such file (the message names the shipped ones), or it cannot be read
     """
-    shipped, path = _shipped(), checked_path(name)
+    path, meshes = checked_path(name), Path(str(resources.files("meshes")))
+    shipped = {p.name: p for p in sorted(meshes.iterdir()) if p.suffix in (".step", ".msh")}
     if name in shipped and not is_regular_file(path):
         return shipped[name]
     try:
@@ -51,8 +51,3 @@ def find_file(name: str) -> Path:
         f"{shown(name)}: there is no such file. {hint}Set a path (in a scene: relative to its folder), or a shipped "
         f"file: {', '.join(shipped)}."
     )
-
-
-def _shipped() -> Mapping[str, Path]:
-    folder = Path(str(resources.files("meshes")))
-    return {p.name: p for p in sorted(folder.iterdir()) if p.suffix in (".step", ".msh")}

@@ -24,18 +24,17 @@ class CaseSpec:
     full: bool  # tables of its lines are printed; otherwise it is only in summaries
 
 
-@dataclass(frozen=True, kw_only=True)
-class DiagnosingSpec:
-    """All comparisons, and the labels of the motions in the order faulty, healthy, faulty, ..."""
-
-    cases: tuple[CaseSpec, ...]
-    labels: tuple[Mapping[str, Any], ...]
-
-
-def build(spec: DiagnosingSpec, *, motions: Sequence[Trajectory]) -> dict[str, Any]:
+def build(
+    cases: Sequence[CaseSpec], labels: Sequence[Mapping[str, Any]], *, motions: Sequence[Trajectory]
+) -> dict[str, Any]:
     """The files diagnosis.nc, .csv, .json and .md as bytes under "files", the tables of lines as text under "words".
 
     If no diagnosis is possible, the reason is returned under "failure", so that the run keeps its signals.
+
+    Parameters
+    ----------
+    cases : all comparisons
+    labels, motions : of the motions in the order faulty, healthy, faulty, ...
     """
     from pipelines.diagnosis.export import save_diagnoses
     from pipelines.diagnosis.line_words import markdown
@@ -44,13 +43,13 @@ def build(spec: DiagnosingSpec, *, motions: Sequence[Trajectory]) -> dict[str, A
     from pipelines.signals.spectrum import SpectrumError
 
     try:
-        found = diagnoses(spec.cases, list(map(make_response, motions, spec.labels)))
+        found = diagnoses(cases, list(map(make_response, motions, labels)))
     except (DiagnosisError, SpectrumError) as error:
         return {"files": {}, "words": "", "failure": str(error)}
     with tempfile.TemporaryDirectory() as folder:
         files = {path.name: path.read_bytes() for path in save_diagnoses(Path(folder), found)}
     files["diagnosis.md"] = markdown(found).encode()
-    full = [d for d, case in zip(found, spec.cases, strict=True) if case.full]
+    full = [d for d, case in zip(found, cases, strict=True) if case.full]
     return {"files": files, "words": words(full), "failure": ""}
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from pipelines.diagnosis.uncertainty.line_bars import LineBars
@@ -21,16 +20,9 @@ if TYPE_CHECKING:
     from pipelines.machine.assembly import Laws
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class BarsSpec:
-    """The machines of the diagnosed run and of its control."""
-
-    plant: Plant
-    control: Plant
-
-
 def build(
-    spec: BarsSpec,
+    machine: Plant,
+    healthy: Plant,
     *,
     motion: Trajectory,
     control: Trajectory,
@@ -43,8 +35,8 @@ def build(
 
     Parameters
     ----------
-    spec : the machines
-    motion, control : of the diagnosed run and of its control
+    machine, healthy : machines of the diagnosed run and of its control
+    motion, control : their motions
     laws, body : of the mesh of every stage, and the reduced casing
     modes, coarser : of the casing and of coarser meshes, where its stiffness is extrapolated
     """
@@ -53,14 +45,14 @@ def build(
     from pipelines.signals.response import make_response
     from pipelines.signals.spectrum import SpectrumError
 
-    settings = spec.plant.diagnosis
+    settings = machine.diagnosis
     assert settings is not None, "there was something to diagnose"
-    run, healthy = make_response(motion, spec.plant.labels), make_response(control, spec.control.labels)
+    run = make_response(motion, machine.labels)
     try:
-        found = diagnose(run, healthy, settings)
+        found = diagnose(run, make_response(control, healthy.labels), settings)
     except (DiagnosisError, SpectrumError) as error:
         return f"No error bars without a diagnosis: {error}"
-    return machine_bars(spec.plant, run, found, laws=laws, body=body, modes=modes, coarser=coarser)
+    return machine_bars(machine, run, found, laws=laws, body=body, modes=modes, coarser=coarser)
 
 
 def machine_bars(

@@ -3,35 +3,44 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    import xarray
+
     from mbd.output.trajectory import Trajectory
     from pipelines.diagnosis.simulated import FeatureSettings
 
 
-@dataclass(frozen=True, kw_only=True)
-class FeaturesSpec:
-    """Machine and windows, the labels of the motion, and how many samples of sensor noise are added to it."""
+def build(settings: FeatureSettings, labels: Mapping[str, Any], samples: int, *, motion: Trajectory) -> dict[str, Any]:
+    """The tables of a motion, see `of_response`.
 
-    settings: FeatureSettings
-    labels: Mapping[str, Any]
-    samples: int
+    Parameters
+    ----------
+    settings, labels, samples : machine and windows, labels of the motion, number of samples of sensor noise
+    motion : of the machine
+    """
+    from pipelines.signals.response import make_response
+
+    return of_response(make_response(motion, labels), settings, samples)
 
 
-def build(spec: FeaturesSpec, *, motion: Trajectory) -> dict[str, Any]:
+def of_response(run: xarray.Dataset, settings: FeatureSettings, samples: int) -> dict[str, Any]:
     """The tables of features by window, one for each sample of noise, under "tables".
 
     Where there are none, the reason is under "failure".
+
+    Parameters
+    ----------
+    run : response of the machine
+    settings : machine and windows
+    samples : number of samples of sensor noise that are added
     """
     from pipelines.diagnosis.simulated import window_features
     from pipelines.signals.features.recorded import FeatureError
     from pipelines.signals.orders.rotation import RotationError
-    from pipelines.signals.response import make_response
 
     try:
-        tables = window_features(make_response(motion, spec.labels), spec.settings, spec.samples)
+        return {"tables": window_features(run, settings, samples), "failure": ""}
     except (FeatureError, RotationError) as error:
         return {"tables": {}, "failure": str(error)}
-    return {"tables": tables, "failure": ""}

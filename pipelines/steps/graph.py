@@ -33,6 +33,7 @@ def plant_steps(machine: Plant) -> list[Step]:
 
     casing_steps = [casing_step(stage) for stage in machine.casing.stages(machine.structure)]
     coupled = "solid" in machine.models["mesh"]  # the model couples the slices
+    blocks = sum(math.ceil(spec.mesh.slices / 16) for spec in machine.laws)
     return [
         *_law_steps(machine),
         *casing_steps,
@@ -44,19 +45,15 @@ def plant_steps(machine: Plant) -> list[Step]:
             takes={"body": casing_steps[-1].name, "laws": machine.law_names},
             modules=("mbd.output.simulate", METHODS[machine.motion.integrator][0]),
             libraries=_NUMERIC,
-            seconds=_motion_seconds(machine),
+            seconds=max(
+                machine.motion.steps * (7e-6 + 20e-6 * blocks), 1.5 * machine.motion.end
+            ),  # long motions in a child
             streams=True,
             prepare=motion.precompile,
             prepare_takes=machine.law_names,
             compiles=_MOTION_CODE | (_COUPLED_CODE if coupled else {}),
         ),
     ]
-
-
-def _motion_seconds(machine: Plant) -> float:
-    """Expected time by time steps and slices of all stages; large enough to run long motions in a child process."""
-    blocks = sum(math.ceil(spec.mesh.slices / 16) for spec in machine.laws)
-    return max(machine.motion.steps * (7e-6 + 20e-6 * blocks), 1.5 * machine.motion.end)
 
 
 def _law_steps(machine: Plant) -> list[Step]:
@@ -70,7 +67,7 @@ def _law_steps(machine: Plant) -> list[Step]:
             Step(
                 name=unmodified,
                 kind="law",
-                build=laws.build,
+                build=LawSpec.laws,
                 spec=spec,
                 libraries=spec.mesh.libraries,
                 seconds=spec.mesh.seconds,

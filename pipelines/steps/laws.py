@@ -1,4 +1,4 @@
-"""Steps `law` and `flanks`: the mesh law of a gear pair, and the same with what its flanks and teeth have added to it.
+"""Step `flanks`: the mesh law of a gear pair with what its flanks and teeth have added to it.
 
 These are modified flanks, misaligned axes, and damaged teeth as variants. What is not there costs nothing: a stage
 without any of it has no step `flanks`. Only a cracked tooth needs finite elements: those of its crack surface, which
@@ -10,18 +10,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from fem.contact.faults.changed_law import damaged_law, evenly_damaged_law, modified_law
+from fem.contact.faults.changed_law import damaged_law, modified_law
 from fem.contact.law import MeshLaw
-from fem.contact.models.mesh_model import LawSpec
 from pipelines.machine.flanks_spec import FlanksSpec
 
 if TYPE_CHECKING:
     from fem.contact.wheels.crack_surface import CrackSurface
-
-
-def build(spec: LawSpec) -> tuple[MeshLaw, MeshLaw]:
-    """The laws of drive and coast flank."""
-    return spec.laws()
 
 
 def build_modified(
@@ -39,7 +33,7 @@ def _flank(spec: FlanksSpec, law: MeshLaw, surfaces: Mapping[str, Mapping[float,
     law = modified_law(law, spec.pair, spec.modifications)
     for gear, common in (("pinion", spec.pinion_wear), ("wheel", spec.wheel_wear)):
         for fault in common:
-            law = evenly_damaged_law(law, spec.pair, gear, fault)
+            law = law.replaced(gap=law.gap + fault.gap(law, spec.pair, gear))  # on all teeth, constant along the face
     for gear, teeth in (("pinion", spec.pinion_damage), ("wheel", spec.wheel_damage)):
         for faults in teeth:
             law = damaged_law(law, spec.pair, gear, faults, surfaces[gear])

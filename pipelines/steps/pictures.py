@@ -7,7 +7,6 @@ if the load changes, the curves are computed again at its force, but no picture 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -46,7 +45,7 @@ def picture_steps(machine: Plant, names: Iterable[str]) -> list[Step]:
             name=CURVES,
             kind="stiffness-curves",
             build=build_curves,
-            spec=CurvesSpec(pairs=pair_states(machine), first=stage, names=gear_names(placed)),
+            spec={"pairs": pair_states(machine), "first": stage, "names": gear_names(placed)},
             takes={"picture": GEARS, "laws": machine.law_names, "unmodified": machine.sound_law_names},
             libraries=("numpy", "matplotlib"),
         ),
@@ -77,35 +76,33 @@ def build_gears(placed: PlacedPair, *, laws: Laws | None = None) -> Picture | Un
         return Unkept(LeftOut(reason=str(error)))
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class CurvesSpec:
-    """The pairs by stage, the stage (from 1) that is shown first, and labels for its picture."""
-
-    pairs: tuple[PairState, ...]
-    first: int
-    names: Mapping[str, str]
-
-
 def build_curves(
-    spec: CurvesSpec, *, picture: Picture | LeftOut, laws: Sequence[Laws], unmodified: Sequence[Laws]
+    pairs: Sequence[PairState],
+    first: int,
+    names: Mapping[str, str],
+    *,
+    picture: Picture | LeftOut,
+    laws: Sequence[Laws],
+    unmodified: Sequence[Laws],
 ) -> dict[str, Any] | Unkept:
     """Elements of the page: "gears", the picture and its curve or why there is none; "stiffness", the other curves.
 
     Parameters
     ----------
-    spec, picture : the pairs, and the rendered gears
+    pairs, first, names : pairs by stage, the stage (from 1) that is shown first, and labels for its picture
+    picture : the rendered gears
     laws, unmodified : laws of each pair with modifications and faults, and without
     """
     from pipelines.report import page
     from pipelines.report.figures.callouts import gear_figure
 
-    states = zip(spec.pairs, laws, unmodified, strict=True)
+    states = zip(pairs, laws, unmodified, strict=True)
     curves = stiffness_plots([state.with_laws(own, healthy) for state, own, healthy in states])
-    first = curves.pop(spec.first - 1)
+    shown = curves.pop(first - 1)
     if isinstance(picture, LeftOut):
-        return Unkept({"gears": picture, "stiffness": stiffness([first, *curves])})
+        return Unkept({"gears": picture, "stiffness": stiffness([shown, *curves])})
     caption = "The gear pair and its secant stiffness from bore to bore. One mesh cycle is the motion by one pitch."
-    gears = page.picture(gear_figure(picture, first, spec.names), caption)
+    gears = page.picture(gear_figure(picture, shown, names), caption)
     return {"gears": gears, "stiffness": stiffness(curves) if curves else ""}
 
 

@@ -12,12 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.gears.modifications import EndRelief, FlankModifications, Relief
+from fem.options import options_of
 from pipelines.engine.step import Unkept
-from pipelines.machine.looked_for import pass_rates, shaft_lines
+from pipelines.machine.kinematics import pass_rates, shaft_lines
+from pipelines.machine.layout import Layout
 from pipelines.machine.plant import Plant
 from pipelines.signals.motion_warnings import gathered, stored_warnings
 from pipelines.steps.casing import misread_sensors
-from pipelines.steps.diagnosing import DiagnosingSpec, diagnoses
+from pipelines.steps.diagnosing import CaseSpec, diagnoses
 from pipelines.steps.verdict import known_damages
 
 if TYPE_CHECKING:
@@ -32,18 +35,12 @@ if TYPE_CHECKING:
     from pipelines.signals.analysis import DiagnosisSettings
 
 
-@dataclass(frozen=True, kw_only=True)
-class ReportSpec:
-    """The machine, the diagnoses, and the runs and warnings of the report."""
-
-    plant: Plant
-    diagnosing: DiagnosingSpec | None
-    responses: tuple[str, ...]  # names of the runs in the report, first that of the scene
-    warnings: tuple[str, ...]
-
-
 def build(
-    spec: ReportSpec,
+    machine: Plant,
+    cases: Sequence[CaseSpec],
+    labels: Sequence[Mapping[str, Any]],
+    responses: Sequence[str],
+    warnings: Sequence[str],
     *,
     motions: Sequence[Trajectory],
     curves: Mapping[str, Any],
@@ -58,8 +55,11 @@ def build(
 
     Parameters
     ----------
-    spec : the machine, the diagnoses, and the runs and warnings of the report
-    motions : of all cases, as in `DiagnosingSpec`; only that of the scene without a diagnosis
+    machine : of the run
+    cases, labels : as in `pipelines.steps.diagnosing.build`; only the labels of the scene without a diagnosis
+    responses : names of the runs in the report, first that of the scene
+    warnings : on the scene
+    motions : those of the labels
     curves, casing : elements of the page, see `pipelines.steps.pictures`
     body, modes : the reduced casing, and the summary of its modes
     diagnosis, verdict, error_bars : results of the steps `diagnose`, `verdict` and `error bars`
@@ -69,27 +69,23 @@ def build(
     from pipelines.report.run_screen import first_screen
     from pipelines.signals.response import make_response
 
-    machine = spec.plant
-    labelled = spec.diagnosing.labels if spec.diagnosing else (machine.labels,)
-    responses = list(map(make_response, motions, labelled))
+    every = list(map(make_response, motions, labels))
     failure = diagnosis["failure"] if diagnosis else ""
-    possible = spec.diagnosing is not None and not failure
-    found = diagnoses(spec.diagnosing.cases, responses) if spec.diagnosing and possible else []
-    shown = [case.full for case in spec.diagnosing.cases] if spec.diagnosing and possible else []
+    found = [] if failure else diagnoses(cases, every)
     monitored = machine.looked_for
-    settings, failure = _settings(machine, found, responses[0], failure)
-    runs = dict(zip(spec.responses, responses, strict=False))
-    cases, damages = verdict["cases"] if verdict else (), known_damages(machine)
+    settings, failure = _settings(machine, found, every[0], failure)
+    runs = dict(zip(responses, every, strict=False))
+    judged, damages = verdict["cases"] if verdict else (), known_damages(machine)
     failure = failure or (verdict["failure"] if verdict else "")
     with _collector_paused():
         page = report_body(
             machine.title,
-            first=first_screen(machine, settings, found, list(runs.values()), failure, cases, damages),
-            cases=cases,
+            first=first_screen(machine, settings, found, list(runs.values()), failure, judged, damages),
+            cases=judged,
             damages=damages,
             summary=_summary(machine),
-            diagnoses=[d for d, full in zip(found, shown, strict=True) if full],
-            seeds=[d for d, full in zip(found, shown, strict=True) if not full],
+            diagnoses=[d for d, case in zip(found, cases, strict=False) if case.full],
+            seeds=[d for d, case in zip(found, cases, strict=False) if not case.full],
             error=error_bars if found else "",
             gears=gear_rows(machine),
             rolling=rolling_rows(machine),
@@ -103,9 +99,9 @@ def build(
             sensor=monitored.sensor or "",
             axis=monitored.axis,
             settings=settings,
-            energy=energy_rows(responses[0]),
-            cautions=gathered(stored_warnings(response.attrs) for response in responses),
-            warnings=(*spec.warnings, *misread_sensors(body, {one.name: one.position for one in machine.sensors})),
+            energy=energy_rows(every[0]),
+            cautions=gathered(stored_warnings(response.attrs) for response in every),
+            warnings=(*warnings, *misread_sensors(body, {one.name: one.position for one in machine.sensors})),
         )
     left_out = [p.reason for p in (curves["gears"], casing) if isinstance(p, LeftOut)]
     made = {"body": page, "left_out": left_out}
@@ -172,7 +168,8 @@ def _summary(machine: Plant) -> dict[str, Any]:
 def gear_rows(machine: Plant) -> list[dict[str, Any]]:
     """Rows of the gear table, two for each stage."""
     rows = []
-    for number, (pair, stage) in enumerate(zip(machine.layout.pairs, machine.facts.stages, strict=True), 1):
+    stages = zip(machine.layout.pairs, machine.facts.stages, machine.layout.modifications, strict=True)
+    for number, (pair, stage, modified) in enumerate(stages, 1):
         for name, gear in (("pinion", pair.pinion), ("wheel", pair.wheel)):
             rows.append(
                 {
@@ -194,9 +191,24 @@ def gear_rows(machine: Plant) -> list[dict[str, Any]]:
                     else stage.wheel_frequency,
                     "force on the line of action N": stage.mesh_force,
                     "line load F_t/b N/mm": stage.line_load / 1000,
+                    "flank modifications": _modification_words(getattr(modified, name), machine.layout, number),
                 }
             )
     return rows
+
+
+def _modification_words(own: FlankModifications, layout: Layout, stage: int) -> str:
+    """The modifications of the flanks of a gear, with the ends of the face as in the scene."""
+    own, words = own if layout.pinion_senses[stage - 1] > 0 else own.turned, []
+    for item, one in options_of(FlankModifications):
+        value, name = getattr(own, item.name), (one.key or item.name).replace("_", " ")
+        if isinstance(value, Relief | EndRelief):
+            starts = {"over": value.length, "from diameter": getattr(value, "diameter", None)}
+            start = next(f"{word} {1000 * size:g} mm" for word, size in starts.items() if size)
+            words.append(f"{name} {1e6 * value.amount:g} um {start}, {value.shape}")
+        elif value:
+            words.append(f"{name} {1e6 * value:g} um")
+    return "; ".join(words) or "none"
 
 
 def rolling_rows(machine: Plant) -> list[dict[str, Any]]:

@@ -49,7 +49,7 @@ def verdict_steps(study: Study) -> list[Step]:
             name=f"features {one.step}",
             kind="features",
             build=features.build,
-            spec=features.FeaturesSpec(settings=settings, labels=one.plant.labels, samples=samples),
+            spec={"settings": settings, "labels": one.plant.labels, "samples": samples},
             takes={"motion": one.step},
             libraries=_NUMERIC,
             seconds=0.5 * samples,
@@ -59,12 +59,12 @@ def verdict_steps(study: Study) -> list[Step]:
             *((motion, FEWEST_FOR_P if exact else 1) for motion in healthy),
         ]
     }
-    spec = verdict.VerdictSpec(
-        kinematics=kinematics,
-        damages=verdict.known_damages(machine),
-        cases=tuple((str(one.own.plant.labels["load"]), deviation_name(one.own.plant.labels)) for one in cases),
-        exact=exact,
-    )
+    spec = {
+        "kinematics": kinematics,
+        "damages": verdict.known_damages(machine),
+        "cases": tuple((str(one.own.plant.labels["load"]), deviation_name(one.own.plant.labels)) for one in cases),
+        "exact": exact,
+    }
     takes = {
         "own": tuple(made[case.own.step].name for case in cases),
         "healthy": tuple(made[motion.step].name for motion in healthy),
@@ -87,7 +87,7 @@ def diagnosis_step(study: Study) -> Step | None:
         name=DIAGNOSIS,
         kind="diagnose",
         build=diagnosing.build,
-        spec=diagnosing.DiagnosingSpec(cases=tuple(cases), labels=tuple(labels)),
+        spec={"cases": tuple(cases), "labels": tuple(labels)},
         takes={"motions": tuple(motions)},
         libraries=_NUMERIC,
     )
@@ -101,7 +101,7 @@ def bars_step(study: Study) -> Step:
         name=BARS,
         kind="error-bars",
         build=bars.build,
-        spec=bars.BarsSpec(plant=case.own.plant, control=case.control.plant),
+        spec={"machine": case.own.plant, "healthy": case.control.plant},
         takes={"motion": case.own.step, "control": case.control.step, "laws": laws, **casing_taken(study.graph)},
         libraries=_NUMERIC,
         seconds=2.5,  # short, so that it is built in parallel with the motions of other cases
@@ -115,13 +115,11 @@ def casing_taken(graph: Graph) -> dict[str, str | tuple[str, ...]]:
 
 
 def _report_step(loaded: LoadedScene, study: Study, known: dict[str, Step]) -> Step:
-    from pipelines.machine.checks.design_warnings import design_warnings
-    from pipelines.scene.file import control_differences
+    from pipelines.steps.study import scene_warnings
 
     machine, compared = study.plant, known.get(DIAGNOSIS)
     kinds = [*(fault.kind for fault in machine.faults), *("bearing-spall" for _ in machine.spalls)]
     kinds += [*(fault.kind for fault in machine.shaft_faults), "healthy"]
-    unlike = [] if study.control is None else control_differences(loaded, study.control)
     optional = {
         "casing": CASING, "modes": "casing modes", "diagnosis": DIAGNOSIS, "verdict": VERDICT, "error_bars": BARS,
     }  # fmt: skip
@@ -129,15 +127,12 @@ def _report_step(loaded: LoadedScene, study: Study, known: dict[str, Step]) -> S
         name=REPORT,
         kind="report",
         build=reporting.build,
-        spec=reporting.ReportSpec(
-            plant=machine,
-            diagnosing=compared.spec if compared else None,
-            responses=(kinds[0].replace("-", " "), "healthy") if compared else (kinds[0].replace("-", " "),),
-            warnings=(
-                *design_warnings(loaded.scene, machine),
-                *(f"the control differs in more than the fault: {line}" for line in unlike),
-            ),
-        ),
+        spec={
+            "machine": machine,
+            **(compared.spec if compared else {"cases": (), "labels": (machine.labels,)}),
+            "responses": (kinds[0].replace("-", " "), "healthy")[: 2 if compared else 1],
+            "warnings": scene_warnings(loaded, study),
+        },
         takes={
             "motions": compared.takes["motions"] if compared else (study.cases[0].own.step,),
             "curves": CURVES,

@@ -6,68 +6,64 @@ contact. A crack does not, because the finite elements are those of undamaged te
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from fem.contact.frame import law_points
 from fem.contact.law import MeshLaw
+from fem.contact.models.mesh_model import LawSpec
 from fem.contact.models.solid import Solid
 from fem.contact.models.solid_stress import LoadedTeeth, stress_field
 from fem.contact.teeth import checked_terms
 from fem.contact.wheels.compliance import ContactCompliance
 from fem.contact.wheels.contact import contact_at
-from fem.gears.geometry import GearPair
 from fem.gears.modifications import lead_gap, profile_gap
 from pipelines.machine.flanks_spec import FlanksSpec
 
 
-@dataclass(frozen=True, kw_only=True)
-class ComplianceSpec:
-    """A gear pair without backlash, and the model."""
-
-    pair: GearPair
-    model: Solid
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class StressSpec:
-    """A position, index / model.positions, with force (N) and terms of the teeth (tooth,) or (tooth, 6)."""
-
-    flanks: FlanksSpec  # pair and modifications
-    model: Solid
-    index: int
-    force: float
-    pinion_terms: np.ndarray
-    wheel_terms: np.ndarray
-
-
-def build_compliance(spec: ComplianceSpec) -> ContactCompliance:
+def build_compliance(spec: LawSpec) -> ContactCompliance:
     """The compliances between all possible contact points."""
-    return spec.model.compliance(spec.pair)
+    assert isinstance(spec.mesh, Solid), "the only model of stress"
+    return spec.mesh.compliance(spec.pair)
 
 
-def build(spec: StressSpec, *, record: ContactCompliance, laws: tuple[MeshLaw, MeshLaw]) -> LoadedTeeth:
+def build(
+    flanks: FlanksSpec,
+    model: Solid,
+    index: int,
+    force: float,
+    pinion_terms: np.ndarray,
+    wheel_terms: np.ndarray,
+    *,
+    record: ContactCompliance,
+    laws: tuple[MeshLaw, MeshLaw],
+) -> LoadedTeeth:
     """Contact at the force, then displacement and stress of the teeth of all pairs in mesh or near it.
+
+    Parameters
+    ----------
+    flanks, model : pair and modifications, and the model
+    index, force : position, index / model.positions, and force (N)
+    pinion_terms, wheel_terms : (tooth,) or (tooth, 6), terms of the teeth
+    record, laws : compliances of the pair, and its laws
 
     Raises
     ------
     ModelError : no tooth can carry the force
     """
-    law, pair = laws[0], spec.flanks.pair
-    turns, place = divmod(spec.index, len(record.position))
+    law, pair = laws[0], flanks.pair
+    turns, place = divmod(index, len(record.position))
     numbers = record.pair + turns
-    xi = spec.index / len(record.position) - numbers[:, None] + record.cycle_shift
+    xi = index / len(record.position) - numbers[:, None] + record.cycle_shift
     teeth = (numbers % law.pinion_teeth, (numbers + law.wheel_tooth_offset) % law.wheel_teeth)
     terms = (
-        checked_terms("pinion", law.pinion_teeth, spec.pinion_terms)[teeth[0]],
-        checked_terms("wheel", law.wheel_teeth, spec.wheel_terms)[teeth[1]],
+        checked_terms("pinion", law.pinion_teeth, pinion_terms)[teeth[0]],
+        checked_terms("wheel", law.wheel_teeth, wheel_terms)[teeth[1]],
     )
-    extra = np.where(np.isfinite(record.gap[place]), _gaps(spec.flanks, law, record, xi, terms), 0.0)
-    _, line_load = contact_at(record, spec.index, spec.force, extra)
-    pinion, wheel = stress_field(pair, spec.model, record, spec.index, line_load)
+    extra = np.where(np.isfinite(record.gap[place]), _gaps(flanks, law, record, xi, terms), 0.0)
+    _, line_load = contact_at(record, index, force, extra)
+    pinion, wheel = stress_field(pair, model, record, index, line_load)
     return LoadedTeeth(
-        cycle=spec.index / len(record.position),
+        cycle=index / len(record.position),
         hand=record.hand,
         pinion=pinion,
         wheel=wheel,

@@ -17,12 +17,13 @@ from pipelines.io.errors import InputError
 from pipelines.machine.checks.cost import check_room
 from pipelines.machine.checks.validity import checked_plant
 from pipelines.machine.plant import Plant, fault_labels
-from pipelines.scene.file import LoadedScene, control_of
+from pipelines.scene.file import LoadedScene, control_differences, control_of
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.gears import DeviationTable
 from pipelines.scene.tables.motion import LoadModel, StaticTorqueTable
 from pipelines.steps.graph import plant_steps
 
+MOST_DIFFERENCES = 10  # of scene and control that are listed; more belong to another machine
 HEALTHY = "healthy "  # prefix of the steps that only a control has
 
 
@@ -111,6 +112,20 @@ def plan_study(
     study = Study(graph=Graph(steps), cases=tuple(cases), control=control, baseline=tuple(others))
     check_room(tuple(study.machines.values()), source)
     return study
+
+
+def scene_warnings(loaded: LoadedScene, study: Study) -> tuple[str, ...]:
+    """What is questionable in a scene, and how its control differs in more than the fault."""
+    from pipelines.machine.checks.design_warnings import design_warnings
+
+    warnings = list(design_warnings(loaded.scene, study.plant))
+    if study.control is not None:
+        lines = control_differences(loaded, study.control)
+        head = f"the control {study.control.name} differs in more than the fault"
+        warnings += [f"{head}: {line}" for line in lines[:MOST_DIFFERENCES]]
+        if (more := len(lines) - MOST_DIFFERENCES) > 0:
+            warnings.append(f'{head}: {more} further values. Set control = "without-faults"')
+    return tuple(warnings)
 
 
 def _baseline(loaded: LoadedScene, control: LoadedScene | None, count: int) -> Iterator[tuple[int, Plant]]:

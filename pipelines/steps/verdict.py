@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -14,23 +13,22 @@ if TYPE_CHECKING:
 STRIKES = {"outer-ring": "BPFO", "inner-ring": "BPFI", "element": "2 BSF"}
 
 
-@dataclass(frozen=True, kw_only=True)
-class VerdictSpec:
-    """The machine, what is known to be damaged, the `cases` (load, deviations), and whether the healthy runs are their
-    exact controls."""
-
-    kinematics: Kinematics
-    damages: tuple[Damage, ...]
-    cases: tuple[tuple[str, str], ...]
-    exact: bool
-
-
-def build(spec: VerdictSpec, *, own: Sequence[dict[str, Any]], healthy: Sequence[dict[str, Any]]) -> dict[str, Any]:
+def build(
+    kinematics: Kinematics,
+    damages: tuple[Damage, ...],
+    cases: tuple[tuple[str, str], ...],
+    exact: bool,
+    *,
+    own: Sequence[dict[str, Any]],
+    healthy: Sequence[dict[str, Any]],
+) -> dict[str, Any]:
     """The verdicts under "cases" and as text under "words"; where there are none, the reason under "failure".
 
     Parameters
     ----------
-    spec : the machine
+    kinematics, damages : the machine, and what is known to be damaged
+    cases : load and deviations of each
+    exact : whether the healthy runs are the exact controls of the cases
     own, healthy : results of steps `features`: of every case, and of its control, or of all healthy machines
     """
     from pipelines.diagnosis.baseline import BaselineError
@@ -38,19 +36,19 @@ def build(spec: VerdictSpec, *, own: Sequence[dict[str, Any]], healthy: Sequence
     from pipelines.diagnosis.verdict import judge
 
     failure = next((one["failure"] for one in (*own, *healthy) if one["failure"]), "")
-    cases = []
+    found = []
     try:
-        for number, ((load, deviations), one) in enumerate(zip(spec.cases, own, strict=True)):
-            others = [healthy[number]] if spec.exact else healthy
+        for number, ((load, deviations), one) in enumerate(zip(cases, own, strict=True)):
+            others = [healthy[number]] if exact else healthy
             for window, (table,) in one["tables"].items() if not failure else ():
                 reference = [table for other in others for table in other["tables"][window]]
-                verdict = judge(table, reference, spec.kinematics, exact=spec.exact)
-                cases.append(Case(load=load, deviations=deviations, window=window, verdict=verdict))
+                verdict = judge(table, reference, kinematics, exact=exact)
+                found.append(Case(load=load, deviations=deviations, window=window, verdict=verdict))
     except BaselineError as error:
         failure = str(error)
     if failure:
         return {"cases": (), "words": "", "failure": failure}
-    return {"cases": tuple(cases), "words": text(cases, spec.damages), "failure": ""}
+    return {"cases": tuple(found), "words": text(found, damages), "failure": ""}
 
 
 def known_damages(machine: Drivetrain) -> tuple[Damage, ...]:

@@ -26,6 +26,7 @@ from fem.storage.records import Record, array, scalar, text
 logger = logging.getLogger(__name__)
 
 _ROUNDS = 200
+_WARNED_POSITIONS = 40  # in one mesh cycle, whatever positions a curve has, so that equal warnings are printed once
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -78,14 +79,10 @@ def stiffness_curve(
     c = np.linspace(0.0, 1.0, 200, endpoint=False) if cycle is None else np.atleast_1d(np.asarray(cycle, dtype=float))
     evaluator = LawEvaluator(law)
     h = evaluator.teeth(clearance_pinion, clearance_wheel)
-    if psi is None:
-        delta, tilt = _balanced(evaluator, c, load, *h)
-    else:
-        tilt = np.full(c.size, float(psi))
-        delta = evaluator.approach_at(load, c, psi, *h)
+    delta, tilt = loaded_approach(evaluator, load, c, psi, *h)
     no_load = first_touch(law, c, psi, *h)
     response = evaluator.evaluate(c, delta, tilt, *h)
-    _warn_beyond_window(evaluator, c, delta, tilt, load, *h)
+    _warn_beyond_window(evaluator, delta, tilt, load, *h)
     pair, share = _sharing(evaluator, c, delta, tilt, *h)
     return StiffnessCurve(
         model=law.model,
@@ -104,9 +101,24 @@ def stiffness_curve(
     )
 
 
+def loaded_approach(
+    evaluator: LawEvaluator, load: float, cycle: np.ndarray, psi: float | None, h1: np.ndarray, h2: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Transmission error (n,), m, and tilt (n,), rad, at a force `load` (N) and the positions `cycle` (n,).
+
+    Parameters
+    ----------
+    evaluator : of the law
+    load, cycle, psi : as in `stiffness_curve`
+    h1, h2 : terms of the teeth, see `evaluator.Teeth`
+    """
+    if psi is None:
+        return _balanced(evaluator, cycle, load, h1, h2)
+    return evaluator.approach_at(load, cycle, psi, h1, h2), np.full(cycle.size, float(psi))
+
+
 def _warn_beyond_window(
     evaluator: LawEvaluator,
-    c: np.ndarray,
     delta: np.ndarray,
     tilt: np.ndarray,
     load: float,
@@ -119,7 +131,8 @@ def _warn_beyond_window(
     half = float(np.abs(law.face_coordinate).max())
     largest = min(known[0], known[-1]) - known.min() + least_clearance(law, h1, h2) - half * np.abs(tilt)
     if (delta > largest).any():
-        reached = evaluator.evaluate(c, largest, tilt, h1, h2).force.min()
+        cycle = np.linspace(0.0, 1.0, _WARNED_POSITIONS, endpoint=False)
+        reached = evaluator.evaluate(cycle, float(largest.min()), float(tilt.mean()), h1, h2).force.min()
         logger.warning(
             "mesh law %r (%s): at F = %.4g N the next tooth pair makes contact outside the tables of the law, and the "
             "stiffness jumps there by a few per cent. Reduce the load to about %.2g N",

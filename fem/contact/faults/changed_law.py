@@ -70,14 +70,3 @@ def damaged_law(
             modes = np.concatenate([modes, fault.modes(law, pair, gear, surface)])
         gap = gap + fault.gap(law, pair, gear)
     return with_variants(law, gear, compliance, gap, modes)
-
-
-def evenly_damaged_law(law: MeshLaw, pair: GearPair, gear: str, fault: ToothFault) -> MeshLaw:
-    """The law of a pair in which all teeth of "pinion" or "wheel" have a fault that is constant along the face.
-
-    Parameters
-    ----------
-    law, pair, gear : those of `damaged_law`
-    fault : with a gap (position,); only the gap is used
-    """
-    return law.replaced(gap=law.gap + fault.gap(law, pair, gear))

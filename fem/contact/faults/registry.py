@@ -18,5 +18,4 @@ FAULTS = {
 
 def fault_class(kind: str) -> type[ToothFault]:
     """The class of that name. GeometryError if there is none."""
-    found: type[ToothFault] = named_class(FAULTS, kind, "fault", GeometryError)
-    return found
+    return named_class(FAULTS, kind, "fault", GeometryError)

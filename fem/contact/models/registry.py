@@ -18,8 +18,7 @@ MODELS = {
 
 def mesh_model(name: str) -> type[MeshModel]:
     """The class of that name. ModelError if there is none."""
-    found: type[MeshModel] = named_class(MODELS, name, "mesh model", ModelError)
-    return found
+    return named_class(MODELS, name, "mesh model", ModelError)
 
 
 def loaded_model(model: MeshModel, line_load: float) -> MeshModel:

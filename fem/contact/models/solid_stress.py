@@ -41,6 +41,7 @@ class StressField:
     cells: np.ndarray  # (cell, 8) nodes of one tooth
     displacement: np.ndarray  # (tooth, node, 3), m
     von_mises: np.ndarray  # (tooth, node), Pa, mean over the elements at a node
+    root: np.ndarray  # nodes of one tooth on the fillet of the loaded side, from its middle to the form circle
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -141,6 +142,7 @@ def _gear_field(
         cells=_cells(mesh, prism.filled),
         displacement=np.einsum("tzij,tznj->tzni", turn, local).reshape(len(teeth), -1, 3),
         von_mises=_von_mises(mesh, material, ends, prism.filled, local).reshape(len(teeth), -1),
+        root=np.add.outer(len(mesh.points) * np.arange(len(z)), mesh.flank[mesh.flank_arc < mesh.form_arc]).ravel(),
     )
 
 

@@ -89,7 +89,8 @@ def check_room(trains: Sequence[Drivetrain], source: str) -> None:
     """
     motions, packed, problems = *_bytes(trains), []
     for folder, needed, held in ((cache_root(), motions, _HELD), (Path("runs"), packed, 0.0)):
-        free = shutil.disk_usage(_existing(folder)).free
+        places = (folder.absolute(), *folder.absolute().parents)
+        free = shutil.disk_usage(next((place for place in places if place.is_dir()), Path())).free
         if needed > max(free, held):
             problems.append(
                 Problem(
@@ -142,9 +143,3 @@ def _modes(train: Drivetrain) -> float:
         nodes = min(333.0, (shaft.y_end - shaft.y_start) / shaft.element_length) + len(shaft.sections) + bearings + 2
         found += nodes * (3.0 if shaft.model == "timoshenko" else 1.0)  # half of the bending modes exceed the band
     return found
-
-
-def _existing(folder: Path) -> Path:
-    """The folder, or the nearest of its parents that exists."""
-    folder = folder.absolute()
-    return next((place for place in (folder, *folder.parents) if place.is_dir()), Path())

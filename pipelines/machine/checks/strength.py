@@ -126,6 +126,8 @@ def _overloaded_teeth(number: int, pair: GearPair, facts: StageFacts) -> Iterato
     remedy = (
         f"Reduce the load, raise face_width_mm or module_mm, or correct gear_material.{key}. {other_unit(key, modulus)}"
     )
+    softness = STEEL.elastic_modulus / pair.pinion_material.elastic_modulus
+    give = facts.line_load / TYPICAL_STIFFNESS * softness
     if not pressure <= STATIC_STRENGTH:
         yield Problem(
             f"stages.{number}",
@@ -133,9 +135,7 @@ def _overloaded_teeth(number: int, pair: GearPair, facts: StageFacts) -> Iterato
             f"{STATIC_STRENGTH / 1e6:.0f} MPa for few cycles (ISO 6336-2 and -5: 1650 MPa, Z_NT 1.6)",
             remedy,
         )
-    softness = STEEL.elastic_modulus / pair.pinion_material.elastic_modulus
-    give = facts.line_load / TYPICAL_STIFFNESS * softness
-    if not give <= LARGEST_GIVE * pair.pinion.normal_module:
+    elif not give <= LARGEST_GIVE * pair.pinion.normal_module:
         yield Problem(
             f"stages.{number}",
             f"the {load} deflects the teeth by about {1000 * give:.3g} mm, more than {LARGEST_GIVE:g} modules "

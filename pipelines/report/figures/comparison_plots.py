@@ -12,14 +12,14 @@ from matplotlib.ticker import NullLocator
 from pipelines.diagnosis.comparison.curves import Curves
 from pipelines.diagnosis.comparison.features import Features
 from pipelines.diagnosis.comparison.part import Part
-from pipelines.report.figures.plots import FIRST, MARK, SECOND, dress, new_figure, plain
+from pipelines.report.figures.plots import FIRST, LETTER, MARK, SECOND, WIDTH, dress, new_figure, plain
 from pipelines.report.figures.spectrum_plots import DECADES
 from pipelines.signals.orders.kinematics import Kinematics
 
 MESH_ORDERS = 3  # of the fastest mesh, in the spectra
 SIDEBANDS = 6  # on either side of a mesh order
 ENVELOPE_ORDERS = 10.0  # least range of the envelope spectra
-ROOM = 0.04  # of the width, for the name of a mark
+_NO_WIDTH = str.maketrans("", "", "${}_")  # characters of formulas that are not shown
 BEHIND = "#c9c9c9"  # the first recording, behind the others
 
 
@@ -165,15 +165,17 @@ def _panels(
 
 
 def _mark(axes: Axes, marks: Mapping[str, float], span: tuple[float, float], *, named: bool) -> None:
-    """Dashed lines; if they are too close, only the first of them have their names."""
-    placed: list[float] = []
-    for label, order in marks.items():
+    """Dashed lines; names of lines that are close are in rows below each other."""
+    letter = LETTER / WIDTH * (span[1] - span[0])
+    ends: list[float] = []  # of the last name in each row
+    for label, order in sorted(marks.items(), key=lambda one: one[1]):
         axes.axvline(order, color=MARK, lw=0.6, ls=(0, (4, 3)), zorder=0)
-        if named and all(abs(order - other) > ROOM * (span[1] - span[0]) for other in placed):
-            placed.append(order)
+        if named:
+            row = next((n for n, end in enumerate(ends) if end <= order), len(ends))
+            ends[row : row + 1] = [order + letter * len(label.translate(_NO_WIDTH))]
             axes.annotate(
-                label, (order, 1.0), xycoords=("data", "axes fraction"), xytext=(2, -2), textcoords="offset points",
-                ha="left", va="top", fontsize=8, color=MARK,
+                label, (order, 1.0), xycoords=("data", "axes fraction"), xytext=(2, -2 - 10 * row),
+                textcoords="offset points", ha="left", va="top", fontsize=8, color=MARK,
             )  # fmt: skip
 
 

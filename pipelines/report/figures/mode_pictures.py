@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -55,12 +55,24 @@ def write_mode(view: ModeView, folder: Path) -> list[Path]:
     return [still, film, page]
 
 
-def write_modes(views: Iterable[ModeView], count: int, folder: Path) -> list[Path]:
-    """casing_modes.png with a still of every mode, or casing_modes_<n>.png of `ON_A_SHEET` each."""
+def write_modes(
+    views: Iterable[ModeView], count: int, folder: Path, on_progress: Callable[[int, int], None]
+) -> list[Path]:
+    """casing_modes.png with a still of every mode, or casing_modes_<n>.png of `ON_A_SHEET` each.
+
+    Parameters
+    ----------
+    views, count : the modes and their number
+    folder : of the files
+    on_progress : called with the number of finished stills and that of all
+    """
     written: list[Path] = []
     remaining = iter(views)
     while sheet := list(islice(remaining, ON_A_SHEET)):
-        stills = [render_mode(*_surface(view), STILL, (560, 400))[STILL // 4] for view in sheet]
+        stills: list[Picture] = []
+        for view in sheet:
+            stills.append(render_mode(*_surface(view), STILL, (560, 400))[STILL // 4])
+            on_progress(ON_A_SHEET * len(written) + len(stills), count)
         number = f"_{len(written) + 1}" if count > ON_A_SHEET else ""
         written.append(folder / f"casing_modes{number}.png")
         write_whole(written[-1], png(sheet_figure(sheet, stills), dpi=100))

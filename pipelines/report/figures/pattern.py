@@ -74,7 +74,7 @@ def contact_pattern(
     return ContactPattern(
         name=name,
         face=np.concatenate([[-half], law.face_coordinate, [half]]),
-        diameter=_diameter(pair, gear, rolls),
+        diameter=2 * np.hypot(getattr(pair, gear).base_radius, rolls),
         pressure=_to_the_ends(np.where(pressure > 0.0, pressure, np.nan)),
     )
 
@@ -115,7 +115,3 @@ def _position(pair: GearPair, gear: str, roll: np.ndarray) -> np.ndarray:
     """Positions xi on the path of contact at roll lengths of a gear."""
     own = pair.roll_lengths(0.0)[0 if gear == "pinion" else 1]
     return np.asarray((roll - own) / pair.base_pitch * (1 if gear == "pinion" else -1))
-
-
-def _diameter(pair: GearPair, gear: str, roll: np.ndarray) -> np.ndarray:
-    return np.asarray(2 * np.hypot(getattr(pair, gear).base_radius, roll))

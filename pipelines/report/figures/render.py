@@ -19,8 +19,8 @@ import numpy as np
 
 from fem.processes.child import command, environment
 from pipelines.io.errors import InputError
+from pipelines.report.figures import render_failures
 from pipelines.report.figures.mesh_frames import MeshFrames, MeshView
-from pipelines.report.figures.render_failures import Failure, ended, no_picture, too_slow
 from pipelines.report.figures.scene_frame import placed, turned_away
 from pipelines.report.figures.solids import gear_surface, prism_surface, without_tooth
 from pipelines.report.figures.tooth_shape import DrawnTooth, turned_in
@@ -263,8 +263,8 @@ def show_mesh(view: MeshView, image: Path | None = None) -> None:
             "focus": focus,
         }
         failure = _run_job(Path(folder), job, arrays, timeout=None)
-    if failure is not None:
-        raise InputError(f"--screen: the window is not opened: {failure.what}. {failure.remedy}")
+    if failure:
+        raise InputError(f"--screen: the window is not opened: {failure}")
 
 
 def render_stress(
@@ -316,10 +316,10 @@ def _render(
             "places": {key: [float(v) for v in place] for key, place in places.items()},
         }
         failure = _run_job(Path(folder), job, arrays, TIMEOUT)
-        if failure is None and not all(Path(file).exists() for file in (*job["images"], job["pixels"])):
-            failure = no_picture()
-        if failure is not None:
-            reason = f"The picture of the {name} is left out: {failure.what}. {failure.remedy}"
+        if not failure and not all(Path(file).exists() for file in (*job["images"], job["pixels"])):
+            failure = f"the renderer wrote no picture. {render_failures.again_or_graphics()}"
+        if failure:
+            reason = f"The picture of the {name} is left out: {failure}"
             log.warning("%s", reason)
             raise NotRendered(reason)
         from matplotlib.image import imread
@@ -331,19 +331,14 @@ def _render(
         ]
 
 
-def _run_job(folder: Path, job: Mapping[str, Any], arrays: Mapping[str, Any], timeout: float | None) -> Failure | None:
-    """Write a job with its arrays into a folder and run it."""
+def _run_job(folder: Path, job: Mapping[str, Any], arrays: Mapping[str, Any], timeout: float | None) -> str:
+    """Write a job with its arrays into a folder and run it; "" on success, else the failure and what helps."""
     np.savez(folder / "arrays.npz", **arrays)
     path = folder / "job.json"
     path.write_text(json.dumps({**job, "arrays": str(folder / "arrays.npz")}), encoding="utf-8")
-    return _run_child(path, timeout)
-
-
-def _run_child(job: Path, timeout: float | None) -> Failure | None:
-    """Run the renderer; None on success, else the failure."""
     try:
         done = subprocess.run(
-            [*command(RENDERER), str(job)],
+            [*command(RENDERER), str(path)],
             env=environment(),
             capture_output=True,
             text=True,
@@ -353,5 +348,8 @@ def _run_child(job: Path, timeout: float | None) -> Failure | None:
             check=False,
         )
     except subprocess.TimeoutExpired as error:
-        return too_slow(error.timeout)
-    return None if done.returncode == 0 else ended(done.returncode, done.stderr)
+        return (
+            f"rendering took more than {error.timeout:g} s. A software renderer on a busy machine can be this slow; "
+            "run again."
+        )
+    return render_failures.ended(done.returncode, done.stderr) if done.returncode else ""

@@ -1,11 +1,10 @@
-"""Why a picture could not be rendered, as far as it is known, and what helps."""
+"""Why a picture could not be rendered, as far as it is known, and what helps: words for the user."""
 
 from __future__ import annotations
 
 import re
 import signal
 import sys
-from dataclasses import dataclass
 
 PACKAGES = {
     "libGL.so.1": "libgl1",
@@ -25,61 +24,46 @@ _MISSING = re.compile(r"No module named '(\w+)")
 _AGAIN = "Nothing else is affected; run again."
 
 
-@dataclass(frozen=True)
-class Failure:
-    """What happened, and what to do about it."""
-
-    what: str
-    remedy: str
+def again_or_graphics() -> str:
+    """What helps without a message of the renderer: libraries for rendering if there are none, else another run."""
+    return _AGAIN if graphics_found() else _install()
 
 
-def too_slow(limit: float) -> Failure:
-    """The renderer did not end within the limit (s)."""
-    return Failure(
-        f"rendering took more than {limit:g} s", "A software renderer on a busy machine can be this slow; run again."
-    )
-
-
-def no_picture() -> Failure:
-    """The renderer ended well and left no file."""
-    return Failure("the renderer wrote no picture", _install() if not graphics_found() else _AGAIN)
-
-
-def ended(code: int, stderr: str) -> Failure:
+def ended(code: int, stderr: str) -> str:
     """The renderer ended with an exit code other than 0, or by a signal (negative)."""
     if code < 0:
         return _signalled(-code)
     lines = [line.strip() for line in stderr.splitlines() if line.strip()]
     what = f"the renderer failed ({lines[-1] if lines else f'exit status {code}'})"
     if any(words in stderr for words in _OUT_OF_MEMORY):
-        return Failure(what, _more_memory())
+        return f"{what}. {_more_memory()}"
     packages = [package for library, package in PACKAGES.items() if library in stderr]
     if packages:
-        return Failure(what, _install(*packages))
+        return f"{what}. {_install(*packages)}"
     if missing := _MISSING.search(stderr):
-        return Failure(
-            f"pictures in three dimensions need {missing[1]}, which is not installed",
-            f"Everything else works without; for them: python -m pip install {missing[1]}",
+        return (
+            f"pictures in three dimensions need {missing[1]}, which is not installed. Everything else works without; "
+            f"for them: python -m pip install {missing[1]}"
         )
-    return Failure(what, _AGAIN)
+    return f"{what}. {_AGAIN}"
 
 
-def _signalled(number: int) -> Failure:
+def _signalled(number: int) -> str:
     try:
         name = signal.Signals(number).name
     except ValueError:
         name = f"signal {number}"
     what = f"off-screen rendering ended with {name}"
     if name == "SIGKILL":
-        return Failure(f"{what}: it was killed, which the system does when memory runs out", _more_memory())
+        return f"{what}: it was killed, which the system does when memory runs out. {_more_memory()}"
     if name not in ("SIGSEGV", "SIGABRT", "SIGBUS"):
-        return Failure(what, _AGAIN)
+        return f"{what}. {_AGAIN}"
     limit = memory_limit()
     if limit is not None and limit < 2 * NEEDED_MB:
-        return Failure(f"{what} under a memory limit of {limit:.0f} MB", _more_memory())
+        return f"{what} under a memory limit of {limit:.0f} MB. {_more_memory()}"
     if not graphics_found():
-        return Failure(f"{what}, which happens without EGL and OSMesa; neither is found here", _install())
-    return Failure(f"{what}; EGL or OSMesa is installed, the cause is not known", _AGAIN)
+        return f"{what}, which happens without EGL and OSMesa; neither is found here. {_install()}"
+    return f"{what}; EGL or OSMesa is installed, the cause is not known. {_AGAIN}"
 
 
 def graphics_found() -> bool:

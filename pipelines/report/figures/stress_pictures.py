@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -28,6 +29,7 @@ from pipelines.report.figures.render import render_stress
 from pipelines.report.figures.scene_frame import placed, turned_away
 from pipelines.report.figures.views import PairStates, Picture, Teeth
 
+SMOOTHED = 0.3  # modules from a contact line, where the stress is smoothed
 FORMATS = (".vtu", ".inp", ".msh", ".bdf")
 
 
@@ -67,6 +69,9 @@ def teeth_in_mesh(pair: GearPair, found: LoadedTeeth) -> Teeth:
                     "tooth_pair": np.full(len(own), field.pair[tooth]),
                     "displacement": field.displacement[tooth] @ place.T,
                     "von_mises": field.von_mises[tooth],
+                    "root": field.root + count,
+                    "root_gear": np.full(len(field.root), number),
+                    "root_pair": np.full(len(field.root), field.pair[tooth]),
                 }
             )
             count += len(field.points[tooth])
@@ -75,6 +80,31 @@ def teeth_in_mesh(pair: GearPair, found: LoadedTeeth) -> Teeth:
         line_points=contact_places(pair, found.xi, found.hand * found.face),
         line_load=np.where(found.line_load > 0.0, found.line_load, np.nan),
     )
+
+
+def root_stresses(pair: GearPair, teeth: Teeth) -> list[dict[str, Any]]:
+    """The largest von Mises stress (MPa) on the fillets of the loaded sides of each gear, and its place.
+
+    Places within 0.3 modules of a contact line are left out, because the smoothed contact stress reaches them. A row
+    has the number of the tooth pair, the diameter (mm) and the face coordinate of the law from mid face (mm).
+    """
+    lines, rows = teeth.line_points[np.isfinite(teeth.line_load)], []
+    places = teeth.points[teeth.root]
+    away = np.linalg.norm(places[:, None] - lines, axis=2).min(axis=1) > SMOOTHED * pair.pinion.normal_module
+    for number, gear in enumerate(("pinion", "wheel"), 1):
+        stress = np.where(away & (teeth.root_gear == number), teeth.von_mises[teeth.root], -1.0)
+        at = int(stress.argmax())
+        x, y, z = places[at] - [(number - 1) * pair.axis_distance, 0.0, 0.0]
+        rows.append(
+            {
+                "gear": gear,
+                "tooth pair": int(teeth.root_pair[at]),
+                "root stress MPa": float(stress[at]) / 1e6,
+                "diameter mm": 2000.0 * math.hypot(x, y),
+                "y mm": 1000.0 * float(z),
+            }
+        )
+    return rows
 
 
 def write_teeth(teeth: Teeth, path: Path, frame: np.ndarray) -> None:
@@ -132,7 +162,8 @@ def _draw(axes: Axes, picture: Picture, view: StressView, number: int) -> None:
         handles.append(Patch(color=GONE, alpha=0.6, label=view.marked))
     axes.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, fontsize=8, frameon=False)
     note = f"face width {1000 * view.gears.face_width:.4g} mm along y; x, y, z 1:1, not deformed"
-    note += "\nstress within 0.3 modules of a contact line is smoothed; mesh_<stage>.png gives the Hertz pressure there"
-    if number and view.note:
+    note += f"\nstress within {SMOOTHED:g} modules of a contact line is smoothed; mesh_<stage>.png gives the Hertz "
+    note += "pressure there"
+    if view.note and number == len(view.states) - 1:
         note += f"\n{view.note}"
     axes.text(0.0, -0.01, note, fontsize=8, transform=axes.transAxes, va="top")

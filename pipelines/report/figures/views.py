@@ -76,6 +76,9 @@ class Teeth:
     tooth_pair: np.ndarray  # (cell,), number of the tooth pair
     displacement: np.ndarray  # (node, 3), m
     von_mises: np.ndarray  # (node,), Pa
+    root: np.ndarray  # (place,), nodes on the fillets of the loaded sides
+    root_gear: np.ndarray  # (place,), as `gear`
+    root_pair: np.ndarray  # (place,), number of the tooth pair
     line_points: np.ndarray  # (pair, slice, 3), m
     line_load: np.ndarray  # (pair, slice), N/m, nan without contact
 

@@ -84,10 +84,11 @@ def pairs(table: Table, places: str, values: str, path: str) -> tuple[np.ndarray
         )
     wrong = np.flatnonzero(np.diff(first) <= 0)
     if len(wrong):
-        i = int(wrong[0]) + 1
+        i, line = int(wrong[0]) + 1, lines[0]
+        at = "" if line is None else f" (value {i + 1}, about line {line + i})"
         raise refused(
             f"{path}.{places}",
-            f"must increase strictly, but {first[i]:g} follows {first[i - 1]:g}{_at(lines[0], i)}",
+            f"must increase strictly, but {first[i]:g} follows {first[i - 1]:g}{at}",
             "Sort the lines, and delete repeated ones",
         )
     return first, second
@@ -107,18 +108,13 @@ def samples(given: tuple[float, ...] | ColumnTable, path: str) -> tuple[np.ndarr
     """
     if not isinstance(given, ColumnTable):
         return np.array(given, dtype=float), None
-    file = _found(given.file)
+    shipped = Path(str(resources.files("pipelines.scene"))) / "shipped" / given.file
+    file = Path(given.file)
+    file = shipped if shipped.suffix == ".csv" and not file.exists() and shipped.is_file() else file
     with reading(file, given.file, path, MOST_BYTES):
         if file.suffix.lower() in HDF5:
             return _dataset(file, given.column, path), None
         return _column(read_text(file, MOST_BYTES), given, path), 2
-
-
-def _found(name: str) -> Path:
-    """The file of a name, or the file of this name that is shipped with a scene."""
-    shipped = Path(str(resources.files("pipelines.scene"))) / "shipped" / name
-    beside = Path(name)
-    return shipped if shipped.suffix == ".csv" and not beside.exists() and shipped.is_file() else beside
 
 
 def _column(text: str, given: ColumnTable, path: str) -> np.ndarray:
@@ -168,10 +164,6 @@ def _dataset(file: Path, name: str, path: str) -> np.ndarray:
             f"{path}.column", f"value {bad[0] + 1} of {len(values)} is {values[bad[0]]}", "Correct the file", name
         )
     return values
-
-
-def _at(line: int | None, number: int) -> str:
-    return "" if line is None else f" (value {number + 1}, about line {line + number})"
 
 
 def refused(path: str, message: str, remedy: str, value: str | None = None) -> SceneError:

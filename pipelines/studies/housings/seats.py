@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from fem.casing.mesh.imported import UNITS
-from fem.casing.recognition.contents import Bore, Contents
+from fem.casing.recognition.contents import Contents
 from fem.casing.recognition.shaft_fit import ShaftFit, ShaftPlace, fit_shafts
 from pipelines.machine.bearings import bearing_names
 from pipelines.machine.layout import lay_out
@@ -43,11 +43,11 @@ def fitting_units(contents: Contents, shafts: Sequence[ShaftPlace]) -> dict[str,
     found = {}
     for unit, factor in UNITS.items():
         scale = factor / UNITS[contents.unit]
-        fit = fit_shafts([_scaled(bore, scale) for bore in contents.bores], shafts)
+        bores = (
+            replace(one, centre=scale * one.centre, diameter=scale * one.diameter, length=scale * one.length)
+            for one in contents.bores
+        )
+        fit = fit_shafts(list(bores), shafts)
         if fit is not None and len(fit.seats) >= min(count, 2):
             found[unit] = fit
     return dict(sorted(found.items(), key=lambda item: (-len(item[1].seats), round(item[1].off, 6))))
-
-
-def _scaled(bore: Bore, scale: float) -> Bore:
-    return replace(bore, centre=scale * bore.centre, diameter=scale * bore.diameter, length=scale * bore.length)

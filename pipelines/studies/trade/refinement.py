@@ -66,7 +66,9 @@ def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> Refinement
     chosen = AXES[axis]
     # the finest first: one level finer than the setting in use, which is the second, all others are coarser
     fineness = tuple(chosen.ratio ** (1 - n) for n in range(count))
-    scenes = {_level_name(f): changed(loaded, chosen.settings(loaded.scene, f)) for f in fineness}
+    scenes = {
+        "in use" if f == 1.0 else f"x{f:.3g}": changed(loaded, chosen.settings(loaded.scene, f)) for f in fineness
+    }
     levels = list(measure(scenes, [chosen.probe, *chosen.also], work).values())
     first = levels[0].by_probe[chosen.probe]
     sizes = [1 / f for f in fineness]
@@ -148,7 +150,3 @@ def modes_of_common_order(sizes: Sequence[float], levels: Sequence[Measured], la
             names, frequencies.T, found.limits, found.bands, found.orders, strict=True
         )
     }
-
-
-def _level_name(fineness: float) -> str:
-    return "in use" if fineness == 1.0 else f"x{fineness:.3g}"
