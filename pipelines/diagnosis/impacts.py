@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pipelines.signals.features.table import FeatureTable
 
 CAGE = " FTF"  # end of the name of the pass order of a cage
-CLEAR = 20.0  # dB; levels at orders of healthy elements in measured recordings are up to 19 dB, see docs/diagnosis.md
+CLEAR = 20.0  # dB; levels at orders of healthy elements in measured recordings are up to 18 dB, see docs/diagnosis.md
 
 
 @dataclass(frozen=True, kw_only=True)
