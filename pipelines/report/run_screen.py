@@ -62,7 +62,7 @@ def first_screen(
         found=any_found(cases, damages) if cases else None,
         figures=_numbers(machine, settings),
         evidence=evidence,
-        ranking=() if verdict is None else [_ranked(finding) for finding in verdict.findings],
+        ranking=() if verdict is None else [_ranked(finding, finding is verdict.first) for finding in verdict.findings],
         ranking_note="" if verdict is None else _ranking_note(verdict),
     )
 
@@ -120,8 +120,9 @@ def _ranking(ranking: Sequence[tuple[str, float, str, str]], note: str) -> list[
     return [f'<div id="ranking">{"".join(parts)}</div>']
 
 
-def _ranked(finding: Finding) -> tuple[str, float, str, str]:
-    remarks = [] if finding.tooth is None else [f"the impact begins at tooth {finding.tooth}"]
+def _ranked(finding: Finding, first: bool) -> tuple[str, float, str, str]:
+    """A row of the ranking. Only the first has its tooth: in the averages of other gears its impact has another place."""
+    remarks = [f"the impact begins at tooth {finding.tooth}"] if first and finding.tooth is not None else []
     remarks += [f"same orders as {', '.join(finding.alike)}"] if finding.alike else []
     return finding.component, finding.evidence.increase, words.strength(finding.evidence), "; ".join(remarks)
 
