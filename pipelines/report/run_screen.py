@@ -121,7 +121,7 @@ def _ranking(ranking: Sequence[tuple[str, float, str, str]], note: str) -> list[
 
 
 def _ranked(finding: Finding, first: bool) -> tuple[str, float, str, str]:
-    """A row of the ranking. Only the first has its tooth: in the averages of other gears its impact has another place."""
+    """A row of the ranking. Only the first has its tooth: the impact is elsewhere in the averages of other gears."""
     remarks = [f"the impact begins at tooth {finding.tooth}"] if first and finding.tooth is not None else []
     remarks += [f"same orders as {', '.join(finding.alike)}"] if finding.alike else []
     return finding.component, finding.evidence.increase, words.strength(finding.evidence), "; ".join(remarks)
