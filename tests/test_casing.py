@@ -83,7 +83,7 @@ def test_rig_layout(rig):
             r"leave a ligament of only 1.5 mm \(limit: a ligament of 3 mm or more\)\. Reduce the sum of their "
             r"boss diameters from 145 mm to 142 mm or less, or raise the distance of their axes from 74 mm to 75.5 mm",
         ),
-        ({"shaft_x": (0.0, 0.07668, 0.18275, 0.45)}, "boss at x = 450 mm, z = 0 mm extends 40 mm beyond its side wall"),
+        ({"shaft_x": (0.0, 0.07668, 0.18275, 0.45)}, "boss at x = 450 mm, z = 0 mm extends 40 mm beyond the inner"),
         (
             {"boss_diameters": (0.049, 0.08, 0.097, 0.12)},
             "boss ring is 1 mm thick, and must be at least 3 mm. Raise its boss_diameters_mm from 49 mm to "

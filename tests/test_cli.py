@@ -117,7 +117,7 @@ def test_an_example_prints_what_its_help_shows(capsys, here, own_cache, command)
         ),
         (
             ["check", "minimal", "--set", "casing.housing.height_mm=100"],
-            "mm into the cover of the housing",
+            "mm beyond the inner face of the cover of the housing",
         ),
         (["run", "minimal", "--set", "stages.1.module_mm=0"], "stages.1.module_mm = 0"),
         (["simulate", "minmal"], "Did you mean minimal?"),
@@ -125,7 +125,7 @@ def test_an_example_prints_what_its_help_shows(capsys, here, own_cache, command)
         (["export", "minimal", "--to", "csv"], "First: gearcase run minimal"),
         (["diagnose", "nowhere"], "no result here"),
         (["cache", "verify", "--older-than", "3"], "--older-than is an option of cache clear only"),
-        (["detect", "bench", "--over", "faults.1.depth_um=1", "--dry-run"], "scenes cannot be run; the first: "),
+        (["detect", "bench", "--over", "faults.1.depth_um=1", "--dry-run"], "scenes cannot be run. Message of the "),
         (["new", "my.txt"], "must end in .toml"),
         (
             ["housing", "rig-housing.step", "--unit", "t-mm-s"],

@@ -240,7 +240,7 @@ def test_the_command_writes_table_and_figures(files, capsys):
             ["healthy.csv", "worn.csv", "--sensor", "motor"],
             "motor: not a channel of all recordings. Set --sensor and --axis to one of drive z",
         ),
-        (["healthy.csv", "worn.csv", "--shaft", "3"], "--shaft 3: no shaft with enough revolutions"),
+        (["healthy.csv", "worn.csv", "--shaft", "3"], "--shaft 3: no shaft of this number makes enough revolutions"),
         (["healthy.csv", "nowhere.csv"], "nowhere.csv"),
     ],
 )

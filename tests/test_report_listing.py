@@ -43,8 +43,8 @@ BENCH = [
     "frequency fr = 15.0000 Hz. A damaged tooth raises them.",
     "# Signals and spectra",
     "figure: Acceleration at the sensor without sensor noise: the whole run (left) and 0.1 s of it (right).",
-    "figure: Steady: one-sided peak amplitudes over 6 revolutions of the shaft with fr (0.4 s, the most "
-    "revolutions with a whole number of samples), Hann window, with sensor noise.",
+    "figure: Spectrum in the window steady: one-sided peak amplitudes over 6 revolutions of the shaft with fr (0.4 s, "
+    "the longest part with whole numbers of revolutions and samples), Hann window, with sensor noise.",
     "# Levels",
     "# What was run",
     "# Gears",
@@ -67,8 +67,8 @@ DAMAGED = [
     "# Signals and spectra",
     "figure: Acceleration at the sensor without sensor noise: the whole run (left) and 0.1 s of it (right).",
     "figure: Steady, constant torque, deviations of seed 1: one-sided peak amplitudes over 6 revolutions "
-    "of the shaft of the damaged gear (0.4 s, the most revolutions with a whole number of samples), Hann window, "
-    "sensor noise 0.01 m/s² rms.",
+    "of the shaft of the damaged gear (0.4 s, the longest part with whole numbers of revolutions and samples), Hann "
+    "window, sensor noise 0.01 m/s² rms.",
     "# How it was decided",
     "# Levels",
     "# Healthy and faulty",

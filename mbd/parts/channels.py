@@ -171,7 +171,7 @@ def channel_rows(names: tuple[str, ...], lay: Layout, elements: Sequence[Element
         elif len(quantity) == 2 and quantity[0] == "a" and quantity[1] in DIRECTIONS:
             if not len(lay.casing.coordinate_names):
                 raise MachineError(
-                    f"channel {name!r}: a casing of model {lay.casing.model!r} does not move. Ask for bearing forces "
+                    f"channel {name!r}: a casing of model {lay.casing.model!r} does not move. Set bearing forces "
                     "or journal accelerations, or use another casing model."
                 )
             row = f"{thing}:u{quantity[1]}"

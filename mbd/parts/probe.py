@@ -23,7 +23,7 @@ def probe_channel(probe: str, axis: str) -> str:
 class Probe(Options, Component):
     """A proximity probe on the ground: displacement of the axis of a shaft along x, y and z."""
 
-    name: str = option(text="letters, digits, _ and -, at most 40", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$")
+    name: str = option(text="up to 40 letters, digits, _ and -", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$")
     shaft: str
     y: float = option(text="y of the probe", unit="mm", key="position_mm")
 

@@ -218,7 +218,7 @@ def _eigen(system: System, small: Tangent) -> tuple[np.ndarray, np.ndarray, int]
         worst = names_[int(np.argmax(abs(shape) * np.sqrt(np.diag(system.mass))))]
         raise MachineError(
             f"linearised machine: a motion dominated by {worst} has no stiffness (omega^2 = {squares[0]:.3g}). "
-            "Load the machine so that every mesh and rope is tight."
+            "Set a load that keeps every mesh in contact and every rope tight."
         )
     omega, modes = np.sqrt(squares), system.basis @ vectors
     n = len(omega)

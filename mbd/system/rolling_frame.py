@@ -61,8 +61,8 @@ def rolling_frame(
             held = element.reference("stiffness") + element.reference("damping")
             if ((own != 0.0) & (held != 0.0) & np.full(len(own), element.rolls)).any():
                 raise MachineError(
-                    f"{element.name}: its linear reference holds the rolling of a train that torques drive. Leave the "
-                    "reference out, or drive the machine by speed."
+                    f"{element.name}: its linear reference restrains the rotation of a train that torques drive. Omit "
+                    "the reference, or drive the machine by speed."
                 )
     return RollingFrame(int(free), float(rolling @ force) / inertia, along / inertia)
 

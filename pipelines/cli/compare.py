@@ -135,8 +135,8 @@ def _shaft(parts: Sequence[ComparedPart], found: Features, number: int | None) -
     shafts = parts[0].kinematics.shafts
     if number > len(shafts) or shafts[number - 1].name not in there:
         raise InputError(
-            f"--shaft {number}: no shaft with enough revolutions in all recordings. Give one of {', '.join(there)}, or "
-            "longer windows."
+            f"--shaft {number}: no shaft of this number makes enough revolutions in all recordings. Give the number of "
+            f"one of {', '.join(there)}, or set longer windows."
         )
     return shafts[number - 1].name
 

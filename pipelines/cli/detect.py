@@ -92,7 +92,9 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     if options.dry_run:
         expected = estimate(plan, sampled_scenes(plan))
         if expected.refused:
-            raise InputError(f"detect: {len(expected.refused)} scenes cannot be run; the first: {expected.refused[0]}")
+            raise InputError(
+                f"detect: {len(expected.refused)} scenes cannot be run. Message of the first: {expected.refused[0]}"
+            )
         yield expected.text
         return
     folder = Path(options.out or f"campaigns/{plan.name}")

@@ -93,7 +93,7 @@ def _recordings(options: argparse.Namespace) -> Iterator[str]:
 
     if options.settings:
         raise InputError(
-            "--set does not apply to recordings, nor with --baseline, --machine, --window or --out. Delete it."
+            "--set applies only to a finished run, without --baseline, --machine, --window and --out. Delete --set."
         )
     window = tuple(options.window) if options.window else None
     target = writable_folder(options.out) if options.out else None

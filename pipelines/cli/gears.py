@@ -48,8 +48,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         metavar="UM",
         type=tilt,
         default=0.0,
-        help="misalignment of the flanks over the face width: a number in um, positive if they are closer at the +y "
-        "end; balanced, which centres the load; or machine, as in the loaded machine (default 0)",
+        help="misalignment of the flanks over the face width: a number in um (positive: closer at the +y end), "
+        "balanced (the load is centred on the face) or machine (as in the loaded machine) (default 0)",
     )
     sub.add_argument(
         "--out",
@@ -172,10 +172,10 @@ def notes(cases: Sequence[tuple[PairLaws, MeshState]], reliefs: Sequence[dict[st
             )
     lines += _best_reliefs(reliefs)
     lines.append(
-        "All values refer to the mesh cycles from the first to the last contact of one tooth pair: that of the damaged "
-        "tooth, or any pair of healthy gears. secant, tangent, TE: means. least: smallest secant stiffness, at this "
-        "position in mesh cycles from the pitch point (at). TE p-p: peak-to-peak. share: largest load share. "
-        "pressure: largest Hertz pressure on the active flanks of this pair and its neighbours."
+        "Range of the values: from the first to the last contact of one tooth pair; if a tooth is damaged, of the pair "
+        "with this tooth. secant, tangent, TE: means. least: smallest secant stiffness. at: its position, in mesh "
+        "cycles from the pitch point. TE p-p: peak-to-peak. share: largest load share. pressure: largest Hertz "
+        "pressure on the active flanks of this pair and its neighbours."
     )
     return lines
 

@@ -98,7 +98,8 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     measured = source.name != run_folder.RESPONSE or options.machine or asked
     if measured and options.campbell:
         raise InputError(
-            "--campbell needs natural frequencies, which a recording does not have. Give a finished run, or delete it."
+            "--campbell needs natural frequencies, which a recording does not have. Give a finished run, or delete "
+            "--campbell."
         )
     read = _read_file(options, bool(asked)) if measured else _read(source.parent, options)
     target = writable_folder(options.out or source.parent)

@@ -110,8 +110,8 @@ def find_begun(folder: Path, facts: dict[str, Any]) -> tuple[str, RunLayout] | N
             "versions": "other versions of its libraries",
         }
         raise InputError(
-            f"{shown(folder)}: was begun with {' and '.join(words[name] for name in different)}. Use what it was begun "
-            "with, or set another --out."
+            f"{shown(folder)}: was begun with {' and '.join(words[name] for name in different)}. Use the same "
+            "ones as before, or set another --out."
         )
     return stored["identity"], layout
 

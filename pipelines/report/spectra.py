@@ -100,7 +100,7 @@ def _compared_spectra(diagnoses: Sequence[Diagnosis]) -> list[str]:
 
 def _length(segment: Segment) -> str:
     """That of a spectrum, with the reason why it may have fewer revolutions than an average."""
-    reason = "" if segment.resampled else ", the most revolutions with a whole number of samples"
+    reason = "" if segment.resampled else ", the longest part with whole numbers of revolutions and samples"
     return f"{segment.duration:.4g} s{reason}"
 
 
@@ -111,8 +111,8 @@ def _own_spectra(analysis: Analysis, settings: DiagnosisSettings) -> list[str]:
         title = f"Spectrum at {settings.sensor} ({settings.axis}), {window}"
         segment = analysis.segments[window]
         caption = (
-            f"{window.capitalize()}: one-sided peak amplitudes over {segment.revolutions} revolutions of the shaft "
-            f"with f_r ({_length(segment)}), {_window_name(settings)}, with sensor noise."
+            f"Spectrum in the window {window}: one-sided peak amplitudes over {segment.revolutions} revolutions of the "
+            f"shaft with f_r ({_length(segment)}), {_window_name(settings)}, with sensor noise."
         )
         parts.append(page.picture(single_spectrum_figure(spectrum, settings, title), caption, "static"))
     return parts

@@ -131,8 +131,8 @@ def _times(machine: Plant) -> Iterator[str]:
         return
     uses = {"averages": FEWEST_TURNS, "lines": FEWEST_REVOLUTIONS}
     needed = {use: needed_seconds(kinematics, turns) for use, turns in uses.items()}
-    turns = " and ".join(f"for {use} ({turns} turns)" for use, turns in uses.items())
-    yield f"  shortest diagnosis window {turns}, plus one as it begins at any angle; windows that are too short"
+    turns = " and ".join(f"{turns} whole turns for {use}" for use, turns in uses.items())
+    yield f"  shortest diagnosis windows: {turns}, and one turn more because a window begins at any angle"
     yield f"  shaft       {'averages s':<11} {'lines s':<11} too short"
     for shaft in kinematics.shafts:
         short = []

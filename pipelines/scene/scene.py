@@ -113,7 +113,8 @@ class Scene(Table):
                 count = len(getattr(self.housing, key))
                 if count != len(self.shafts):
                     yield (
-                        f"casing.housing.{key} has {count} values for {len(self.shafts)} shafts. Set one for each shaft"
+                        f"casing.housing.{key}: number of values {count}, number of shafts {len(self.shafts)}. Set one "
+                        "value for each shaft"
                     )
         elif self.sensors and self.housing is None:
             yield (

@@ -48,7 +48,7 @@ class Sensor:
     The axes are scaled to unit length. HousingError for axes that are not orthogonal.
     """
 
-    name: str = option(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", text="letters, digits, _ and -, at most 40")
+    name: str = option(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", text="up to 40 letters, digits, _ and -")
     position: Vector = option(
         unit="mm", text="x, y, z of the sensor, which is moved to the nearest point of the surface"
     )

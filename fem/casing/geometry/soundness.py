@@ -70,8 +70,8 @@ def _bore_problems(housing: Dimensions) -> Iterator[str]:
         room = min(bore.x - low[0], high[0] - bore.x, bore.z - low[2], high[2] - bore.z) - bore.boss_diameter / 2
         if room < 0.0:
             yield (
-                f"{bore.name}: boss at x = {_mm(bore.x)}, z = {_mm(bore.z)} extends {_mm(-room)} beyond its side wall. "
-                "Correct left_end_mm, length_mm, shaft_height_mm or height_mm"
+                f"{bore.name}: boss at x = {_mm(bore.x)}, z = {_mm(bore.z)} extends {_mm(-room)} beyond the inner area "
+                "of its side wall. Correct left_end_mm, length_mm, shaft_height_mm or height_mm"
             )
     for one, two in combinations(housing.bores, 2):
         distance, total = math.hypot(one.x - two.x, one.z - two.z), one.boss_diameter + two.boss_diameter

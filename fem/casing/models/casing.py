@@ -77,7 +77,9 @@ class CasingModel(ABC):
     @property
     def no_full_model(self) -> str:
         """Why there is no `error_check`."""
-        return f'casing.model = "{self.model}" has no full model. Set casing.model = "craig-bampton"'
+        return (
+            f'casing.model = "{self.model}" has no finite elements to compare with. Set casing.model = "craig-bampton"'
+        )
 
     @abstractmethod
     def stages(self, structure: Structure) -> tuple[PlannedStage, ...]:

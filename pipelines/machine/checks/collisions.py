@@ -109,8 +109,8 @@ def _clashes(first: list[RevolvedBody], second: list[RevolvedBody], layout: Trai
                     f"the {one.name} (radius {one.radius * 1000:.2f} mm) intersects the {two.name} (radius "
                     f"{two.radius * 1000:.2f} mm): the distance of their axes is {distance * 1000:.2f} mm and must be "
                     f"more than {needed * 1000:.2f} mm",
-                    "Move one of them along the shafts (position_mm), or reduce one of the diameters, "
-                    "or turn the stage (direction_deg)",
+                    "Move one of them along the shafts (position_mm), or reduce one of the diameters. "
+                    "If their shafts do not mesh with each other, direction_deg of a stage also changes the distance",
                 )
 
 
@@ -151,10 +151,10 @@ def _wall_clashes(scene: Scene, train: Drivetrain, housing: Dimensions) -> Itera
         }
         for name, room in rooms.items():
             if room <= 0:
-                reach = f"reaches {-room * 1000:.2f} mm into" if room < 0 else "touches"
+                reach = f"reaches {-room * 1000:.2f} mm beyond" if room < 0 else "touches"
                 yield Problem(
                     body.path,
-                    f"the {body.name} {reach} the {name} of the housing",
+                    f"the {body.name} {reach} the inner face of the {name} of the housing",
                     f"{_WAYS_OUT[name]}, or move the gear",
                 )
     for number, (bore, (_, y, _)) in enumerate(zip(housing.bores, train.bearing_points, strict=True), 1):

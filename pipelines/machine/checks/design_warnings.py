@@ -153,8 +153,8 @@ def _drive(scene: Scene, layout: TrainLayout) -> Iterator[str]:
     if motors and given < needed:
         yield (
             f"drive: the motors give at most {given:.4g} N m, and the load takes {needed:.4g} N m at their shaft. "
-            "Unless "
-            "the load falls with the speed, it drives the machine backwards. Reduce it, or set a stronger motor"
+            "Unless the load falls with the speed, it drives the machine backwards. Reduce the load, or set a stronger "
+            "motor"
         )
 
 

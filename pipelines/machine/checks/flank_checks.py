@@ -143,7 +143,7 @@ def _hidden(scene: Scene, layout: TrainLayout, number: int, fault: Fault) -> Ite
     tolerance = pitch_tolerance(getattr(pair, fault.gear), scene.deviations.iso_grade).single
     if change < tolerance:
         yield (
-            f"faults.{number}: the {fault.kind} changes the transmission error by about {abs(change) * 1e6:.1f} um; "
-            f"pitch deviations of class {scene.deviations.iso_grade} change it by up to {tolerance * 1e6:.1f} um "
-            "and may hide the fault. Raise the load, or reduce deviations.iso_grade"
+            f"faults.{number}: the {fault.kind} changes the transmission error by up to {abs(change) * 1e6:.3g} um "
+            f"(estimate); pitch deviations of class {scene.deviations.iso_grade} change it by up to "
+            f"{tolerance * 1e6:.3g} um and may hide the fault. Raise the load, or reduce deviations.iso_grade"
         )

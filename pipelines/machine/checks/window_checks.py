@@ -49,7 +49,7 @@ def bad_windows(scene: Scene, machine: Drivetrain) -> Iterator[Problem]:
             f"the diagnosis of stage {scene.diagnosis.stage} needs lines up to {highest:.4g} Hz "
             f"({max(settings.mesh_harmonics)} f_m and {settings.sideband_orders} sidebands), above half of the rate, "
             f"{rate / 2:.4g} Hz",
-            f"Set {math.ceil(4 * highest):g} or more",
+            f"Set {math.ceil(4 * highest)} or more, 4 times this frequency",
             f"{rate:g}",
         )
     try:
@@ -81,8 +81,8 @@ def _short_window(
         f"diagnosis.windows_s.{name}",
         f"has {held:.1f} revolutions of {_gear(scene)}{cut}; the diagnosis needs {FEWEST_REVOLUTIONS}",
         f"Set a window of {(FEWEST_REVOLUTIONS + bool(cut)) / frequency:.2f} s or more, or run with --set "
-        "diagnosis.windows_s={} for signals without diagnosis. A window of the scene named by extends stays "
-        "unless one of the same name replaces it",
+        "diagnosis.windows_s={} for signals without diagnosis. To replace a window inherited by extends, "
+        "set one of the same name",
         f"[{window[0]:g}, {window[1]:g}]",
     )
 
@@ -101,7 +101,7 @@ def _uneven_window(
             f"diagnosis.windows_s.{name}",
             f"the mean speed of the motors in this window is {mean:.4g} rpm. The diagnosis of {_gear(scene)} needs the "
             f"highest speed, {profile.highest:.4g} rpm within {100 * SPEED_TOLERANCE:g} %",
-            f"Set a window at constant highest speed: {_steady(scene, profile) or 'this drive has none'}",
+            _steady(scene, profile),
             f"[{window[0]:g}, {window[1]:g}]",
         )
 
@@ -111,7 +111,7 @@ def _gear(scene: Scene) -> str:
 
 
 def _steady(scene: Scene, profile: SpeedProfile) -> str:
-    """Text of the intervals of time in which the drive has its highest speed."""
+    """Remedy: the intervals of time in which the drive has its highest speed, or how to get one."""
     ends = [*profile.times.tolist(), max(scene.simulation.end_s, float(profile.times[-1]))]
     speeds = [*profile.speeds.tolist(), float(profile.speeds[-1])]
     found = [
@@ -121,4 +121,8 @@ def _steady(scene: Scene, profile: SpeedProfile) -> str:
         and speeds[i] == speeds[i + 1]
         and ends[i] < min(ends[i + 1], scene.simulation.end_s)
     ]
-    return ", ".join(found)
+    return (
+        f"Set a window at constant highest speed: {', '.join(found)}"
+        if found
+        else "Hold the highest speed by two equal values of drive.speeds_rpm, and set a window between their times"
+    )

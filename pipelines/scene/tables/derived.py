@@ -77,7 +77,7 @@ class EitherTable(DerivedTable):
             if given == set(keys):
                 return self.made_part(kind, path, **others)
         choices = ", or ".join(" with ".join(keys) for keys in ways.values())
-        raise ValueError(f"is located by {', '.join(sorted(given)) or 'nothing'}. Set {choices}")
+        raise ValueError(f"is located by {', '.join(sorted(given)) or 'no key'}. Set {choices}")
 
 
 def _table(made_of: type, base: type[DerivedTable] = DerivedTable, **tag: tuple[str, str]) -> Any:

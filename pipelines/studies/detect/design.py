@@ -99,8 +99,8 @@ def _check(loaded: LoadedScene, machine: Plant, design: Design) -> None:
         )
     if design.baseline < FEWEST_FOR_P:
         raise InputError(
-            f"--baseline {design.baseline}: p-values need {FEWEST_FOR_P} healthy machines or more. Set at least that "
-            "number."
+            f"--baseline {design.baseline}: the p-values need {FEWEST_FOR_P} healthy machines or more. "
+            f"Set --baseline {FEWEST_FOR_P} or more."
         )
     keys = [over.variable for over in design.over]
     if len(set(keys)) < len(keys):

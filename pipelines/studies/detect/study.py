@@ -147,7 +147,7 @@ def _baseline(
     baseline = [tables[row["run"]] for row in healthy if row["values"][SPECIMEN] <= design.baseline]
     if len(baseline) < FEWEST_FOR_P:
         raise InputError(
-            f"{len(baseline)} healthy machines of the baseline have features, p-values need {FEWEST_FOR_P} or more. "
+            f"{len(baseline)} healthy machines of the baseline have features; p-values need {FEWEST_FOR_P} or more. "
             "The column reason of rows.parquet gives the cause. Increase --baseline, or correct the scene."
         )
     return baseline

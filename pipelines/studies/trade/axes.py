@@ -41,7 +41,7 @@ def _of_meshes(axis: str, key: str, made: Callable[[float], float]) -> Callable[
             for number, stage in enumerate(scene.stages, 1)
             if hasattr(stage.mesh, key)
         }
-        return found or _nothing(axis, "stages.*.mesh.model", [stage.mesh.model for stage in scene.stages], "plane")
+        return found or _nothing(axis, "stages.1.mesh.model", scene.stages[0].mesh.model, "plane")
 
     return settings
 

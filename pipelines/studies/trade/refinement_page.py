@@ -86,7 +86,7 @@ def not_refined(mesh_models: Sequence[str], casing: str, axis: str) -> str:
         known.append(f"casing model {casing}, {CASINGS[casing]}")
     others = [AXES[other].words for other in AXES if other != axis and AXES[other].probe in REACH[probe]]
     if others:
-        known.append(f"other settings, each with its --over: {', '.join(others)}")
+        known.append(f"other settings, if the models have them, each with its --over: {', '.join(others)}")
     return f"Not in the uncertainty bands: {'; '.join(known)}." if known else ""
 
 
