@@ -119,7 +119,7 @@ def test_each_half_moves_as_it_is_called(mesh, fixed):
     place = {tuple(row): number for number, row in enumerate(key.tolist())}
     image = [place[x, -y, z] for x, y, z in key.tolist()]
     for half, parity in zip(casing.interface.halves, (1.0, -1.0), strict=True):
-        motion = (half.motions @ np.random.default_rng(2).standard_normal(half.K.shape[0]))[: free.size].reshape(-1, 3)
+        motion = (half.motions @ np.random.default_rng(2).standard_normal(half.M.shape[0]))[: free.size].reshape(-1, 3)
         assert motion[image] * [1.0, -1.0, 1.0] == pytest.approx(parity * motion, abs=1e-12)
 
 

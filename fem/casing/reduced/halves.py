@@ -35,6 +35,7 @@ Result = TypeVar("Result")
 
 _SAME = 1e-7  # of the size of the body: a node this close to the image of another is its image
 _ROUNDING = 1e-10  # relative tolerance of products that should be equal
+_NO_LOAD = 1e-13  # share of the load of a body below which the load of a half is round-off
 _SHARE = 0.6  # of the requested modes: first number computed in each half
 
 
@@ -44,7 +45,7 @@ class Half:
 
     motions: sp.csr_matrix  # Q (n, n_h), orthonormal columns; 0 for unknowns at rest
     coordinates: np.ndarray  # C (b, b_h), orthonormal
-    K: sp.csr_matrix
+    stiffness: Callable[[], sp.csr_matrix]  # K (n_h, n_h), computed at every call: it is half as large as the factor
     M: sp.csr_matrix
     interface: Interface
 
@@ -160,9 +161,10 @@ def reduced_and_counted(
         return reduce_and_count(interface, *whole(), highest=highest, enrich=enrich)
 
     def reduced(half: Half) -> tuple[Reduction, int]:
-        return reduce_and_count(half.interface, half.K, half.M, highest=highest, enrich=enrich)
+        return reduce_and_count(half.interface, half.stiffness(), half.M, highest=highest, enrich=enrich)
 
-    (one, first), (other, second) = _by_halves(reduced, interface)
+    (one, first), (other, second) = map(reduced, interface.halves)  # in sequence: the bases of both need more memory
+    give_back()
     return _joined(interface, one, other), first + second
 
 
@@ -296,12 +298,14 @@ def _mirrored(
             found.data *= np.repeat(scale, np.diff(found.indptr))
             return found
 
-        at_rest = sp.diags_array(np.where(share > 0.0, 0.0, largest))
-        own_K, own_M = sp.csr_matrix(of_half(K) + at_rest), of_half(M)
+        def stiffness() -> sp.csr_matrix:
+            return sp.csr_matrix(of_half(K) + sp.diags_array(np.where(share > 0.0, 0.0, largest)))
+
+        own_K, own_M = stiffness(), of_half(M)
         give_back()
         own_rows = sp.csr_matrix(C.T @ (rows @ Q).toarray())
         own_penalty = None if penalty is None else np.einsum("ij,i,ij->j", C, penalty, C)
-        return Half(Q, C, own_K, own_M, held_interface(own_K, own_rows, penalty=own_penalty, solver=solver))
+        return Half(Q, C, stiffness, own_M, held_interface(own_K, own_rows, penalty=own_penalty, solver=solver))
 
     halves = side_by_side(lambda: held(1.0), lambda: held(-1.0))
 
@@ -309,10 +313,16 @@ def _mirrored(
 
     def solve(b: np.ndarray) -> np.ndarray:
         def of(motions: sp.csr_matrix, inverse: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-            return np.asarray(motions @ inverse(motions.T @ b))
+            loads, out = motions.T @ columns, np.zeros(columns.shape)
+            acts = np.linalg.norm(loads, axis=0) > _NO_LOAD * sizes  # most loads are those of one half
+            out[:, acts] = motions @ inverse(loads[:, acts])
+            return out
+
+        columns = b.reshape(len(b), -1)
+        sizes = np.linalg.norm(columns, axis=0)
 
         one, other = side_by_side(lambda: of(*solvers[0]), lambda: of(*solvers[1]))
-        return one + other
+        return (one + other).reshape(b.shape)
 
     return MirroredInterface(
         factor=Factor(

@@ -51,6 +51,11 @@ class Reduction:
         """T (n, b + m), a copy."""
         return np.hstack([self.constraint, self.modes])
 
+    def expanded(self, coordinates: np.ndarray) -> np.ndarray:
+        """T coordinates (n, k), for coordinates (b + m, k), without a copy of T."""
+        b = self.constraint.shape[1]
+        return self.constraint @ coordinates[:b] + self.modes @ coordinates[b:]
+
     def projected(self, loads: np.ndarray) -> np.ndarray:
         """T^T loads, for loads (n, k)."""
         return np.vstack([self.constraint.T @ loads, self.modes.T @ loads])

@@ -75,7 +75,7 @@ def lowest_modes(assembled: AssembledCasing, *, static: bool) -> LowestModes:
             count = 0 if static else 2 * MODES  # enough for a negligible error in the lowest half
             reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=count, enrich=not static)
             frequencies, vectors = _elastic(reduction.stiffness, reduction.mass, ground)
-            phi = reduction.basis @ vectors
+            phi = reduction.expanded(vectors)
     return _sampled(casing, frequencies, phi)
 
 
@@ -105,7 +105,7 @@ def quadratic_modes(assembled: AssembledCasing, reduction: Reduction, *, static:
     squares, vectors = (
         some[..., : RIGID_MOTIONS + MODES + _GUARD] for some in la.eigh(reduction.stiffness, reduction.mass)
     )
-    X = (reduction.basis @ vectors)[assembled.not_cubic]
+    X = reduction.expanded(vectors)[assembled.not_cubic]
     casing = quadratic.held()
     M, B, D = casing.M_free, casing.rows, casing.springs[:, None]
     loads = M @ (X * squares) + B.T @ (D * (B @ X))
