@@ -78,13 +78,19 @@ def simulated(capsys, folder, settings):
         return capsys.readouterr(), dict(data.attrs)
 
 
+def of_the_motion(caplog):
+    """Warnings, without that of the scene on its light load."""
+    said = [record.message for record in caplog.records if record.levelname == "WARNING"]
+    return [message for message in said if not message.startswith("stages.1: the line load of ")]
+
+
 def test_a_coarse_step_is_said_with_the_step_that_cures_it(tmp_path, capsys, caplog):
     """Built and from the cache, on the terminal and in the attributes; the cure works."""
     coarse = COARSE | {"simulation.step_us": 20.0}
     for number in range(2):
         _, attributes = simulated(capsys, tmp_path / f"coarse {number}", coarse)
         (sentence,) = json.loads(attributes["warnings"]).values()
-        assert [record.message for record in caplog.records if record.levelname == "WARNING"] == [sentence]
+        assert of_the_motion(caplog) == [sentence]
         caplog.clear()
     assert attributes["step_error"] > 0.05
     assert 'simulation.integrator = "exponential"' in sentence
@@ -97,7 +103,7 @@ def test_a_sound_run_says_nothing(tmp_path, capsys, caplog):
     printed, attributes = simulated(capsys, tmp_path / "sound", {"simulation.end_s": 0.3, "diagnosis.windows_s": {}})
     assert attributes["warnings"] == "{}"
     assert printed.err == ""
-    assert not [record for record in caplog.records if record.levelname == "WARNING"]
+    assert of_the_motion(caplog) == []
 
 
 def test_the_report_says_it_before_all_else(tmp_path):
