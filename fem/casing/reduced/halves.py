@@ -163,7 +163,7 @@ def reduced_and_counted(
     def reduced(half: Half) -> tuple[Reduction, int]:
         return reduce_and_count(half.interface, half.stiffness(), half.M, highest=highest, enrich=enrich)
 
-    (one, first), (other, second) = map(reduced, interface.halves)  # in sequence: the bases of both need more memory
+    (one, first), (other, second) = _by_halves(reduced, interface)
     give_back()
     return _joined(interface, one, other), first + second
 
