@@ -15,7 +15,6 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg as la
 
-from fem.casing.reduced.mode_correction import corrected_motion
 from fem.casing.reduced.modes import CasingModes
 from fem.casing.reduced.truncation import undamped_modes
 from fem.casing.uncertainty.extrapolation import measured_limits
@@ -27,6 +26,18 @@ MODES = 20  # compared
 SEATS = {"free": (0.0, 0.0), "1e8 N/m": (1e8, 0.0), "1e9 N/m": (1e9, 0.0), "5 kg": (0.0, 5.0)}  # stiffness, mass
 
 
+def corrected_motion(stiffness: np.ndarray, mass: np.ndarray, ratios: np.ndarray) -> np.ndarray:
+    """A = r_m (I + Phi (diag(r/r_m) - I) Phi^T M), with the modes Phi and r_m, the mean of the ratios r.
+
+    A^T K A has the modes Phi with r times their frequencies, and r_m^2 times all other stiffness.
+    """
+    if not len(ratios):
+        return np.eye(len(mass))
+    _, shapes = la.eigh(stiffness, mass, subset_by_index=(0, len(ratios) - 1))
+    mean = float(ratios.mean())
+    return mean * np.eye(len(mass)) + shapes @ ((ratios - mean)[:, None] * (shapes.T @ mass))
+
+
 @dataclass(frozen=True)
 class Extrapolated:
     """Modes of a casing on its mesh, and the ratios of its extrapolated to its computed frequencies."""
@@ -36,7 +47,7 @@ class Extrapolated:
 
     def stiffness(self, ratios: np.ndarray) -> np.ndarray:
         """Corrected stiffness."""
-        A = corrected_motion(self.modes.stiffness, self.modes.mass, ratios, 0)
+        A = corrected_motion(self.modes.stiffness, self.modes.mass, ratios)
         return np.asarray(A.T @ self.modes.stiffness @ A)
 
     @property
@@ -66,7 +77,8 @@ def extrapolated(scene: str, element: str, size: str) -> Extrapolated:
     coarser = graph.steps["casing"].takes["coarser"]
     outcome = Work().build(graph, ["casing modes", *coarser])
     modes = outcome.value("casing modes")[0]
-    return Extrapolated(modes, measured_limits(modes, [outcome.value(name) for name in coarser]).ratios)
+    limits = measured_limits(modes, [outcome.value(name) for name in coarser])
+    return Extrapolated(modes, limits.limits / limits.frequencies)
 
 
 def main(scene: str, *kinds: str) -> None:

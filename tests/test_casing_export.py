@@ -144,18 +144,20 @@ def test_modes_that_are_not_shown_and_modes_without_a_band_are_explained(elastic
     total = len(casing.frequencies)
     assert f"Modes 1 to 2 of {total}. To print more, set --modes." in list(_texts(casing, 2))
     assert not [text for text in _texts(casing, total) if text.startswith("Modes 1")]
-    limits = SimpleNamespace(orders=np.full(2, np.nan), ratios=np.array([0.99, 1.0]))
-    assert "-: no band." in band_words(limits, np.array([np.nan, 0.01]))
-    assert "-: no band." not in band_words(limits, np.array([0.02, 0.01]))
+    limits = SimpleNamespace(orders=np.full(2, np.nan))
+    assert "-: no band." in band_words(limits, 0.99, np.array([np.nan, 0.01]))
+    assert "-: no band." not in band_words(limits, 0.99, np.array([0.02, 0.01]))
 
 
-def test_the_band_of_a_frequency_is_that_of_its_extrapolation(elastic):
+def test_the_band_of_a_frequency_holds_its_own_extrapolated_frequency_and_the_band_of_that(elastic):
     _, modes, body = elastic
     natural = natural_modes(modes)
     frequencies = natural.frequencies[:4]
     limits = SimpleNamespace(
-        limits=frequencies,
-        bands=np.array([0.01, 0.03, 0.04, 0.01]) * frequencies,
+        frequencies=frequencies / 0.99,
+        correction=0.01,
+        limits=frequencies * (1.0 + np.array([0.0, 0.02, -0.03, 0.0])),
+        bands=0.01 * frequencies,
     )
     casing = Casing(
         body=body,

@@ -129,8 +129,9 @@ def test_forces_that_are_not_recorded_follow_from_the_flanks(recorded):
             assert after[number, 0] == pytest.approx(whole_response(turned, machine, frequency)[1], rel=1e-8)
 
 
-def errors_of(count, spread, rest=0.0):
-    return FrequencyErrors(first=0, spreads=np.full(count, spread), rest=rest, rest_spread=spread)
+def errors_of(count, spread, mean=0.0, rest=0.0):
+    same = np.full(count, 1.0)
+    return FrequencyErrors(first=0, means=mean * same, spreads=spread * same, rest=rest, rest_spread=spread)
 
 
 def test_the_flexibility_of_modes_above_is_taken_to_the_first_order():
@@ -149,11 +150,11 @@ def form_of(frequencies):
     return ModalForm(squares=squares, ratios=np.full(len(squares), 0.01), shapes=np.eye(len(squares)))
 
 
-def test_modes_far_apart_keep_the_spread_of_their_errors():
+def test_modes_far_apart_keep_the_mean_and_the_spread_of_their_errors():
     form = form_of([100.0, 150.0, 260.0])
-    draws = drawn_frequencies(form, 3, errors_of(3, 0.01), 4000, 1)
+    draws = drawn_frequencies(form, 3, errors_of(3, 0.01, mean=0.02), 4000, 1)
     change = np.sqrt(draws.squares / form.squares) - 1
-    assert change.mean(axis=0) == pytest.approx(0.0, abs=1e-3)
+    assert change.mean(axis=0) == pytest.approx(0.02, abs=1e-3)
     assert change.std(axis=0) == pytest.approx(0.01, rel=0.05)
     assert draws.turns @ draws.turns.transpose(0, 2, 1) == pytest.approx(np.tile(np.eye(3), (4000, 1, 1)), abs=1e-12)
     assert abs(draws.turns[:, 0, 1]).mean() < 0.05
@@ -179,7 +180,7 @@ def test_five_to_95_per_cent_of_the_damping_lie_within_its_spread():
     assert np.percentile(factors, (5, 95)) == pytest.approx((1 / 1.3, 1.3), rel=0.02)
 
 
-def test_errors_are_counted_from_the_extrapolated_frequency():
+def test_errors_are_counted_from_the_corrected_frequency():
     limits = FrequencyLimits(
         frequencies=np.array([100.0, 200.0]),
         order=2.0,
@@ -190,7 +191,8 @@ def test_errors_are_counted_from_the_extrapolated_frequency():
         correction=0.02,
     )
     found = frequency_errors(limits)
-    assert found.spreads == pytest.approx((0.5 / 99.0, 1.0 / 196.0))
+    assert found.means == pytest.approx((99.0 / 98.0 - 1, 0.0))
+    assert found.spreads == pytest.approx((0.5 / 98.0, 1.0 / 196.0))
     assert found.rest == pytest.approx(0.01)
 
 

@@ -74,11 +74,7 @@ def test_without_loss_factors_every_mode_has_the_ratio_of_the_casing(modes):
 def test_a_mode_is_damped_by_its_shares_of_the_strain_energy(casing, modes):
     """Shares from the fields of the mesh, mode by mode; the rest of the energy has the ratio of the casing."""
     body = reduced_body(
-        modes,
-        damping=0.01,
-        mounts=mounts(modes),
-        loss_factors={"feet": 0.0, "cover": 0.2},
-        frequency_ratios=np.full(3, np.sqrt(0.98)),
+        modes, damping=0.01, mounts=mounts(modes), loss_factors={"feet": 0.0, "cover": 0.2}, stiffness_factor=0.98
     )
     square, phi = la.eigh(body.stiffness, body.mass)
     fields = modes.basis.reshape(-1, len(square)).astype(float) @ phi[:, :12]

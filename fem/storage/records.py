@@ -146,11 +146,11 @@ class Record:
 
     @classmethod
     def load(cls, path: Path | str, **apart: StoredArray) -> Self:
-        """Read what `save` wrote, also of an older version; the keyword arguments are the fields that it omitted.
+        """Read what `save` wrote; the keyword arguments are the fields that it omitted.
 
         Raises
         ------
-        RecordError : the file holds another kind of record, or a field without a default is missing
+        RecordError : the file holds another kind of record, or a field is missing
         OSError : the file is not HDF5 or is truncated
         """
         import h5py
@@ -165,8 +165,6 @@ class Record:
                     continue
                 stored_as_attribute = field.metadata["kind"] in ("scalar", "integer", "text")
                 if field.name not in (file.attrs if stored_as_attribute else file):
-                    if (field.default, field.default_factory) != (dataclasses.MISSING, dataclasses.MISSING):
-                        continue
                     raise RecordError(f"{path}: field {field.name!r} of {cls.__name__} is missing")
                 if stored_as_attribute:
                     values[field.name] = file.attrs[field.name]

@@ -129,7 +129,7 @@ def _texts(casing: Casing, count: int) -> Iterator[str]:
         if casing.limits is None and casing.mesh is not None:
             yield "no uncertainty bands: set casing.extrapolated = true, or use --preset standard"
         if casing.limits is not None:
-            yield band_words(casing.limits, casing.bands / casing.frequencies)
+            yield band_words(casing.limits, body.stiffness_factor, casing.bands / casing.frequencies)
             if bool((casing.frequencies[casing.bands > 0.0] > casing.band).any()):
                 yield reduction_words(casing.modes.band_limit > 0.0, casing.band)
         if casing.natural.part_names:
@@ -179,8 +179,8 @@ def _write_response(casing: Casing, names: list[str], scene: str, title: str, fo
 def casing_facts(casing: Casing, scene: str) -> dict[str, Any]:
     """Frequencies with their bands, effective masses, damping, element size and points; SI.
 
-    `frequency_Hz` are those of the reduced casing. Where they are extrapolated, `extrapolation` holds the elastic modes
-    as they are on the mesh, each extrapolated to zero element size, and the band of that.
+    `frequency_Hz` are those of the reduced casing. Where the stiffness is extrapolated, `extrapolation` holds the
+    elastic modes as they are on the mesh, each extrapolated to zero element size, and the band of that.
     """
     body, natural, limits = casing.body, casing.natural, casing.limits
     return {
@@ -196,6 +196,7 @@ def casing_facts(casing: Casing, scene: str) -> dict[str, Any]:
         "damping_ratio": modal_ratios(body),
         "effective_mass": None if natural is None else natural.effective_mass,
         "element_size": None if casing.mesh is None else casing.mesh.element_size,
+        "stiffness_factor": body.stiffness_factor,
         "extrapolation": None
         if limits is None
         else {
@@ -225,22 +226,21 @@ def weight_lines(body: ReducedBody) -> str:
     return f"own weight {up.sum():.4g} N: {feet} N{seats}\n"
 
 
-def band_words(limits: FrequencyLimits, relative: np.ndarray) -> str:
-    """Where frequencies and uncertainty bands come from, and where the frequencies without extrapolation are."""
+def band_words(limits: FrequencyLimits, factor: float, relative: np.ndarray) -> str:
+    """Where the uncertainty bands of the frequencies come from, and where the other frequencies are."""
     import numpy as np
 
     by_sizes = bool(np.isfinite(limits.orders).any())  # meshes of one size give no order
     how = f"three element sizes, common order {limits.order:.2f}" if by_sizes else "cubic and quadratic elements"
-    least, most = (100 * (ratio - 1) for ratio in (limits.ratios.min(), limits.ratios.max()))
     lacking = (
         "\n-: no band. The element size does not affect rigid-body modes on the mount springs, and the highest modes "
         "are not extrapolated."
     )
     return (
-        f"Hz: extrapolated to zero element size from {how}. This changes them by {least:+.2f} to {most:+.2f} %.\n"
+        f"Hz: with the stiffness multiplied by {factor:.4f}, a factor extrapolated to zero element size from {how}.\n"
         f"+-: uncertainty band, {100 * np.nanmedian(relative):.2f} % in the median, "
         f"{100 * np.nanmax(relative):.2f} % at most.\n"
-        "--json also prints the frequencies without extrapolation."
+        "--json also prints the frequencies without extrapolation, and those extrapolated mode by mode."
         f"{lacking if np.isnan(relative).any() else ''}"
     )
 

@@ -236,8 +236,8 @@ def _casing_mode_files(
     from pipelines.runs.single_results import mode_shapes
 
     modes = outcome.value("casing modes")[0]
-    ratios = outcome.value("casing").frequency_ratios
-    natural = natural_modes(modes, graph.steps["casing"].spec.mounts, frequency_ratios=ratios)
+    factor = outcome.value("casing").stiffness_factor
+    natural = natural_modes(modes, graph.steps["casing"].spec.mounts, stiffness_factor=factor)
     if isinstance(number, int) and number > len(natural.frequencies):
         raise InputError(
             f"--casing-mode {number}: the reduced casing has {len(natural.frequencies)} modes. Give a lower number, "

@@ -67,14 +67,18 @@ class Casing:
 
     @property
     def bands(self) -> np.ndarray:
-        """Half widths (mode,) of the uncertainty bands of `frequencies`, Hz; NaN if unknown."""
+        """Half widths (mode,) of the uncertainty bands of `frequencies`, Hz; NaN if unknown.
+
+        The band of a mode contains its extrapolated frequency with the uncertainty band of that.
+        """
         import numpy as np
 
-        from fem.casing.reduced.modes import RIGID_MOTIONS
+        from fem.casing.uncertainty.extrapolation import RIGID_MOTIONS
 
         found = np.full(len(self.frequencies), np.nan)
         if self.limits is not None and self.modes is not None:
-            relative = self.limits.bands / self.limits.limits
+            corrected = self.limits.frequencies * (1.0 - self.limits.correction)
+            relative = (abs(self.limits.limits - corrected) + self.limits.bands) / corrected
             first = RIGID_MOTIONS if self.modes.ground == "springs" else 0
             inside = found[first:][: len(relative)]
             inside[:] = relative[: len(inside)] * self.frequencies[first:][: len(inside)]
@@ -169,7 +173,7 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
         mounts = spec.mounts
         chosen = kept_modes(modes, modes.springs(mounts), limit=limit, frequency_error=spec.frequency_error)
         participation = chosen.basis.T @ modes.participation
-        natural = natural_modes(modes, mounts, limit=limit, frequency_ratios=body.frequency_ratios)
+        natural = natural_modes(modes, mounts, limit=limit, stiffness_factor=body.stiffness_factor)
         if coarser:
             from fem.casing.uncertainty.extrapolation import measured_limits
 

@@ -258,11 +258,9 @@ def _casing_rows(body: ReducedBody, modes: CasingSummary | None) -> list[dict[st
     ]
     if modes is not None:
         check = modes.checkup
-        from fem.casing.uncertainty.modal_form import modal_form
-
-        first = modal_form(body).frequencies[:6]
-        ratios = body.frequency_ratios
-        change = f"{100 * (ratios.min() - 1):+.2f} to {100 * (ratios.max() - 1):+.2f} %" if len(ratios) else ""
+        factor = f"{body.stiffness_factor:.4f}"
+        extrapolated = [{"property": "factor on the stiffness, extrapolated to zero element size", "value": factor}]
+        first = check.frequencies[:6] * math.sqrt(body.stiffness_factor)
         rows += [
             {"property": "unknowns of the finite-element mesh", "value": modes.unknowns},
             {"property": "solver", "value": modes.solver},
@@ -271,7 +269,7 @@ def _casing_rows(body: ReducedBody, modes: CasingSummary | None) -> list[dict[st
                 "property": "first natural frequencies on its feet, Hz",
                 "value": ", ".join(f"{f:.1f}" for f in first),
             },
-            *([{"property": "change by extrapolation to zero element size", "value": change}] if change else []),
+            *(extrapolated if body.stiffness_factor != 1.0 else []),
             {"property": "checks of the reduced model", "value": f"all {len(check.limit_names)} passed"},
         ]
     return rows

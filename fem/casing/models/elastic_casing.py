@@ -167,5 +167,5 @@ class ElasticCasing(HousingCasing):
     def error_check(self, structure: Structure, band: float) -> PlannedStage:
         """The comparison with the full model up to a band (Hz)."""
         stage = ErrorCheck(reduction=self.reduction(structure), recovery=self.recovery(structure), band=band)
-        takes: Mapping[str, str | tuple[str, ...]] = {"mesh": MESH, "modes": MODES}
+        takes: Mapping[str, str | tuple[str, ...]] = {"mesh": MESH, "modes": MODES, "body": BODY}
         return PlannedStage(name="casing error", stage=stage, takes=takes, seconds=40.0)

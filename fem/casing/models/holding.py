@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from fem.casing.parts.names import Attachment, Ground
     from fem.casing.parts.regions import Region
     from fem.casing.reduced.accuracy import ErrorStatement
+    from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.grounded import AssembledCasing, ForcedPoint, GroundedCasing
     from fem.casing.reduced.modes import CasingModes
@@ -131,7 +132,7 @@ class QuadraticModes(Stage):
 
 @dataclass(frozen=True, kw_only=True)
 class ErrorCheck(Stage):
-    """Comparison of a reduced casing with its full model up to a band (Hz), both without extrapolation."""
+    """Comparison of a reduced casing with its full model up to a band (Hz), with the same stiffness factor."""
 
     kind: ClassVar[str] = "casing-error"
     libraries: ClassVar[tuple[str, ...]] = _SPARSE
@@ -139,20 +140,20 @@ class ErrorCheck(Stage):
     recovery: Recovery
     band: float
 
-    def build(self, *, mesh: CasingMesh, modes: tuple[CasingModes, CheckUp]) -> ErrorStatement:
+    def build(self, *, mesh: CasingMesh, modes: tuple[CasingModes, CheckUp], body: ReducedBody) -> ErrorStatement:
         """The error statement.
 
         Parameters
         ----------
-        mesh, modes : results of the other stages
+        mesh, modes, body : results of the other stages
         """
         from fem.casing.reduced.accuracy import state_error
-        from fem.casing.reduced.modes import reduced_body
 
-        recovery = self.recovery
+        held, recovery = self.reduction.held, self.recovery
+        iron = replace(held.material, elastic_modulus=body.stiffness_factor * held.material.elastic_modulus)
         return state_error(
-            self.reduction.assembled(mesh).held(),
-            reduced_body(modes[0], **vars(recovery)),
+            replace(self.reduction, held=replace(held, material=iron)).assembled(mesh).held(),
+            body,
             band=self.band,
             sensors=recovery.sensors,
             damping=recovery.damping,

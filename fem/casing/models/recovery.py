@@ -50,18 +50,14 @@ class Recovery(Stage):
         ------
         CasingError : the stiffness cannot be extrapolated
         """
-        import numpy as np
-
         from fem.casing.reduced.modes import reduced_body
-        from fem.casing.uncertainty.extrapolation import ExtrapolationError, measured_limits
+        from fem.casing.uncertainty.extrapolation import ExtrapolationError, measured_limits, stiffness_factor
 
-        ratios = np.zeros(0)
         try:
-            if coarser:
-                ratios = measured_limits(modes[0], coarser).ratios
+            factor = stiffness_factor(measured_limits(modes[0], coarser)) if coarser else 1.0
         except ExtrapolationError as error:
             raise CasingError(str(error)) from error
-        return _counted(reduced_body(modes[0], frequency_ratios=ratios, **vars(self)))
+        return _counted(reduced_body(modes[0], stiffness_factor=factor, **vars(self)))
 
 
 @dataclass(frozen=True, kw_only=True)

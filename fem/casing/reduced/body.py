@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.casing.parts.names import MODES_OVER_BAND as MODES_OVER_BAND
-from fem.storage.records import Record, array, names, text
+from fem.storage.records import Record, array, names, scalar, text
 
 BEARING_AXES = ("ux", "uy", "uz", "rx", "rz")  # load-carrying axes of a bearing; the rotation ry is free
 
@@ -36,9 +36,7 @@ class ReducedBody(Record):
     point_positions: np.ndarray = array("point", "axis", units="m")
     foot_stiffness: np.ndarray = array("foot_axis", "coordinate", units="SI")  # force on the feet, see `foot_forces`
     foot_inertia: np.ndarray = array("foot_axis", "axis", units="kg")
-    frequency_ratios: np.ndarray = dataclasses.field(  # extrapolated over computed frequencies, lowest elastic modes
-        default_factory=lambda: np.zeros(0), metadata=array("compared", units="1").metadata
-    )
+    stiffness_factor: float = dataclasses.field(default=1.0, metadata=scalar(units="1").metadata)  # from extrapolation
 
     @property
     def feet(self) -> tuple[str, ...]:

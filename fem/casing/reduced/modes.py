@@ -20,14 +20,10 @@ from fem.casing.reduced.attachment import nearest_surface_point
 from fem.casing.reduced.body import BEARING_AXES, ReducedBody
 from fem.casing.reduced.damping import energy_shares, modal_damping
 from fem.casing.reduced.grounded import GROUND_AXES, GroundedCasing
-from fem.casing.reduced.mode_correction import corrected_motion
 from fem.casing.reduced.reduction import Reduction, ReductionError
 from fem.casing.reduced.truncation import ModeSet, fewest_modes, kept, mode_names, on_springs, undamped_modes
 from fem.elements.solids import mass_properties
 from fem.storage.records import Record, array, integer, names, scalar, text
-
-RIGID_MOTIONS = 6  # motions of a casing on springs, independent of its stiffness
-_NONE = np.zeros(0)
 
 Mounts = Sequence[Sequence[float]]  # stiffness in x, y, z (N/m): one row for all feet, or one per foot in their order
 
@@ -213,7 +209,7 @@ def reduced_body(
     mounts: Mounts | None = None,
     limit: float | None = None,
     frequency_error: float | None = None,
-    frequency_ratios: np.ndarray = _NONE,
+    stiffness_factor: float = 1.0,
     loss_factors: Mapping[str, float] | None = None,
 ) -> ReducedBody:
     """The reduced body of a casing, for the multibody model.
@@ -225,8 +221,7 @@ def reduced_body(
     damping : modal damping ratio, or rows (Hz, ratio)
     mounts : stiffness of every foot (N/m), only for modes of a casing on springs
     limit, frequency_error : see `kept_modes`
-    frequency_ratios : (mode,) extrapolated over computed frequencies of the lowest modes, without mounts and rigid
-        motions, see `fem.casing.reduced.mode_correction`
+    stiffness_factor : of all but the mounts, see `fem.casing.uncertainty.extrapolation`
     loss_factors : of parts with separate damping, by name; `damping` is that of the rest
 
     Raises
@@ -236,9 +231,8 @@ def reduced_body(
     """
     springs = modes.springs(mounts)
     chosen = kept_modes(modes, springs, limit=limit, frequency_error=frequency_error)
-    A, b = _correction(modes, chosen, frequency_ratios), chosen.n_interface
-    stiffness = on_springs(_projected(A, chosen.stiffness), springs)
-    known = part_matrices(modes, chosen, springs, A)
+    b, stiffness = chosen.n_interface, on_springs(stiffness_factor * chosen.stiffness, springs)
+    known = part_matrices(modes, chosen, springs, stiffness_factor)
     if unknown := [name for name in loss_factors or () if name not in known]:
         raise ValueError(f"casing: no part {unknown[0]!r} has a loss factor; known: {', '.join(known) or 'none'}")
     parts = [(known[name], eta) for name, eta in (loss_factors or {}).items()]
@@ -264,22 +258,22 @@ def reduced_body(
         row_shifts=_row_shifts(row_names, sensors),
         point_names=tuple(places),
         point_positions=np.array(list(places.values())),
-        foot_stiffness=_foot_rows(modes, springs, A),
+        foot_stiffness=_foot_rows(modes, springs, stiffness_factor, len(stiffness)),
         foot_inertia=modes.foot_inertia,
-        frequency_ratios=frequency_ratios,
+        stiffness_factor=stiffness_factor,
     )
 
 
-def part_matrices(modes: CasingModes, chosen: ModeSet, springs: np.ndarray, A: np.ndarray) -> dict[str, np.ndarray]:
+def part_matrices(modes: CasingModes, chosen: ModeSet, springs: np.ndarray, factor: float) -> dict[str, np.ndarray]:
     """Stiffness (coordinate, coordinate) of every part by its name, including mounts if there are any.
 
     Parameters
     ----------
     modes, chosen, springs : the casing, its kept modes, and its mounts (interface,) in N/m
-    A : of `fem.casing.reduced.mode_correction`
+    factor : of all but the mounts
     """
     found = {
-        name: _projected(chosen.basis @ A, stiffness)
+        name: factor * (chosen.basis.T @ stiffness @ chosen.basis)
         for name, stiffness in zip(modes.part_names, modes.part_stiffness, strict=True)
     }
     if springs.any():
@@ -287,20 +281,10 @@ def part_matrices(modes: CasingModes, chosen: ModeSet, springs: np.ndarray, A: n
     return found
 
 
-def _correction(modes: CasingModes, chosen: ModeSet, ratios: np.ndarray) -> np.ndarray:
-    """A of `fem.casing.reduced.mode_correction` for kept modes."""
-    first = RIGID_MOTIONS if modes.ground == "springs" else 0
-    return corrected_motion(chosen.stiffness, chosen.mass, ratios, first)
-
-
-def _projected(A: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
-    product = A.T @ stiffness @ A
-    return np.asarray(0.5 * (product + product.T))
-
-
-def _foot_rows(modes: CasingModes, springs: np.ndarray, A: np.ndarray) -> np.ndarray:
+def _foot_rows(modes: CasingModes, springs: np.ndarray, factor: float, size: int) -> np.ndarray:
     """Force (3 feet, coordinate) of the ground on the feet: through clamped nodes, or through mounts."""
-    rows = modes.foot_stiffness @ A[: len(springs)] @ A
+    rows = np.zeros((len(modes.foot_stiffness), size))
+    rows[:, : len(springs)] = factor * modes.foot_stiffness
     feet = [name for name in modes.point_names if name.startswith("ground_")]
     for place in np.flatnonzero(springs):
         point, axis = modes.interface_names[place].split(":")
@@ -332,25 +316,20 @@ class NaturalModes(Record):
 
 
 def natural_modes(
-    modes: CasingModes,
-    mounts: Mounts | None = None,
-    *,
-    limit: float | None = None,
-    frequency_ratios: np.ndarray = _NONE,
+    modes: CasingModes, mounts: Mounts | None = None, *, limit: float | None = None, stiffness_factor: float = 1.0
 ) -> NaturalModes:
     """Frequencies, effective masses (phi^T M R)^2 and shapes.
 
     Parameters
     ----------
-    modes, mounts, limit, frequency_ratios : those of `reduced_body`
+    modes, mounts, limit, stiffness_factor : those of `reduced_body`
     """
     springs = modes.springs(mounts)
     chosen = kept_modes(modes, springs, limit=limit)
-    A = _correction(modes, chosen, frequency_ratios)
-    stiffness = on_springs(_projected(A, chosen.stiffness), springs)
+    stiffness = on_springs(stiffness_factor * chosen.stiffness, springs)
     frequencies, phi = undamped_modes(stiffness, chosen.mass)
     vectors = chosen.basis @ phi
-    parts = part_matrices(modes, chosen, springs, A)
+    parts = part_matrices(modes, chosen, springs, stiffness_factor)
     return NaturalModes(
         frequencies=frequencies,
         effective_mass=(vectors.T @ modes.participation) ** 2,

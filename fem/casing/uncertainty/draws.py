@@ -4,7 +4,7 @@ In its natural modes a casing has the stiffness diag(omega^2); with errors it is
 
     omega_i omega_j (delta_ij + E_ij),    E_ii = (1 + e_i)^2 - 1,    E_ij ~ normal(0, sqrt(2 s_i s_j))
 
-with the error e_i of standard deviation s_i. The diagonal then has the standard deviation 2 s_i. For modes
+with the error e_i of mean m_i and standard deviation s_i. The diagonal then has the standard deviation 2 s_i. For modes
 of equal frequency the distribution must not depend on the choice of their basis. It must therefore be that of the
 Gaussian orthogonal ensemble, whose off-diagonal terms have half the variance of the diagonal (Mehta 2004, Random
 Matrices, 2.5).
@@ -68,9 +68,9 @@ def drawn_frequencies(form: ModalForm, near: int, errors: FrequencyErrors, count
     seed : of the random numbers
     """
     random = np.random.default_rng(seed)
-    spreads, common = _spreads(near, errors)
+    means, spreads, common = _moments(near, errors)
     rest = random.standard_normal(count)
-    single = spreads * random.standard_normal((count, near)) + np.outer(rest, common)
+    single = means + spreads * random.standard_normal((count, near)) + np.outer(rest, common)
     off = np.sqrt(2.0 * np.outer(spreads, spreads)) * np.triu(random.standard_normal((count, near, near)), 1)
     off = off + off.transpose(0, 2, 1)
     frequencies = form.frequencies[:near]
@@ -81,14 +81,14 @@ def drawn_frequencies(form: ModalForm, near: int, errors: FrequencyErrors, count
 
 
 def single_errors(form: ModalForm, near: int, errors: FrequencyErrors) -> CasingDraws:
-    """The nominal casing, then with a standard deviation in one mode at a time, then in the rest.
+    """The casing with mean errors, then with an added standard deviation in one mode at a time, then in the rest.
 
     Returns
     -------
     near + 2 casings: the effect of each error alone is the difference to the first one
     """
-    spreads, common = _spreads(near, errors)
-    single = np.vstack([np.zeros(near), np.diag(spreads), common])
+    means, spreads, common = _moments(near, errors)
+    single = np.vstack([means, means + np.diag(spreads), means + common])
     nothing = np.zeros((near + 2, near, near))
     return _changed(form, near, single, nothing, np.r_[np.zeros(near + 1), errors.rest])
 
@@ -111,14 +111,14 @@ def drawn_damping(form: ModalForm, near: int, spread: float, count: int, seed: i
 NORMAL_95 = 1.6448536269514722  # standard deviations below which 95 % of a normal distribution lie
 
 
-def _spreads(near: int, errors: FrequencyErrors) -> tuple[np.ndarray, np.ndarray]:
-    """Individual and common standard deviation (near,) of the errors of the modes."""
-    spreads, common = np.full(near, errors.rest_spread), np.full(near, errors.rest)
-    known = slice(errors.first, min(near, errors.first + len(errors.spreads)))
+def _moments(near: int, errors: FrequencyErrors) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Mean, individual and common standard deviation (near,) of the errors of the modes."""
+    means, spreads, common = np.zeros(near), np.full(near, errors.rest_spread), np.full(near, errors.rest)
+    known = slice(errors.first, min(near, errors.first + len(errors.means)))
     count = max(0, known.stop - known.start)
-    spreads[known], common[known] = errors.spreads[:count], 0.0
+    means[known], spreads[known], common[known] = errors.means[:count], errors.spreads[:count], 0.0
     spreads[: errors.first], common[: errors.first] = 0.0, 0.0
-    return spreads, common
+    return means, spreads, common
 
 
 def _turned(squares: np.ndarray, off: np.ndarray) -> np.ndarray:

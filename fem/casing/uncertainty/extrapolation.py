@@ -5,8 +5,9 @@ paired by their shapes. They give the extrapolated frequency and uncertainty ban
 (`fem.casing.uncertainty.laws`). For cubic elements the modes of quadratic ones on the same mesh are used
 (`fem.casing.uncertainty.cubic_limits`).
 
-The stiffness is corrected so that these modes have their extrapolated frequencies, and all others their mean correction
-(`fem.casing.reduced.mode_correction`). Their shapes and the mass are unchanged.
+The error of thin walls and sharp edges is nearly the same for all modes. One factor, from the mean relative difference
+m of frequencies and extrapolated frequencies, therefore corrects all of the stiffness: K = (1 - m)^2 K(h); mass and
+shapes are unchanged.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from fem.casing.parts.names import Ground
 from fem.casing.reduced.body import MODES_OVER_BAND
 from fem.casing.reduced.grounded import AssembledCasing, GroundedCasing
 from fem.casing.reduced.halves import lowest
-from fem.casing.reduced.modes import RIGID_MOTIONS, CasingModes
+from fem.casing.reduced.modes import CasingModes
 from fem.casing.reduced.reduction import Reduction, reduce_body
 from fem.casing.reduced.truncation import undamped_modes
 from fem.casing.uncertainty.cubic_limits import cubic_limits
@@ -36,6 +37,7 @@ from fem.storage.records import Record, array, integer, scalar, text
 MODES = 60  # lowest natural modes that are compared
 LARGEST = 0.25  # largest change of a frequency between meshes for extrapolation
 _GUARD = 12  # additional modes in the iteration: the last ones of a block converge least
+RIGID_MOTIONS = 6  # motions of a casing on springs, independent of its stiffness
 
 
 class ExtrapolationError(ValueError):
@@ -185,6 +187,11 @@ def limits_from(
             "casing.element_size_mm, or leave casing.extrapolated out"
         )
     return limits
+
+
+def stiffness_factor(limits: FrequencyLimits) -> float:
+    """Factor of the stiffness that removes the mean difference of frequencies and extrapolated frequencies."""
+    return (1.0 - limits.correction) ** 2
 
 
 def _elastic(stiffness: np.ndarray, mass: np.ndarray, ground: Ground | str) -> tuple[np.ndarray, np.ndarray]:

@@ -1,7 +1,8 @@
 """Remaining errors of the natural frequencies of a casing after extrapolation of its stiffness.
 
-The body has the extrapolated frequencies (`fem.casing.uncertainty.frequency_limits`) of the compared modes. Their band
-is twice the standard deviation of the error.
+One factor corrects all modes, so the extrapolated frequency of a mode (`fem.casing.uncertainty.frequency_limits`)
+differs from its frequency in the corrected body. This difference is its mean error. Its band is twice the standard
+deviation.
 
 Modes above those compared, and the flexibility of the seats that they represent, are corrected without an extrapolated
 frequency. They share one error whose standard deviation is half of the correction: at the seats of the rig a correction
@@ -25,12 +26,13 @@ REST_SHARE = 0.5  # of the correction
 class FrequencyErrors:
     """Relative errors of natural frequencies: true frequency = frequency (1 + error).
 
-    `spreads` (standard deviations) belong to the compared modes, from number `first` on; modes below it are
+    `means` and `spreads` (standard deviations) belong to the compared modes, from number `first` on; modes below it are
     motions on mounts, without error. All others share an error of standard deviation `rest`, and their individual
     errors have the standard deviation `rest_spread`.
     """
 
     first: int
+    means: np.ndarray  # (mode,)
     spreads: np.ndarray  # (mode,)
     rest: float
     rest_spread: float
@@ -44,9 +46,11 @@ def frequency_errors(limits: FrequencyLimits, first: int = 0) -> FrequencyErrors
     limits : of the lowest modes, without motions on mounts
     first : number of the motions on mounts, 6 on springs
     """
-    spreads = limits.bands / WIDTH / limits.limits
+    corrected = limits.frequencies * (1.0 - limits.correction)
+    spreads = limits.bands / WIDTH / corrected
     return FrequencyErrors(
         first=first,
+        means=limits.limits / corrected - 1.0,
         spreads=spreads,
         rest=REST_SHARE * abs(limits.correction),
         rest_spread=math.sqrt(float(np.mean(spreads**2))),

@@ -57,11 +57,6 @@ class FrequencyLimits:
     fixed_bands: np.ndarray  # (mode,), Hz: part of them independent of the element size
     correction: float  # mean of 1 - limit / frequency on the finest mesh
 
-    @property
-    def ratios(self) -> np.ndarray:
-        """Extrapolated frequencies over those of the finest mesh (mode,)."""
-        return self.limits / self.frequencies
-
     def median_band_at(self, factor: float) -> float:
         """Median relative band predicted for elements smaller by a factor."""
         rest = (self.bands - self.fixed_bands) * factor**self.order
