@@ -20,7 +20,7 @@ import scipy.sparse as sp
 from fem.numerics import blas
 from fem.numerics.threads import side_by_side
 
-_TOLERANCE = 1e-7  # residual of a Ritz pair over its theta; the error of theta is about its square
+_TOLERANCE = 1e-5  # residual of a Ritz pair over its theta: bound of the error of theta, which is about its square
 _LARGEST_BASIS = 3000  # vectors
 _CHUNK = 8  # blocks that share one array
 _NOTHING = 1e-11  # share removed by reorthogonalisation below which its product with M is not computed
