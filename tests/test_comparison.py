@@ -236,6 +236,7 @@ def test_the_command_writes_table_and_figures(files, capsys):
         (["healthy.csv", "worn.csv@lowering"], "lowering is not a window. Give start and end in seconds"),
         (["healthy.csv", "worn.csv@5:6"], "the recording lasts from 0 to 1.4999 s"),
         (["healthy.csv", "worn.csv@1.0:0.5"], "its start before its end"),
+        (["healthy.csv", "worn.csv@1:1.05"], "worn.csv@1:1.05: no shaft makes 3 revolutions between 1 and 1.05 s"),
         (
             ["healthy.csv", "worn.csv", "--sensor", "motor"],
             "motor: not a channel of all recordings. Set --sensor and --axis to one of drive z",

@@ -209,9 +209,10 @@ def _layout(head: list[str], path: Path) -> ColumnLayout:
                 break
     if not any(line.strip() for line in head):
         raise InputError(f"{shown(path)}: is empty. Give a file with columns of numbers.")
+    where = f"none of its first {len(head)} lines" if len(head) > 1 else "no line"
     raise InputError(
-        f"{shown(path)}: none of its first {len(head)} lines holds numbers alone. Give columns of numbers that are "
-        "separated by tabulators, semicolons, commas or blanks."
+        f"{shown(path)}: {where} holds numbers alone. Give columns of numbers that are separated by tabulators, "
+        "semicolons, commas or blanks."
     )
 
 
