@@ -131,13 +131,20 @@ def _run(options: argparse.Namespace, folder: Path) -> Iterator[str]:
     from pipelines.engine.run_graph import Work
     from pipelines.io.json_text import json_text
     from pipelines.runs.diagnosed import diagnose_folder, folder_bars, judge_folder
+    from pipelines.runs.run_folder import RESPONSE, opened_run
+    from pipelines.signals.levels import level_grid, levels
     from pipelines.steps.diagnosing import words
 
     found, answered = diagnose_folder(folder, options.settings), judge_folder(folder)
     bars = folder_bars(folder, found, options.settings, Work())
+    with opened_run(folder / RESPONSE) as run:
+        measured = levels(run, found.settings.windows)
     if options.json:
         facts = bars if isinstance(bars, str) else bars.to_dict()
-        yield json_text({"verdict": answered["cases"]} | diagnosis_facts([found]) | {"error_bars": facts})
+        own = {"error_bars": facts, "levels": measured}
+        yield json_text({"verdict": answered["cases"]} | diagnosis_facts([found]) | own)
     else:
         answer = answered["words"] or f"No verdict: {answered['failure']}\n"
         yield f"{answer}\n{words([found])}\n{bars_words(bars)}"
+        if measured:
+            yield f"\n{level_grid(measured).to_text()}"

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from pipelines.diagnosis.verdict import Verdict
     from pipelines.recordings.machine import MeasuredMachine
     from pipelines.signals.features.table import FeatureTable
+    from pipelines.signals.levels import Level
     from pipelines.signals.orders.kinematics import Kinematics
     from pipelines.signals.orders.rotation import Rotation
 
@@ -34,10 +35,11 @@ Windows = Mapping[str, tuple[float, float]]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RecordedFile:
-    """A recorded file: its features, the relative uncertainty of its speed, its rotation in words, and warnings."""
+    """A recorded file: features, levels, relative uncertainty of its speed, its rotation in words, and warnings."""
 
     name: str
     table: FeatureTable
+    levels: tuple[Level, ...]
     error: float
     turning: str
     warnings: tuple[str, ...]
@@ -252,6 +254,7 @@ def read_features(path: Path, machine: MeasuredMachine, windows: Windows | None)
     from pipelines.diagnosis.simulated import FeatureSettings, run_features
     from pipelines.recordings.recording import read_recording
     from pipelines.signals.features.recorded import FeatureError
+    from pipelines.signals.levels import levels
     from pipelines.signals.orders.rotation import RotationError
     from pipelines.signals.orders.rotation_of import rotation_of
 
@@ -272,10 +275,13 @@ def read_features(path: Path, machine: MeasuredMachine, windows: Windows | None)
         try:
             rotation = rotation_of(recording, machine.kinematics)
             table = run_features(recording, settings, rotation)
+            found = levels(recording, windows or {"whole": (float(time[0]), float(time[-1]))})
         except (FeatureError, RotationError) as error:
             raise InputError(f"{shown(path)}: {error}") from error
     turning = _turning(rotation, time, machine.kinematics, windows)
-    return RecordedFile(name=path.name, table=table, error=rotation.error, turning=turning, warnings=warnings)
+    return RecordedFile(
+        name=path.name, table=table, levels=found, error=rotation.error, turning=turning, warnings=warnings
+    )
 
 
 def _turning(rotation: Rotation, time: np.ndarray, kinematics: Kinematics, windows: Windows | None) -> str:
@@ -303,13 +309,15 @@ def file_words(found: JudgedFile) -> str:
     """Verdict and speed as text; without healthy recordings the features."""
     from pipelines.diagnosis.impacts import impact_words
     from pipelines.diagnosis.words import text
+    from pipelines.signals.levels import level_grid
 
     parts = [found.recorded.turning, *(f"Warning: {warning}" for warning in found.recorded.warnings)]
+    levels = [f"{level_grid(found.recorded.levels).to_text()}\n"] if found.recorded.levels else []
     if found.verdict is not None:
         answer, _, tables = text(found.verdict).partition("\n\n")
-        return "\n\n".join([answer, *parts, tables])
+        return "\n\n".join([answer, *parts, tables.rstrip(), *levels])
     parts = [impact_words(found.impacts), *parts]
-    parts.append(features_grid(found.recorded.table).to_text())
+    parts += [features_grid(found.recorded.table).to_text(), *levels]
     if found.recorded.table.left_out:
         parts.append(f"Left out: {'; '.join(found.recorded.table.left_out)}.")
     return "\n\n".join(parts) + "\n"
@@ -359,6 +367,7 @@ def file_facts(found: JudgedFile) -> dict[str, Any]:
         "warnings": found.recorded.warnings,
         "verdict": found.verdict,
         "impacts": found.impacts,
+        "levels": found.recorded.levels,
         "features": features,
         "left_out": table.left_out,
     }

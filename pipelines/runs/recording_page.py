@@ -54,9 +54,8 @@ def write_recording_page(path: Path, judged: JudgedFile, recorded: Sequence[Comp
     if verdict is not None:
         body.append(page.table(words.ranking_grid(verdict)) + page.note(words.note(verdict)))
     body.append(page.section("Spectra and averages", _figures(judged, recorded), opened=True))
-    levels = level_grid(recorded[-1].dataset(), recorded[-1].spans)
-    if levels is not None:
-        body.append(page.section("Levels", [page.table(levels)]))
+    if own.levels:
+        body.append(page.section("Levels", [page.table(level_grid(own.levels))]))
     body.append(page.section("Features", [page.table(features_grid(own.table))]))
     body.append(page.section("Recordings", [page.table(recordings_grid(recorded))]))
     write_whole(path, page.document(title, body))
