@@ -82,7 +82,8 @@ def open_channels(path: Path, text: Path | None = None) -> RecordedContents:
             scratch.write(block.tobytes())
         scratch.flush()
         values = np.memmap(scratch, dtype=float, mode="r").reshape(-1, columns)
-        return RecordedContents(channels=tuple(_channels(values, layout)), close=scratch.close)
+        above = "\n".join(head[: layout.first + 1])
+        return RecordedContents(channels=tuple(_channels(values, layout)), close=scratch.close, texts=above)
     except BaseException:
         scratch.close()
         raise
