@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -66,11 +67,11 @@ class RecordedContents:
 
         Other texts than 2026-11-27T12:00:00 can be between the two, as in the head of a LabVIEW measurement file.
         """
-        found = _MOMENT.search(self.texts)
-        try:
-            return datetime.fromisoformat("{}-{}-{} {:>02}:{}:{}".format(*found.groups())).isoformat() if found else ""
-        except ValueError:  # a month 13
-            return ""
+        if found := _MOMENT.search(self.texts):
+            year, month, day, hour, minute, second = map(int, found.groups())
+            with contextlib.suppress(ValueError):  # a month 13
+                return datetime(year, month, day, hour, minute, second).isoformat()
+        return ""
 
     def names(self) -> str:
         """Names of the channels, for messages."""

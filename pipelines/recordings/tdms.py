@@ -47,7 +47,8 @@ def open_channels(path: Path) -> RecordedContents:
         for channel in group.channels():
             name = f"{group.name}/{channel.name}" if several else channel.name
             found.append(_channel(name, channel))
-    texts = " ".join(str(one.properties.get("wf_start_time", "")) for group in file.groups() for one in group.channels())
+    channels = (channel for group in file.groups() for channel in group.channels())
+    texts = " ".join(str(channel.properties.get("wf_start_time", "")) for channel in channels)
     return RecordedContents(channels=tuple(found), texts=texts)
 
 

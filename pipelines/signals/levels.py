@@ -27,7 +27,7 @@ OPEN = ":microseconds_open"  # follows the name of a mesh in the name of a count
 
 
 @dataclass(frozen=True, kw_only=True)
-class Level:
+class ChannelLevel:
     """Root mean square of the acceleration (m/s2) and of the velocity in BAND (m/s) of a channel in a window."""
 
     sensor: str
@@ -52,7 +52,7 @@ def band_velocity(acceleration: np.ndarray, rate: float) -> np.ndarray:
     return np.sqrt(2.0 * parts.sum(axis=0) / count**2 / 0.375)
 
 
-def levels(run: xarray.Dataset, windows: Mapping[str, tuple[float, float]]) -> tuple[Level, ...]:
+def levels(run: xarray.Dataset, windows: Mapping[str, tuple[float, float]]) -> tuple[ChannelLevel, ...]:
     """Levels of all channels with a signal in each window (s); empty without sensors.
 
     Without windows the second half of the run is evaluated.
@@ -70,7 +70,7 @@ def levels(run: xarray.Dataset, windows: Mapping[str, tuple[float, float]]) -> t
         values = part.values.astype(float)
         both = np.stack([values.std(axis=0), band_velocity(values, rate)], axis=-1)  # NaN for an axis without signal
         found += [
-            Level(sensor=str(sensor), axis=str(axis), window=name, acceleration=acceleration, velocity=velocity)
+            ChannelLevel(sensor=str(sensor), axis=str(axis), window=name, acceleration=acceleration, velocity=velocity)
             for sensor, rows in zip(part.sensor.values, both.tolist(), strict=True)
             for axis, (acceleration, velocity) in zip(part.axis.values, rows, strict=True)
             if np.isfinite(velocity)
@@ -78,7 +78,7 @@ def levels(run: xarray.Dataset, windows: Mapping[str, tuple[float, float]]) -> t
     return tuple(found)
 
 
-def level_grid(found: Sequence[Level]) -> Grid:
+def level_grid(found: Sequence[ChannelLevel]) -> Grid:
     """Table of the levels: a row for each sensor and window, columns for its axes."""
     rows: dict[tuple[str, str], dict[str, str]] = {}
     for one in found:
