@@ -22,7 +22,7 @@ from pipelines.io.grid import Grid
 from pipelines.signals.levels import ChannelLevel
 
 _LEVELS = (("acceleration", "m/s²", 1.0), ("velocity", "mm/s", 1000.0))  # name, unit, factor from SI
-UNITS = tuple(unit for _, unit, _ in _LEVELS)  # of levels
+LEVELS = {"m/s²": "Acceleration, m/s²", "mm/s": "Velocity from 10 to 1000 Hz (ISO 20816-1), mm/s"}  # by unit
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -117,7 +117,7 @@ def trend_grid(courses: Sequence[Course]) -> Grid:
         )
         for one in courses
     )
-    numbers = [str(number) for number in range(1, len(courses[0].values) + 1)]
+    numbers = [str(number) for one in courses[:1] for number in range(1, len(one.values) + 1)]
     headers = ("component or channel", "unit", "healthy", "limit", *numbers, "first above")
     return Grid(title="Trend over the recordings 1, 2, ...", headers=headers, rows=rows)
 
@@ -138,7 +138,7 @@ def trend_facts(courses: Sequence[Course], names: Sequence[str]) -> list[Mapping
 
 
 def _cell(value: float, unit: str) -> str:
-    return f"{value:.3g}" if unit in UNITS else f"{round(value, 2) + 0.0:.2f}"  # without minus zero
+    return f"{value:.3g}" if unit in LEVELS else f"{round(value, 2) + 0.0:.2f}"  # without minus zero
 
 
 def _by_channel(levels: Sequence[ChannelLevel]) -> dict[tuple[str, str], np.ndarray]:

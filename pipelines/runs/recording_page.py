@@ -21,7 +21,7 @@ _CAPTIONS = {  # by the beginning of the name of a figure
     "orders": "Order spectra. Dashed: mesh orders.",
     "sidebands": "Order spectra around a mesh order. Dashed: sidebands at multiples of the shaft speeds.",
     "envelope": "Order spectra of the squared envelope. Dashed: shafts, and pass frequencies of bearings.",
-    "cepstrum": "Real cepstra (Randall 2021): sidebands or harmonics at the distance of a shaft give lines at 1, 2, 3 "
+    "cepstrum": "Real cepstra (Randall 2011): sidebands or harmonics at the distance of a shaft give lines at 1, 2, 3 "
     "turns of it (dashed). Damage of a tooth raises their sum for the shaft of its gear. Pitch deviations cause them, "
     "too, so compare only recordings of the same machine.",
     "average": "Time-synchronous averages over a revolution.",

@@ -7,14 +7,14 @@ from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
 
-from pipelines.diagnosis.trend import UNITS, Course, trend_grid
+from pipelines.diagnosis.trend import LEVELS, Course, trend_grid
 from pipelines.io.user_files import write_whole
 from pipelines.report import page
 from pipelines.report.figures.trend_plots import trend_figure
 from pipelines.runs.recorded import JudgedFile, files_grid
 
 _CAPTION = (
-    " of each recording. Dashed: limit. Shaded: range of the healthy recordings. Red: the limit is reached; the title "
+    " of every recording. Dashed: limit. Shaded: range of the healthy recordings. Red: the limit is reached; the title "
     "gives the number of the first such recording."
 )
 
@@ -38,7 +38,7 @@ def write_trend_page(
     )
     body = [page.heading(title, 1), page.paragraph(order), page.table(files_grid(names, judged)), f"<p>{links}</p>"]
     for unit, group in groupby(courses, key=lambda one: one.unit):
-        what = f"Level in {unit}" if unit in UNITS else unit.capitalize()
+        what = LEVELS.get(unit, unit.capitalize())
         body.append(page.section(what, [page.picture(trend_figure(list(group), begins), what + _CAPTION)], opened=True))
     body.append(page.section("Values", [page.table(trend_grid(courses))]))
     write_whole(path, page.document(title, body))

@@ -7,7 +7,7 @@ References
 ----------
 Fyfe & Munck (1997), Mech. Syst. Signal Process. 11(2), 187-205 (order spectra); Welch (1967), IEEE Trans. Audio
 Electroacoust. 15(2), 70-73 (averaged spectra); Ho & Randall (2000), Mech. Syst. Signal Process. 14(5), 763-788
-(spectrum of the squared envelope); Randall (2021), Vibration-based Condition Monitoring, 2nd ed., Wiley, and Randall
+(spectrum of the squared envelope); Randall (2011), Vibration-based Condition Monitoring, Wiley, and Randall
 (2017), Mech. Syst. Signal Process. 97, 3-19 (cepstrum).
 """
 
