@@ -236,6 +236,7 @@ def test_the_command_writes_table_and_figures(files, capsys):
         (["healthy.csv", "worn.csv@lowering"], "lowering is not a window. Give start and end in seconds"),
         (["healthy.csv", "worn.csv@5:6"], "the recording lasts from 0 to 1.4999 s"),
         (["healthy.csv", "worn.csv@1.0:0.5"], "its start before its end"),
+        (["healthy.csv", "worn.csv@1:1.05"], "worn.csv@1:1.05: no shaft makes 3 revolutions between 1 and 1.05 s"),
         (
             ["healthy.csv", "worn.csv", "--sensor", "motor"],
             "motor: not a channel of all recordings. Set --sensor and --axis to one of drive z",
@@ -306,3 +307,33 @@ def test_the_names_of_orders_that_almost_coincide_are_all_readable():
     boxes = [text.get_window_extent() for text in axes.texts]
     assert {text.get_text() for text in axes.texts} == set(marks)
     assert not any(one.overlaps(other) for n, one in enumerate(boxes) for other in boxes[:n])
+
+
+def trained(period: float):
+    """Curves of impulses at every `period` turns of the first shaft, in noise."""
+    shafts = (KINEMATICS.shafts[0], Shaft(name="shaft_2", ratio=0.4))
+    train = replace(KINEMATICS, shafts=shafts, gears=(KINEMATICS.gears[0], replace(KINEMATICS.gears[1], teeth=50)))
+    run = recording({20: 0.0}, noise=0.01)
+    run.acceleration[:: round(period * 10_000 / SPEED)] += 10.0
+    return curves([part_of("r", run, train)], ("a", "z"), "shaft_1")
+
+
+@pytest.mark.parametrize(("period", "ratio", "other"), [(2.5, 0.4, 1.0), (1.0, 1.0, 0.4)])
+def test_the_cepstrum_of_impulses_has_lines_at_their_period_and_its_multiples_only(period, ratio, other):
+    found = trained(period)
+    step = 0.5 / found.orders[-1]
+    away = np.abs(found.quefrency - period * np.round(found.quefrency / period))
+    at_period = found.cepstrum[0, round(period / step)]
+    between = found.cepstrum[0, (found.quefrency > 0.5) & (away > 5.0 * step)]
+    assert at_period > 4.0 * np.abs(between).max()
+    assert found.rahmonics(ratio)[0] > 2.0 * abs(found.rahmonics(other)[0])  # five turns are two and a half twice
+    assert np.isnan(found.rahmonics(0.1)[0])  # thirty turns in a block of fifty, of which half are shown
+
+
+def test_the_cepstrum_of_an_echo_is_half_its_factor_at_its_delay():
+    found, factor, delay = trained(1.0), 0.6, 3.0
+    echo = np.abs(1.0 + factor * np.exp(-2j * np.pi * found.orders * delay))
+    cepstrum = replace(found, spectrum=echo[None]).cepstrum[0]
+    place = round(delay * 2.0 * found.orders[-1])
+    assert cepstrum[place] == pytest.approx(factor / 2, abs=1e-3)  # ln|1 + a exp(-jwT)| = a cos wT - a^2/2 cos 2wT ...
+    assert cepstrum[2 * place] == pytest.approx(-(factor**2) / 4, abs=1e-3)

@@ -38,8 +38,9 @@ _WORTH_A_LINE = 1e6  # bytes: reading a smaller file is not logged
 def read_recording(source: str | Path, machine: MeasuredMachine) -> xarray.Dataset:
     """Read the recording in a file; close it, or use it in a `with` block, to close the file.
 
-    A response of a run is returned as it is. Attributes of others: `source` (name of the file), `format`, and
-    `warnings`, sentences by kind as JSON (clipped sensors, units that contradict the machine).
+    A response of a run is returned as it is. Attributes of others: `source` (name of the file), `format`, `begin`
+    (ISO 8601, "" if the file does not state it), and `warnings`, sentences by kind as JSON (clipped sensors, units that
+    contradict the machine).
 
     Raises
     ------
@@ -113,6 +114,7 @@ def _recording(contents: RecordedContents, machine: MeasuredMachine, path: Path,
         attrs={
             "source": path.name,
             "format": form,
+            "begin": contents.begin,
             ATTRIBUTE: json.dumps(silent | dict(_warnings(places, extremes, machine, scales))),
         },
     )

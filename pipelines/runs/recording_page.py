@@ -21,6 +21,9 @@ _CAPTIONS = {  # by the beginning of the name of a figure
     "orders": "Order spectra. Dashed: mesh orders.",
     "sidebands": "Order spectra around a mesh order. Dashed: sidebands at multiples of the shaft speeds.",
     "envelope": "Order spectra of the squared envelope. Dashed: shafts, and pass frequencies of bearings.",
+    "cepstrum": "Real cepstra (Randall 2011): sidebands or harmonics at the distance of a shaft give lines at 1, 2, 3 "
+    "turns of it (dashed). Damage of a tooth raises their sum for the shaft of its gear. Pitch deviations cause them, "
+    "too, so compare only recordings of the same machine.",
     "average": "Time-synchronous averages over a revolution.",
     "rms": "Root mean square of every sensor.",
 }
@@ -54,9 +57,8 @@ def write_recording_page(path: Path, judged: JudgedFile, recorded: Sequence[Comp
     if verdict is not None:
         body.append(page.table(words.ranking_grid(verdict)) + page.note(words.note(verdict)))
     body.append(page.section("Spectra and averages", _figures(judged, recorded), opened=True))
-    levels = level_grid(recorded[-1].dataset(), recorded[-1].spans)
-    if levels is not None:
-        body.append(page.section("Levels", [page.table(levels)]))
+    if own.levels:
+        body.append(page.section("Levels", [page.table(level_grid(own.levels))]))
     body.append(page.section("Features", [page.table(features_grid(own.table))]))
     body.append(page.section("Recordings", [page.table(recordings_grid(recorded))]))
     write_whole(path, page.document(title, body))

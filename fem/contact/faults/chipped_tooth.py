@@ -68,6 +68,6 @@ class ChippedTooth(ToothFault):
         return added
 
     def movement(self, pair: GearPair, approach: float, *, alone: bool) -> float:
-        """Movement from the lost share of the contact line."""
+        """Movement from the lost share of the contact line, as if the chip were as deep as the tooth."""
         lost = lost_share(pair) * self.extent / pair.face_width
         return approach * lost / (1 - lost)

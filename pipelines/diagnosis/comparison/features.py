@@ -12,7 +12,7 @@ import numpy as np
 
 from pipelines.diagnosis.comparison.part import ComparedPart
 from pipelines.diagnosis.verdict import counted
-from pipelines.signals.features.recorded import feature_table
+from pipelines.signals.features.recorded import FeatureError, feature_table
 from pipelines.signals.features.table import WHOLE, FeatureTable, confirmed
 from pipelines.signals.orders.kinematics import Kinematics
 
@@ -55,16 +55,21 @@ def features_of(parts: Sequence[ComparedPart]) -> Features:
     ------
     FeatureError : all shafts make too few turns, see `pipelines.signals.features.recorded`
     """
-    tables = tuple(
-        confirmed([feature_table(part.dataset(), part.kinematics, part.rotation, part.spans) for part in parts])
-    )
+    tables = confirmed([_table(part) for part in parts])
     lines = tuple(dict.fromkeys(line for table in tables for line in table.lines))
     level = np.full((len(parts), len(lines)), np.nan)
     for row, table in zip(level, tables, strict=True):
         positive = np.all(table.value > 0.0, axis=0)
         for line, one, known in zip(table.lines, table.levels, positive, strict=True):
             row[lines.index(line)] = one if known else np.nan
-    return Features(tables=tables, lines=lines, level=level)
+    return Features(tables=tuple(tables), lines=lines, level=level)
+
+
+def _table(part: ComparedPart) -> FeatureTable:
+    try:
+        return feature_table(part.dataset(), part.kinematics, part.rotation, part.spans)
+    except FeatureError as error:
+        raise FeatureError(f"{part.name}: {error}") from error
 
 
 def most_different_shaft(found: Features, kinematics: Kinematics, among: Sequence[str]) -> str:

@@ -101,7 +101,7 @@ def feature_table(
             if rotation.conditional:
                 confirmed, remedy = " with a confirmed speed", f", {known_speed}"
             raise FeatureError(
-                f"{name}: no shaft{confirmed} makes {FEWEST_TURNS} revolutions between {window[0]:g} and "
+                f"no shaft{confirmed} makes {FEWEST_TURNS} revolutions between {window[0]:g} and "
                 f"{min(window[1], float(time[-1])):g} s.{reasons} Set a longer window{remedy}"
             )
         speeds.append(turning[0][1].frequency / turning[0][0].ratio)
