@@ -128,6 +128,7 @@ class _Run:
         self._processes = processes
         self._results = {name: result for name, result in known.items() if name in self._graph.steps}
         self._errors: list[Exception] = []
+        self._news: list[Step] = []  # with results of which the caller does not know
         self._verified: set[str] = set()
         # the step with the longest chain of waiting steps starts first
         self._urgency = seconds_to_the_end((step.name, step.seconds, step.inputs) for step in self._graph)
@@ -148,6 +149,7 @@ class _Run:
                 if self._drop_damaged(ready):
                     continue
                 ready = self._start_in_children(ready, children)
+                self._announce()
                 if self._in_children:
                     self._prepare()
                 if self._in_children or (len(ready) > 1 and self._processes > 1):
@@ -159,6 +161,7 @@ class _Run:
                         if step.name not in self._results and step.inputs:
                             step.load()  # import modules while the child processes build
                     self._take_event()
+            self._announce()
         if self._errors:
             raise self._errors[0]
         return Outcome({name: self._results[name] for name in self._graph.steps})
@@ -283,7 +286,13 @@ class _Run:
     def _keep(self, step: Step, result: Result) -> None:
         large = result.entry is not None and result.entry.bytes > _HELD_BYTES
         self._results[step.name] = result.stored() if large else result
-        self._on_event(Event(step, result=self._results[step.name]))
+        self._news.append(step)
+
+    def _announce(self) -> None:
+        """Call back with the new results, after the steps that they allow were started: the caller may take seconds."""
+        while self._news:
+            step = self._news.pop(0)
+            self._on_event(Event(step, result=self._results[step.name]))
 
     def _upstream(self, step: Step) -> dict[str, Result]:
         return {name: self._results[name] for name in step.inputs}

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from pipelines.steps.study import Study
 
 _NUMERIC = ("numpy", "scipy")
+_FEATURES = 1.4e-6  # s per recorded value and sample of noise, next to another process
 VERDICT, DIAGNOSIS, BARS, REPORT = "verdict", "diagnose", "error bars", "report"
 
 
@@ -52,7 +53,7 @@ def verdict_steps(study: Study) -> list[Step]:
             spec={"settings": settings, "labels": one.plant.labels, "samples": samples},
             takes={"motion": one.step},
             libraries=_NUMERIC,
-            seconds=0.5 * samples,
+            seconds=_FEATURES * samples * len(one.plant.sensors) * one.plant.motion.n_samples,
         )
         for one, samples in [
             *((case.own, 1) for case in cases),
@@ -104,7 +105,7 @@ def bars_step(study: Study) -> Step:
         spec={"machine": case.own.plant, "healthy": case.control.plant},
         takes={"motion": case.own.step, "control": case.control.step, "laws": laws, **casing_taken(study.graph)},
         libraries=_NUMERIC,
-        seconds=2.5,  # short, so that it is built in parallel with the motions of other cases
+        seconds=1.5,  # short, so that it is built in parallel with the motions of other cases
     )
 
 
