@@ -59,7 +59,9 @@ def refusal(scene, settings):
     loaded = load_scene(scene, settings)
     with pytest.raises(SceneError) as refused:
         checked_plant(loaded.scene, loaded.source.shown)
-    return {problem.path: str(problem) for problem in refused.value.problems}
+    said = {problem.path: str(problem) for problem in refused.value.problems}
+    assert all(text == text.rstrip() and ".. " not in text for text in said.values())
+    return said
 
 
 LOST_FILE = {"model": "table", "times_s": {"file": "lost.csv", "column": "t"}, "forces_N": [1.0]}
@@ -197,6 +199,12 @@ REFUSED = [
 def test_refused_before_computing_by_key_with_value_and_limit(scene, settings, path, words):
     found = refusal(scene, settings)
     assert words in found[path], found
+
+
+def test_a_bearing_outside_its_boss_is_one_problem():
+    loaded = load_scene("minimal", {"shafts.1.bearing_positions_mm": [-65.0, 100.0]})
+    with pytest.raises(SceneError, match=r"1 problem\n.* bearing_2 at y = 100 mm is 35 mm away from the middle"):
+        checked_plant(loaded.scene, "minimal")
 
 
 def test_everything_is_refused_at_once():
