@@ -312,6 +312,13 @@ def test_the_output_rate_is_held_against_the_fastest_mesh():
     assert [("stage 2, 818.2 Hz" in text) for text in told] == [True]
 
 
+@pytest.mark.parametrize(("step", "warned"), [(500.0, True), (100.0, False)])
+def test_a_step_above_the_sampling_interval_is_a_warning_with_the_step_used(step, warned):
+    scene = load_scene("minimal", {"simulation.step_us": step}).scene
+    found = design_warnings(scene, make_drivetrain(scene))
+    assert any("step_us = 500 is above the sampling interval" in t and "is 100 us" in t for t in found) == warned
+
+
 def test_a_window_in_the_run_up_is_a_warning_where_nothing_is_compared():
     settings = {"faults": FAULT["faults"], **SLOW, "diagnosis.windows_s": {"start": [0.0, 2.0]}}
     scene = load_scene("minimal", settings).scene
