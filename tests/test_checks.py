@@ -59,7 +59,9 @@ def refusal(scene, settings):
     loaded = load_scene(scene, settings)
     with pytest.raises(SceneError) as refused:
         checked_plant(loaded.scene, loaded.source.shown)
-    return {problem.path: str(problem) for problem in refused.value.problems}
+    said = {problem.path: str(problem) for problem in refused.value.problems}
+    assert all(text == text.rstrip() and ".. " not in text for text in said.values())
+    return said
 
 
 LOST_FILE = {"model": "table", "times_s": {"file": "lost.csv", "column": "t"}, "forces_N": [1.0]}
@@ -199,6 +201,12 @@ def test_refused_before_computing_by_key_with_value_and_limit(scene, settings, p
     assert words in found[path], found
 
 
+def test_a_bearing_outside_its_boss_is_one_problem():
+    loaded = load_scene("minimal", {"shafts.1.bearing_positions_mm": [-65.0, 100.0]})
+    with pytest.raises(SceneError, match=r"1 problem\n.* bearing_2 at y = 100 mm is 35 mm away from the middle"):
+        checked_plant(loaded.scene, "minimal")
+
+
 def test_everything_is_refused_at_once():
     settings = {
         "bearings": {"model": "hertz", "designation": "6206X"},
@@ -302,6 +310,13 @@ def test_the_output_rate_is_held_against_the_fastest_mesh():
     scene = load_scene("rig-healthy", settings).scene
     told = [text for text in design_warnings(scene, make_drivetrain(scene)) if "output_rate_Hz" in text]
     assert [("stage 2, 818.2 Hz" in text) for text in told] == [True]
+
+
+@pytest.mark.parametrize(("step", "warned"), [(500.0, True), (100.0, False)])
+def test_a_step_above_the_sampling_interval_is_a_warning_with_the_step_used(step, warned):
+    scene = load_scene("minimal", {"simulation.step_us": step}).scene
+    found = design_warnings(scene, make_drivetrain(scene))
+    assert any("step_us = 500 is above the sampling interval" in t and "is 100 us" in t for t in found) == warned
 
 
 def test_a_window_in_the_run_up_is_a_warning_where_nothing_is_compared():

@@ -190,6 +190,7 @@ def test_time_that_falls_or_stands_or_has_unknown_units_is_refused(tmp_path):
         ("0.05,1.0", "line 502 has 2 cells, the first line of data 3"),
         ("0.05,1.0,2.0,3.0", "line 502 has 4 cells, the first line of data 3"),
         ("0.05,1.0,2.0,", "line 502 has 4 cells, the first line of data 3"),
+        ("0.05,1.0,\uff12", "could not convert string '\uff12' to float64. Correct it."),
         ("2024-05-01 12:00:00,1.0,2.0", 'column time: "2024-05-01 12:00:00" is not a number'),
     ],
 )

@@ -123,7 +123,8 @@ def _blocks(path: Path, text: Path, encoding: str, layout: ColumnLayout) -> Iter
                     lines, delimiter=layout.separator, ndmin=2, comments=None, quotechar='"', converters=converters
                 )
             except ValueError as error:
-                raise _damaged(path, block, layout) or InputError(f"{shown(path)}: {error}.") from error
+                what = str(error).partition(" at row")[0]  # of the block, not of the file
+                raise _damaged(path, block, layout) or InputError(f"{shown(path)}: {what}. Correct it.") from error
             if values.shape[1] != len(layout.names):
                 raise _damaged(path, block, layout) or InputError(
                     f"{shown(path)}: the number of columns changes. Give each line the same number."

@@ -125,7 +125,7 @@ def _overloaded_teeth(number: int, pair: GearPair, facts: StageFacts) -> Iterato
     key, modulus = "elastic_modulus_GPa", pair.pinion_material.elastic_modulus / 1e9
     remedy = (
         f"Reduce the load, raise face_width_mm or module_mm, or correct gear_material.{key}. {other_unit(key, modulus)}"
-    )
+    ).rstrip()
     softness = STEEL.elastic_modulus / pair.pinion_material.elastic_modulus
     give = facts.line_load / TYPICAL_STIFFNESS * softness
     if not pressure <= STATIC_STRENGTH:
