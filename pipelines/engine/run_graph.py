@@ -128,7 +128,7 @@ class _Run:
         self._processes = processes
         self._results = {name: result for name, result in known.items() if name in self._graph.steps}
         self._errors: list[Exception] = []
-        self._news: list[Step] = []  # with results of which the caller does not know
+        self._news: list[Event] = []  # results of which the caller does not know
         self._verified: set[str] = set()
         # the step with the longest chain of waiting steps starts first
         self._urgency = seconds_to_the_end((step.name, step.seconds, step.inputs) for step in self._graph)
@@ -286,13 +286,12 @@ class _Run:
     def _keep(self, step: Step, result: Result) -> None:
         large = result.entry is not None and result.entry.bytes > _HELD_BYTES
         self._results[step.name] = result.stored() if large else result
-        self._news.append(step)
+        self._news.append(Event(step, result=self._results[step.name]))
 
     def _announce(self) -> None:
         """Call back with the new results, after the steps that they allow were started: the caller may take seconds."""
         while self._news:
-            step = self._news.pop(0)
-            self._on_event(Event(step, result=self._results[step.name]))
+            self._on_event(self._news.pop(0))
 
     def _upstream(self, step: Step) -> dict[str, Result]:
         return {name: self._results[name] for name in step.inputs}
