@@ -21,7 +21,7 @@ from mbd.system.blocked_forces import MachineAtSeats
 from pipelines.diagnosis.control_diagnosis import diagnose
 from pipelines.diagnosis.uncertainty.casing_changes import CasingPath
 from pipelines.diagnosis.uncertainty.line_bars import Band, LineBar, LineBars
-from pipelines.diagnosis.uncertainty.made import line_bars
+from pipelines.diagnosis.uncertainty.sampled_bars import line_bars
 from pipelines.diagnosis.uncertainty.uncertain import Uncertain, uncertain
 from pipelines.diagnosis.uncertainty.words import bars_words
 from pipelines.engine.run_graph import Work
@@ -230,8 +230,8 @@ def test_bars_hold_the_lines_of_simulated_casings(diagnosed, monkeypatch):
     def one_draw(*_):
         return dataclasses.replace(undrawn(form, near), squares=form.squares[None, :near] * 1.015**2)
 
-    monkeypatch.setattr("pipelines.diagnosis.uncertainty.made.SAMPLES", 1)
-    monkeypatch.setattr("pipelines.diagnosis.uncertainty.made.drawn_frequencies", one_draw)
+    monkeypatch.setattr("pipelines.diagnosis.uncertainty.sampled_bars.SAMPLES", 1)
+    monkeypatch.setattr("pipelines.diagnosis.uncertainty.sampled_bars.drawn_frequencies", one_draw)
     quiet = run.assign_attrs(step_error=0.0)
     known = Uncertain(errors=errors_of(near, 0.0), damping_spread=0.3, remedy="")
     bars = line_bars(quiet, found, system, known).bars
