@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from pipelines.report import page
-from pipelines.report.figures.plots import FAULTY, HEALTHY
+from pipelines.report.figures.colours import FAULTY, HEALTHY
 from pipelines.report.zoom_data import Trace, ZoomChannel, ZoomView
 
 LEVELS = 32_767  # of a 16-bit number
