@@ -7,7 +7,7 @@ from pathlib import Path
 
 import xarray
 
-from gearcase.given import checked_by_name, checked_file, checked_recording, checked_recordings
+from gearcase.argument_checks import checked_by_name, checked_file, checked_recording, checked_recordings
 from pipelines.diagnosis.comparison.labelled import labelled_comparison
 from pipelines.diagnosis.verdict import Verdict
 from pipelines.recordings.machine import read_machine
