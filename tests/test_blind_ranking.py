@@ -7,9 +7,9 @@ import pytest
 from turning import MACHINE, recording
 
 from pipelines.diagnosis.alike import alike
-from pipelines.diagnosis.baseline import BaselineError
-from pipelines.diagnosis.cases import Case, Damage, any_found, cases_grid, found
-from pipelines.diagnosis.cases import sentences as case_sentences
+from pipelines.diagnosis.baseline_checks import BaselineError
+from pipelines.diagnosis.known_damage import Case, Damage, any_found, cases_grid, found
+from pipelines.diagnosis.known_damage import sentences as case_sentences
 from pipelines.diagnosis.simulated import FeatureSettings, run_features, window_features
 from pipelines.diagnosis.verdict import ALARM, damage_p, judge
 from pipelines.diagnosis.words import headline, ranking_grid, sentences

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipelines.diagnosis import words
-from pipelines.diagnosis.cases import Case, Damage, any_found, sentences
 from pipelines.diagnosis.control_diagnosis import Diagnosis
+from pipelines.diagnosis.known_damage import Case, Damage, any_found, sentences
 from pipelines.diagnosis.verdict import Finding, Verdict, decibels
 from pipelines.io.grid import grid
 from pipelines.machine.kinematics import kinematics_of

@@ -163,7 +163,7 @@ def _judged(
     tables: Sequence[FeatureTable], kinematics: Kinematics, names: Sequence[str] = (), where: str = ""
 ) -> Verdict:
     """The verdict on the first table against the others, with their names; InputError that begins with a place."""
-    from pipelines.diagnosis.baseline import BaselineError
+    from pipelines.diagnosis.baseline_checks import BaselineError
     from pipelines.diagnosis.verdict import judge
     from pipelines.signals.features.table import with_common_components
 

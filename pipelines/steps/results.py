@@ -31,7 +31,7 @@ def verdict_steps(study: Study) -> list[Step]:
     With a baseline the scene's own motion is compared with it, else every case with its control.
     """
     from pipelines.diagnosis.control_diagnosis import deviation_name
-    from pipelines.diagnosis.prediction import FEWEST_FOR_P
+    from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
     from pipelines.diagnosis.simulated import FeatureSettings
     from pipelines.machine.kinematics import kinematics_of
 
