@@ -1,4 +1,4 @@
-"""Tables of what moves the machine: drive, load, and the time integration."""
+"""Tables of drive, load and time integration; `mbd.integrators.settings` has the keys of [simulation]."""
 
 from __future__ import annotations
 
