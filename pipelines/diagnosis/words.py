@@ -1,4 +1,4 @@
-"""A verdict as text: sentences and tables; `answer` is the first sentence of a report without known damage."""
+"""A verdict as text: sentences and tables; `headline` is the first sentence of a report without known damage."""
 
 from __future__ import annotations
 

@@ -16,8 +16,8 @@ from pipelines.io.grid import grid
 from pipelines.machine.kinematics import kinematics_of
 from pipelines.machine.plant import Plant
 from pipelines.report import page
+from pipelines.report.chart_data import ENVELOPE_ORDERS, streams
 from pipelines.report.first_figures import average_figure, envelope_figure
-from pipelines.report.zoom_data import ENVELOPE_ORDERS, streams
 from pipelines.scene.tables.analysis import LookedFor
 from pipelines.signals.analysis import DiagnosisSettings, analyse, noisy_signal
 from pipelines.signals.features.average import FEWEST_TURNS, average
