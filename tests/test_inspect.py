@@ -33,13 +33,12 @@ from pipelines.report.figures.shapes import gear_view
 from pipelines.report.figures.stress_pictures import (
     FORMATS,
     StressView,
-    root_stresses,
     stress_figure,
     teeth_in_mesh,
     write_teeth,
 )
 from pipelines.report.figures.views import Picture
-from pipelines.runs.inspect_stress import _stress_steps
+from pipelines.runs.inspect_stress import _stress_steps, root_stresses
 from pipelines.runs.single_results import scene_graph
 from pipelines.scene.file import load_scene
 from pipelines.steps import stress
