@@ -29,7 +29,7 @@ from pipelines.machine.assembly import assemble_machine, assemble_system
 from pipelines.scene.file import load_scene
 from pipelines.signals.response import make_response
 from pipelines.steps.motion import moved
-from pipelines.steps.study import plan_study
+from pipelines.steps.run_plan import plan_run
 from pipelines.studies.trade.known_lines import known_lines, widths
 
 MASS, STIFFNESS, RATIO = 3.0, 4e6, 0.02  # of a casing that moves along one axis
@@ -211,9 +211,9 @@ SHORT = {
 @pytest.fixture(scope="module")
 def diagnosed():
     """The scene `minimal`, whose pitch deviations make sidebands: its plant, system, run and diagnosis."""
-    study = plan_study(load_scene("minimal", SHORT), with_control=False, both_loads=False)
-    plant = study.plant
-    outcome = Work(processes=1).build(study.graph, [*plant.law_names, "casing", "simulate"])
+    plan = plan_run(load_scene("minimal", SHORT), with_control=False, both_loads=False)
+    plant = plan.plant
+    outcome = Work(processes=1).build(plan.graph, [*plant.law_names, "casing", "simulate"])
     machine = assemble_machine(plant.machine, [outcome.value(name) for name in plant.law_names])
     system = assemble_system(machine, outcome.value("casing"), plant.recorded, plant.motion.band)
     run = make_response(outcome.value("simulate"), plant.labels)

@@ -1,4 +1,4 @@
-"""Step `verdict`: what is damaged, from the features of the runs of a study and of healthy ones."""
+"""Step `verdict`: what is damaged, from the features of the motions of a run and of healthy ones."""
 
 from __future__ import annotations
 
