@@ -15,12 +15,12 @@ from fem.casing.reduced.attachment import AttachmentError
 from fem.casing.reduced.body import BEARING_AXES
 from fem.casing.reduced.checkup import check_up
 from fem.casing.reduced.damping import damping_ratios
+from fem.casing.reduced.fewer_modes import kept
 from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.halves import reduced_and_counted
 from fem.casing.reduced.lanczos import EigenError, block_lanczos
 from fem.casing.reduced.modes import casing_modes, kept_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import ReductionError, count_fixed_modes, reduce_body
-from fem.casing.reduced.truncation import kept
 from fem.elements.materials import CAST_IRON
 from fem.numerics.linear_solver import nested_dissection
 from fem.storage.ledger import counting
