@@ -1,4 +1,6 @@
-"""Static condensation (Guyan) and Craig-Bampton reduction on linear interfaces u_b = B u.
+"""Static condensation (Guyan), Craig-Bampton reduction on linear interfaces u_b = B u, and Sturm-sequence count.
+
+`count_fixed_modes` counts the fixed-interface modes, so that no mode of an eigensolution is missed.
 
 B holds rows of any kind: unit rows (plain degrees of freedom) or the mean motion of patches, which are not degrees of
 freedom and cannot be partitioned. With A = K + B^T D B (D = 0 if K is already definite), S = B A^-1 B^T:
