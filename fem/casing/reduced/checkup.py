@@ -8,7 +8,7 @@ After grounding (for a casing on mounts: on the reference springs, which are sti
 gravity, definiteness, block forms of the reduced matrices, the static response of the interface against the full model,
 modal effective masses, optionally the frequencies of the full grounded model.
 
-`fem.casing.reduced.reduction.count_fixed_modes` has verified that no mode is missing.
+`fem.casing.reduced.sturm_count` has verified that no mode is missing.
 
 The list follows the practice of NASTRAN-based Craig-Bampton checks (Young, Primer on the Craig-Bampton method, 2000).
 """
