@@ -13,7 +13,7 @@ from fem.contact.faults.registry import FAULTS, fault_class
 from fem.contact.frame import ModelError
 from fem.contact.models.registry import MODELS, loaded_model, mesh_model
 from fem.elements.solid_elements import CHOICES
-from fem.gears.rack import GeometryError
+from fem.gears.gear_checks import GeometryError
 from fem.options import check_options, option
 from mbd.integrators.methods import METHODS, make_integrator
 from pipelines.engine.code_version import reachable

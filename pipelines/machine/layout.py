@@ -10,8 +10,10 @@ from functools import cached_property
 import numpy as np
 
 from fem.elements.materials import Material
-from fem.gears.geometry import Gear, GearPair, GeometryError, Rack
+from fem.gears.gear_checks import GeometryError
+from fem.gears.geometry import Gear, GearPair
 from fem.gears.modifications import PairModifications, check_modifications
+from fem.gears.rack import Rack
 from mbd.parts.train import power_flow
 from pipelines.io.errors import Problem, SceneError
 from pipelines.machine.drives import highest_rpm, motor_places
