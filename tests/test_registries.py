@@ -25,8 +25,8 @@ from pipelines.scene.merge import Merged
 from pipelines.scene.tables.casing import CASING_TABLES, FlexibleBase
 from pipelines.scene.tables.derived import table
 from pipelines.scene.tables.faults import FaultTable
-from pipelines.scene.tables.gears import MeshModel
 from pipelines.scene.tables.motion import SimulationTable
+from pipelines.scene.tables.stages import MeshModel
 from pipelines.steps.graph import plant_steps
 
 PAIR = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mbd.forces.load_models import HangingLoad
+from mbd.forces.hanging_loads import HangingLoad
 from mbd.forces.torque_source import TorqueSource
 from mbd.parts.load import Load
 from pipelines.scene.tables.motion import LoadBase, LoadModel, TorqueLoad

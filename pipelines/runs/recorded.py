@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray
 
-    from pipelines.diagnosis.comparison.part import ComparedPart
+    from pipelines.diagnosis.comparison.compared_recording import ComparedRecording
     from pipelines.diagnosis.impacts import Impacts
     from pipelines.diagnosis.verdict import Verdict
     from pipelines.recordings.machine import MeasuredMachine
@@ -102,15 +102,15 @@ def judge_files(
 
 def recorded_parts(
     sources: Sequence[str | Path], machine: str | Path | None, window: tuple[float, float] | None
-) -> list[ComparedPart]:
+) -> list[ComparedRecording]:
     """Recordings with their rotation, for figures; `machine` and `window` as in `judge_files`, for the last recording.
 
     Raises
     ------
     InputError : a file or the machine cannot be used
     """
-    from pipelines.diagnosis.comparison.part import part_of
-    from pipelines.recordings.recording import read_recording
+    from pipelines.diagnosis.comparison.compared_recording import compared_recording
+    from pipelines.recordings.read_recording import read_recording
 
     last, asked = recording_and_window(sources[-1])
     known, windows = machine_of(last, machine)
@@ -119,7 +119,9 @@ def recorded_parts(
     for source in sources:
         file, asked = recording_and_window(source)
         with read_recording(file, known) as recording:
-            parts.append(part_of(shown(source), recording, known.kinematics, asked_windows(source, asked, chosen)))
+            parts.append(
+                compared_recording(shown(source), recording, known.kinematics, asked_windows(source, asked, chosen))
+            )
     return parts
 
 
@@ -250,7 +252,7 @@ def read_features(path: Path, machine: MeasuredMachine, windows: Windows | None)
     InputError : the file cannot be read, its rotation is not found, or there are too few revolutions
     """
     from pipelines.diagnosis.simulated import FeatureSettings, run_features
-    from pipelines.recordings.recording import read_recording
+    from pipelines.recordings.read_recording import read_recording
     from pipelines.signals.features.recorded import FeatureError
     from pipelines.signals.orders.rotation import RotationError
     from pipelines.signals.orders.rotation_of import rotation_of

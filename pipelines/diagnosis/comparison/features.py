@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipelines.diagnosis.comparison.part import ComparedPart
+from pipelines.diagnosis.comparison.compared_recording import ComparedRecording
 from pipelines.diagnosis.verdict import counted
 from pipelines.signals.features.recorded import feature_table
 from pipelines.signals.features.table import WHOLE, FeatureTable, confirmed
@@ -48,7 +48,7 @@ class Features:
         return np.array([table.value[:, table.feature.index("rms")] for table in self.tables])
 
 
-def features_of(parts: Sequence[ComparedPart]) -> Features:
+def features_of(parts: Sequence[ComparedRecording]) -> Features:
     """The features of recordings with the same channels and rate.
 
     Raises
