@@ -29,7 +29,7 @@ from pipelines.machine.casing import casing
 from pipelines.machine.drives import motor_couplings, motor_torques, speed_profile
 from pipelines.machine.flanks import GEARS, Fault, damaged_teeth, flanks_spec, prescribed_deviations, tooth_faults
 from pipelines.machine.layout import TrainLayout, lay_out
-from pipelines.machine.loads import hanging_load, load_places, torque_load, weight
+from pipelines.machine.loads import hanging_load, load_places, suspended_load, torque_load
 from pipelines.machine.parts import GearMesh, GearTeeth, MachineParts, Recorded
 from pipelines.machine.plant import Drivetrain, Plant, labels
 from pipelines.scene.scene import Scene
@@ -96,7 +96,7 @@ def drivetrain(scene: Scene, layout: TrainLayout, problems: Problems) -> Drivetr
             for number, (pair, modifications) in enumerate(zip(layout.pairs, layout.modifications, strict=True), 1)
         ),
         machine=machine_parts(scene, layout, faults, problems),
-        hoist=weight(scene.load),
+        hoist=suspended_load(scene.load),
         rolling=() if problems else rolling_bearings(scene),
         faults=faults,
         spalls=tuple(bearing_faults(scene).values()),

@@ -147,7 +147,7 @@ def _stress_steps(machine: Plant, stage: int, index: int, force: float) -> list[
 
     from fem.contact.models.mesh_model import LawSpec
     from pipelines.engine.step import Step
-    from pipelines.machine.assembly import mesh_faults
+    from pipelines.machine.tooth_terms import mesh_faults
     from pipelines.steps import stress
 
     modified, model = machine.flanks[stage - 1], stress_model(machine.laws[stage - 1])
