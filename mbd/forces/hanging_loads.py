@@ -1,4 +1,4 @@
-"""Loads that hang on drums, by name (LOADS), each a frozen class of options that makes a load of the machine."""
+"""Loads of a container on the ropes of drums, by name (LOADS), each a frozen class of options that makes a load."""
 
 from __future__ import annotations
 
