@@ -50,8 +50,8 @@ from pipelines.diagnosis.deviation_statistics import (
     probability,
 )
 from pipelines.diagnosis.impacts import CLEAR, in_race_or_element
+from pipelines.signals.features.feature_table import OF_SHAFT, OF_WHITENED
 from pipelines.signals.features.passing import SIDEBANDS
-from pipelines.signals.features.recorded import OF_SHAFT, OF_WHITENED
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 

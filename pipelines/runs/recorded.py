@@ -147,7 +147,7 @@ def judge_recordings(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset
     InputError : a recording has no rotation or no features, or the recordings cannot be compared
     """
     from pipelines.diagnosis.simulated import FeatureSettings, run_features
-    from pipelines.signals.features.recorded import FeatureError
+    from pipelines.signals.features.feature_table import FeatureError
     from pipelines.signals.orders.rotation import RotationError
 
     settings = FeatureSettings(kinematics=kinematics, windows={})
@@ -253,7 +253,7 @@ def read_features(path: Path, machine: MeasuredMachine, windows: Windows | None)
     """
     from pipelines.diagnosis.simulated import FeatureSettings, run_features
     from pipelines.recordings.read_recording import read_recording
-    from pipelines.signals.features.recorded import FeatureError
+    from pipelines.signals.features.feature_table import FeatureError
     from pipelines.signals.orders.rotation import RotationError
     from pipelines.signals.orders.rotation_of import rotation_of
 

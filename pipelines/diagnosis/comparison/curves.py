@@ -19,9 +19,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipelines.diagnosis.comparison.compared_recording import Channel, ComparedRecording
-from pipelines.signals.features.recorded import FeatureError, envelope_band
-from pipelines.signals.orders.band import banded
+from pipelines.signals.features.feature_table import FeatureError, envelope_band
 from pipelines.signals.orders.revolutions import HIGHEST, revolutions
+from pipelines.signals.orders.whitening import banded
 
 MOST_TURNS = 64  # in a block; a finer resolution would not be visible in a figure
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from pipelines.diagnosis.comparison.compared_recording import ComparedRecording
 from pipelines.diagnosis.verdict import counted
-from pipelines.signals.features.recorded import feature_table
+from pipelines.signals.features.feature_table import feature_table
 from pipelines.signals.features.table import WHOLE, FeatureTable, confirmed
 from pipelines.signals.orders.kinematics import Kinematics
 
@@ -53,7 +53,7 @@ def features_of(parts: Sequence[ComparedRecording]) -> Features:
 
     Raises
     ------
-    FeatureError : all shafts make too few turns, see `pipelines.signals.features.recorded`
+    FeatureError : all shafts make too few turns, see `pipelines.signals.features.feature_table`
     """
     tables = tuple(
         confirmed([feature_table(part.dataset(), part.kinematics, part.rotation, part.spans) for part in parts])
