@@ -14,7 +14,7 @@ import importlib
 import logging
 from typing import TYPE_CHECKING, Any
 
-from gearcase.hidden import refuse_hidden
+from gearcase.shadowed_packages import refuse_shadowed
 
 if TYPE_CHECKING:
     from gearcase.campaigns import Finished as Finished
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from gearcase.matrices import Point as Point
     from gearcase.matrices import ReducedMatrices as ReducedMatrices
     from gearcase.matrices import reduce as reduce
+    from gearcase.progress import StepProgress as StepProgress
     from gearcase.recordings import Verdict as Verdict
     from gearcase.recordings import compare as compare
     from gearcase.recordings import judge as judge
@@ -52,7 +53,6 @@ if TYPE_CHECKING:
     from gearcase.studies import Tradeoff as Tradeoff
     from gearcase.studies import converge as converge
     from gearcase.studies import tradeoff as tradeoff
-    from gearcase.working import StepProgress as StepProgress
 
 _PLACES = {
     "campaigns": ("Finished", "campaign"),
@@ -62,16 +62,16 @@ _PLACES = {
     "gears": ("PairLaws", "laws"),
     "machines": ("LinearModes", "modes", "simulate"),
     "matrices": ("Point", "ReducedMatrices", "reduce"),
+    "progress": ("StepProgress",),
     "recordings": ("Verdict", "compare", "judge", "open_recording"),
     "results": ("Diagnosis", "LineBars", "diagnose", "error_bars", "open_run", "run", "spectrum"),
     "scenes": ("Checked", "Scene", "check"),
     "studies": ("RefinementStudy", "Tradeoff", "converge", "tradeoff"),
-    "working": ("StepProgress",),
 }
 _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
 __all__ = sorted(_PLACE_OF)
 
-refuse_hidden()
+refuse_shadowed()
 for _package in ("fem", "mbd", "pipelines"):
     logging.getLogger(_package).addHandler(logging.NullHandler())  # silent unless the caller configures logging
 

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import xarray
 
-from gearcase.given import checked_by_name, checked_file, checked_recording, checked_recordings
+from gearcase.argument_checks import checked_by_name, checked_file, checked_recording, checked_recordings
 from pipelines.diagnosis.comparison.labelled import labelled_comparison
 from pipelines.diagnosis.verdict import Verdict
 from pipelines.recordings.machine import read_machine
-from pipelines.recordings.recording import read_recording
+from pipelines.recordings.read_recording import read_recording
 from pipelines.runs.recorded import judge_recordings
 
 MACHINE = "a machine file, a scene file, or the name of a shipped scene"

@@ -31,7 +31,7 @@ from pipelines.machine.layout import lay_out
 from pipelines.machine.machine import make_drivetrain
 from pipelines.runs.checked import check_scene
 from pipelines.scene.file import load_scene
-from pipelines.steps.study import plan_study
+from pipelines.steps.run_plan import plan_run
 
 NO_WINDOWS = {"diagnosis.windows_s": {}}
 FAULT = {"faults": [{"kind": "missing-tooth", "stage": 1, "gear": "wheel", "tooth": 0}], "control": "without-faults"}
@@ -257,16 +257,16 @@ def test_signals_that_find_no_room_are_refused_before_the_work(monkeypatch, tmp_
     monkeypatch.chdir(tmp_path)
     free_bytes(monkeypatch, cache=1e12, elsewhere=1e6)
     with pytest.raises(SceneError, match=r"signals of 1 simulation take about 1\.16 MB in runs, 1 MB are free"):
-        plan_study(load_scene("minimal"))
+        plan_run(load_scene("minimal"))
 
 
 def test_a_full_cache_stops_only_signals_that_memory_cannot_hold(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     free_bytes(monkeypatch, cache=0.0, elsewhere=1e12)
-    plan_study(load_scene("minimal"))
+    plan_run(load_scene("minimal"))
     long = {"simulation.end_s": 1000.0, "drive.times_s": [0.0, 0.2, 1000.0], "drive.speeds_rpm": [0.0, 900.0, 900.0]}
     with pytest.raises(SceneError, match=r"signals of 1 simulation take about 2\.32 GB in .*, 0 B are free"):
-        plan_study(load_scene("minimal", long))
+        plan_run(load_scene("minimal", long))
 
 
 def test_check_says_what_a_run_costs(capsys):
@@ -278,7 +278,7 @@ def test_check_counts_the_signals_of_each_simulation():
     rope = cost.cost(make_drivetrain(load_scene("rig-healthy").scene))
     torque = cost.cost(make_drivetrain(load_scene("rig-healthy", {"load.model": "static-torque"}).scene))
     assert torque.channels < rope.channels
-    found = cost.estimate([*plan_study(load_scene("rig-missing-tooth")).machines.values()])
+    found = cost.estimate([*plan_run(load_scene("rig-missing-tooth")).machines.values()])
     assert f"4 simulations of 1e+05 time steps and 5e+04 samples of {rope.channels} or {torque.channels}" in found
     on_disk = 2 * rope.bytes + 2 * torque.bytes + 0.5 * 2 * rope.bytes  # cache; two files of the result folder
     assert found.endswith(f"{cost.words(on_disk)} on disk")

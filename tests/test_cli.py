@@ -224,10 +224,10 @@ def test_explain_of_another_scene_lists_its_stages_and_no_differences(capsys, ow
     """After a run of minimal the differences of rig-missing-tooth to it filled 21,398 letters."""
     from pipelines.engine.cache import Cache
     from pipelines.engine.run_graph import run_graph
-    from pipelines.steps.study import plan_study
+    from pipelines.steps.run_plan import plan_run
 
     scene = load_scene("minimal", {"simulation.end_s": 0.01, "diagnosis.windows_s": {}})
-    run_graph(plan_study(scene).graph, Cache(), ["simulate"])
+    run_graph(plan_run(scene).graph, Cache(), ["simulate"])
     code, out, _ = gearcase(capsys, "explain", "rig-missing-tooth")
     assert code == 0
     assert out.startswith("First run: ")

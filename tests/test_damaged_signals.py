@@ -13,7 +13,7 @@ from mbd.output.trajectory import Trajectory
 from mbd.parts import channels
 from pipelines.cli.main import main
 from pipelines.io.errors import InputError
-from pipelines.recordings.recording import read_recording
+from pipelines.recordings.read_recording import read_recording
 from pipelines.runs.run_folder import RESPONSE, loaded_run
 from pipelines.signals.response_file import has_checksum, open_response, write_response
 

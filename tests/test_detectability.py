@@ -12,7 +12,7 @@ from test_dataset_features import InOrder
 from pipelines.cli.main import main
 from pipelines.datasets.rows import read_row
 from pipelines.datasets.scenes import sampled_scenes, scene_of
-from pipelines.diagnosis.prediction import LEAST_SPREAD, limit, moderated
+from pipelines.diagnosis.deviation_statistics import LEAST_SPREAD, limit, moderated
 from pipelines.diagnosis.simulated import FeatureSettings
 from pipelines.diagnosis.verdict import ALARM, judge
 from pipelines.diagnosis.words import sentences

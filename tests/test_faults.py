@@ -21,7 +21,7 @@ from fem.contact.frame import law_points
 from fem.contact.models.plane import Plane
 from fem.contact.teeth import tooth_terms
 from fem.contact.wheels import ring
-from fem.gears.gear import GeometryError
+from fem.gears.gear_checks import GeometryError
 from fem.gears.path import path_points
 from fem.gears.sector import Slit, root_chord, sector_mesh
 

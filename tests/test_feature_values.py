@@ -4,11 +4,17 @@ import numpy as np
 import pytest
 
 from pipelines.signals.features.average import average, average_power
-from pipelines.signals.features.envelope import FINE, envelope_orders, impact_place, tooth_contrast, tooth_energies
+from pipelines.signals.features.envelope_features import (
+    FINE,
+    envelope_orders,
+    impact_place,
+    tooth_contrast,
+    tooth_energies,
+)
 from pipelines.signals.features.passing import PASSING, SIDEBANDS, pass_levels
 from pipelines.signals.features.statistics import kurtosis
 from pipelines.signals.features.synchronous import synchronous
-from pipelines.signals.orders.band import banded
+from pipelines.signals.orders.whitening import banded
 
 PLACES, TURNS = 1024, 30
 THETA = 2 * np.pi * np.arange(PLACES) / PLACES

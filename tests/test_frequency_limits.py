@@ -5,7 +5,7 @@ import pytest
 
 from fem.casing.uncertainty.cubic_limits import SHARES, cubic_limits
 from fem.casing.uncertainty.frequency_limits import EDGE_ORDER, LimitError, frequency_limits
-from fem.casing.uncertainty.laws import FAST, SLOW, WALLS, hexahedral_limits, law_of
+from fem.casing.uncertainty.limits_by_element import FAST, SLOW, WALLS, hexahedral_limits, law_of
 from fem.casing.uncertainty.pairing import counterparts
 
 SIZES = np.array([1.0, 1.3, 1.7])

@@ -15,7 +15,8 @@ from fem.casing.mesh.source import mesh_geometry
 from fem.casing.reduced import halves
 from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.halves import MirroredInterface, interface_of, lowest, reduced_and_counted
-from fem.casing.reduced.reduction import held_interface, reduce_and_count
+from fem.casing.reduced.reduction import held_interface
+from fem.casing.reduced.sturm_count import reduce_and_count
 from fem.elements.materials import CAST_IRON
 from pipelines.machine.machine import make_plant
 from pipelines.scene.file import load_scene

@@ -25,7 +25,7 @@ MISSING = {**SHORT, "faults": [{"kind": "missing-tooth", "stage": 1, "gear": "pi
 
 @pytest.fixture(autouse=True)
 def no_pictures(monkeypatch):
-    """Of gears and casing: they are tested in tests/test_report_listing.py and tests/test_view.py."""
+    """Of gears and casing: they are tested in tests/test_report_listing.py and tests/test_renderer.py."""
     monkeypatch.setattr(render, "command", lambda _: [sys.executable, "-S", "-c", "pass"])
 
 

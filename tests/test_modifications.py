@@ -13,7 +13,7 @@ from fem.contact.faults.changed_law import modified_law
 from fem.contact.frame import law_points
 from fem.contact.models.iso import Iso
 from fem.contact.models.plane import Plane
-from fem.gears.gear import GeometryError
+from fem.gears.gear_checks import GeometryError
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import (
     EndRelief,

@@ -12,7 +12,7 @@ from pipelines.io.errors import InputError
 from pipelines.io.universal_file import Function, write_function
 from pipelines.recordings.machine import read_machine
 from pipelines.recordings.machine_table import TachometerTable
-from pipelines.recordings.recording import read_recording
+from pipelines.recordings.read_recording import read_recording
 
 
 def refusal(path, **changes):

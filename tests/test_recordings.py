@@ -20,7 +20,7 @@ from pipelines.recordings import formats
 from pipelines.recordings.channels import RecordedChannel
 from pipelines.recordings.formats import BY_ENDING, memory_needed
 from pipelines.recordings.machine_table import SpeedTable, TachometerTable
-from pipelines.recordings.recording import read_recording
+from pipelines.recordings.read_recording import read_recording
 
 PRECISION = {
     "r.csv": 1e-11,

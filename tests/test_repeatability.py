@@ -22,7 +22,7 @@ from pipelines.scene.file import load_scene
 from pipelines.signals.motion_warnings import motion_warnings
 from pipelines.steps.graph import plant_steps
 from pipelines.studies.trade.probes import Value
-from pipelines.studies.trade.spread import spread_table
+from pipelines.studies.trade.starts_table import spread_table
 
 RATTLE = {
     "bearings": {"model": "hertz", "designation": "6205", "radial_clearance_um": 20.0},

@@ -20,7 +20,7 @@ from fem.contact.faults.worn_tooth import WornTooth
 from fem.contact.models.plane import Plane
 from fem.contact.models.solid import Solid
 from fem.contact.teeth import tooth_terms
-from fem.gears.gear import GeometryError
+from fem.gears.gear_checks import GeometryError
 from pipelines.io.errors import SceneError
 from pipelines.machine.checks.design_warnings import design_warnings
 from pipelines.machine.machine import make_drivetrain, make_plant

@@ -154,6 +154,6 @@ class TurningForce(OutsideForce):
         return replace(self, rolled=self.rolled + turns[self.shaft])
 
     def direction(self, lay: Coordinates, angle: float) -> tuple[float, float, float]:
-        """The first arguments of `mbd.excitations.turning.turned_direction` for an angle alpha (rad)."""
+        """The first arguments of `mbd.excitations.turned_direction.turned_direction` for an angle alpha (rad)."""
         sense = float(lay.sense(self.shaft))
         return angle - sense * self.rolled, sense, lay.ratios[self.shaft]

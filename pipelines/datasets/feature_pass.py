@@ -26,7 +26,7 @@ from pipelines.datasets.store import read_run
 from pipelines.engine.code_version import code_version
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
-from pipelines.scene.train import stage_shafts
+from pipelines.scene.shaft_places import stage_shafts
 from pipelines.signals.features.average import FEWEST_TURNS, Meshes, average
 from pipelines.signals.features.statistics import statistics
 from pipelines.signals.features.synchronous import synchronous

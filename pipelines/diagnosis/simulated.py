@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipelines.signals.analysis import channel_names, noisy_channel
-from pipelines.signals.features.recorded import feature_table
+from pipelines.signals.features.feature_table import feature_table
 from pipelines.signals.features.table import FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.signals.orders.rotation import Rotation
@@ -39,7 +39,7 @@ def run_features(run: xarray.Dataset, settings: FeatureSettings, rotation: Rotat
 
     Raises
     ------
-    FeatureError : see `pipelines.signals.features.recorded`
+    FeatureError : see `pipelines.signals.features.feature_table`
     RotationError : see `pipelines.signals.orders.rotation_of`
     """
     if rotation is None:

@@ -38,9 +38,8 @@ import numpy as np
 
 from fem.storage import shown_html
 from pipelines.diagnosis.alike import alike
-from pipelines.diagnosis.baseline import check_baseline, outlying
-from pipelines.diagnosis.impacts import CLEAR, in_race_or_element
-from pipelines.diagnosis.prediction import (
+from pipelines.diagnosis.baseline_checks import check_baseline, outlying
+from pipelines.diagnosis.deviation_statistics import (
     FEWEST_FOR_P,
     LEAST_SPREAD,
     at_speed,
@@ -50,8 +49,9 @@ from pipelines.diagnosis.prediction import (
     moderated,
     probability,
 )
+from pipelines.diagnosis.impacts import CLEAR, in_race_or_element
+from pipelines.signals.features.feature_table import OF_SHAFT, OF_WHITENED
 from pipelines.signals.features.passing import SIDEBANDS
-from pipelines.signals.features.recorded import OF_SHAFT, OF_WHITENED
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 

@@ -1,9 +1,9 @@
-"""A verdict as text: sentences and tables."""
+"""A verdict as text: sentences and tables; `headline` is the first sentence of a report without known damage."""
 
 from __future__ import annotations
 
+from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
 from pipelines.diagnosis.impacts import CLEAR
-from pipelines.diagnosis.prediction import FEWEST_FOR_P
 from pipelines.diagnosis.verdict import ALARM, DIFFERENT, Evidence, Finding, Verdict, decibels
 from pipelines.io.grid import Grid
 

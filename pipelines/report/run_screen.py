@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipelines.diagnosis import words
-from pipelines.diagnosis.cases import Case, Damage, any_found, sentences
 from pipelines.diagnosis.control_diagnosis import Diagnosis
+from pipelines.diagnosis.known_damage import Case, Damage, any_found, sentences
 from pipelines.diagnosis.verdict import Finding, Verdict, decibels
 from pipelines.io.grid import grid
 from pipelines.machine.kinematics import kinematics_of
 from pipelines.machine.plant import Plant
 from pipelines.report import page
+from pipelines.report.chart_data import ENVELOPE_ORDERS, streams
 from pipelines.report.first_figures import average_figure, envelope_figure
-from pipelines.report.zoom_data import ENVELOPE_ORDERS, streams
 from pipelines.scene.tables.analysis import LookedFor
 from pipelines.signals.analysis import DiagnosisSettings, analyse, noisy_signal
 from pipelines.signals.features.average import FEWEST_TURNS, average

@@ -10,6 +10,7 @@ from pipelines.diagnosis.line_words import case_name, directions, lines_grid, se
 from pipelines.diagnosis.uncertainty.line_bars import LineBars
 from pipelines.diagnosis.uncertainty.words import bars_grid
 from pipelines.report import page
+from pipelines.report.chart_data import channels, views
 from pipelines.report.figures.plots import waveform_figure
 from pipelines.report.figures.spectrum_plots import (
     comparison_figure,
@@ -19,8 +20,7 @@ from pipelines.report.figures.spectrum_plots import (
     single_spectrum_figure,
     spectrum_figure,
 )
-from pipelines.report.zoom import charts
-from pipelines.report.zoom_data import channels, views
+from pipelines.report.interactive_charts import charts
 from pipelines.signals.analysis import Analysis, DiagnosisSettings, analyse, channel_names
 from pipelines.signals.levels import contact_sentence, level_grid
 from pipelines.signals.levels import levels as measured_levels

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray
 
-    from pipelines.diagnosis.comparison.part import ComparedPart
+    from pipelines.diagnosis.comparison.compared_recording import ComparedRecording
     from pipelines.diagnosis.impacts import Impacts
     from pipelines.diagnosis.trend import Course
     from pipelines.diagnosis.verdict import Verdict
@@ -112,15 +112,15 @@ def judge_files(
 
 def recorded_parts(
     sources: Sequence[str | Path], machine: str | Path | None, window: tuple[float, float] | None
-) -> list[ComparedPart]:
+) -> list[ComparedRecording]:
     """Recordings with their rotation, for figures; `machine` and `window` as in `judge_files`, for the last recording.
 
     Raises
     ------
     InputError : a file or the machine cannot be used
     """
-    from pipelines.diagnosis.comparison.part import part_of
-    from pipelines.recordings.recording import read_recording
+    from pipelines.diagnosis.comparison.compared_recording import compared_recording
+    from pipelines.recordings.read_recording import read_recording
 
     last, asked = recording_and_window(sources[-1])
     known, windows = machine_of(last, machine)
@@ -129,7 +129,9 @@ def recorded_parts(
     for source in sources:
         file, asked = recording_and_window(source)
         with read_recording(file, known) as recording:
-            parts.append(part_of(shown(source), recording, known.kinematics, asked_windows(source, asked, chosen)))
+            parts.append(
+                compared_recording(shown(source), recording, known.kinematics, asked_windows(source, asked, chosen))
+            )
     return parts
 
 
@@ -155,7 +157,7 @@ def judge_recordings(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset
     InputError : a recording has no rotation or no features, or the recordings cannot be compared
     """
     from pipelines.diagnosis.simulated import FeatureSettings, run_features
-    from pipelines.signals.features.recorded import FeatureError
+    from pipelines.signals.features.feature_table import FeatureError
     from pipelines.signals.orders.rotation import RotationError
 
     settings = FeatureSettings(kinematics=kinematics, windows={})
@@ -173,7 +175,7 @@ def _judged(
     tables: Sequence[FeatureTable], kinematics: Kinematics, names: Sequence[str] = (), where: str = ""
 ) -> Verdict:
     """The verdict on the first table against the others, with their names; InputError that begins with a place."""
-    from pipelines.diagnosis.baseline import BaselineError
+    from pipelines.diagnosis.baseline_checks import BaselineError
     from pipelines.diagnosis.verdict import judge
     from pipelines.signals.features.table import with_common_components
 
@@ -260,8 +262,8 @@ def read_features(path: Path, machine: MeasuredMachine, windows: Windows | None)
     InputError : the file cannot be read, its rotation is not found, or there are too few revolutions
     """
     from pipelines.diagnosis.simulated import FeatureSettings, run_features
-    from pipelines.recordings.recording import read_recording
-    from pipelines.signals.features.recorded import FeatureError
+    from pipelines.recordings.read_recording import read_recording
+    from pipelines.signals.features.feature_table import FeatureError
     from pipelines.signals.levels import levels
     from pipelines.signals.orders.rotation import RotationError
     from pipelines.signals.orders.rotation_of import rotation_of

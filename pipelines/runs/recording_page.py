@@ -6,9 +6,14 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from pipelines.diagnosis import words
+from pipelines.diagnosis.comparison.compared_recording import (
+    Channel,
+    ComparedRecording,
+    brought_together,
+    chosen_channel,
+)
 from pipelines.diagnosis.comparison.curves import curves
 from pipelines.diagnosis.comparison.features import features_of
-from pipelines.diagnosis.comparison.part import Channel, ComparedPart, brought_together, chosen_channel
 from pipelines.diagnosis.comparison.words import LETTERS, recordings_grid
 from pipelines.diagnosis.impacts import impact_words
 from pipelines.io.user_files import write_whole
@@ -30,7 +35,7 @@ _CAPTIONS = {  # by the beginning of the name of a figure
 _BEHIND = " Grey: the healthy recording."
 
 
-def write_recording_page(path: Path, judged: JudgedFile, recorded: Sequence[ComparedPart]) -> Path:
+def write_recording_page(path: Path, judged: JudgedFile, recorded: Sequence[ComparedRecording]) -> Path:
     """Write the page as one HTML file with all figures inside; returns the path.
 
     Parameters
@@ -65,7 +70,7 @@ def write_recording_page(path: Path, judged: JudgedFile, recorded: Sequence[Comp
     return path
 
 
-def _figures(judged: JudgedFile, recorded: Sequence[ComparedPart]) -> list[str]:
+def _figures(judged: JudgedFile, recorded: Sequence[ComparedRecording]) -> list[str]:
     parts = brought_together(recorded)
     features = features_of(parts)
     drawn = curves(parts, _channel(judged, parts[-1]), _shaft(judged, features.tables[-1].component))
@@ -77,7 +82,7 @@ def _figures(judged: JudgedFile, recorded: Sequence[ComparedPart]) -> list[str]:
     ]
 
 
-def _channel(judged: JudgedFile, part: ComparedPart) -> Channel:
+def _channel(judged: JudgedFile, part: ComparedRecording) -> Channel:
     """That of the strongest evidence, else the one with the highest rms."""
     if judged.verdict is not None or judged.impacts:
         shown = judged.impacts[0] if judged.verdict is None else judged.verdict.first.evidence

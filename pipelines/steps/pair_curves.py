@@ -10,9 +10,10 @@ import numpy as np
 
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import PairModifications
-from pipelines.machine.assembly import Laws, mesh_faults
+from pipelines.machine.assembly import Laws
 from pipelines.machine.flanks import Fault, first_tooth_fault
 from pipelines.machine.flanks_spec import FlanksSpec
+from pipelines.machine.tooth_terms import mesh_faults
 from pipelines.steps.laws import build_modified
 
 if TYPE_CHECKING:

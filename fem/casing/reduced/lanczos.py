@@ -5,6 +5,7 @@
 P is a symmetric (pseudo-)inverse of the stiffness. A block of right-hand sides costs a fraction of single ones. Every
 new block is orthogonalised twice against all earlier ones, so that no spurious copies of eigenvalues appear. The basis
 grows until every eigenvalue above the limit has converged; the number of modes need not be known in advance.
+`fem.casing.reduced.sturm_count` verifies it.
 
 Reference: Grimes, Lewis & Simon (1994), SIAM J. Matrix Anal. Appl. 15(1), 228-272.
 """

@@ -13,9 +13,9 @@ import numpy as np
 from fem.contact.faults.tooth_fault import END, ToothFault, from_end, lost_share
 from fem.contact.law import MeshLaw
 from fem.gears.gear import Gear
+from fem.gears.gear_checks import require
 from fem.gears.geometry import GearPair
 from fem.gears.path import path_points
-from fem.gears.rack import require
 from fem.options import option
 
 

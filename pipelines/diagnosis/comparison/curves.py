@@ -20,10 +20,10 @@ from functools import cached_property
 
 import numpy as np
 
-from pipelines.diagnosis.comparison.part import Channel, ComparedPart
-from pipelines.signals.features.recorded import FeatureError, envelope_band
-from pipelines.signals.orders.band import banded
+from pipelines.diagnosis.comparison.compared_recording import Channel, ComparedRecording
+from pipelines.signals.features.feature_table import FeatureError, envelope_band
 from pipelines.signals.orders.revolutions import HIGHEST, revolutions
+from pipelines.signals.orders.whitening import banded
 
 MOST_TURNS = 64  # in a block; a finer resolution would not be visible in a figure
 RAHMONICS = 3  # of each shaft
@@ -75,12 +75,12 @@ class Curves:
         return self.cepstrum[:, places[:, None] + np.arange(-1, 2)].max(axis=-1).sum(axis=-1)
 
 
-def curves(parts: Sequence[ComparedPart], channel: Channel, shaft: str) -> Curves:
+def curves(parts: Sequence[ComparedRecording], channel: Channel, shaft: str) -> Curves:
     """The curves of recordings with the same channels and rate.
 
     Parameters
     ----------
-    parts : as `pipelines.diagnosis.comparison.part.brought_together` gives them
+    parts : as `pipelines.diagnosis.comparison.compared_recording.brought_together` gives them
     channel : sensor and axis
     shaft : whose turns are averaged
 
@@ -123,13 +123,13 @@ def curves(parts: Sequence[ComparedPart], channel: Channel, shaft: str) -> Curve
     )
 
 
-def _guard(part: ComparedPart) -> float:
+def _guard(part: ComparedRecording) -> float:
     """Lower end of the range of the envelope, in orders of the first shaft."""
     frequency = part.windows[0].frequency
     return envelope_band(part.kinematics, part.time, frequency)[0] / frequency
 
 
-def _turns(part: ComparedPart, row: int, ratio: float, places: int) -> np.ndarray:
+def _turns(part: ComparedRecording, row: int, ratio: float, places: int) -> np.ndarray:
     """Values (turn, place) of a channel over the complete turns of a shaft in the first window."""
     span = (part.windows[0].start, part.windows[0].end)
     return revolutions(part.acceleration[row], part.time, part.rotation, ratio, places, [span])

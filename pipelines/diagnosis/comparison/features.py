@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipelines.diagnosis.comparison.part import ComparedPart
+from pipelines.diagnosis.comparison.compared_recording import ComparedRecording
 from pipelines.diagnosis.verdict import counted
-from pipelines.signals.features.recorded import FeatureError, feature_table
+from pipelines.signals.features.feature_table import FeatureError, feature_table
 from pipelines.signals.features.table import WHOLE, FeatureTable, confirmed
 from pipelines.signals.orders.kinematics import Kinematics
 
@@ -48,12 +48,12 @@ class Features:
         return np.array([table.value[:, table.feature.index("rms")] for table in self.tables])
 
 
-def features_of(parts: Sequence[ComparedPart]) -> Features:
+def features_of(parts: Sequence[ComparedRecording]) -> Features:
     """The features of recordings with the same channels and rate.
 
     Raises
     ------
-    FeatureError : all shafts make too few turns, see `pipelines.signals.features.recorded`
+    FeatureError : all shafts make too few turns, see `pipelines.signals.features.feature_table`
     """
     tables = confirmed([_table(part) for part in parts])
     lines = tuple(dict.fromkeys(line for table in tables for line in table.lines))
@@ -65,7 +65,7 @@ def features_of(parts: Sequence[ComparedPart]) -> Features:
     return Features(tables=tuple(tables), lines=lines, level=level)
 
 
-def _table(part: ComparedPart) -> FeatureTable:
+def _table(part: ComparedRecording) -> FeatureTable:
     try:
         return feature_table(part.dataset(), part.kinematics, part.rotation, part.spans)
     except FeatureError as error:

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pipelines.diagnosis.comparison.compared_recording import ComparedRecording
 from pipelines.diagnosis.comparison.features import Features
-from pipelines.diagnosis.comparison.part import ComparedPart
 from pipelines.diagnosis.words import NAMES
 from pipelines.io.grid import Grid
 from pipelines.signals.orders.revolutions import HIGHEST
@@ -19,7 +19,7 @@ IN_SIGNAL_UNITS = ("rms", "order_1", "order_2", "tsa_rms", "difference_rms")  # 
 UNITS = "m/s2"
 
 
-def recordings_grid(parts: Sequence[ComparedPart]) -> Grid:
+def recordings_grid(parts: Sequence[ComparedRecording]) -> Grid:
     """Table of all windows of the recordings with their speeds; `parts` before resampling."""
     rows = []
     for letter, part in zip(LETTERS, parts, strict=False):
@@ -79,7 +79,7 @@ def unit_of(feature: str) -> str:
     return UNITS if feature in IN_SIGNAL_UNITS else "1"
 
 
-def remarks(recorded: Sequence[ComparedPart], parts: Sequence[ComparedPart], found: Features) -> list[str]:
+def remarks(recorded: Sequence[ComparedRecording], parts: Sequence[ComparedRecording], found: Features) -> list[str]:
     """Remarks: warnings, changes that made the recordings comparable, and omitted components.
 
     `recorded` are the original parts, `parts` those with common channels and sampling rate.
@@ -109,7 +109,7 @@ def remarks(recorded: Sequence[ComparedPart], parts: Sequence[ComparedPart], fou
     return lines
 
 
-def _train(part: ComparedPart) -> tuple[object, ...]:
+def _train(part: ComparedRecording) -> tuple[object, ...]:
     """Shafts and numbers of teeth, which determine the orders."""
     gears = tuple((gear.name, gear.shaft, gear.teeth) for gear in part.kinematics.gears)
     return (tuple((shaft.name, round(shaft.ratio, 9)) for shaft in part.kinematics.shafts), gears)

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 from fem.gears.deviations import GRADES, pitch_tolerance
 from fem.gears.flank_deviations import flank_tolerance
+from fem.gears.gear_checks import GeometryError
 from fem.gears.prescribed import PrescribedDeviations, check_prescribed
-from fem.gears.rack import GeometryError
 from pipelines.io.errors import Problem
 from pipelines.machine.flanks import GEARS, Fault
 from pipelines.machine.layout import TrainLayout

@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
+from pipelines.diagnosis.comparison.compared_recording import ComparedRecording
 from pipelines.diagnosis.comparison.curves import RAHMONICS, Curves
 from pipelines.diagnosis.comparison.features import Features
-from pipelines.diagnosis.comparison.part import ComparedPart
 from pipelines.report.figures.plots import FIRST, LETTER, MARK, SECOND, WIDTH, dress, fixed_figure, new_figure, plain
 from pipelines.report.figures.spectrum_plots import DECADES
 from pipelines.signals.orders.kinematics import Kinematics
@@ -24,7 +24,7 @@ BEHIND = "#c9c9c9"  # the first recording, behind the others
 
 
 def comparison_figures(
-    found: Curves, features: Features, parts: Sequence[ComparedPart], names: Sequence[str]
+    found: Curves, features: Features, parts: Sequence[ComparedRecording], names: Sequence[str]
 ) -> dict[str, Figure]:
     """All figures of a comparison by name.
 

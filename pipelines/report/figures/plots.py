@@ -14,13 +14,13 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation
 
+from pipelines.report.figures.colours import FAULTY, HEALTHY
 from pipelines.signals.analysis import channel
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
 
-FAULTY, HEALTHY = "#c23b22", "#2a6f97"
 FIRST, SECOND = "#2a6f97", "#e08e0b"
 MARK, GRID = "#6b6b6b", "#dddddd"
 WIDTH = 10.0  # inches

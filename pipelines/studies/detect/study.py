@@ -11,7 +11,7 @@ from typing import Any
 from pipelines.datasets.plan import Plan
 from pipelines.datasets.rows import DONE, read_rows
 from pipelines.datasets.scenes import scene_of
-from pipelines.diagnosis.prediction import FEWEST_FOR_P
+from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
 from pipelines.diagnosis.simulated import FeatureSettings
 from pipelines.io.errors import InputError
 from pipelines.machine.kinematics import kinematics_of

@@ -20,7 +20,7 @@ from pipelines.datasets.store import read_run
 from pipelines.diagnosis.simulated import FeatureSettings, run_features
 from pipelines.engine.code_version import code_version
 from pipelines.io.errors import InputError
-from pipelines.signals.features.recorded import FeatureError
+from pipelines.signals.features.feature_table import FeatureError
 from pipelines.signals.features.table import FeatureTable
 from pipelines.signals.orders.rotation import RotationError
 

@@ -20,12 +20,13 @@ from pipelines.report.figures.colours import (
     CONTACT,
     CRACK,
     DAMAGED,
+    FAULTY,
     GONE,
+    HEALTHY,
     LOAD_COLOURS,
     PAIR_COLOURS,
     PINION,
     POINTS,
-    STATES,
     STRESS_COLOURS,
     WEAR_COLOURS,
     WHEEL,
@@ -292,7 +293,13 @@ def _draw_curves(plotter: Any, row: int, arrays: dict[str, np.ndarray], names: l
         chart.title, chart.y_label = "Mesh stiffness (secant)", "stiffness, N/um"
         top = 1.05 * max(float(arrays[f"{n}_secant"].max()) for n in range(len(names))) / 1e6
         for n, name in enumerate(names):
-            chart.line(arrays[f"{n}_curve_cycle"], arrays[f"{n}_secant"] / 1e6, color=STATES[n], width=2.5, label=name)
+            chart.line(
+                arrays[f"{n}_curve_cycle"],
+                arrays[f"{n}_secant"] / 1e6,
+                color=(HEALTHY, FAULTY)[n],
+                width=2.5,
+                label=name,
+            )
     else:
         last = len(names) - 1
         chart.title, chart.y_label, top = f"Load share of the tooth pairs, {names[last]}", "share, %", 105.0

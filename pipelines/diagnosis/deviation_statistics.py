@@ -1,4 +1,4 @@
-"""Deviation of a new recording from healthy ones: standardised deviations, their probabilities, and rates of alarms.
+"""Statistics of the deviation of a recording from healthy ones: standardised deviations and their probabilities.
 
 Let m be the mean of n healthy levels (dB) and s their standard deviation. The deviation of a new level x is
 

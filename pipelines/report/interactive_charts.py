@@ -1,4 +1,4 @@
-"""Zoomable charts within the page, without external files: data in compact form, displayed by uPlot.
+"""Interactive charts within the page, without external files: data in compact form, displayed by uPlot.
 
 Signals are 16-bit numbers with a scale (every sample of the verdict's channel: 32-bit floats), spectra the logarithm of
 their amplitudes in steps of 1/2000 of a decade, 0.06 % of the value. Figures of the class "static" replace them
@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from pipelines.report import page
-from pipelines.report.figures.plots import FAULTY, HEALTHY
-from pipelines.report.zoom_data import Trace, ZoomChannel, ZoomView
+from pipelines.report.chart_data import ChartChannel, ChartView, Trace
+from pipelines.report.figures.colours import FAULTY, HEALTHY
 
 LEVELS = 32_767  # of a 16-bit number
 STEP = 1 / 2_000  # of a decade
@@ -25,8 +25,8 @@ LEAST = 1e-15  # m/s2, in place of an amplitude of zero
 
 def charts(
     runs: Sequence[str],
-    shown: Sequence[ZoomView],
-    found: Iterable[ZoomChannel],
+    shown: Sequence[ChartView],
+    found: Iterable[ChartChannel],
     windows: Mapping[str, tuple[float, float]],
 ) -> str:
     """HTML element with the charts, their data, style and scripts.

@@ -1,4 +1,4 @@
-"""Train of a scene: which stage turns which shaft, where the axes lie, how fast and in which sense the shafts turn.
+"""Places of the shafts of a scene: where the axes are, how fast and in which sense the shafts turn.
 
 Shaft 1 is the origin. Every stage places its wheel's axis from its pinion's (or the other way), every coupling puts two
 shafts on one axis. Where a loop closes, both ways to a shaft must meet.
@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 from fem.gears.geometry import GearPair
 from pipelines.io.errors import Problem
-from pipelines.scene.tables.gears import StageTable
 from pipelines.scene.tables.shafts import CouplingTable
+from pipelines.scene.tables.stages import StageTable
 
 MEETING = 1e-5  # m: how close two ways to one axis must come
 

@@ -1,4 +1,4 @@
-"""Stage `casing`: the reduced body with its damping and the rows of its sensors."""
+"""Stages `casing` of the casing models: the reduced body, with damping and the rows of sensors."""
 
 from __future__ import annotations
 

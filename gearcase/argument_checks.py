@@ -1,4 +1,4 @@
-"""What a function was given: another type than it takes is refused by the name of the argument."""
+"""Checks of the arguments of public functions; an argument of another type is refused by its name."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Extrapolation of frequencies from meshes of several sizes, by the kind of their elements.
+"""Extrapolation of frequencies to zero element size, by the kind of element; `frequency_limits` has the common method.
 
 `hexahedral_limits` is for hexahedra with edge-singularity enrichment. One quadratic element through a wall cannot
 represent all of its shear, nor the corners, at any size along the wall. On the shipped rig, elements divided in and
@@ -19,7 +19,7 @@ import numpy as np
 from fem.casing.uncertainty.frequency_limits import Changes, FrequencyLimits, frequency_limits, share_at
 from fem.elements.solid_elements import SOLIDS
 
-Law = Callable[[Sequence[float], np.ndarray], FrequencyLimits]
+Extrapolation = Callable[[Sequence[float], np.ndarray], FrequencyLimits]
 
 RATIOS = (1.3, 1.7)  # relative element sizes of the coarser meshes for quadratic tetrahedra
 SLOW = {2: 2.2, 3: 1.5}  # orders, by the degree of the element
@@ -48,7 +48,7 @@ def hexahedral_limits(sizes: Sequence[float], frequencies: np.ndarray, *, degree
     return changes.limits(order, share=share, reach=0.5 * (most - least), walls=WALLS[degree])
 
 
-def law_of(element: str) -> Law:
+def extrapolation_of(element: str) -> Extrapolation:
     """The extrapolation for one of `fem.elements.solid_elements.SOLIDS`, as errors depend on the kind of element."""
     kind = SOLIDS[element]
     if kind.corners == 8:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from pipelines.diagnosis.prediction import FEWEST_FOR_TREND
+from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_TREND
 from pipelines.signals.features.table import WHOLE, FeatureTable
 
 OUTLYING = 0.01  # probability that a healthy recording differs so much from the accepted ones

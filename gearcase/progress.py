@@ -1,4 +1,4 @@
-"""Progress of the work: the argument of a progress function."""
+"""Types of a progress callback: `StepProgress` is what a `ProgressFunction` is called with at every step."""
 
 from pipelines.engine.progress import ProgressFunction, StepProgress
 

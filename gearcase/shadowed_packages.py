@@ -1,4 +1,4 @@
-"""Packages that a folder of the user's hides: Python takes a module from the first folder on its path that has it.
+"""Check that no folder of the user shadows our packages or modules of Python, which takes the first on its path.
 
 ``python -c`` and ``python -m`` put the working folder there, ``python script.py`` the folder of the script. The command
 `gearcase` does not.
@@ -17,7 +17,7 @@ PACKAGES = ("fem", "mbd", "meshes", "pipelines")
 _REMEDY = "rename it, or start Python in another folder or with the option -P"
 
 
-def refuse_hidden() -> None:
+def refuse_shadowed() -> None:
     """Nothing, if our packages and Python's own modules are found where they belong.
 
     Raises

@@ -1,4 +1,4 @@
-"""Data of the zoomable charts: signals, spectra and envelope spectra of every channel, reduced if they are long.
+"""Data of the interactive charts: signals, spectra and envelope spectra of every channel, reduced if they are long.
 
 The channel of the verdict keeps every sample. The others keep the smallest and largest value of every interval of a
 signal, and the largest line of every interval of a spectrum.
@@ -32,7 +32,7 @@ class Trace:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ZoomView:
+class ChartView:
     """A chart: its title, the window of its spectrum ("" for signals), axes with units, labelled places."""
 
     title: str
@@ -44,7 +44,7 @@ class ZoomView:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ZoomChannel:
+class ChartChannel:
     """A sensor and axis with its traces by view and, within a view, by run; `note` describes the reduction."""
 
     name: str
@@ -53,10 +53,10 @@ class ZoomChannel:
     exact: bool
 
 
-def views(settings: DiagnosisSettings | None, band: tuple[float, float] | None) -> tuple[ZoomView, ...]:
+def views(settings: DiagnosisSettings | None, band: tuple[float, float] | None) -> tuple[ChartView, ...]:
     """Charts of a run: its signal and, with settings, spectrum and envelope spectrum of every window."""
     up = "acceleration, m/s²"
-    found = [ZoomView(title="Signal without sensor noise", across="time, s", up=up)]
+    found = [ChartView(title="Signal without sensor noise", across="time, s", up=up)]
     if settings is None or band is None:
         return tuple(found)
     f_r, f_m = settings.revolution_frequency, settings.mesh_frequency
@@ -65,8 +65,10 @@ def views(settings: DiagnosisSettings | None, band: tuple[float, float] | None) 
     words, low_high = "amplitude, m/s²", f"{band[0]:.4g} to {band[1]:.4g} Hz"
     for window in settings.windows:
         found += [
-            ZoomView(title="Spectrum", window=window, across="frequency, Hz", up=words, logarithmic=True, marks=meshes),
-            ZoomView(
+            ChartView(
+                title="Spectrum", window=window, across="frequency, Hz", up=words, logarithmic=True, marks=meshes
+            ),
+            ChartView(
                 title=f"Envelope spectrum, band {low_high}",
                 window=window,
                 across="frequency, Hz",
@@ -88,7 +90,7 @@ def channels(
     first: tuple[str, str],
     settings: DiagnosisSettings | None,
     band: tuple[float, float] | None,
-) -> Iterator[ZoomChannel]:
+) -> Iterator[ChartChannel]:
     """Every sensor and axis that all runs have, that of the verdict's sensor first and the verdict's own in full.
 
     Parameters
@@ -112,7 +114,7 @@ def channels(
             by_run = [traces[i] for traces in found]
             if any(np.isnan(traces[0][0].values).any() for traces in by_run):
                 continue  # the sensor does not have this axis
-            yield ZoomChannel(
+            yield ChartChannel(
                 name=f"{sensor} {axes[i]}",
                 note=_note(exact, max(stretch for traces in by_run for _, stretch in traces)),
                 traces=tuple(zip(*([trace for trace, _ in traces] for traces in by_run), strict=True)),

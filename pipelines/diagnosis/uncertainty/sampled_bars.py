@@ -1,4 +1,4 @@
-"""Error bars of the lines of a run, computed from its signals, casing and machine without a further simulation."""
+"""Error bars of the lines of a run from samples of uncertain inputs of its casing, without a further simulation."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from mbd.system.statics import equilibrium
 from mbd.system.system import System
 from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.uncertainty.casing_changes import CasingPath
-from pipelines.diagnosis.uncertainty.line_bars import Band, LineBar, LineBars, band
+from pipelines.diagnosis.uncertainty.line_bars import SAMPLES, Band, LineBar, LineBars, band
 from pipelines.diagnosis.uncertainty.line_changes import CutRun, envelope_changes, spectrum_changes
 from pipelines.diagnosis.uncertainty.notes import notes
 from pipelines.diagnosis.uncertainty.uncertain import Uncertain
@@ -34,7 +34,7 @@ from pipelines.signals.spectrum import cut
 if TYPE_CHECKING:
     import xarray
 
-SAMPLES, SEED = 200, 1
+SEED = 1
 SEATS, SHAPES, STEP = "modes above and seats", "shapes of casing modes", "time step"
 DAMPING = "damping of the casing"
 MISSED = 1.0  # dB: a larger difference from the recorded line means that forces other than the bearings' excite it

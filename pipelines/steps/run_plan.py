@@ -1,4 +1,4 @@
-"""A study: a scene with faults and its control, for all loads and seeds of the deviations, as one graph of steps.
+"""Plan of a run: a scene with faults and its control, for all loads and seeds of the deviations, as one step graph.
 
 The scene and its control are always simulated. With a rope, the equivalent constant torque can also be simulated.
 Further seeds and error-free gears show which results depend on the sample of the deviations.
@@ -19,8 +19,8 @@ from pipelines.machine.checks.validity import checked_plant
 from pipelines.machine.plant import Plant, fault_labels
 from pipelines.scene.file import LoadedScene, control_differences, control_of
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.gears import DeviationTable
 from pipelines.scene.tables.motion import LoadModel, StaticTorqueTable
+from pipelines.scene.tables.stages import DeviationTable
 from pipelines.steps.graph import plant_steps
 
 MOST_DIFFERENCES = 10  # of scene and control that are listed; more belong to another machine
@@ -28,7 +28,7 @@ HEALTHY = "healthy "  # prefix of the steps that only a control has
 
 
 @dataclass(frozen=True, kw_only=True)
-class StudyMotion:
+class PlannedMotion:
     """A machine, and the name of the step of its motion."""
 
     plant: Plant
@@ -36,22 +36,22 @@ class StudyMotion:
 
 
 @dataclass(frozen=True, kw_only=True)
-class StudyCase:
+class PlannedCase:
     """A motion of the scene, and that of its healthy control under the same load and deviations; None without one."""
 
     label: str
-    own: StudyMotion
-    control: StudyMotion | None
+    own: PlannedMotion
+    control: PlannedMotion | None
 
 
 @dataclass(frozen=True, kw_only=True)
-class Study:
+class RunPlan:
     """All steps and the cases, first that of the scene itself; `baseline` are further healthy machines."""
 
     graph: Graph
-    cases: tuple[StudyCase, ...]
+    cases: tuple[PlannedCase, ...]
     control: LoadedScene | None
-    baseline: tuple[StudyMotion, ...] = ()
+    baseline: tuple[PlannedMotion, ...] = ()
 
     @property
     def plant(self) -> Plant:
@@ -70,9 +70,9 @@ class Study:
         return tuple(self.machines)
 
 
-def plan_study(
+def plan_run(
     loaded: LoadedScene, *, with_control: bool = True, both_loads: bool = True, seeds: int = 0, baseline: int = 0
-) -> Study:
+) -> RunPlan:
     """The steps and cases of a scene.
 
     Parameters
@@ -96,10 +96,10 @@ def plan_study(
         )
     source = loaded.source.shown
     steps: list[Step] = []
-    cases: list[StudyCase] = []
+    cases: list[PlannedCase] = []
 
-    def added(machine: Plant, prefix: str) -> StudyMotion:
-        return StudyMotion(plant=machine, step=list(add_steps(steps, plant_steps(machine), prefix).values())[-1])
+    def added(machine: Plant, prefix: str) -> PlannedMotion:
+        return PlannedMotion(plant=machine, step=list(add_steps(steps, plant_steps(machine), prefix).values())[-1])
 
     for label, scene in _variants(loaded.scene, both_loads and control is not None, seeds):
         own = added(checked_plant(scene, source), label)
@@ -107,21 +107,21 @@ def plan_study(
         if control is not None:
             like = _like(control.scene, scene, scene.deviations)
             healthy = added(checked_plant(like, control.source.shown), f"{label}{HEALTHY}")
-        cases.append(StudyCase(label=label.strip(), own=own, control=healthy))
+        cases.append(PlannedCase(label=label.strip(), own=own, control=healthy))
     others = [added(machine, f"healthy seed {seed} ") for seed, machine in _baseline(loaded, control, baseline)]
-    study = Study(graph=Graph(steps), cases=tuple(cases), control=control, baseline=tuple(others))
-    check_room(tuple(study.machines.values()), source)
-    return study
+    plan = RunPlan(graph=Graph(steps), cases=tuple(cases), control=control, baseline=tuple(others))
+    check_room(tuple(plan.machines.values()), source)
+    return plan
 
 
-def scene_warnings(loaded: LoadedScene, study: Study) -> tuple[str, ...]:
+def scene_warnings(loaded: LoadedScene, plan: RunPlan) -> tuple[str, ...]:
     """What is questionable in a scene, and how its control differs in more than the fault."""
     from pipelines.machine.checks.design_warnings import design_warnings
 
-    warnings = list(design_warnings(loaded.scene, study.plant))
-    if study.control is not None:
-        lines = control_differences(loaded, study.control)
-        head = f"the control {study.control.name} differs in more than the fault"
+    warnings = list(design_warnings(loaded.scene, plan.plant))
+    if plan.control is not None:
+        lines = control_differences(loaded, plan.control)
+        head = f"the control {plan.control.name} differs in more than the fault"
         warnings += [f"{head}: {line}" for line in lines[:MOST_DIFFERENCES]]
         if (more := len(lines) - MOST_DIFFERENCES) > 0:
             warnings.append(f'{head}: {more} further values. Set control = "without-faults"')

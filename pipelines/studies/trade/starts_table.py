@@ -1,4 +1,4 @@
-"""Mean and spread of levels over several initial states of one motion.
+"""Table of `gearcase starts`: mean and spread of levels over several initial states of one motion.
 
 The standard deviation s over n initial states is that of a single level from the mean. The 95 % confidence interval of
 the mean is +/- t s/sqrt(n), where t is the 97.5 % point of Student's distribution with n - 1 degrees of freedom. Levels

@@ -1,4 +1,4 @@
-"""Truncation of a stored reduction to fewer modes, without finite elements.
+"""Fewer modes of a stored reduction: how many suffice, and the truncation to them, without finite elements.
 
 A reduction with modes Phi, inertia corrections E (mass-orthonormal, K-orthogonal) and c = Psi^T M [Phi, E]
 determines the whole correction P M Psi = [Phi, E] diag(1/omega^2) c^T. Truncation keeps the selected columns of Phi,
@@ -15,6 +15,7 @@ import numpy as np
 import scipy.linalg as la
 
 from fem.casing.reduced.lanczos import m_orthonormal
+from fem.casing.reduced.reduced_modes import on_springs
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,22 +61,6 @@ def kept(whole: ModeSet, n_fixed: int) -> ModeSet:
         n_fixed=n_fixed,
         basis=whole.basis @ columns,
     )
-
-
-def undamped_modes(stiffness: np.ndarray, mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Natural frequencies (Hz), ascending, and shapes (coordinate, mode), orthonormal in the mass."""
-    square, shapes = la.eigh(stiffness, mass)
-    return np.sqrt(np.maximum(square, 0.0)) / (2.0 * math.pi), shapes
-
-
-def on_springs(stiffness: np.ndarray, springs: np.ndarray) -> np.ndarray:
-    """Stiffness with springs (b,), N/m, added at its first coordinates."""
-    return stiffness + np.diag(np.append(springs, np.zeros(len(stiffness) - len(springs))))
-
-
-def mode_names(n_fixed: int, count: int) -> tuple[str, ...]:
-    """Names of `count` modes: `n_fixed` fixed-interface modes, then inertia corrections."""
-    return tuple(f"mode_{i + 1}" if i < n_fixed else f"inertia_{i + 1 - n_fixed}" for i in range(count))
 
 
 def natural_frequencies(modes: ModeSet, springs: np.ndarray) -> np.ndarray:

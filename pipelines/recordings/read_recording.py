@@ -1,4 +1,4 @@
-"""Recording: the signals of a measured file in the form of the response of a run.
+"""Read a recording: the signals of a measured file in the form of the response of a run.
 
 A dataset with `acceleration` (time, sensor, axis) in m/s2 over even steps of `time` in s, `tachometer` (time) if
 there is one, and `known_speed` (time) in Hz if the machine file gives it. Missing axes of a sensor are NaN.

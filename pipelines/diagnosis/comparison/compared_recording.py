@@ -13,7 +13,7 @@ from fem.numerics.interpolation import interpolated
 from pipelines.diagnosis.simulated import with_stated_noise
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
-from pipelines.signals.features.recorded import FeatureError, recorded_channels
+from pipelines.signals.features.feature_table import FeatureError, recorded_channels
 from pipelines.signals.motion_warnings import stored_warnings
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.signals.orders.rotation import Rotation
@@ -39,7 +39,7 @@ class Window:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ComparedPart:
+class ComparedRecording:
     """A recording whose windows are compared.
 
     `acceleration` (channel, time) in m/s2 holds `channels` at equidistant `time` (s). `recorded_rate` is the sampling
@@ -80,12 +80,12 @@ class ComparedPart:
         )
 
 
-def part_of(
+def compared_recording(
     name: str,
     recording: xarray.Dataset,
     kinematics: Kinematics,
     windows: Mapping[str, tuple[float, float]] | None = None,
-) -> ComparedPart:
+) -> ComparedRecording:
     """The channels of a recording that hold a signal, with its rotation.
 
     Parameters
@@ -106,7 +106,7 @@ def part_of(
     sensors, axes, values = recorded_channels(with_stated_noise(recording))
     time = np.asarray(recording.time.values, dtype=float)
     whole = {"whole": (float(time[0]), float(time[-1]))}
-    return ComparedPart(
+    return ComparedRecording(
         name=name,
         kinematics=kinematics,
         rotation=rotation,
@@ -132,7 +132,7 @@ def _window(name: str, span: tuple[float, float], time: np.ndarray, rotation: Ro
     return Window(name=name, start=start, end=end, turns=turns, frequency=turns / (end - start))
 
 
-def chosen_channel(part: ComparedPart, sensor: str | None, axis: str | None) -> Channel:
+def chosen_channel(part: ComparedRecording, sensor: str | None, axis: str | None) -> Channel:
     """The channel with the highest rms among those of a sensor and an axis; None allows every sensor or axis.
 
     Raises
@@ -148,7 +148,7 @@ def chosen_channel(part: ComparedPart, sensor: str | None, axis: str | None) -> 
     return max(fitting, key=lambda channel: float(levels[channel]))
 
 
-def brought_together(parts: Sequence[ComparedPart]) -> tuple[ComparedPart, ...]:
+def brought_together(parts: Sequence[ComparedRecording]) -> tuple[ComparedRecording, ...]:
     """The parts with the channels that all of them have, resampled to the lowest of their rates.
 
     Raises
@@ -165,12 +165,12 @@ def brought_together(parts: Sequence[ComparedPart]) -> tuple[ComparedPart, ...]:
     return tuple(_at_rate(_with_channels(part, common), lowest) for part in parts)
 
 
-def _with_channels(part: ComparedPart, channels: Sequence[Channel]) -> ComparedPart:
+def _with_channels(part: ComparedRecording, channels: Sequence[Channel]) -> ComparedRecording:
     rows = [part.channels.index(channel) for channel in channels]
     return replace(part, channels=tuple(channels), acceleration=part.acceleration[rows])
 
 
-def _at_rate(part: ComparedPart, rate: float) -> ComparedPart:
+def _at_rate(part: ComparedRecording, rate: float) -> ComparedRecording:
     """The part resampled to `rate` (Hz) if that is lower; frequencies below 0.45 of it pass, above 0.55 they do not."""
     if part.rate <= rate * (1.0 + SAME_RATE):
         return part

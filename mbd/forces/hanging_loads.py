@@ -1,4 +1,4 @@
-"""LOADS: the loads on drums by name, each a frozen class of options that makes a load of the machine."""
+"""Loads of a container on the ropes of drums, by name (LOADS), each a frozen class of options that makes a load."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from mbd.parts.load import Load, StaticTorque
 from mbd.parts.machine import STANDARD_GRAVITY
 
 LOADS = {
-    "static-torque": ("mbd.forces.load_models", "StaticTorqueLoad"),
-    "rope": ("mbd.forces.load_models", "RopeLoad"),
-    "rope-pendulum": ("mbd.forces.load_models", "RopePendulumLoad"),
+    "static-torque": ("mbd.forces.hanging_loads", "StaticTorqueLoad"),
+    "rope": ("mbd.forces.hanging_loads", "RopeLoad"),
+    "rope-pendulum": ("mbd.forces.hanging_loads", "RopePendulumLoad"),
 }
 
 

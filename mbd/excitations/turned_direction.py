@@ -1,4 +1,4 @@
-"""Directions that turn with a shaft, in the plane across it.
+"""Direction that turns with a shaft, in the plane across it.
 
 A direction fixed to the shaft has the angle beta = alpha - s phi from +x towards +z: alpha at t = 0, s the sense of
 the shaft, phi = ratio phi_m + its angle row the true rotation, of the train and of the vibration together. Its unit

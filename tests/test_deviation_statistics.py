@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from pipelines.diagnosis.prediction import at_speed, clopper_pearson, deviations, limit, moderated, probability
+from pipelines.diagnosis.deviation_statistics import (
+    at_speed,
+    clopper_pearson,
+    deviations,
+    limit,
+    moderated,
+    probability,
+)
 
 KINDS = ["rms", "fm4", "kurtosis"] * 5
 

@@ -12,10 +12,10 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipelines.report.figures.colours import POINTS, WEAR_COLOURS
-from pipelines.report.figures.plots import FAULTY, StiffnessPlot, draw_stiffness, fixed_figure, new_figure, plain
+from pipelines.report.figures.colours import FAULTY, POINTS, WEAR_COLOURS
+from pipelines.report.figures.damaged_tooth import DrawnTooth
+from pipelines.report.figures.plots import StiffnessPlot, draw_stiffness, fixed_figure, new_figure, plain
 from pipelines.report.figures.render import AXES_PLACES, KINDS, kind_of
-from pipelines.report.figures.tooth_shape import DrawnTooth
 from pipelines.report.figures.views import Picture
 
 AXES = ("x", "y", "z")

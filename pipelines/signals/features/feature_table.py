@@ -18,16 +18,22 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipelines.signals.features.average import FEWEST_TURNS, average, average_power
-from pipelines.signals.features.envelope import FINE, envelope_orders, impact_place, tooth_contrast, tooth_energies
+from pipelines.signals.features.envelope_features import (
+    FINE,
+    envelope_orders,
+    impact_place,
+    tooth_contrast,
+    tooth_energies,
+)
 from pipelines.signals.features.passing import pass_levels
 from pipelines.signals.features.statistics import kurtosis, statistics
 from pipelines.signals.features.synchronous import synchronous
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.features.turns import Turns, cut_turns
-from pipelines.signals.orders.band import banded
 from pipelines.signals.orders.kinematics import GUARD_ORDER, Kinematics, Shaft
 from pipelines.signals.orders.revolutions import HIGHEST
 from pipelines.signals.orders.rotation import Rotation
+from pipelines.signals.orders.whitening import banded
 
 if TYPE_CHECKING:
     import xarray

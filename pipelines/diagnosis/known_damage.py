@@ -1,5 +1,7 @@
 """Known damage in several cases: in how many of them the diagnosis finds it, and its evidence.
 
+`sentences` words the first sentence of a report if damage is known, `pipelines.diagnosis.words` if none is known.
+
 A case is a window of a run with a load and a set of deviations. The diagnosis does not use the known damage. Damage is
 found if the damaged component exceeds its limit and no undamaged component has stronger evidence. Two equal bearings on
 one shaft have the same pass orders, thus the same evidence, and both are found.
