@@ -181,8 +181,9 @@ def test_a_run_its_exported_file_and_its_row_in_a_data_set_have_the_same_feature
             assert list(other.index) == list(run.index)
             np.testing.assert_allclose(other.level_dB, run.level_dB, rtol=0.0, atol=1e-3)
     whole = gearcase.features("run.csv", "minimal", processes=1).set_index(KEYS).value
-    signal = gearcase.open_recording("run.csv", "minimal")
-    assert whole["sensor_3", "z", "whole machine", "rms"] == pytest.approx(float(signal.acceleration[:, 0, 2].std()))
+    with gearcase.open_recording("run.csv", "minimal") as signal:
+        rms = float(signal.acceleration[:, 0, 2].std())
+    assert whole["sensor_3", "z", "whole machine", "rms"] == pytest.approx(rms)
 
 
 def test_files_of_a_folder_are_one_table_and_one_without_features_is_named(tmp_path, monkeypatch, capsys):
