@@ -65,4 +65,3 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         else:
             for number, frame in enumerate(frames):
                 yield frame.to_csv(index=False, header=not number, float_format="%.9g", lineterminator="\n")
-    yield from (f"Warning: {name} has no features. {reason}" for name, reason in found.failures.items())

@@ -6,6 +6,7 @@ checksums of the signals and the version of the code, so that only missing and o
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
@@ -33,6 +34,7 @@ from pipelines.runs.run_folder import RESPONSE
 if TYPE_CHECKING:
     import pandas
 
+_LOG = logging.getLogger(__name__)
 FEATURE_ROWS = "feature_rows"
 FEATURES = "features.parquet"
 ENDINGS = (".parquet", ".csv")
@@ -67,7 +69,7 @@ class FeatureSource:
         self.folder = kept[0] if kept else None
 
     def frames(self, executor: Executor, on_progress: Progress) -> Iterator[pandas.DataFrame]:
-        """The rows of every signal; a signal without features is added to `failures`, with the reason.
+        """The rows of every signal; a signal without features is added to `failures`, with the reason, and logged.
 
         Raises
         ------
@@ -77,6 +79,7 @@ class FeatureSource:
         for key, name, columns, failure in self._computed(executor, on_progress):
             if failure:
                 self.failures[str(name)] = failure
+                _LOG.warning("%s has no features. %s", shown(str(name)), failure)
                 continue
             yield _frame(key, name, columns)
             found = True

@@ -63,7 +63,7 @@ def read_recording(source: str | Path, machine: MeasuredMachine) -> xarray.Datas
 def _response(path: Path) -> xarray.Dataset:
     """A file that is already in this form."""
     found = open_response(path)
-    if "acceleration" not in found:
+    if "acceleration" not in found and "journal_acceleration" not in found:
         found.close()
         raise InputError(f"{shown(path)}: holds no acceleration. Add sensors to the scene and run it again.")
     found.attrs["source"] = path.name
