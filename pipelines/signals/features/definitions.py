@@ -9,9 +9,10 @@ amplitude of the lines around it.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
-RMS, ONE, ACCELERATION = "rms", "1", "1 um/s2"  # references of levels; ISO 1683:2015 for accelerations
+RMS, ONE, ACCELERATION, NONE = "rms", "1", "1 um/s2", "none"  # references of levels; ISO 1683:2015 for accelerations
 _REFERENCE = 1e-6  # m/s2
 _ISO, _DYER = "ISO 13373-1:2002, 5", "Dyer & Stewart (1978), J. Mech. Des. 100(2), 229-235"
 _STEWART = "Stewart (1977), as in Zakrajsek, Townsend & Decker (1993), NASA TM-105950"
@@ -60,7 +61,14 @@ DEFINITIONS = (
     _acceleration("whole machine", "peak", "peak", "max abs x", _ISO, ACCELERATION),
     _ratio("whole machine", "crest_factor", "crest factor", "max abs x / sqrt <x^2>", _ISO),
     _ratio("whole machine", "kurtosis", "kurtosis", "<x^4> / <x^2>^2; 3 for Gaussian noise", _DYER),
-    _ratio("whole machine", "skewness", "skewness", "<x^3> / <x^2>^1.5; has a sign and no level", _DYER),
+    Definition(
+        component="whole machine",
+        name="skewness",
+        reference=NONE,
+        words="skewness",
+        formula="<x^3> / <x^2>^1.5; it has a sign and therefore no level",
+        source=_DYER,
+    ),
     _acceleration("shaft", "order_1", "1x", "Y_1; turns weighted by a Hann window", _AVERAGE),
     _acceleration("shaft", "order_2", "2x", "Y_2; turns weighted by a Hann window", _AVERAGE),
     _acceleration("shaft", "tsa_rms", "average", "sqrt <(y - <y>)^2>", _AVERAGE),
@@ -125,5 +133,5 @@ BY_NAME = {one.name: one for one in DEFINITIONS}
 
 
 def reference_value(name: str, rms: float) -> float:
-    """Reference of the level of a feature, in its unit; `rms` (m/s2) is that of the channel."""
-    return {RMS: rms, ONE: 1.0, ACCELERATION: _REFERENCE}[BY_NAME[name].reference]
+    """Reference of the level of a feature, in its unit, NaN if it has no level; `rms` (m/s2) is that of the channel."""
+    return {RMS: rms, ONE: 1.0, ACCELERATION: _REFERENCE, NONE: math.nan}[BY_NAME[name].reference]
