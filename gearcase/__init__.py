@@ -3,7 +3,7 @@
     scene = gearcase.Scene.from_file("minimal")    check laws casing modes simulate run tradeoff converge
     gearcase.reduce(K, M, points, nodes=...)       matrices of another program; Point
     gearcase.open_run("minimal")                   a finished run; diagnose error_bars spectrum
-    gearcase.open_recording("r.csv", "bench.toml") a measured file; judge compare
+    gearcase.open_recording("r.csv", "bench.toml") a measured file; features judge compare
     gearcase.open_dataset("campaigns/plan")        a data set of many runs; pieces
 
 All numbers are SI unless a name ends in a unit. No function prints; `progress=` takes a function that is called for
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from gearcase.progress import StepProgress as StepProgress
     from gearcase.recordings import Verdict as Verdict
     from gearcase.recordings import compare as compare
+    from gearcase.recordings import features as features
     from gearcase.recordings import judge as judge
     from gearcase.recordings import open_recording as open_recording
     from gearcase.results import Diagnosis as Diagnosis
@@ -63,7 +64,7 @@ _PLACES = {
     "machines": ("LinearModes", "modes", "simulate"),
     "matrices": ("Point", "ReducedMatrices", "reduce"),
     "progress": ("StepProgress",),
-    "recordings": ("Verdict", "compare", "judge", "open_recording"),
+    "recordings": ("Verdict", "compare", "features", "judge", "open_recording"),
     "results": ("Diagnosis", "LineBars", "diagnose", "error_bars", "open_run", "run", "spectrum"),
     "scenes": ("Checked", "Scene", "check"),
     "studies": ("RefinementStudy", "Tradeoff", "converge", "tradeoff"),

@@ -149,7 +149,7 @@ def test_an_example_prints_what_its_help_shows(capsys, here, own_cache, command)
         (["check", "pair", "--set", "stages.1.wheel.face_widht_mm=3"], "Did you mean stages.1.face_width_mm?"),
         (["check", "pair", "--set", "stages.1.teth=30"], "Did you mean pinion_teeth or wheel_teeth?"),
         (["check", "bench", "--set", "shafts.1.diameter_mm=3"], "Did you mean shafts.1.sections.1.diameter_mm?"),
-        (["dataset"], "Give one of info, check, features, export"),
+        (["dataset"], "Give one of info, check, export"),
         (["gears", "pair", "--torque", "50,100"], "Separate numbers by blanks: 50 100"),
         (["tradeoff", "minimal", "--error", "2"], "'2' is above 1, that is above 100 %; for 2 per cent write 2%"),
         (

@@ -53,9 +53,10 @@ import pandas
 from sklearn.ensemble import RandomForestClassifier
 
 rows = pandas.read_parquet("rows.parquet").set_index("run")
-features = pandas.read_parquet("features.parquet")     # made by: gearcase dataset features .
-wide = features.pivot(index="run", columns=["sensor", "axis"]).dropna(axis="columns")
-wide.columns = ["_".join(names) for names in wide.columns]
+features = pandas.read_parquet("features.parquet")     # made by: gearcase features .
+signals = ["sensor", "axis", "component", "feature"]
+wide = features.pivot(index="run", columns=signals, values="value").dropna(axis="columns")
+wide.columns = [" ".join(names) for names in wide.columns]
 table = rows.join(wide, how="inner")
 train, test = table[table.split == "train"], table[table.split == "test"]
 model = RandomForestClassifier(random_state=0).fit(train[wide.columns], train.label)

@@ -6,27 +6,7 @@ from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
 from pipelines.diagnosis.impacts import CLEAR
 from pipelines.diagnosis.verdict import ALARM, DIFFERENT, Evidence, Finding, Verdict, decibels
 from pipelines.io.grid import Grid
-
-NAMES = {
-    "difference_rms": "difference signal",
-    "fm4": "FM4",
-    "whitened_kurtosis": "kurtosis of the whitened average",
-    "whitened_contrast": "energy of one tooth, whitened",
-    "average_contrast": "energy of one tooth, whitened average",
-    "fm0": "FM0",
-    "sideband_ratio": "sideband ratio",
-    "envelope_orders": "envelope",
-    "tooth_contrast": "energy of one tooth",
-    "pass_order": "pass order in the envelope",
-    "pass_sidebands": "pass order and sidebands in the envelope",
-    "order_1": "1x",
-    "order_2": "2x",
-    "tsa_rms": "average",
-    "tsa_kurtosis": "kurtosis of the average",
-    "rms": "rms",
-    "crest_factor": "crest factor",
-    "kurtosis": "kurtosis",
-}
+from pipelines.signals.features.definitions import BY_NAME
 
 STRENGTH = "evidence / limit"  # heading
 EVIDENCE = (
@@ -65,8 +45,7 @@ def sentences(verdict: Verdict) -> tuple[str, ...]:
         found += [f"{one.component} has the same orders: {standing(one.evidence)}." for one in alike]
     if verdict.changes:
         named = [
-            f"{NAMES.get(one.feature, one.feature)} of {one.component} at {one.sensor} {one.axis} "
-            f"({decibels(one.increase)} dB)"
+            f"{BY_NAME[one.feature].words} of {one.component} at {one.sensor} {one.axis} ({decibels(one.increase)} dB)"
             for one in verdict.changes[:_NAMED]
         ]
         more = len(verdict.changes) - len(named)
@@ -86,7 +65,7 @@ def sentences(verdict: Verdict) -> tuple[str, ...]:
 def standing(evidence: Evidence) -> str:
     """Text with the evidence of a component and its limit."""
     count = len(evidence.features)
-    what = NAMES.get(evidence.features[0], evidence.features[0]) if count == 1 else f"mean of {count} features"
+    what = BY_NAME[evidence.features[0]].words if count == 1 else f"mean of {count} features"
     text = f"{what} at {evidence.sensor} {evidence.axis} is {decibels(evidence.increase)} dB"
     if evidence.limit is not None:
         text += f", {evidence.deviation:.1f} standard deviations (limit {evidence.limit:.1f})"

@@ -15,7 +15,8 @@ from pipelines.io.shown import shown
 
 LEAST_VALUES = 2  # fewer values are a setting, not a signal
 _NAME = re.compile(r"(?P<name>.*?)\s*[\[(](?P<units>[^\[\]()]*)[\])]\s*")
-_EXPORTED = re.compile(r"acceleration (?P<sensor>\S+) (?P<axis>[xyz])")
+_EXPORTED = re.compile(r"(?:journal_)?acceleration (?P<sensor>\S+) (?P<axis>[xyz])")
+SHAFT_ANGLE = "shaft_angle "  # start of the name of an exported angle, before the name of the shaft
 _MOMENT = re.compile(r"(\d{4})[-/](\d\d)[-/](\d\d)\D{1,12}(\d\d?):(\d\d):(\d\d)")
 _RATES = (  # without "rate", which can be the speed of a shaft
     "fs", "fshz", "sr", "ratehz", "samplerate", "samplingrate", "samplefreq", "samplingfreq", "samplefrequency",

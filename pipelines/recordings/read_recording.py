@@ -19,7 +19,7 @@ from xarray.core import indexing
 
 from pipelines.io.errors import InputError
 from pipelines.io.shown import nearest_name, shown
-from pipelines.recordings.channels import RecordedChannel, RecordedContents
+from pipelines.recordings.channels import SHAFT_ANGLE, RecordedChannel, RecordedContents
 from pipelines.recordings.checks import checked_extremes, clipped_share, is_silent, whole_numbers
 from pipelines.recordings.formats import damage_refused, format_of, memory_needed, open_channels
 from pipelines.recordings.hdf5 import holds_recording
@@ -64,7 +64,7 @@ def read_recording(source: str | Path, machine: MeasuredMachine) -> xarray.Datas
 def _response(path: Path) -> xarray.Dataset:
     """A file that is already in this form."""
     found = open_response(path)
-    if "acceleration" not in found:
+    if "acceleration" not in found and "journal_acceleration" not in found:
         found.close()
         raise InputError(f"{shown(path)}: holds no acceleration. Add sensors to the scene and run it again.")
     found.attrs["source"] = path.name
@@ -78,7 +78,8 @@ def _recording(contents: RecordedContents, machine: MeasuredMachine, path: Path,
     pulses = None if named is None else channel_of(contents, named, source)
     places = _places(contents, machine, [one for one in (clock, pulses) if one is not None], source)
     signals = [channel for axes in places.values() for channel in axes.values()]
-    used = [*signals, *([] if pulses is None else [pulses])]
+    angles = {} if named is not None or speed is not None else _shaft_angles(contents)
+    used = [*signals, *([] if pulses is None else [pulses]), *angles.values()]
     _check_lengths([*used, *([] if clock is None else [clock])], source)
     extremes = {channel.name: checked_extremes(channel, source) for channel in used}
     needed = [pulses] if pulses is not None and (tachometer is not None or np.isnan(extremes[pulses.name][0])) else []
@@ -104,12 +105,15 @@ def _recording(contents: RecordedContents, machine: MeasuredMachine, path: Path,
             if speed.rpm is not None
             else _variable((), pulses, 1.0 if speed.units == "Hz" else 1 / 60, known)
         )
+    if angles:
+        variables["shaft_angle"] = _variable(("shaft",), [*angles.values()], [1.0] * len(angles), {"units": "rad"})
     found = xarray.Dataset(
         variables,
         coords={
             "time": ("time", start + np.arange(used[0].size) / rate, {"units": "s"}),
             "sensor": list(places),
             "axis": axes,
+            **({"shaft": list(angles)} if angles else {}),
         },
         attrs={
             "source": path.name,
@@ -264,6 +268,12 @@ def _without_silent(
 
 def _silence(extremes: tuple[float, float]) -> str:
     return "holds no number" if np.isnan(extremes[0]) else f"is {extremes[0]:g} throughout"
+
+
+def _shaft_angles(contents: RecordedContents) -> dict[str, RecordedChannel]:
+    """Channels of shaft angles by shaft, as `gearcase export` names them."""
+    found = [one for one in contents.channels if one.name.startswith(SHAFT_ANGLE)]
+    return {one.name.removeprefix(SHAFT_ANGLE): one for one in found}
 
 
 def _check_lengths(channels: Sequence[RecordedChannel], source: str) -> None:

@@ -248,14 +248,17 @@ def machine_of(path: Path, machine: str | Path | None) -> tuple[MeasuredMachine,
     return read_machine(given), windows or None
 
 
-def read_features(path: Path, machine: MeasuredMachine, windows: Windows | None) -> RecordedFile:
+def read_features(
+    path: Path, machine: MeasuredMachine, windows: Windows | None, noise: float | None = None
+) -> RecordedFile:
     """The features of a recorded file.
 
     Parameters
     ----------
     path : of the recording
     machine : of the recording
-    windows : to evaluate; the whole recording if None
+    windows : to evaluate, to the end of the recording where the end is infinite; the whole recording if None
+    noise : rms (m/s2) of the noise that is added, for all features; None: that which a run states, for a diagnosis
 
     Raises
     ------
@@ -268,10 +271,14 @@ def read_features(path: Path, machine: MeasuredMachine, windows: Windows | None)
     from pipelines.signals.orders.rotation import RotationError
     from pipelines.signals.orders.rotation_of import rotation_of
 
-    settings = FeatureSettings(kinematics=machine.kinematics, windows=windows or {})
     with read_recording(path, machine) as recording:
         warnings, time = tuple(stored_warnings(recording.attrs).values()), recording.time.values
-        for name, (start, end) in (windows or {}).items():
+        windows = {
+            name: (start, min(end, time[-1] if end == math.inf else end))
+            for name, (start, end) in (windows or {}).items()
+        }
+        settings = FeatureSettings(kinematics=machine.kinematics, windows=windows, complete=noise is not None)
+        for name, (start, end) in windows.items():
             if start >= end:
                 raise InputError(
                     f"{shown(path)}: {name} from {start:g} to {end:g} s must end after its start. Set a "
@@ -284,6 +291,8 @@ def read_features(path: Path, machine: MeasuredMachine, windows: Windows | None)
                 )
         try:
             rotation = rotation_of(recording, machine.kinematics)
+            if noise is not None:  # without seed and load, so that it depends on the signals only
+                recording = recording.drop_attrs(deep=False).assign_attrs(sensor_noise_m_s2=noise)
             table = run_features(recording, settings, rotation)
             spans = windows or {"whole": (float(time[0]), float(time[-1]))}
             found, begin = levels(recording, spans), recording.attrs.get("begin")
@@ -397,9 +406,11 @@ def courses_of(found: Sequence[JudgedFile]) -> list[Course]:
 
 def file_facts(found: JudgedFile) -> dict[str, Any]:
     """The verdict (None without healthy recordings), and every feature as the mean over the channels."""
+    from pipelines.signals.features.definitions import BY_NAME
+
     table = found.recorded.table
     features = [
-        {"component": component, "feature": feature, "value": float(value)}
+        {"component": component, "feature": feature, "unit": BY_NAME[feature].unit, "value": float(value)}
         for (component, feature), value in zip(table.lines, mean_features(table), strict=True)
     ]
     return {
@@ -426,12 +437,12 @@ def mean_features(table: FeatureTable) -> np.ndarray:
 
 def features_grid(table: FeatureTable) -> Grid:
     """Table with a row for each component and feature, as the mean over the channels."""
-    from pipelines.diagnosis.words import NAMES
+    from pipelines.signals.features.definitions import BY_NAME
 
     rows = [
         {
             "component": component,
-            "feature": NAMES.get(feature, feature),
+            "feature": BY_NAME[feature].words,
             "value": f"{mean:.3g}",
             "dB": f"{20 * math.log10(mean):.1f}",
         }

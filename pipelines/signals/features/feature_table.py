@@ -27,11 +27,11 @@ from pipelines.signals.features.envelope_features import (
 )
 from pipelines.signals.features.passing import pass_levels
 from pipelines.signals.features.statistics import kurtosis, statistics
-from pipelines.signals.features.synchronous import synchronous
+from pipelines.signals.features.synchronous import meshing, synchronous
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.features.turns import Turns, cut_turns
 from pipelines.signals.orders.kinematics import GUARD_ORDER, Kinematics, Shaft
-from pipelines.signals.orders.revolutions import HIGHEST
+from pipelines.signals.orders.revolutions import HIGHEST, within
 from pipelines.signals.orders.rotation import Rotation
 from pipelines.signals.orders.whitening import banded
 
@@ -42,11 +42,12 @@ Lines = dict[tuple[str, str], np.ndarray]  # (component, feature) -> (channel,)
 
 OF_SIGNAL = ("rms", "crest_factor", "kurtosis")
 OF_SHAFT = {"order_1": 1, "order_2": 2}
+OF_AVERAGE = ("tsa_rms", "tsa_peak_to_peak", "tsa_kurtosis")
 OF_PLAIN_SHAFT = ("tsa_rms", "tsa_kurtosis", "envelope_orders")  # of a shaft without known gears
 OF_GEAR = ("difference_rms", "fm4", "envelope_orders", "whitened_kurtosis")  # of its shaft
 CONTRASTS = ("tooth_contrast", "whitened_contrast", "average_contrast")
 OF_WHITENED = ("whitened_kurtosis", *CONTRASTS[1:])
-OF_STAGE = ("fm0", "sideband_ratio")  # of its mesh
+OF_MESH = ("fm0", "sideband_ratio")
 QUARTER = 0.25  # turns, largest uncertainty of the angle over the window for averages over turns
 WHITE = 0.25  # of the lowest mesh order of a shaft: width of whitening
 
@@ -60,6 +61,7 @@ def feature_table(
     kinematics: Kinematics,
     rotation: Rotation,
     windows: Mapping[str, tuple[float, float]] | None = None,
+    complete: bool = False,
 ) -> FeatureTable:
     """Features of a recording.
 
@@ -69,6 +71,7 @@ def feature_table(
     kinematics : of the machine
     rotation : angle of its first shaft at the same samples
     windows : name -> start and end (s); the whole recording if None
+    complete : all features of `definitions`; otherwise those that are evidence in a diagnosis
 
     Raises
     ------
@@ -92,7 +95,7 @@ def feature_table(
                 f"{name}: {window[0]:g} to {window[1]:g} s is outside the recording, which lasts from {time[0]:g} to "
                 f"{time[-1]:g} s. Set a window within it."
             )
-        inside = slice(np.searchsorted(time, window[0]), np.searchsorted(time, window[1], side="right"))
+        inside = within(time, window)
         known = {shaft.name for shaft in kinematics.shafts} - rotation.conditional.keys()
         cuts = {shaft: cut_turns(signal, time, rotation, shaft.ratio, window) for shaft in kinematics.shafts}
         turning = [(shaft, cut) for shaft, cut in cuts.items() if cut is not None and cut.count >= FEWEST_TURNS]
@@ -113,9 +116,9 @@ def feature_table(
         speeds.append(turning[0][1].frequency / turning[0][0].ratio)
         bands[name] = envelope_band(kinematics, time, speeds[-1])
         whole = statistics(signal[:, inside])
-        found: Lines = {(WHOLE, feature): whole[feature] for feature in OF_SIGNAL}
+        found: Lines = {(WHOLE, name): value for name, value in whole.items() if complete or name in OF_SIGNAL}
         for shaft, cut in turning:
-            lines, own, marks = _shaft_lines(cut, bands[name], shaft, kinematics, rotation)
+            lines, own, marks = _shaft_lines(cut, bands[name], shaft, kinematics, rotation, complete)
             if rotation.error * cut.count > QUARTER:  # no averages over turns, and pass orders allow slip
                 strikes = {strike for bearing in kinematics.bearings for strike in bearing.strikes}
                 lines, marks = {line: value for line, value in lines.items() if line[0] in strikes}, {}
@@ -192,7 +195,7 @@ def envelope_band(kinematics: Kinematics, time: np.ndarray, frequency: float) ->
 
 
 def _shaft_lines(
-    cut: Turns, band: tuple[float, float], shaft: Shaft, kinematics: Kinematics, rotation: Rotation
+    cut: Turns, band: tuple[float, float], shaft: Shaft, kinematics: Kinematics, rotation: Rotation, complete: bool
 ) -> tuple[Lines, Lines, dict[str, int]]:
     """Features of a shaft, its gears and bearings, power and share that repeat, and the marked tooth of each gear."""
     gears = kinematics.gears_on(shaft.name)
@@ -210,12 +213,18 @@ def _shaft_lines(
     lines: Lines = {(shaft.name, name): cut.order(order) for name, order in OF_SHAFT.items()}
     if not gears:
         lines |= {(shaft.name, name): found[name] for name in OF_PLAIN_SHAFT}
+    if complete:
+        lines |= {(shaft.name, name): found[name] for name in OF_AVERAGE}
     squares = envelope, np.abs(white) ** 2, np.abs(white.mean(axis=1, keepdims=True)) ** 2
     marks = {}
     for gear in gears:
         energies = {name: tooth_energies(one, gear.teeth) for name, one in zip(CONTRASTS, squares, strict=True)}
+        of_mesh = meshing(averaged, gear.teeth)
         lines |= {(gear.name, name): found[name] for name in OF_GEAR}
-        lines |= {(gear.name, name): found[f"stage_{gear.stage}_{name}"] for name in OF_STAGE}
+        lines |= {(gear.name, name): of_mesh[name] for name in OF_MESH}
+        if complete:
+            lines |= {(gear.name, name): value for name, value in of_mesh.items()}
+            lines[gear.name, "residual_rms"] = found["residual_rms"]
         lines |= {(gear.name, name): tooth_contrast(one) for name, one in energies.items()}
         place = impact_place(tooth_energies(squares[2], FINE * gear.teeth), cut.backwards)
         marks[gear.name] = round(place + gear.cycle) % gear.teeth  # at the pitch point when the impact begins

@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import fft
 
+_ROUNDING = 1e-3  # lines: an end at a line includes it, also if the times of a file are rounded
 _LEAST = 1e-20  # of the total power; parts of the band with less are not amplified
 
 
@@ -30,7 +31,7 @@ def banded(signal: np.ndarray, share: tuple[float, float], width: float) -> tupl
     width : width of the range of lines for the rms amplitude, relative to the sampling rate
     """
     size = signal.shape[-1]
-    first, last = (int(np.ceil(end * size)) for end in share)
+    first, last = (int(np.ceil(end * size - _ROUNDING)) for end in share)
     lines = 2.0 * fft.rfft(signal, axis=-1)[..., first:last]
     total = np.zeros((*signal.shape[:-1], last - first + 1))
     np.cumsum(lines.real**2 + lines.imag**2, axis=-1, out=total[..., 1:])

@@ -1,4 +1,4 @@
-"""Feature tables of the runs of a campaign, one row for each run and noise; interrupted work is resumed.
+"""Feature tables of the runs of a data set, one row for each run and noise; interrupted work is resumed.
 
 The noise is added to the stored signals. Another noise therefore needs no simulation.
 """
@@ -30,8 +30,15 @@ if TYPE_CHECKING:
 TABLES = "feature_tables"
 
 
-def table_job(folder: Path, run: int, settings: FeatureSettings, noise: float, checksums: Mapping[str, Any]) -> RowJob:
-    """The task to compute the features of a run of a campaign.
+def table_job(
+    folder: Path,
+    run: int,
+    settings: FeatureSettings,
+    noise: float,
+    checksums: Mapping[str, Any],
+    rows: str = "",
+) -> RowJob:
+    """The task to compute the features of a run.
 
     Parameters
     ----------
@@ -39,13 +46,14 @@ def table_job(folder: Path, run: int, settings: FeatureSettings, noise: float, c
     settings : of the features
     noise : rms of the added sensor noise, m/s2
     checksums : of the stored signals, on which the features depend
+    rows : folder of the rows; by default one for each noise
     """
     windows = {name: list(window) for name, window in settings.windows.items()}
     code = code_version("pipelines.diagnosis.simulated")
     return RowJob(
         folder=folder,
         run=run,
-        rows=f"{TABLES}/{noise:g}",
+        rows=rows or f"{TABLES}/{noise:g}",
         made_of={"code": code, "windows": windows, "noise_m_s2": noise, "checksums": dict(checksums)},
         computed=partial(_computed, folder, run, settings, noise),
     )
@@ -79,7 +87,7 @@ def make_tables(
     """
     compute_rows(jobs, executor, on_progress)
     rows = [read_row(job.folder, job.run, job.rows) for job in jobs]
-    found = [_table(row["table"]) for row in rows]
+    found = [stored_table(row["table"]) for row in rows]
     if rows and all(table is None for table in found):
         raise InputError(f"no run has features. The first: {rows[0]['failure']}")
     return found
@@ -105,7 +113,8 @@ def _plain(table: FeatureTable) -> dict[str, Any]:
     return {name: value.tolist() if isinstance(value, np.ndarray) else list(value) for name, value in values.items()}
 
 
-def _table(plain: Mapping[str, Any] | None) -> FeatureTable | None:
+def stored_table(plain: Mapping[str, Any] | None) -> FeatureTable | None:
+    """The table of a row; None if the run has none."""
     if plain is None:
         return None
     fields = dict(plain) | {"value": np.reshape(plain["value"], (len(plain["sensor"]), len(plain["component"])))}
