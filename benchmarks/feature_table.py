@@ -8,7 +8,7 @@ from typing import Any
 
 from benchmarks.markdown import markdown
 from pipelines.datasets.population import SPREADS
-from pipelines.datasets.varied import distribution
+from pipelines.datasets.variables_grid import distribution
 from pipelines.signals.features.definitions import DEFINITIONS
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "features.md"

@@ -1,4 +1,4 @@
-"""Mesh stiffness of the gear pairs."""
+"""`gearcase.laws`: the mesh laws of all gear pairs of a scene, with their curves of stiffness."""
 
 from __future__ import annotations
 

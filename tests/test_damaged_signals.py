@@ -8,7 +8,7 @@ import pytest
 from measured import RATE, machine, signals
 
 from fem.casing.imported.body import ForeignError
-from fem.casing.imported.files import read_matrices
+from fem.casing.imported.matrix_files import read_matrices
 from mbd.output.trajectory import Trajectory
 from mbd.parts import channels
 from pipelines.cli.main import main

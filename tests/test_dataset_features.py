@@ -16,10 +16,10 @@ from pipelines.datasets.features import FEATURE_ROWS, FEATURES, FeatureSource, w
 from pipelines.datasets.rows import read_row, row_path, write_row
 from pipelines.io.errors import InputError
 from pipelines.signals.features.average import FEWEST_TURNS, average
+from pipelines.signals.features.average_features import meshing
+from pipelines.signals.features.average_features import synchronous as features_of_average
 from pipelines.signals.features.definitions import BY_NAME
 from pipelines.signals.features.statistics import statistics
-from pipelines.signals.features.synchronous import meshing
-from pipelines.signals.features.synchronous import synchronous as features_of_average
 from pipelines.signals.features.turns import cut_turns
 from pipelines.signals.orders.rotation import Rotation
 

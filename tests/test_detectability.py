@@ -16,7 +16,7 @@ from pipelines.datasets.scenes import sampled_scenes, scene_of
 from pipelines.diagnosis.deviation_statistics import LEAST_SPREAD, limit, moderated
 from pipelines.diagnosis.simulated import FeatureSettings
 from pipelines.diagnosis.verdict import ALARM, judge
-from pipelines.diagnosis.words import sentences
+from pipelines.diagnosis.verdict_words import sentences
 from pipelines.io.errors import InputError
 from pipelines.machine.checks.validity import checked_plant
 from pipelines.scene.file import load_scene

@@ -9,7 +9,7 @@ from mbd.integrators.methods import make_integrator
 from mbd.integrators.settings import Settings
 from mbd.output.repeatability import other_start
 from mbd.output.simulate import simulate
-from mbd.parts.drive import SpeedProfile
+from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 from pipelines.cli.main import main

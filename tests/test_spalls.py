@@ -11,8 +11,8 @@ from mesh_laws import potential_errors
 
 from benchmarks.gear_pairs import gear_pair
 from benchmarks.solid_contact import solve
-from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import LawEvaluator
+from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.faults.changed_law import damaged_law
 from fem.contact.faults.pitted_tooth import PittedTooth
 from fem.contact.faults.spalled_tooth import SpalledTooth

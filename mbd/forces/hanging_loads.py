@@ -12,9 +12,9 @@ import numpy as np
 from fem.named_classes import named_class
 from fem.options import option
 from mbd.parts.checks import MachineError, Options
-from mbd.parts.drive import SpeedProfile
 from mbd.parts.load import Load, StaticTorque
 from mbd.parts.machine import STANDARD_GRAVITY
+from mbd.parts.speed_drive import SpeedProfile
 
 LOADS = {
     "static-torque": ("mbd.forces.hanging_loads", "StaticTorqueLoad"),
@@ -138,7 +138,7 @@ class RopeLoad(HangingLoad):
         return self._on_ropes(Rope, shaft, drums)
 
     def _on_ropes(self, kind: Any, shaft: str, drums: tuple[float, ...], **others: Any) -> Load:
-        from mbd.forces.ground import Ground
+        from mbd.forces.container_ground import Ground
 
         if self.container_mass == 0:
             return _weight(self, shaft, drums)

@@ -20,7 +20,7 @@ import numpy as np
 from mbd.integrators.base import Block, Integrator
 from mbd.output.recorder import Recorder, low_pass
 from mbd.parts.checks import StepError
-from mbd.parts.drive import SpeedProfile
+from mbd.parts.speed_drive import SpeedProfile
 
 logger = logging.getLogger(__name__)
 

@@ -18,7 +18,7 @@ from fem.options import check_options
 from mbd.elements.component import Component, Place
 from mbd.elements.coordinates import Coordinates
 from mbd.parts.checks import MachineError
-from mbd.parts.drive import SpeedProfile
+from mbd.parts.speed_drive import SpeedProfile
 
 ROPE_FORCE = "rope:force"  # N, of all falls; for a swinging container the vertical component
 CONTAINER = ("container:lift", "container:acceleration")  # m, from the position at t = 0; m/s2

@@ -15,7 +15,7 @@ import numpy as np
 from pipelines.datasets.labels import COLUMNS
 from pipelines.datasets.rows import DONE, FAILED
 from pipelines.datasets.summary import Summary, plan_texts, summarised, words
-from pipelines.datasets.varied import design_words, varied_grid
+from pipelines.datasets.variables_grid import design_words, varied_grid
 from pipelines.io.errors import SceneError
 from pipelines.io.grid import Grid
 from pipelines.io.user_files import write_whole

@@ -1,6 +1,6 @@
 """Known damage in several cases: in how many of them the diagnosis finds it, and its evidence.
 
-`sentences` words the first sentence of a report if damage is known, `pipelines.diagnosis.words` if none is known.
+`sentences` words the first sentence of a report if damage is known, else `pipelines.diagnosis.verdict_words`.
 
 A case is a window of a run with a load and a set of deviations. The diagnosis does not use the known damage. Damage is
 found if the damaged component exceeds its limit and no undamaged component has stronger evidence. Two equal bearings on
@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from pipelines.diagnosis import words
+from pipelines.diagnosis import verdict_words
 from pipelines.diagnosis.verdict import Finding, Verdict, decibels
 from pipelines.io.grid import Grid
 from pipelines.signals.lines import LOADS
@@ -54,15 +54,17 @@ def found(case: Case, damage: Damage, damages: Sequence[Damage]) -> Finding | No
     """
     others = {other.component for other in damages} - {damage.component}
     ranked = [one for one in case.verdict.findings if one.component not in others]
-    strongest = words.ratio(ranked[0].evidence)
+    strongest = verdict_words.ratio(ranked[0].evidence)
     own = (one for one in ranked if one.component == damage.component and one.damaged)
-    return next((one for one in own if words.ratio(one.evidence) == strongest), None)
+    return next((one for one in own if verdict_words.ratio(one.evidence) == strongest), None)
 
 
 def _tied(verdict: Verdict, one: Finding) -> list[str]:
     """Components with the same orders and the same evidence as a finding."""
     others = (other for other in verdict.findings if other.component in one.alike)
-    return [other.component for other in others if words.ratio(other.evidence) == words.ratio(one.evidence)]
+    return [
+        other.component for other in others if verdict_words.ratio(other.evidence) == verdict_words.ratio(one.evidence)
+    ]
 
 
 def any_found(cases: Sequence[Case], damages: Sequence[Damage]) -> bool | None:
@@ -79,7 +81,7 @@ def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
     if not damages:
         count = sum(bool(case.verdict.damaged) for case in cases)
         answer = f"Damage is found in {count or 'none'} of {len(cases)} case{'s' if len(cases) > 1 else ''}."
-        return [*([answer] if len(cases) > 1 else []), *words.sentences(cases[0].verdict)]
+        return [*([answer] if len(cases) > 1 else []), *verdict_words.sentences(cases[0].verdict)]
     answers, evidence = [], []
     for damage in damages:
         findings = [(case, one) for case in cases if (one := found(case, damage, damages)) is not None]
@@ -88,15 +90,15 @@ def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
             answer = "found" if findings else "not found"
         answers.append(f"{damage.words[0].upper()}{damage.words[1:]}: {answer}.")
         if findings:
-            case, one = min(findings, key=lambda pair: words.ratio(pair[1].evidence))
+            case, one = min(findings, key=lambda pair: verdict_words.ratio(pair[1].evidence))
             weakest = "Weakest evidence" if len(findings) > 1 else "Evidence"
-            evidence.append(f"{weakest} ({case.name}): {words.standing(one.evidence)}.")
+            evidence.append(f"{weakest} ({case.name}): {verdict_words.standing(one.evidence)}.")
             evidence += [f"{other} has the same evidence." for other in _tied(case.verdict, one)]
         if damage.tooth is not None and findings:
             highest = sum(one.tooth == damage.tooth for _, one in findings)
             where = "" if highest == len(cases) == 1 else f" in {highest} of {len(findings)}"
             evidence.append(f"The impact begins at tooth {damage.tooth}{where}.")
-    return [" ".join(answers), *evidence, *words.compared(cases[0].verdict)]
+    return [" ".join(answers), *evidence, *verdict_words.compared(cases[0].verdict)]
 
 
 def cases_grid(cases: Sequence[Case], damages: Sequence[Damage]) -> Grid:
@@ -114,10 +116,10 @@ def cases_grid(cases: Sequence[Case], damages: Sequence[Damage]) -> Grid:
             answer = "found" if found(case, damage, damages) is not None else "not found"
             channel = f"{one.evidence.sensor} {one.evidence.axis}"
             tooth = "" if one.tooth is None else str(one.tooth)
-            strength = words.strength(one.evidence)
+            strength = verdict_words.strength(one.evidence)
             rows.append((*start, answer, decibels(one.evidence.increase), strength, channel, str(place + 1), tooth))
     known = ("load", "deviations", "window", "damaged", "answer")
-    head = (*known, "increase dB", words.STRENGTH, "channel", "rank", "tooth")
+    head = (*known, "increase dB", verdict_words.STRENGTH, "channel", "rank", "tooth")
     return Grid(title="Known damage, not used for the diagnosis", headers=head, rows=tuple(rows))
 
 
@@ -126,5 +128,9 @@ def text(cases: Sequence[Case], damages: Sequence[Damage]) -> str:
     first = cases[0]
     parts = [" ".join(sentences(cases, damages))]
     parts += [cases_grid(cases, damages).to_text().rstrip()] if damages else []
-    parts += [f"{first.name}:", words.ranking_grid(first.verdict).to_text().rstrip(), words.note(first.verdict)]
+    parts += [
+        f"{first.name}:",
+        verdict_words.ranking_grid(first.verdict).to_text().rstrip(),
+        verdict_words.note(first.verdict),
+    ]
     return "\n\n".join(parts) + "\n"

@@ -17,7 +17,7 @@ import numpy as np
 from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P, LEAST_SPREAD, limit, moderated
 from pipelines.diagnosis.impacts import CLEAR, Impacts
 from pipelines.diagnosis.verdict import DIFFERENT, Verdict
-from pipelines.diagnosis.words import STRENGTH, ratio
+from pipelines.diagnosis.verdict_words import STRENGTH, ratio
 from pipelines.io.grid import Grid
 from pipelines.signals.levels import ChannelLevel
 

@@ -8,6 +8,8 @@ The diagnosis does not use the known faults of a simulation. It answers two ques
 - Damaged (one-sided): the evidence of a component, the mean deviation of its features, is high. At most ALARM of
   healthy machines have such evidence for any of their components.
 
+`pipelines.diagnosis.verdict_words` words the answers.
+
 Damage of a gear repeats with its shaft, impacts of a bearing do not. But an average over N revolutions retains 1/N of
 their power, and they raise all features of gears. Let A be the power of the average, n the part of it that does not
 repeat with the shaft, and n_h the largest n of the healthy recordings. The evidence of a gear counts by

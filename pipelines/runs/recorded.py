@@ -335,7 +335,7 @@ def _turning(rotation: Rotation, time: np.ndarray, kinematics: Kinematics, windo
 def file_words(found: JudgedFile) -> str:
     """Verdict and speed as text; without healthy recordings the features."""
     from pipelines.diagnosis.impacts import impact_words
-    from pipelines.diagnosis.words import text
+    from pipelines.diagnosis.verdict_words import text
     from pipelines.signals.levels import level_grid
 
     parts = [found.recorded.turning, *(f"Warning: {warning}" for warning in found.recorded.warnings)]
@@ -353,7 +353,7 @@ def file_words(found: JudgedFile) -> str:
 def files_grid(names: Sequence[str], found: Sequence[JudgedFile]) -> Grid:
     """Table of recordings that were judged in the same way: name, speed, level, answer and strongest evidence."""
     from pipelines.diagnosis.impacts import CLEAR
-    from pipelines.diagnosis.words import STRENGTH, answer, strength
+    from pipelines.diagnosis.verdict_words import STRENGTH, answer, strength
     from pipelines.signals.features.table import WHOLE
 
     rows: list[dict[str, str]] = []

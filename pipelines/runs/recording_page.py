@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from pipelines.diagnosis import words
+from pipelines.diagnosis import verdict_words
 from pipelines.diagnosis.comparison.compared_recording import (
     Channel,
     ComparedRecording,
@@ -49,7 +49,7 @@ def write_recording_page(path: Path, judged: JudgedFile, recorded: Sequence[Comp
     FeatureError : too few revolutions for spectra
     """
     verdict, own, title = judged.verdict, judged.recorded, f"Diagnosis of {recorded[-1].name}"
-    answer = (impact_words(judged.impacts),) if verdict is None else words.sentences(verdict)
+    answer = (impact_words(judged.impacts),) if verdict is None else verdict_words.sentences(verdict)
     damaged = any(one.clear for one in judged.impacts) or None if verdict is None else verdict.damaged
     style = "open" if damaged is None else "fault" if damaged else "none"
     sentences = "".join(map(page.paragraph, answer))
@@ -60,7 +60,7 @@ def write_recording_page(path: Path, judged: JudgedFile, recorded: Sequence[Comp
         page.paragraph(own.turning),
     ]
     if verdict is not None:
-        body.append(page.table(words.ranking_grid(verdict)) + page.note(words.note(verdict)))
+        body.append(page.table(verdict_words.ranking_grid(verdict)) + page.note(verdict_words.note(verdict)))
     body.append(page.section("Spectra and averages", _figures(judged, recorded), opened=True))
     if own.levels:
         body.append(page.section("Levels", [page.table(level_grid(own.levels))]))

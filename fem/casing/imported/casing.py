@@ -14,7 +14,7 @@ import scipy.sparse as sp
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.imported.body import ForeignBody, ForeignError
 from fem.casing.imported.checks import ForeignCheck, check_foreign, rigid_motion
-from fem.casing.imported.files import MatrixFiles, read_body
+from fem.casing.imported.matrix_files import MatrixFiles, read_body
 from fem.casing.imported.reduce import Point, ReducedForeign, reduce_foreign
 from fem.casing.parts.feet import clamped_reactions, foot_sums
 from fem.casing.parts.names import Attachment

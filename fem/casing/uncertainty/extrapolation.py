@@ -3,7 +3,7 @@
 Displacement elements are too stiff. The lowest modes on coarser meshes, with elements 1.3 and 1.7 times as large, are
 paired by their shapes. They give the extrapolated frequency and uncertainty band of every mode
 (`fem.casing.uncertainty.limits_by_element`). For cubic elements the modes of quadratic ones on the same mesh are used
-(`fem.casing.uncertainty.cubic_limits`).
+(`fem.casing.uncertainty.cubic_limits`). The formula is in `fem.casing.uncertainty.frequency_limits`.
 
 The error of thin walls and sharp edges is nearly the same for all modes. One factor, from the mean relative difference
 m of frequencies and extrapolated frequencies, therefore corrects all of the stiffness: K = (1 - m)^2 K(h); mass and

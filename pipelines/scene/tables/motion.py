@@ -12,7 +12,7 @@ from mbd.forces.speed_controller import SpeedController
 from mbd.integrators.settings import MotionSettings
 from pipelines.scene.tables.base import Number, Table, Whole
 from pipelines.scene.tables.derived import DerivedTable, choice, table
-from pipelines.scene.tables.samples import ColumnTable, Samples, check_pairs
+from pipelines.scene.tables.series import ColumnTable, Samples, check_pairs
 from pipelines.scene.tables.torques import SomewhereTable, TorqueCurve
 
 Motors = Annotated[Literal[1, 2], Field(description="2: one motor at each end of the shaft; 1: one motor")]

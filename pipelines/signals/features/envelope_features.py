@@ -1,5 +1,7 @@
 """Features of the squared envelope over the turns of a shaft: its orders, and the energy of every tooth.
 
+The envelope spectrum of the diagnosis is `pipelines.signals.spectrum.envelope_spectrum`.
+
 References
 ----------
 McFadden (1986), J. Vib. Acoust. 108(2), 165-170 (a damaged tooth modulates the mesh once a turn); Ho & Randall (2000),

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipelines.signals.features.average import FEWEST_TURNS, average, average_power
+from pipelines.signals.features.average_features import meshing, synchronous
 from pipelines.signals.features.envelope_features import (
     FINE,
     envelope_orders,
@@ -27,7 +28,6 @@ from pipelines.signals.features.envelope_features import (
 )
 from pipelines.signals.features.passing import pass_levels
 from pipelines.signals.features.statistics import kurtosis, statistics
-from pipelines.signals.features.synchronous import meshing, synchronous
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.features.turns import Turns, cut_turns
 from pipelines.signals.orders.kinematics import GUARD_ORDER, Kinematics, Shaft

@@ -1,4 +1,4 @@
-"""Table of the variables of a data set: distribution, the keys of the scene they set, and values of the runs."""
+"""Printed table of the variables of a data set: distribution, keys of the scene that they set, values of the runs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Features of the time-synchronous average of a shaft and of its gears, see `definitions`."""
+"""Features of the time-synchronous average (`pipelines.signals.features.average`) of a shaft and of its gears.
+
+Their formulae are in `pipelines.signals.features.definitions`.
+"""
 
 from __future__ import annotations
 
