@@ -5,7 +5,8 @@ Let m be the mean of n healthy levels (dB) and s their standard deviation. The d
     t = (x - m) / (s~ sqrt(1 + 1/n)),   s~^2 = (d0 s0^2 + d s^2) / (d0 + d),   d = n - 1.
 
 s0 is the common standard deviation of all levels of one kind. Its weight d0 is the larger, the less the standard
-deviations of a kind differ (Smyth 2004). The false-alarm rates are in `pipelines.diagnosis.verdict`. Channels of one machine are not independent, so d0 is at most d.
+deviations of a kind differ (Smyth 2004). Channels of one machine are not independent, so d0 is at most d.
+The false-alarm rates are in `pipelines.diagnosis.verdict`.
 
 Levels depend on load and speed, and the load changes the speed of a motor. If a linear regression over the speed
 predicts the levels of omitted recordings better than their mean does, the levels are predicted for the speed of the new
