@@ -25,7 +25,7 @@ from fem.casing.uncertainty.draws import CasingDraws, drawn_frequencies, near_mo
 from fem.casing.uncertainty.modal_form import ModalForm, modal_form
 from mbd.output.trajectory import Trajectory
 from pipelines.diagnosis.control_diagnosis import Diagnosis, diagnose
-from pipelines.diagnosis.uncertainty.line_bars import LineBars
+from pipelines.diagnosis.uncertainty.bar_records import LineBars
 from pipelines.diagnosis.uncertainty.uncertain import uncertain
 from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph, Step

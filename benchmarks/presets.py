@@ -18,9 +18,9 @@ from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import Work
 from pipelines.scene.file import LoadedScene, changed, load_scene
 from pipelines.scene.presets import PRESETS, preset_settings
+from pipelines.studies.trade.measured_variants import Measured, measure
 from pipelines.studies.trade.probes import PROBES
 from pipelines.studies.trade.tradeoff import differences
-from pipelines.studies.trade.variants import Measured, measure
 
 SCENE, REFERENCE = "rig-missing-tooth", PRESETS[-1]
 COMPILED = ("minimal", "--set", "stages.1.mesh.model=solid", "--set", "simulation.end_s=0.05",

@@ -9,7 +9,7 @@ from gearcase.argument_checks import checked_file, checked_recording, checked_si
 from gearcase.progress import ProgressFunction
 from gearcase.scenes import Scene, Settings, loaded_scene
 from pipelines.diagnosis.control_diagnosis import Diagnosis
-from pipelines.diagnosis.uncertainty.line_bars import LineBars
+from pipelines.diagnosis.uncertainty.bar_records import LineBars
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError, WorkError
 from pipelines.runs.diagnosed import diagnose_folder, folder_bars

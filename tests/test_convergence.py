@@ -20,6 +20,7 @@ from pipelines.scene.tables.casing import ElasticBase
 from pipelines.scene.tables.housing import MatricesHousingTable
 from pipelines.studies.trade.axes import AXES, AxisError
 from pipelines.studies.trade.convergence import CAUTION, ConvergenceError, study
+from pipelines.studies.trade.measured_variants import Measured
 from pipelines.studies.trade.probes import Value
 from pipelines.studies.trade.refinement import RefinementStudy, modes_of_common_order, refine, unpaired_modes
 from pipelines.studies.trade.refinement_page import (
@@ -32,7 +33,6 @@ from pipelines.studies.trade.refinement_page import (
     tone_and_distance,
     verdict,
 )
-from pipelines.studies.trade.variants import Measured
 
 
 @given(

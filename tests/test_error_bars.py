@@ -19,8 +19,8 @@ from fem.casing.uncertainty.frequency_limits import FrequencyLimits
 from fem.casing.uncertainty.modal_form import ModalForm, modal_form
 from mbd.system.blocked_forces import MachineAtSeats
 from pipelines.diagnosis.control_diagnosis import diagnose
+from pipelines.diagnosis.uncertainty.bar_records import Band, LineBar, LineBars
 from pipelines.diagnosis.uncertainty.casing_changes import CasingPath
-from pipelines.diagnosis.uncertainty.line_bars import Band, LineBar, LineBars
 from pipelines.diagnosis.uncertainty.sampled_bars import line_bars
 from pipelines.diagnosis.uncertainty.uncertain import Uncertain, uncertain
 from pipelines.diagnosis.uncertainty.words import bars_words

@@ -11,8 +11,8 @@ from fem.elements.solids import assemble
 from fem.numerics import blas
 from fem.numerics.elimination import plan_elimination
 from fem.numerics.multifrontal import Cholesky, NearlySingularError, NotDefiniteError, count_negative
+from fem.numerics.side_by_side import side_by_side
 from fem.numerics.sparse_product import product
-from fem.numerics.threads import side_by_side
 
 STEEL = {"elastic_modulus": 2.0e11, "poisson_ratio": 0.3, "density": 7800.0}
 

@@ -11,7 +11,7 @@ import gearcase
 from fem.storage import shown_html
 from fem.storage.records import Record, array, integer, names, scalar, text
 from fem.storage.stored_array import StoredArray
-from pipelines.diagnosis.uncertainty.line_bars import Band, LineBar, LineBars
+from pipelines.diagnosis.uncertainty.bar_records import Band, LineBar, LineBars
 from pipelines.diagnosis.verdict import Evidence, Finding, Verdict
 
 

@@ -7,8 +7,8 @@ import pytest
 from scipy import sparse
 
 from benchmarks.gear_pairs import gear
-from fem.contact.wheels.cut_functions import CutFunctions
 from fem.contact.wheels.ring import flank_compliance
+from fem.contact.wheels.sector_face_functions import CutFunctions
 from fem.contact.wheels.solid_ring import sector_prism, solid_flank
 from fem.elements.dissection import Dissection
 from fem.elements.nested_condensation import INNER, TIED, CondensationError

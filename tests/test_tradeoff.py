@@ -17,10 +17,10 @@ from pipelines.scene.presets import LEVELS, PRESETS, load_asked, preset_on, repl
 from pipelines.studies.trade import choices as choices_module
 from pipelines.studies.trade import tradeoff
 from pipelines.studies.trade.choices import choices
+from pipelines.studies.trade.measured_variants import Measured, step_costs
 from pipelines.studies.trade.probes import DECIBEL, Value
 from pipelines.studies.trade.tradeoff import differences, trade
 from pipelines.studies.trade.tradeoff_page import answers, trade_figure, trade_table
-from pipelines.studies.trade.variants import Measured, step_costs
 
 SHORT = {
     "simulation.end_s": 0.15,

@@ -15,7 +15,7 @@ from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.models.solid import Solid
 from fem.contact.models.solid_condensation import condense
 from fem.contact.models.solid_stress import stress_field
-from fem.contact.wheels.cut_functions import CutFunctions, piecewise
+from fem.contact.wheels.sector_face_functions import CutFunctions, piecewise
 from fem.contact.wheels.solid_ring import sector_prism, solid_flank
 from fem.contact.wheels.webs import axial_ends, web_ends
 from fem.elements.nested_condensation import INNER

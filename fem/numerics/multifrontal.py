@@ -25,7 +25,7 @@ import scipy.sparse as sp
 from fem.numerics import blas
 from fem.numerics.compiled import stored
 from fem.numerics.elimination import Elimination, rows_of
-from fem.numerics.threads import side_by_side
+from fem.numerics.side_by_side import side_by_side
 
 _STRIP = 64  # columns of an indefinite front eliminated at once
 _SMALL = 1e-11  # eigenvalue of a strip over its largest diagonal entry: below it round-off may change the sign

@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem.numerics.compiled import stored
-from fem.numerics.threads import side_by_side
+from fem.numerics.side_by_side import side_by_side
 
 
 def product(A: sp.csr_matrix, X: np.ndarray) -> np.ndarray:

@@ -7,7 +7,8 @@ Contract
 2. ``start(state)`` sets the state at t = 0 and returns a `Block` of that one instant.
 3. ``advance(angles, speeds, accelerations)`` takes len(angles) steps. ``angles`` and ``speeds`` are those of the motor
    (rad, rad/s) at the end of each step, ``accelerations`` (rad/s2) are constant during it. It returns a `Block` of the
-   new instants; a method may cut steps, ``whole`` then gives the instants at the ends of the given steps.
+   new instants; a method may cut steps (`mbd.integrators.modal_loop`), ``whole`` then gives the instants at the ends
+   of the given steps.
 4. The method chooses the meaning of a state vector x; ``displacement`` and ``velocity`` (n, x) convert it to q and q'.
 5. ``inverse_mass`` (n, n) gives the accelerations q'' = inverse_mass (f + B^T lambda - M R phi'' - C q' - K q).
 6. Nonlinear forces agree with the motion at the end of each step to ``TOLERANCE`` of their scale, or to less than the

@@ -19,7 +19,6 @@ from fem.storage import shown_html
 from pipelines.signals.analysis import DiagnosisError, DiagnosisSettings, analyse, noise_of, sampling
 from pipelines.signals.lines import IN_ENVELOPE, LineTable, joined, level
 from pipelines.signals.measured_speed import at_measured_speed
-from pipelines.signals.pass_lines import peaks
 from pipelines.signals.shaft_lines import readable
 from pipelines.signals.spectrum import Segment, Spectrum
 
@@ -150,7 +149,7 @@ def _window_lines(
             columns[state][rows] = spectrum.lines(frequency[rows])
             columns[f"{state}_floor"][rows] = spectrum.floors(frequency[rows])
             own = rows[len(on_bins) :]
-            columns[state][len(on_bins) :][own] = peaks(spectrum, places[own].tolist(), reach[own].tolist())
+            columns[state][len(on_bins) :][own] = spectrum.peaks(places[own].tolist(), reach[own].tolist())
     difference = level(columns["faulty"], columns["healthy"])
     over_floor = level(columns["faulty"], columns["faulty_floor"])
     healthy_over_floor = level(columns["healthy"], columns["healthy_floor"])

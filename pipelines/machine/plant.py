@@ -23,7 +23,7 @@ from pipelines.machine.layout import StageFacts, TrainLayout
 from pipelines.machine.parts import MachineParts, Recorded
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import ShaftFault, shaft_faults
-from pipelines.scene.tables.analysis import LookedFor
+from pipelines.scene.tables.diagnosis import LookedFor
 from pipelines.signals.analysis import DiagnosisSettings
 
 

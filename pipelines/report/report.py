@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import xarray
 
     from pipelines.diagnosis.control_diagnosis import Diagnosis
-    from pipelines.diagnosis.uncertainty.line_bars import LineBars
+    from pipelines.diagnosis.uncertainty.bar_records import LineBars
     from pipelines.signals.analysis import DiagnosisSettings
 
 Rows = Sequence[Mapping[str, Any]]

@@ -18,7 +18,7 @@ from pipelines.machine.plant import Plant
 from pipelines.report import page
 from pipelines.report.chart_data import ENVELOPE_ORDERS, streams
 from pipelines.report.first_figures import average_figure, envelope_figure
-from pipelines.scene.tables.analysis import LookedFor
+from pipelines.scene.tables.diagnosis import LookedFor
 from pipelines.signals.analysis import DiagnosisSettings, analyse, noisy_signal
 from pipelines.signals.features.average import FEWEST_TURNS, average
 from pipelines.signals.features.turns import cut_turns

@@ -14,7 +14,6 @@ from mbd.forces.bearing_models import LinearBearings
 from mbd.parts.losses import NoLosses
 from pipelines.io.shown import shown_value
 from pipelines.scene.shaft_places import stage_shafts
-from pipelines.scene.tables.analysis import DiagnosisTable
 from pipelines.scene.tables.base import Table
 from pipelines.scene.tables.bearings import BearingModel
 from pipelines.scene.tables.casing import (
@@ -23,6 +22,7 @@ from pipelines.scene.tables.casing import (
     SensorTable,
 )
 from pipelines.scene.tables.derived import table
+from pipelines.scene.tables.diagnosis import DiagnosisTable
 from pipelines.scene.tables.faults import AnyFaultTable, BearingSpallTable, FaultBase, FaultTable
 from pipelines.scene.tables.forces import ForceModel, PlacedTable
 from pipelines.scene.tables.housing import HousingBase

@@ -8,14 +8,9 @@ element meets both races once per turn of the element: 2 BSF.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from pipelines.signals.lines import LineTable
-from pipelines.signals.spectrum import Spectrum
 
 HARMONICS = 3
 SIDEBANDS = 2  # to each side
@@ -54,13 +49,3 @@ class PassLines:
         """The rows of this spall among the lines of a case and window."""
         names = {name for name, _, _ in self.monitored()}
         return lines.at([i for i, label in enumerate(lines.label) if lines.kind[i] == "pass" and label in names])
-
-
-def peaks(spectrum: Spectrum, frequencies: Sequence[float], reach: Sequence[float]) -> np.ndarray:
-    """Largest amplitude (line,) within ``reach`` (Hz) of each frequency (Hz), including the nearest bin."""
-    found = []
-    for frequency, width in zip(frequencies, reach, strict=True):
-        low, high = (frequency - width) / spectrum.resolution, (frequency + width) / spectrum.resolution
-        nearest = round(frequency / spectrum.resolution)
-        found.append(spectrum.amplitude[min(math.ceil(low), nearest) : max(math.floor(high), nearest) + 1].max())
-    return np.array(found)

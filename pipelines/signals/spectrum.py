@@ -87,6 +87,15 @@ class Spectrum(Record):
             )
         return self.amplitude[index]
 
+    def peaks(self, frequencies: Sequence[float], reach: Sequence[float]) -> np.ndarray:
+        """Largest amplitude (line,) within ``reach`` (Hz) of each frequency (Hz), including the nearest bin."""
+        found = []
+        for frequency, width in zip(frequencies, reach, strict=True):
+            low, high = (frequency - width) / self.resolution, (frequency + width) / self.resolution
+            nearest = round(frequency / self.resolution)
+            found.append(self.amplitude[min(math.ceil(low), nearest) : max(math.floor(high), nearest) + 1].max())
+        return np.array(found)
+
     def floors(self, frequencies: Sequence[float] | np.ndarray) -> np.ndarray:
         """Local floor at lines: the median amplitude of the bins between the orders, within one order of the line.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from pipelines.diagnosis.uncertainty.line_bars import LineBars
+from pipelines.diagnosis.uncertainty.bar_records import LineBars
 from pipelines.machine.plant import Plant
 
 if TYPE_CHECKING:

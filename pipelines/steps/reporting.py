@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from fem.casing.reduced.checkup import CheckUp
     from mbd.output.trajectory import Trajectory
     from pipelines.diagnosis.control_diagnosis import Diagnosis
-    from pipelines.diagnosis.uncertainty.line_bars import LineBars
+    from pipelines.diagnosis.uncertainty.bar_records import LineBars
     from pipelines.report.figures.views import LeftOut
     from pipelines.signals.analysis import DiagnosisSettings
 

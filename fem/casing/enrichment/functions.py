@@ -24,10 +24,10 @@ from functools import lru_cache
 import numpy as np
 import scipy.sparse as sp
 
-from fem.casing.enrichment.fans import Fan, chains, continuation
 from fem.casing.enrichment.integrals import added_entries
 from fem.casing.enrichment.lines import GRID, gauss, graded
 from fem.casing.enrichment.profiles import ALONG, profiles
+from fem.casing.enrichment.singular_edges import Fan, chains, continuation
 from fem.casing.enrichment.topology import Sector, Topology
 from fem.casing.mesh.mesh import CasingMesh
 from fem.elements.cubic import CubicFunctions
@@ -36,7 +36,7 @@ from fem.elements.materials import Material
 from fem.elements.sections import lagrange
 from fem.elements.solid_elements import SOLIDS, solid_element
 from fem.elements.solids import lame
-from fem.numerics.threads import side_by_side
+from fem.numerics.side_by_side import side_by_side
 
 
 @dataclass(frozen=True, eq=False)

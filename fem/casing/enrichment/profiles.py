@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fem.casing.enrichment.edge_section import EdgeSection
-from fem.casing.enrichment.fans import Chain, Fan, Sector, Topology
+from fem.casing.enrichment.singular_edges import Chain, Fan, Sector, Topology
 
 ALONG = (0.0, 0.5, 1.0)  # s of the nodes of a fan
 _IN_PLANE, _ALONG_EDGE = 3, 1  # largest numbers of functions of a node

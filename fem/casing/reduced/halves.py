@@ -30,7 +30,7 @@ from fem.casing.reduced.sturm_count import reduce_and_count
 from fem.numerics.linear_solver import Factor, Solver
 from fem.numerics.memory import give_back
 from fem.numerics.places import unknowns_of
-from fem.numerics.threads import side_by_side
+from fem.numerics.side_by_side import side_by_side
 
 Result = TypeVar("Result")
 

@@ -19,7 +19,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from fem.numerics import blas
-from fem.numerics.threads import side_by_side
+from fem.numerics.side_by_side import side_by_side
 
 _TOLERANCE = 1e-5  # residual of a Ritz pair over its theta: bound of the error of theta, which is about its square
 _LARGEST_BASIS = 3000  # vectors

@@ -28,7 +28,7 @@ from fem.contact.wheels.ring import flank_loads
 from fem.elements.materials import Material
 from fem.gears.gear import Gear
 from fem.gears.sector import SectorMesh, Slit, root_chord, sector_mesh
-from fem.numerics.threads import side_by_side
+from fem.numerics.side_by_side import side_by_side
 from fem.storage.records import Record, array, scalar
 
 DEEPEST = 0.8  # of the tooth's root chord: the deepest crack

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pipelines.diagnosis.uncertainty.line_bars import SAMPLES
+from pipelines.diagnosis.uncertainty.bar_records import SAMPLES
 
 LEFT_OUT = (
     "Not in the error bars: the error of the mesh law, which gearcase converge --over gear-mesh and --over slices "

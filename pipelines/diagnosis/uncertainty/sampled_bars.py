@@ -22,8 +22,8 @@ from mbd.system.blocked_forces import machine_at_seats
 from mbd.system.statics import equilibrium
 from mbd.system.system import System
 from pipelines.diagnosis.control_diagnosis import Diagnosis
+from pipelines.diagnosis.uncertainty.bar_records import SAMPLES, Band, LineBar, LineBars, band
 from pipelines.diagnosis.uncertainty.casing_changes import CasingPath
-from pipelines.diagnosis.uncertainty.line_bars import SAMPLES, Band, LineBar, LineBars, band
 from pipelines.diagnosis.uncertainty.line_changes import CutRun, envelope_changes, spectrum_changes
 from pipelines.diagnosis.uncertainty.notes import notes
 from pipelines.diagnosis.uncertainty.uncertain import Uncertain

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pipelines.diagnosis.uncertainty.line_bars import Band, LineBar, LineBars
+from pipelines.diagnosis.uncertainty.bar_records import Band, LineBar, LineBars
 from pipelines.io.grid import Grid
 
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullLocator
 
 from pipelines.diagnosis.control_diagnosis import Diagnosis, DiagnosisSettings
-from pipelines.diagnosis.uncertainty.line_bars import LineBar
+from pipelines.diagnosis.uncertainty.bar_records import LineBar
 from pipelines.report.figures.colours import FAULTY, HEALTHY
 from pipelines.report.figures.plots import (
     FIRST,

@@ -8,8 +8,9 @@ has none, those of an inner race are at the distance of the shaft speed. The lev
 feature of rolling elements. It scatters less, because it is the mean of more lines.
 
 Multiples of shaft speeds are omitted, since gears, unbalance and misalignment cause them. If the speed has a large
-uncertainty, they are those of the speed at which they are highest (`pipelines.signals.orders.multiples`). Otherwise all
-lines within the uncertainty of each would have to be omitted.
+uncertainty, they are those of the speed at which they are highest (see
+`pipelines.signals.orders.speed_from_multiples`). Otherwise all lines within the uncertainty of each would have to be
+omitted.
 
 References
 ----------

@@ -9,8 +9,8 @@ import numpy as np
 from pipelines.io.shown import shown
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.signals.orders.mesh_tracking import track
-from pipelines.signals.orders.multiples import LEAST, by_multiples
 from pipelines.signals.orders.rotation import Rotation, RotationError
+from pipelines.signals.orders.speed_from_multiples import LEAST, by_multiples
 from pipelines.signals.orders.tachometer import angle_from_pulses, find_pulses
 
 if TYPE_CHECKING:

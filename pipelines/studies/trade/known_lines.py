@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from statistics import median
 
-from pipelines.diagnosis.uncertainty.line_bars import LineBars
+from pipelines.diagnosis.uncertainty.bar_records import LineBars
 from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph
 from pipelines.scene.file import LoadedScene

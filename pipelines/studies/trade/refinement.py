@@ -13,7 +13,7 @@ from pipelines.engine.run_graph import Work
 from pipelines.scene.file import LoadedScene, changed
 from pipelines.studies.trade.axes import AXES
 from pipelines.studies.trade.convergence import Convergence, ConvergenceError, study
-from pipelines.studies.trade.variants import Measured, measure
+from pipelines.studies.trade.measured_variants import Measured, measure
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,4 +1,7 @@
-"""Error bars of lines: the numerical uncertainty of their levels, and the effect of uncertain inputs."""
+"""Records of the error bars of lines: numerical uncertainty of levels, and the effect of uncertain inputs.
+
+`pipelines.diagnosis.uncertainty.sampled_bars` computes them.
+"""
 
 from __future__ import annotations
 
