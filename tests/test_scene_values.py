@@ -309,6 +309,7 @@ def tables(base=Table):
 
 def test_every_field_of_every_table_was_changed(reached):
     scene = (table for table in tables() if table.__module__.startswith("pipelines.scene"))  # not those of plans
-    of_scenes = (table for table in scene if getattr(table, "made_of", table).__module__ != "types")  # nor of tests
+    ours = ("fem.", "mbd.", "pipelines.")  # a test makes tables of dataclasses of its own
+    of_scenes = (table for table in scene if getattr(table, "made_of", table).__module__.startswith(ours))
     every = {field for table in of_scenes for field in declared(table).values()}
     assert {field for field in every if reached.get(field) is None} == ALONE_IT_CANNOT
