@@ -16,6 +16,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy import fft
+
+from pipelines.signals.features.statistics import squared_magnitude
 
 FEWEST_TURNS = 3  # for an average
 
@@ -35,9 +38,13 @@ class Average:
     meshes: Meshes
 
     @cached_property
+    def _lines(self) -> np.ndarray:
+        return np.asarray(fft.rfft(self.values, axis=-1))
+
+    @cached_property
     def amplitudes(self) -> np.ndarray:
         """One-sided peak amplitudes (channel, order), NaN from `orders` on."""
-        lines = 2.0 * np.abs(np.fft.rfft(self.values, axis=-1)) / self.values.shape[-1]
+        lines = 2.0 * np.abs(self._lines) / self.values.shape[-1]
         lines[:, 0] /= 2.0
         lines[:, self.orders :] = np.nan
         return lines
@@ -55,11 +62,10 @@ class Average:
     @property
     def regular(self) -> np.ndarray:
         """Regular part of the average (channel, place): its mean, the first order and the mesh orders."""
-        lines = np.fft.rfft(self.values, axis=-1)
-        kept = np.zeros_like(lines)
-        orders = [order for order in {0, 1} | self._of_meshes() if order < lines.shape[1]]
-        kept[:, orders] = lines[:, orders]
-        return np.fft.irfft(kept, self.values.shape[-1], axis=-1)
+        kept = np.zeros_like(self._lines)
+        orders = [order for order in {0, 1} | self._of_meshes() if order < kept.shape[1]]
+        kept[:, orders] = self._lines[:, orders]
+        return np.asarray(fft.irfft(kept, self.values.shape[-1], axis=-1))
 
     @property
     def difference(self) -> np.ndarray:
@@ -71,10 +77,10 @@ class Average:
         return {n * teeth for teeth in self.meshes.values() for n in range(1, self.orders // teeth + 1)}
 
     def _without(self, orders: Iterable[int]) -> np.ndarray:
-        lines = np.fft.rfft(self.values, axis=-1)
+        lines = self._lines.copy()
         lines[:, [order for order in orders if order < lines.shape[1]]] = 0.0
         lines[:, self.orders :] = 0.0
-        return np.fft.irfft(lines, self.values.shape[-1], axis=-1)
+        return np.asarray(fft.irfft(lines, self.values.shape[-1], axis=-1))
 
 
 def average_power(turns: np.ndarray) -> np.ndarray:
@@ -88,8 +94,7 @@ def average_power(turns: np.ndarray) -> np.ndarray:
     ----------
     turns : (channel, turn, place), real or complex, two turns or more
     """
-    lines = np.fft.fft(turns, axis=1) / turns.shape[1]
-    power = np.mean(lines.real**2 + lines.imag**2, axis=-1)
+    power = squared_magnitude(fft.fft(turns, axis=1)).mean(axis=-1) / turns.shape[1] ** 2
     return np.stack([np.median(power[:, 1:], axis=1), power[:, 0]])
 
 
