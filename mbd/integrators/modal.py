@@ -281,7 +281,7 @@ def _diagonalise(
 ) -> tuple[tuple[np.ndarray, np.ndarray, np.ndarray], float, float]:
     """What `complex_modes` returns, condition of the vectors and residual of the decomposition.
 
-    With one of every pair, x = sum c_k Re v_k + sum c'_k Im v_k, whose real matrix takes a quarter of the time to invert.
+    With one of every pair, x = sum c_k Re v_k + sum c'_k Im v_k. Its real matrix takes a quarter of the time to invert.
     """
     n = len(omega)
     matrix = np.block([[np.zeros((n, n)), np.diag(omega)], [-np.diag(omega), -damping]])
