@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 from mbd_rigs import rigid_casing, train
+from report_pages import body_of
 
 from mbd.integrators.methods import make_integrator
 from mbd.integrators.settings import Settings
@@ -14,7 +15,6 @@ from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 from pipelines.cli.main import main
-from pipelines.report.report import report_body
 from pipelines.report.run_screen import screen_parts
 from pipelines.signals.motion_warnings import gathered, motion_warnings
 
@@ -109,7 +109,7 @@ def test_a_sound_run_says_nothing(tmp_path, capsys, caplog):
 def test_the_report_says_it_before_all_else(tmp_path):
     first = screen_parts(sentences=["A tooth is missing."])
     contents = {"title": "A machine", "cautions": ("The time step is too long.",), "first": first}
-    text = report_body(**contents)
+    text = body_of(**contents)
     assert text.index("Warning: The time step is too long.") < text.index("A tooth is missing.")
 
 

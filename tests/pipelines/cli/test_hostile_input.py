@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
+from report_pages import body_of
 from sources import ROOT
 
 from pipelines.cli.main import main
@@ -338,7 +339,7 @@ def test_markup_in_a_title_stays_text(tmp_path):
     from pipelines.report.figures.film import film_page
     from pipelines.report.figures.labelled_pictures import plain
     from pipelines.report.figures.plots import dress, new_figure
-    from pipelines.report.report import report_body, write_report
+    from pipelines.report.report import write_report
     from pipelines.report.run_screen import screen_parts
 
     title = "<script>alert(1)</script> [bold]$\\frac$ & $x"
@@ -346,7 +347,7 @@ def test_markup_in_a_title_stays_text(tmp_path):
     page = write_report(
         tmp_path / "report.html",
         title,
-        report_body(title, first=first, summary={title: title}),
+        body_of(title=title, first=first, summary={title: title}),
         {},
     )
     for text in (page.read_text(encoding="utf-8"), film_page(title, [], title, [], 40)):

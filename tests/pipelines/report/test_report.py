@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from report_pages import body_of
 from scipy.io import loadmat
 from synthetic import MESH, WHEEL, response
 
@@ -23,7 +24,7 @@ from pipelines.report.figures.plots import StiffnessPlot, drive_figure, stiffnes
 from pipelines.report.figures.views import LeftOut
 from pipelines.report.first_figures import average_figure, envelope_figure
 from pipelines.report.page import typeset
-from pipelines.report.report import report_body, write_report
+from pipelines.report.report import write_report
 from pipelines.report.run_screen import screen_parts
 from pipelines.steps import pictures
 
@@ -111,7 +112,7 @@ class Page(HTMLParser):
 
 
 def written(folder, contents, facts=MappingProxyType({})):
-    path = write_report(folder / "report.html", contents["title"], report_body(**contents), facts)
+    path = write_report(folder / "report.html", contents["title"], body_of(**contents), facts)
     text = path.read_text(encoding="utf-8")
     return text, Page(text)
 

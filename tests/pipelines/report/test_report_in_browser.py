@@ -7,13 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from browser import CHROMIUM, browser
+from report_pages import body_of
 from synthetic import MESH, WHEEL, response
 
 from pipelines.diagnosis.control_diagnosis import DiagnosisSettings, diagnose
 from pipelines.report import page
 from pipelines.report.figures.plots import StiffnessPlot
 from pipelines.report.first_figures import average_figure, envelope_figure
-from pipelines.report.report import report_body, write_report
+from pipelines.report.report import write_report
 from pipelines.report.run_screen import screen_parts
 from pipelines.steps import pictures
 
@@ -99,7 +100,7 @@ def report(tmp_path_factory):
         "keys": {f"step {i}": "0123456789abcdef" * 2 for i in range(9)},
     }
     path = tmp_path_factory.mktemp("report") / "report.html"
-    return write_report(path, contents["title"], report_body(**contents), facts)
+    return write_report(path, contents["title"], body_of(**contents), facts)
 
 
 def boxes(shown, *selectors):
