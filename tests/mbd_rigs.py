@@ -1,12 +1,14 @@
 """Small machines for the multibody tests: a synthetic mesh law, a casing of few coordinates, rigs of 1 to 3 stages."""
 
 import math
+from dataclasses import fields
 
 import numpy as np
 
 from fem.casing.reduced.body import ReducedBody
 from fem.contact.law import MeshLaw
-from mbd.forces.rope import Rope
+from mbd.forces.pendulum import RopePendulum, RopePendulumLoad
+from mbd.forces.rope import RopeLoad
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.gear_mesh import MeshSpec
 from mbd.parts.load import StaticTorque
@@ -15,6 +17,7 @@ from mbd.parts.shafts import Disk, Section, ShaftSpec
 from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
 
 AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
+ROPE = {"container_mass": 1000.0, "drum_radius": 0.1, "drum_mass": 10.0, "drum_inertia": 0.05}
 TRANSVERSE_ANGLE = math.radians(20.5)
 
 
@@ -160,18 +163,20 @@ def train(n_stages=1, *, load="torque", speed=94.2477796, profile=None, model="t
     if load == "torque":
         hanging = StaticTorque(shaft=last, drums=drums, torque=options.get("torque", 30.0))
     else:
-        hanging = Rope(
-            **{
-                "shaft": last, "drums": drums, "container_mass": 1000.0, "drum_radius": 0.1, "falls": 8,
-                "axial_stiffness": 3.57e6, "length": 5.0,
-            } | options.get("rope", {})
-        )  # fmt: skip
+        hanging = RopeLoad(**ROPE | options.get("rope", {})).load(last, drums)
     if profile is None:
         profile = SpeedProfile(times=np.array([0.0]), speeds=np.array([speed]))
     return Machine(
         shafts=tuple(shafts), bearings=tuple(bearings), meshes=tuple(meshes), couplings=couplings, profile=profile,
         load=hanging, gravity=options.get("gravity", 9.80665),
     )  # fmt: skip
+
+
+def pendulum(load, **options):
+    """A load on ropes, with a container that swings."""
+    given = {f.name: getattr(load.hoist, f.name) for f in fields(load.hoist) if f.name != "model"}
+    hoist = RopePendulumLoad(**given | options)
+    return RopePendulum(shaft=load.shaft, drums=load.drums, hoist=hoist, follow_length=load.follow_length)
 
 
 def no_casing():

@@ -16,7 +16,7 @@ from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
 from mbd.excitations.outside_force import CasingForce, ForceSweep, ForceTable, ShaftForce
 from mbd.excitations.waveform import wave_value
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
 from mbd.parts.speed_drive import SpeedProfile
@@ -50,7 +50,7 @@ def test_a_sweep_finds_the_frequency_response_of_the_linearised_machine(force):
     machine = dataclasses.replace(machine, forces=(force,))
     channels = ("push:outside_force", "sensor_2:az", "sensor_1:ax", "motor_1:torque", "bearing_1:fx")
     system = assemble(machine, rigid_casing(machine, extra=3, ratio=0.03), channels, np.inf)
-    run = simulate(system, Settings(end=1.0, output_rate=RATE, step=2e-5))
+    run = simulate(system, MotionSettings(end=1.0, output_rate=RATE, step=2e-5))
     assert run.counter("stage_1:contact_losses") == 0
     frequencies = np.fft.rfftfreq(len(run.time), 1 / RATE)
     some = np.flatnonzero((frequencies > 60.0) & (frequencies < 1100.0))[::5]
@@ -90,7 +90,8 @@ def test_a_force_that_is_raised_slowly_ends_in_the_static_answer():
     push = ShaftForce(name="push", shaft="shaft_2", y=-0.1, axis="y", force=wave)
     machine = dataclasses.replace(train(1, profile=standing, bearing_tau=3e-4), forces=(push,))
     run = simulate(
-        assemble(machine, no_casing(), ("bearing_3:fy", "bearing_4:fy")), Settings(end=0.3, output_rate=2e3, step=5e-5)
+        assemble(machine, no_casing(), ("bearing_3:fy", "bearing_4:fy")),
+        MotionSettings(end=0.3, output_rate=2e3, step=5e-5),
     )
     # helical teeth share nothing of a thrust on shaft 2 as long as the motors hold shaft 1 in both bearings
     carried = sum(run.channel(name) - run.channel(name)[0] for name in ("bearing_3:fy", "bearing_4:fy"))

@@ -7,7 +7,7 @@ import pkgutil
 
 import numpy as np
 import pytest
-from mbd_rigs import rigid_casing, train
+from mbd_rigs import pendulum, rigid_casing, train
 
 import mbd
 from mbd.elements.component import Component
@@ -15,11 +15,10 @@ from mbd.elements.linear import part_on_rows, springs
 from mbd.elements.mode_words import ModeWords
 from mbd.excitations.misaligned_coupling import MisalignedCoupling
 from mbd.excitations.unbalance import Unbalance
-from mbd.forces.pendulum import RopePendulum
 from mbd.forces.speed_controller import SpeedController
 from mbd.forces.torque import Torque
 from mbd.forces.torque_source import Rotor
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
 from mbd.parts.couplings import ShaftCoupling
@@ -37,8 +36,7 @@ def hoisting(model="timoshenko"):
 
 def swinging():
     machine = hoisting()
-    fields = {f.name: getattr(machine.load, f.name) for f in dataclasses.fields(machine.load) if f.name != "model"}
-    return dataclasses.replace(machine, load=RopePendulum(**fields, sway=(0.05, 0.02)))
+    return dataclasses.replace(machine, load=pendulum(machine.load, sway_x=0.05, sway_y=0.02))
 
 
 def coupled():
@@ -203,7 +201,7 @@ def test_an_outside_part_that_nothing_else_knows_runs_and_its_energy_is_balanced
     profile = SpeedProfile(times=np.array([0.002, 0.01]), speeds=np.array([0.0, 94.0]))
     springs = tuple(GroundSpring(name=f"spring_{a}", shaft="shaft_1", y=0.0, axis=a) for a in (2, 3))
     machine = dataclasses.replace(hoisting(), forces=springs, profile=profile)
-    run = simulate(assemble(machine, rigid_casing(machine), ()), Settings(end=0.02, output_rate=5e3, step=1e-5))
+    run = simulate(assemble(machine, rigid_casing(machine), ()), MotionSettings(end=0.02, output_rate=5e3, step=1e-5))
     assert not run.open_parts()
     assert run.energy("spring_2", "dissipated") > 0.0
     assert "spring_3" in linear_modes(assemble(machine, rigid_casing(machine), ())).part_names
@@ -243,7 +241,7 @@ def test_the_energy_of_every_part_is_balanced(method):
     profile = SpeedProfile(times=np.array([0.002, 0.01]), speeds=np.array([0.0, 94.0]))
     machine = dataclasses.replace(MACHINES["coupling"](), profile=profile)
     system = assemble(machine, rigid_casing(machine), ())
-    run = simulate(system, Settings(end=0.02, output_rate=5e3, step=1e-5, integrator=method))
+    run = simulate(system, MotionSettings(end=0.02, output_rate=5e3, step=1e-5, integrator=method))
     assert not run.open_parts()
     assert {part.name for part in system.parts} < set(run.energy_parts)
     assert run.energy("coupling_1", "dissipated") > 0.0
