@@ -127,10 +127,13 @@ def main(options: argparse.Namespace) -> Iterator[str]:
 
 def _states(found: PairLaws, options: argparse.Namespace) -> list[MeshState]:
     """The pair at its torques, or at the force of the scene."""
+    from pipelines.machine.checks.strength import warn_of_overload
     from pipelines.runs.gear_numbers import MeshState
 
     tilt = None if options.tilt == "balanced" else found.sense * options.tilt * 1e-6 / found.pair.face_width
     radius = found.pair.pinion.base_radius
+    for torque in options.torque or ():
+        warn_of_overload(found.stage, found.pair, torque)
     forces = [found.force] if options.torque is None else [torque / radius for torque in options.torque]
     return [MeshState(force=force, tilt=tilt) for force in forces]
 
