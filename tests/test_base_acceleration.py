@@ -9,7 +9,7 @@ from mbd_rigs import no_casing, rigid_casing, train
 
 from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.reduced.accuracy import sensor_rows
-from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.modes import casing_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
@@ -108,7 +108,7 @@ def test_an_unbalance_on_shaken_ground_feels_its_true_acceleration():
 
 
 def reduced(mesh, **ground):
-    casing = ground_casing(mesh, CAST_IRON, **ground)
+    casing = assembled_casing(mesh, CAST_IRON, **ground).held()
     reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, highest=5000.0)
     return casing, casing_modes(casing, reduction, model="craig-bampton", band_limit=5000.0)
 
