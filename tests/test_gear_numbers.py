@@ -13,7 +13,7 @@ from pipelines.engine.run_graph import Work
 from pipelines.machine.checks.strength import contact_pressure
 from pipelines.machine.layout import lay_out
 from pipelines.report.figures.plots import transmission_error_figure
-from pipelines.runs.gear_numbers import (
+from pipelines.runs.gear_curves import (
     MeshState,
     gear_curves,
     gear_rows,

@@ -6,15 +6,9 @@ The force is F = max(0, k s + c s') for s = g - z > 0, where z contains the roll
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
-
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import ENERGY, Element, rule
 from mbd.elements.mode_words import ModeWords
-
-if TYPE_CHECKING:
-    from mbd.forces.rope import RopeLoad
 
 STIFFNESS, DAMPING, LEVEL, RISE = range(4)
 
@@ -35,26 +29,24 @@ def ground_rule(values, motion, answer):
         answer.lost[0], answer.lost_by_u[0, 0] = elastic, -k
 
 
-def ground(load: RopeLoad, lay: Coordinates, lift: str, rise: float) -> Iterator[Element]:
-    """The ground under a container, if there is one.
+def ground(lay: Coordinates, lift: str, mass: float, values: tuple[float, float, float, float]) -> Element:
+    """The ground under a container.
 
     Parameters
     ----------
-    load : the container and its ground
     lay : coordinates of the machine
     lift : name of the coordinate of the container, which rises along it, m
-    rise : of the container by the rolling of the train, m per radian of the motor
+    mass : of the container, kg
+    values : stiffness (N/m), damping (N s/m), level over the place of the container on the just taut rope (m), and rise
+        of the container by the rolling of the train (m per radian of the motor)
     """
-    if load.ground_level is None:
-        return
-    mass, stiffness = load.container_mass, load.ground_stiffness
-    yield Element(
+    return Element(
         kind="ground",
         name="ground",
         part="ground",
         words=ModeWords("ground", "ground", always=True),
         rule=ground_rule,
-        values=(stiffness, 2 * load.ground_damping_ratio * (stiffness * mass) ** 0.5, load.ground_level, rise),
+        values=values,
         rows=lay.own_row(lift)[None],
         row_names=("lift",),
         scale=(max(mass * lay.gravity, 1.0),),

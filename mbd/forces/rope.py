@@ -220,7 +220,12 @@ class Rope(Load):
                 signals=(Signal(ROPE_FORCE, "N", force=(1.0,)),),
                 lets_go="rope:slack_events",
             )
-        yield from ground(self.hoist, lay, LIFT, self.rise(lay.ratios))
+        hoist = self.hoist
+        if hoist.ground_level is not None:
+            stiffness = hoist.ground_stiffness
+            damping = 2 * hoist.ground_damping_ratio * (stiffness * hoist.container_mass) ** 0.5
+            values = stiffness, damping, hoist.ground_level, self.rise(lay.ratios)
+            yield ground(lay, LIFT, hoist.container_mass, values)
 
     def readings(self, lay: Coordinates) -> dict[str, Reading]:
         """Channels of the container's motion."""

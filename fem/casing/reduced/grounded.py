@@ -31,7 +31,7 @@ from fem.elements.materials import Material
 from fem.elements.solids import rigid_body_modes
 from fem.numerics.linear_solver import Solver
 from fem.numerics.memory import give_back
-from fem.numerics.places import unknowns_of
+from fem.numerics.unknowns import unknowns_of
 
 GROUND_AXES = ("ux", "uy", "uz")
 

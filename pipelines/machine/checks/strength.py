@@ -27,7 +27,7 @@ from pipelines.machine.checks.flank_checks import TYPICAL_STIFFNESS
 from pipelines.machine.layout import TrainLayout
 from pipelines.scene.problems import other_unit
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.motion import SpeedDrive
+from pipelines.scene.tables.drive_and_load import SpeedDrive
 
 _LOG = logging.getLogger(__name__)
 ENDURANCE = 1650e6  # Pa: sigma_H lim of the best case-carburized gear steel
