@@ -7,8 +7,8 @@ import numpy as np
 
 from fem.casing.reduced.body import ReducedBody
 from fem.contact.law import MeshLaw
-from mbd.forces.pendulum import RopePendulum
-from mbd.forces.rope import Rope
+from mbd.forces.pendulum import RopePendulum, RopePendulumLoad
+from mbd.forces.rope import RopeLoad
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.gear_mesh import MeshSpec
 from mbd.parts.load import StaticTorque
@@ -17,6 +17,7 @@ from mbd.parts.shafts import Disk, Section, ShaftSpec
 from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
 
 AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
+ROPE = {"container_mass": 1000.0, "drum_radius": 0.1, "drum_mass": 10.0, "drum_inertia": 0.05}
 TRANSVERSE_ANGLE = math.radians(20.5)
 
 
@@ -162,12 +163,7 @@ def train(n_stages=1, *, load="torque", speed=94.2477796, profile=None, model="t
     if load == "torque":
         hanging = StaticTorque(shaft=last, drums=drums, torque=options.get("torque", 30.0))
     else:
-        hanging = Rope(
-            **{
-                "shaft": last, "drums": drums, "container_mass": 1000.0, "drum_radius": 0.1, "falls": 8,
-                "axial_stiffness": 3.57e6, "length": 5.0,
-            } | options.get("rope", {})
-        )  # fmt: skip
+        hanging = RopeLoad(**ROPE | options.get("rope", {})).load(last, drums)
     if profile is None:
         profile = SpeedProfile(times=np.array([0.0]), speeds=np.array([speed]))
     return Machine(
@@ -184,8 +180,14 @@ def hoisting(model="timoshenko", **rope):
 def swinging():
     """One stage whose container swings."""
     machine = hoisting()
-    fields = {f.name: getattr(machine.load, f.name) for f in dataclasses.fields(machine.load) if f.name != "model"}
-    return dataclasses.replace(machine, load=RopePendulum(**fields, sway=(0.05, 0.02)))
+    return dataclasses.replace(machine, load=pendulum(machine.load, sway_x=0.05, sway_y=0.02))
+
+
+def pendulum(load, **options):
+    """A load on ropes, with a container that swings."""
+    given = {f.name: getattr(load.hoist, f.name) for f in dataclasses.fields(load.hoist) if f.name != "model"}
+    hoist = RopePendulumLoad(**given | options)
+    return RopePendulum(shaft=load.shaft, drums=load.drums, hoist=hoist, follow_length=load.follow_length)
 
 
 def no_casing():

@@ -9,14 +9,14 @@ from mbd_rigs import no_casing, rigid_casing, train
 
 from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.reduced.accuracy import sensor_rows
-from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.modes import casing_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
 from fem.elements.solids import rigid_body_modes
 from mbd.excitations.base_acceleration import AccelerationSweep, AccelerationTable, BaseAcceleration
 from mbd.excitations.unbalance import Unbalance
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.frequency_response import frequency_response
@@ -70,7 +70,7 @@ def test_the_answer_is_that_of_a_machine_whose_mounts_are_moved(axis):
 
 def test_a_sweep_of_the_ground_finds_the_frequency_response():
     system = shaken()
-    run = simulate(system, Settings(end=1.0, output_rate=RATE, step=2e-5))
+    run = simulate(system, MotionSettings(end=1.0, output_rate=RATE, step=2e-5))
     frequencies = np.fft.rfftfreq(len(run.time), 1 / RATE)
     some = np.flatnonzero((frequencies > 60.0) & (frequencies < 1100.0))[::5]
     exact = frequency_response(system, "base", frequencies[some])
@@ -86,7 +86,7 @@ def test_slowly_everything_goes_with_the_ground():
     """All accelerometers read the acceleration of the ground; the mounts carry all mass times it."""
     wave = AccelerationTable(times=np.array([0.0, 0.3]), levels=np.array([0.0, 2.0]))
     system = shaken(wave=wave, channels=("sensor_1:az", "sensor_3:ax", "bearing_1:journal_az"))
-    run = simulate(system, Settings(end=0.5, output_rate=RATE, step=5e-5))
+    run = simulate(system, MotionSettings(end=0.5, output_rate=RATE, step=5e-5))
     for name, read in (("sensor_1:az", 2.0), ("sensor_3:ax", 0.0), ("bearing_1:journal_az", 2.0)):
         assert run.channel(name)[-1] == pytest.approx(read, abs=1e-3)
     inertia = system.element("base").rows[0]
@@ -108,7 +108,7 @@ def test_an_unbalance_on_shaken_ground_feels_its_true_acceleration():
 
 
 def reduced(mesh, **ground):
-    casing = ground_casing(mesh, CAST_IRON, **ground)
+    casing = assembled_casing(mesh, CAST_IRON, **ground).held()
     reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, highest=5000.0)
     return casing, casing_modes(casing, reduction, model="craig-bampton", band_limit=5000.0)
 

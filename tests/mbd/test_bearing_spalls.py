@@ -8,7 +8,7 @@ import pytest
 from mbd_rigs import no_casing
 from test_rolling_bearings import loaded_shaft
 
-import benchmarks.reference_integrator  # noqa: F401 - registers it
+from benchmarks.reference_integrator import ReferenceSettings
 from mbd.elements.element import ENERGY
 from mbd.elements.rule_call import evaluated
 from mbd.excitations.cage_slip import PITCHES, CageSlip, lag_at
@@ -16,18 +16,17 @@ from mbd.excitations.faulty_bearing import FaultyContacts, drop_at, faulty_rule,
 from mbd.excitations.spall import Spall, race_radius
 from mbd.forces.rolling_bearing import RollingContacts, hertz_bearing
 from mbd.forces.torque import Torque
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.bearings import rigid_bearing
 from mbd.parts.channels import journal_acceleration, shaft_channels
 from mbd.parts.checks import MachineError
 from mbd.parts.load import StaticTorque
-from mbd.parts.rolling_catalogue import by_designation
-from mbd.parts.rolling_elements import pass_frequencies
+from mbd.parts.rolling_elements import RollingElements, pass_frequencies
 from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.system import assemble
 
-BALLS, ROLLERS = by_designation("6208"), by_designation("NU208")
+BALLS, ROLLERS = RollingElements(designation="6208"), RollingElements(designation="NU208")
 DOWN = 1.5 * math.pi  # where a weight presses the elements
 RINGS = ("outer-ring", "inner-ring")
 SURFACES = (*RINGS, "element")
@@ -109,7 +108,7 @@ def test_an_element_drops_to_the_bottom_or_by_its_sagitta(race):
 
 @pytest.mark.parametrize("name", ["6208", "7208", "NU208"])
 def test_without_a_spall_the_bearing_is_the_sound_one(name):
-    elements, u = by_designation(name), np.array([2e-5, 8e-6, -1.3e-5, 1e-4, -2e-4])
+    elements, u = RollingElements(designation=name), np.array([2e-5, 8e-6, -1.3e-5, 1e-4, -2e-4])
     sound = RollingContacts(elements=elements)
     expected = evaluated(sound.rule, sound.values(pass_frequencies(elements).cage), u, angle=1.3)
     found = answer(elements, 1.3, u=u)
@@ -121,7 +120,7 @@ def test_without_a_spall_the_bearing_is_the_sound_one(name):
 @pytest.mark.parametrize("name", ["6208", "7208", "NU208"])
 @pytest.mark.parametrize("on", SURFACES)
 def test_forces_over_a_spall_follow_from_the_potential(name, on):
-    elements, u = by_designation(name), np.array([1e-5, 2e-5, -2e-5, 1e-4, -2e-4])
+    elements, u = RollingElements(designation=name), np.array([1e-5, 2e-5, -2e-5, 1e-4, -2e-4])
     pit = spall(on, depth=10e-6, angle=DOWN if on != "element" else 0.05)
     elements = dataclasses.replace(elements, cage_start=DOWN + 0.01)
     force, size = answer(elements, 0.0, pit, u=u).elastic, np.array([1e-5, 1e-5, 1e-5, 3e-4, 3e-4])
@@ -176,8 +175,9 @@ def transit(elements, on, speed, middle):
 
 
 def shaken(
-    elements, pits, *, speed, end, rate, step, mass=30.0, tau=2e-5, gravity=9.81, torque=0.0, slip=None, **options
-):
+    elements, pits, *, speed, end, rate, step, mass=30.0, tau=2e-5, gravity=9.81, torque=0.0, slip=None,
+    integrator="exponential",
+):  # fmt: skip
     """The shaft in a bearing with spalls and without: time, what they change in its acceleration, the run with them."""
     machine = dataclasses.replace(
         loaded_shaft(BALLS, mass=mass, tau=tau),
@@ -193,7 +193,12 @@ def shaken(
     for spalls in (pits, ()):
         bearings = (with_faults(first, spalls, slip), *others)
         system = assemble(dataclasses.replace(machine, bearings=bearings), no_casing(), (name,))
-        runs.append(simulate(system, Settings(end=end, output_rate=rate, step=step, **options)))
+        runs.append(
+            simulate(
+                system,
+                ReferenceSettings(end=end, output_rate=rate, step=step, integrator=integrator),
+            )
+        )
     return runs[0].time, runs[0].channel(name) - runs[1].channel(name), runs[0]
 
 
@@ -237,7 +242,7 @@ def test_passages_follow_the_rotation_of_a_shaft_that_a_torque_speeds_up():
     runs = []
     for spalls in ((spall(width=1e-3, depth=50e-6, angle=DOWN),), ()):
         spec = dataclasses.replace(machine, bearings=(with_faults(sound, spalls), *others))
-        runs.append(simulate(assemble(spec, no_casing(), names), Settings(end=0.5, output_rate=1e4, step=5e-5)))
+        runs.append(simulate(assemble(spec, no_casing(), names), MotionSettings(end=0.5, output_rate=1e4, step=5e-5)))
     change = abs(runs[0].channel(names[0]) - runs[1].channel(names[0]))
     angle, speed = (runs[0].channel(name) for name in names[1:])
     assert speed[-1] > 1.33 * speed[0]

@@ -10,7 +10,7 @@ from rotors import CRITICAL, DAMPING, LENGTH, MOVING, PROBE, STIFFNESS, Probe, j
 
 from mbd.excitations.bent_shaft import BentShaft
 from mbd.excitations.unbalance import Unbalance
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
 from mbd.system.system import assemble
@@ -30,7 +30,7 @@ def bent(**changes):
 
 def whirl(*forces, r, sense=1, channels=PROBE, step=1e-4):
     machine = jeffcott(*forces, speed=r * CRITICAL, sense=sense)
-    return simulate(assemble(machine, no_casing(), channels), Settings(end=1.2, output_rate=2000.0, step=step))
+    return simulate(assemble(machine, no_casing(), channels), MotionSettings(end=1.2, output_rate=2000.0, step=step))
 
 
 @pytest.mark.parametrize("r", [0.2, 0.6, 1.0, 1.6])
@@ -69,7 +69,7 @@ def test_the_motor_pays_for_the_whirl():
 def test_a_bow_needs_no_force_but_its_own():
     """At rest the rotor takes the shape of the bow, and its bearings are free of load."""
     system = assemble(jeffcott(bent(angle=0.0)), no_casing(), (*PROBE, "bearing_1:fx", "bearing_2:fx"))
-    run = simulate(system, Settings(end=0.01, output_rate=1e3, step=1e-4))
+    run = simulate(system, MotionSettings(end=0.01, output_rate=1e3, step=1e-4))
     assert run.channel("probe:x")[0] == pytest.approx(BOW, rel=1e-6)
     assert abs(run.channel("bearing_1:fx")[0]) < 1e-6 * STIFFNESS * BOW
 
@@ -82,7 +82,7 @@ def test_an_overhung_end_is_bent_without_load_on_the_bearings():
     system = assemble(
         dataclasses.replace(machine, bearings=bearings), no_casing(), ("end:x", "bearing_1:fx", "bearing_2:fx")
     )
-    run = simulate(system, Settings(end=0.01, output_rate=1e3, step=1e-4))
+    run = simulate(system, MotionSettings(end=0.01, output_rate=1e3, step=1e-4))
     assert run.channel("end:x")[0] == pytest.approx(BOW, rel=1e-6)
     for name in ("bearing_1:fx", "bearing_2:fx"):
         assert abs(run.channel(name)[0]) < 1e-6 * STIFFNESS * BOW

@@ -19,14 +19,13 @@ from mbd.excitations.outside_force import ForceSweep, ShaftForce
 from mbd.excitations.ripple import TorqueRipple
 from mbd.excitations.spall import Spall
 from mbd.excitations.unbalance import Unbalance
-from mbd.forces.container_ground import Ground
 from mbd.forces.rolling_bearing import hertz_bearing
 from mbd.forces.torque import Torque
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.load import OutsideForce
 from mbd.parts.losses import Brake, Coulomb, Efficiency
-from mbd.parts.rolling_catalogue import by_designation
+from mbd.parts.rolling_elements import RollingElements
 from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.linearised import linear_modes
 from mbd.system.statics import equilibrium
@@ -58,7 +57,8 @@ class Snubber(OutsideForce):
 def in_rolling_bearings(*names):
     machine = hoisting()
     bearings = tuple(
-        hertz_bearing(b.name, b.shaft, b.y, by_designation(names[i % 2]), 1e-5) for i, b in enumerate(machine.bearings)
+        hertz_bearing(b.name, b.shaft, b.y, RollingElements(designation=names[i % 2]), 1e-5)
+        for i, b in enumerate(machine.bearings)
     )
     return dataclasses.replace(machine, bearings=bearings)
 
@@ -107,7 +107,7 @@ EXCITED = (
 )
 MACHINES = {
     "rope": hoisting,
-    "ground": lambda: hoisting(ground=Ground(level=-0.0002, stiffness=1e6)),
+    "ground": lambda: hoisting(ground_level=-0.0002, ground_stiffness=1e6),
     "pendulum": swinging,
     "balls": lambda: in_rolling_bearings("6208", "6208"),
     "rollers": lambda: in_rolling_bearings("NU208", "6208"),
@@ -163,7 +163,8 @@ def test_a_kind_that_nothing_else_knows_runs_and_its_energy_is_balanced():
     machine = dataclasses.replace(hoisting(), forces=(SNUBBER,), profile=profile)
     system = assemble(machine, rigid_casing(machine))
     run = simulate(
-        assemble(machine, rigid_casing(machine), ("snubber:force",)), Settings(end=0.06, output_rate=5e3, step=1e-5)
+        assemble(machine, rigid_casing(machine), ("snubber:force",)),
+        MotionSettings(end=0.06, output_rate=5e3, step=1e-5),
     )
     assert run.channel("snubber:force").std() > 1.0
     assert run.energy("snubber", "dissipated") > 0.0
@@ -181,7 +182,7 @@ def test_a_torque_over_time_reaches_the_motors_and_its_work_is_booked(method):
     channels = ("motor_1:torque", "motor_2:torque")
     run = simulate(
         assemble(machine, no_casing(), channels),
-        Settings(end=0.3, output_rate=2e3, step=2e-5, integrator=method),
+        MotionSettings(end=0.3, output_rate=2e3, step=2e-5, integrator=method),
     )
     torque = run.channel(channels[0]) + run.channel(channels[1])
     taken = 8.0 * machine.ratios()["shaft_2"]
@@ -197,7 +198,9 @@ def test_a_torque_works_on_the_rolling_train():
     push = Torque(name="push", shaft="shaft_2", y=0.0, times=np.zeros(1), torques=np.array([4.0]))
     profile = SpeedProfile(times=np.array([0.01, 0.04]), speeds=np.array([0.0, 94.0]))
     machine = dataclasses.replace(train(1, profile=profile), forces=(push,))
-    run = simulate(assemble(machine, no_casing(), ("shaft_2:angle",)), Settings(end=0.05, output_rate=1e5, step=1e-5))
+    run = simulate(
+        assemble(machine, no_casing(), ("shaft_2:angle",)), MotionSettings(end=0.05, output_rate=1e5, step=1e-5)
+    )
     turned = run.channel("shaft_2:angle")[-1] - run.channel("shaft_2:angle")[0]
     assert run.energy("push", "dissipated") == pytest.approx(-4.0 * turned, rel=1e-3)
     assert abs(run.energy("total", "residual")) < 1e-6 * run.energy("total", "scale")

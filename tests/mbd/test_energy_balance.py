@@ -13,7 +13,7 @@ from mbd.elements.table import instant, parametric_work
 from mbd.integrators.base import ACCELERATION, LENGTH, SPEED
 from mbd.integrators.exponential import exponential
 from mbd.integrators.phi_functions import phi_functions
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.element_energy import ElementWork
 from mbd.output.exact_integrals import FlowWork
 from mbd.output.simulate import simulate
@@ -27,7 +27,7 @@ JERK = SpeedProfile(times=np.array([0.01, 0.0105]), speeds=np.array([0.0, -94.25
 
 def balanced(machine, casing=None, channels=(), end=0.1, **settings):
     casing = rigid_casing(machine, extra=10) if casing is None else casing
-    return simulate(assemble(machine, casing, channels), Settings(end=end, **settings))
+    return simulate(assemble(machine, casing, channels), MotionSettings(end=end, **settings))
 
 
 def assert_closed(result, part_limit=0.01):
@@ -114,7 +114,9 @@ def test_a_defect_of_the_audit_is_the_residual_of_its_part(monkeypatch):
 def test_what_a_small_part_leaves_over_is_not_worth_a_word(band):
     """Modes beyond the band are missing from the balance of shaft and casing, which dissipate next to nothing."""
     machine = train(1, profile=RAMP)
-    result = simulate(assemble(machine, rigid_casing(machine, extra=10), (), band=band), Settings(end=0.03, step=5e-6))
+    result = simulate(
+        assemble(machine, rigid_casing(machine, extra=10), (), band=band), MotionSettings(end=0.03, step=5e-6)
+    )
     assert abs(result.energy("shaft_1", "residual")) > 0.01 * result.energy("shaft_1", "scale")
     assert result.unbalanced() == ()
 

@@ -11,7 +11,7 @@ from scipy.integrate import quad, solve_ivp
 from benchmarks.gear_pairs import gear_pair
 from mbd.forces.film import film_rule
 from mbd.forces.torque import Torque
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
 from mbd.parts.film import Film
@@ -106,7 +106,7 @@ def test_a_lone_approach_loses_speed_as_the_closed_form_says():
     system = free_gears(FILM)
     start, relative = approach(system, 0.05, 80e-6)
     mass = float(relative @ system.mass @ relative)
-    found = simulate(system, Settings(end=1.2e-3, output_rate=200e3, step=5e-6), start=start)
+    found = simulate(system, MotionSettings(end=1.2e-3, output_rate=200e3, step=5e-6), start=start)
     h0 = 80e-6 + FILM.roughness
 
     def rate(_, y):
@@ -128,7 +128,7 @@ def rattling():
     for name, film in (("dry", None), ("oil", FILM)):
         machine = replace(base, meshes=tuple(replace(mesh, film=film) for mesh in base.meshes))
         system = assemble(machine, no_casing(), ("stage_1:drive_force", "stage_1:coast_force"))
-        found[name] = simulate(system, Settings(end=0.3, output_rate=10e3, step=1e-5))
+        found[name] = simulate(system, MotionSettings(end=0.3, output_rate=10e3, step=1e-5))
     return found
 
 
@@ -147,7 +147,7 @@ def test_a_loaded_mesh_hardly_feels_the_film():
         machine = replace(base, meshes=tuple(replace(mesh, film=film) for mesh in base.meshes))
         system = assemble(machine, no_casing(), ("stage_1:drive_force",))
         assert equilibrium(system).mesh_force[0] == pytest.approx(equilibrium(system).mesh_force[0])
-        found.append(simulate(system, Settings(end=0.1, output_rate=10e3)).channel("stage_1:drive_force"))
+        found.append(simulate(system, MotionSettings(end=0.1, output_rate=10e3)).channel("stage_1:drive_force"))
     assert found[1].mean() == pytest.approx(found[0].mean(), rel=2e-3)
 
 

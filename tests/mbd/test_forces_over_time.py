@@ -10,13 +10,13 @@ from mbd_rigs import no_casing, rigid_casing, train
 import gearcase
 from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.reduced.accuracy import sensor_rows
-from fem.casing.reduced.grounded import ForcedPoint, ground_casing
+from fem.casing.reduced.grounded import ForcedPoint, assembled_casing
 from fem.casing.reduced.modes import casing_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
 from mbd.excitations.outside_force import CasingForce, ForceSweep, ForceTable, ShaftForce
 from mbd.excitations.waveform import wave_value
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
 from mbd.parts.speed_drive import SpeedProfile
@@ -50,7 +50,7 @@ def test_a_sweep_finds_the_frequency_response_of_the_linearised_machine(force):
     machine = dataclasses.replace(machine, forces=(force,))
     channels = ("push:outside_force", "sensor_2:az", "sensor_1:ax", "motor_1:torque", "bearing_1:fx")
     system = assemble(machine, rigid_casing(machine, extra=3, ratio=0.03), channels, np.inf)
-    run = simulate(system, Settings(end=1.0, output_rate=RATE, step=2e-5))
+    run = simulate(system, MotionSettings(end=1.0, output_rate=RATE, step=2e-5))
     assert run.counter("stage_1:contact_losses") == 0
     frequencies = np.fft.rfftfreq(len(run.time), 1 / RATE)
     some = np.flatnonzero((frequencies > 60.0) & (frequencies < 1100.0))[::5]
@@ -90,7 +90,8 @@ def test_a_force_that_is_raised_slowly_ends_in_the_static_answer():
     push = ShaftForce(name="push", shaft="shaft_2", y=-0.1, axis="y", force=wave)
     machine = dataclasses.replace(train(1, profile=standing, bearing_tau=3e-4), forces=(push,))
     run = simulate(
-        assemble(machine, no_casing(), ("bearing_3:fy", "bearing_4:fy")), Settings(end=0.3, output_rate=2e3, step=5e-5)
+        assemble(machine, no_casing(), ("bearing_3:fy", "bearing_4:fy")),
+        MotionSettings(end=0.3, output_rate=2e3, step=5e-5),
     )
     # helical teeth share nothing of a thrust on shaft 2 as long as the motors hold shaft 1 in both bearings
     carried = sum(run.channel(name) - run.channel(name)[0] for name in ("bearing_3:fy", "bearing_4:fy"))
@@ -103,7 +104,7 @@ def test_a_forced_point_of_an_elastic_casing_gives_way_as_the_full_model():
     mesh, sensor = mesh_housing(housing, element_size=0.07, element="tetrahedron-4"), housing.sensors[0]
     moved = {}
     for forced in ((), (ForcedPoint(sensor=sensor, axes=("uz",)),)):
-        casing = ground_casing(mesh, CAST_IRON, forced=forced)
+        casing = assembled_casing(mesh, CAST_IRON, forced=forced).held()
         reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, highest=600.0)
         modes = casing_modes(casing, reduction, model="craig-bampton", band_limit=600.0)
         body = reduced_body(modes, sensors=housing.sensors)

@@ -9,7 +9,7 @@ from mbd_rigs import mesh_law, no_casing
 from scipy import linalg
 
 from mbd.forces.gyroscopic_plane import planes
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.bearings import BEARING_AXES, BearingSpec
 from mbd.parts.checks import MachineError
@@ -152,7 +152,7 @@ def test_the_time_step_whirls_as_the_linearised_view():
     tilt = system.layout.axis_row("rotor", 0.0, 3)
     push = np.linalg.solve(system.mass, tilt)
     start = dataclasses.replace(state, velocity=1e-3 * push / (tilt @ push))
-    run = simulate(system, Settings(end=0.3, output_rate=rate, step=2e-5), start=start)
+    run = simulate(system, MotionSettings(end=0.3, output_rate=rate, step=2e-5), start=start)
     assert abs(run.energy("total", "residual")) < 1e-6 * max(run.energy("total", "scale"), 1.0)
     kinetic = 0.5 * start.velocity @ system.mass @ start.velocity
     stored = sum(run.energy(part, "stored") for part in run.energy_parts if part != "total")

@@ -5,13 +5,11 @@ import math
 
 import numpy as np
 import pytest
-from mbd_rigs import no_casing, rigid_casing, train
+from mbd_rigs import no_casing, pendulum, rigid_casing, train
 from scipy.integrate import solve_ivp
 
-from benchmarks.hoist import MASS, RADIUS, hoist
-from mbd.forces.container_ground import Ground
-from mbd.forces.pendulum import RopePendulum
-from mbd.integrators.settings import Settings
+from benchmarks.hoist import EA, MASS, RADIUS, hoist
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.channels import bearing_force
 from mbd.parts.machine import STANDARD_GRAVITY
@@ -23,8 +21,8 @@ from mbd.system.system import assemble
 
 def swinging(length=5.0, sway=(0.02, 0.0), speed=0.0, follow=True):
     machine = hoist(speed=speed, tau=0.1, damping=0.0, follow=follow)
-    fields = {f.name: getattr(machine.load, f.name) for f in dataclasses.fields(machine.load) if f.name != "model"}
-    return dataclasses.replace(machine, load=RopePendulum(**(fields | {"length": length, "sway": sway})))
+    load = pendulum(machine.load, rope_length=length, sway_x=sway[0], sway_y=sway[1])
+    return dataclasses.replace(machine, load=load)
 
 
 @pytest.mark.parametrize(("length", "hertz"), [(2.0, 0.352), (3.0, 0.288), (5.0, 0.223), (8.0, 0.176)])
@@ -33,7 +31,7 @@ def test_a_container_swings_as_a_pendulum(length, hertz):
     assert exact == pytest.approx(hertz, abs=6e-4)
     system = assemble(swinging(length, sway=(0.0, 0.0)), no_casing())
     modes = linear_modes(system, up_to=1.0)
-    stretched = exact / math.sqrt(1 + MASS * STANDARD_GRAVITY / (8 * 3.57e6))  # the rope is longer under the weight
+    stretched = exact / math.sqrt(1 + MASS * STANDARD_GRAVITY / (8 * EA))  # the rope is longer under the weight
     np.testing.assert_allclose(modes.frequencies[:2], stretched, rtol=1e-5)
     assert modes.dominant[0] == "rope bounce"
 
@@ -45,7 +43,7 @@ def test_a_swing_from_rest_has_the_period_of_its_angle(degrees):
 
     angle, length = math.radians(degrees), 2.0
     system = assemble(swinging(length, (angle, 0.0)), no_casing(), ("container:sway_x", "rope:force"))
-    run = simulate(system, Settings(end=3.9, output_rate=500.0, step=2e-4))
+    run = simulate(system, MotionSettings(end=3.9, output_rate=500.0, step=2e-4))
     sway, t = run.channel("container:sway_x"), run.time
     assert sway[0] == pytest.approx(length * math.sin(angle), rel=2e-3)
     falls = np.flatnonzero((sway[:-1] > 0) & (sway[1:] <= 0))
@@ -60,7 +58,7 @@ def test_hoisting_raises_the_sway_angle_as_the_adiabatic_invariant_says():
     """Slow winding: E/omega stays, so the angle grows as L^(-3/4); checked against the varying pendulum."""
     length, speed = 3.0, 0.08  # m/s of the container
     system = assemble(swinging(length, (0.02, 0.0), speed=speed), no_casing(), ("container:sway_x",))
-    run = simulate(system, Settings(end=12.0, output_rate=200.0, step=5e-4))
+    run = simulate(system, MotionSettings(end=12.0, output_rate=200.0, step=5e-4))
     left = length - speed * np.maximum(run.time - 0.1, 0.0)
     angle = run.channel("container:sway_x") / left
     late = run.time > 9.5
@@ -77,9 +75,9 @@ def test_hoisting_raises_the_sway_angle_as_the_adiabatic_invariant_says():
 
 def grounded(level, **options):
     machine = hoist(damping=0.05, **options)
-    return dataclasses.replace(
-        machine, load=dataclasses.replace(machine.load, ground=Ground(level=level, stiffness=1e7, damping_ratio=0.3))
-    )
+    ground = {"ground_level": level, "ground_stiffness": 1e7, "ground_damping_ratio": 0.3}
+    load = dataclasses.replace(machine.load, hoist=dataclasses.replace(machine.load.hoist, **ground))
+    return dataclasses.replace(machine, load=load)
 
 
 def test_a_container_is_picked_from_the_ground_and_set_down_again():
@@ -94,7 +92,7 @@ def test_a_container_is_picked_from_the_ground_and_set_down_again():
     state = equilibrium(system)
     assert state.motor_torque == pytest.approx(0.0, abs=1e-6)
     weight = MASS * STANDARD_GRAVITY
-    run = simulate(system, Settings(end=1.6, output_rate=1000.0, step=5e-5))
+    run = simulate(system, MotionSettings(end=1.6, output_rate=1000.0, step=5e-5))
     force, lift, t = run.channel("rope:force"), run.channel("container:lift"), run.time
     assert force[t < 0.1].max() < 1e-6 * weight
     assert lift[0] == pytest.approx(slack - weight / 1e7, rel=1e-6)
@@ -115,7 +113,10 @@ def test_a_container_is_picked_from_the_ground_and_set_down_again():
 def test_the_ropes_pull_the_drum_shaft(load, direction):
     """The bearings of the drum shaft carry the rope force T/r besides, along the ropes; the torque is the same."""
     machine = train(1, load=load, gravity=9.80665)
-    changes = {"direction": direction} | ({"drum_radius": 0.1} if load == "torque" else {})
+    if load == "rope":
+        changes = {"hoist": dataclasses.replace(machine.load.hoist, rope_direction=direction)}
+    else:
+        changes = {"direction": direction, "drum_radius": 0.1}
     pulled = dataclasses.replace(machine, load=dataclasses.replace(machine.load, **changes))
     found = []
     for m in (machine, pulled):
@@ -128,7 +129,7 @@ def test_the_ropes_pull_the_drum_shaft(load, direction):
         )
     assert found[1][0] == pytest.approx(found[0][0], rel=1e-7)
     if load == "rope":
-        pull = machine.load.container_mass * machine.gravity / machine.load.reeving
+        pull = machine.load.hoist.container_mass * machine.gravity / machine.load.hoist.reeving_ratio
     else:
         pull = machine.load.torque * 2 / 0.1
     expected = pull * np.array([math.cos(direction), math.sin(direction)])

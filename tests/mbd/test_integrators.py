@@ -14,7 +14,7 @@ from mbd.integrators import exponential, trapezoidal
 from mbd.integrators.base import join
 from mbd.integrators.methods import make_integrator
 from mbd.integrators.modal import complex_modes
-from mbd.integrators.settings import MotionSettings, Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import StepError
 from mbd.parts.speed_drive import SpeedProfile
@@ -92,7 +92,7 @@ def test_exponential_run_of_a_linear_machine_is_exact():
 )
 def test_order(method, steps, order):
     """A rope that shortens changes the stiffness smoothly in time: error of the mesh approach against the step."""
-    rope = {"length": 0.5, "container_mass": 300.0, "axial_stiffness": 2e6}
+    rope = {"rope_length": 0.5, "container_mass": 300.0, "rope_modulus": 5.6e10}
     profile = SpeedProfile(times=np.array([0.0, 1.0]), speeds=np.array([300.0, 900.0]))
     machine = train(1, load="rope", rope=rope, profile=profile, coupling=2e3, **LINEAR)
     system = assemble(machine, no_casing(), band=np.inf)
@@ -143,7 +143,7 @@ def nonlinear_system(**options):
 def test_two_independent_integrators_agree():
     system = nonlinear_system()
     a, b = (
-        simulate(system, Settings(end=0.03, step=2e-6, integrator=name)).values
+        simulate(system, MotionSettings(end=0.03, step=2e-6, integrator=name)).values
         for name in ("exponential", "generalised-alpha")
     )
     spread = np.sqrt(np.mean((a - b) ** 2, axis=1) / np.var(a, axis=1))
@@ -176,7 +176,7 @@ def test_reversal_in_one_sample_stays_finite(step):
     profile = SpeedProfile(times=np.array([0.01, 0.0101]), speeds=np.array([94.25, -94.25]))
     machine = train(1, profile=profile)
     system = assemble(machine, rigid_casing(machine), ("sensor_1:az", "stage_1:coast_force", "stage_1:drive_force"))
-    result = simulate(system, Settings(end=0.03, step=step))
+    result = simulate(system, MotionSettings(end=0.03, step=step))
     assert result.counter("stage_1:contact_losses") > 0
     assert result.channel("stage_1:coast_force").max() > 0
     assert np.isfinite(result.values).all()
@@ -203,7 +203,7 @@ def test_wrong_settings_are_refused():
     with pytest.raises(ValueError, match="must be above 0"):
         MotionSettings(end=-1.0)
     with pytest.raises(ValueError, match="shorter than one sample"):
-        Settings(end=1e-5)
+        MotionSettings(end=1e-5)
 
 
 def test_interruption_leaves_at_a_block():
@@ -215,13 +215,13 @@ def test_interruption_leaves_at_a_block():
         raise Stop
 
     with pytest.raises(Stop):
-        simulate(nonlinear_system(), Settings(end=0.5), progress=stop)
+        simulate(nonlinear_system(), MotionSettings(end=0.5), progress=stop)
 
 
 def test_torsional_shafts_still_shake_the_casing():
     profile = SpeedProfile(times=np.array([0.002, 0.05]), speeds=np.array([0.0, 94.25]))
     machine = train(1, profile=profile, model="torsion")
     system = assemble(machine, rigid_casing(machine), ("sensor_1:az", "stage_1:drive_force"))
-    result = simulate(system, Settings(end=0.06))
+    result = simulate(system, MotionSettings(end=0.06))
     assert result.channel("sensor_1:az").std() > 0.1
     assert abs(result.energy("total", "residual")) < 1e-6 * result.energy("total", "scale")

@@ -18,7 +18,7 @@ from mbd.excitations.unbalance import Unbalance
 from mbd.forces.speed_controller import SpeedController
 from mbd.forces.torque import Torque
 from mbd.forces.torque_source import Rotor
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
 from mbd.parts.couplings import ShaftCoupling
@@ -192,7 +192,7 @@ def test_an_outside_part_that_nothing_else_knows_runs_and_its_energy_is_balanced
     profile = SpeedProfile(times=np.array([0.002, 0.01]), speeds=np.array([0.0, 94.0]))
     springs = tuple(GroundSpring(name=f"spring_{a}", shaft="shaft_1", y=0.0, axis=a) for a in (2, 3))
     machine = dataclasses.replace(hoisting(), forces=springs, profile=profile)
-    run = simulate(assemble(machine, rigid_casing(machine), ()), Settings(end=0.02, output_rate=5e3, step=1e-5))
+    run = simulate(assemble(machine, rigid_casing(machine), ()), MotionSettings(end=0.02, output_rate=5e3, step=1e-5))
     assert not run.open_parts()
     assert run.energy("spring_2", "dissipated") > 0.0
     assert "spring_3" in linear_modes(assemble(machine, rigid_casing(machine), ())).part_names
@@ -232,7 +232,7 @@ def test_the_energy_of_every_part_is_balanced(method):
     profile = SpeedProfile(times=np.array([0.002, 0.01]), speeds=np.array([0.0, 94.0]))
     machine = dataclasses.replace(MACHINES["coupling"](), profile=profile)
     system = assemble(machine, rigid_casing(machine), ())
-    run = simulate(system, Settings(end=0.02, output_rate=5e3, step=1e-5, integrator=method))
+    run = simulate(system, MotionSettings(end=0.02, output_rate=5e3, step=1e-5, integrator=method))
     assert not run.open_parts()
     assert {part.name for part in system.parts} < set(run.energy_parts)
     assert run.energy("coupling_1", "dissipated") > 0.0

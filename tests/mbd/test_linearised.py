@@ -8,17 +8,17 @@ import pytest
 from mbd_rigs import TRANSVERSE_ANGLE, mesh, no_casing, rigid_casing, train
 from scipy import linalg
 
+from benchmarks.hoist import EA, FALLS, LENGTH, LOAD, MASS, RADIUS
 from fem.contact.evaluation.evaluator import LawEvaluator
 from mbd.forces.rolling_bearing import hertz_bearing
-from mbd.forces.rope import Rope
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.channels import DIRECTIONS, channel_names, journal_acceleration
 from mbd.parts.checks import MachineError
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import Machine
-from mbd.parts.rolling_catalogue import by_designation
+from mbd.parts.rolling_elements import RollingElements
 from mbd.parts.shafts import Disk, Section, ShaftSpec
 from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
 from mbd.system.linearised import linear_modes, tangent, turned
@@ -96,7 +96,7 @@ def test_mesh_damping_gives_the_mesh_mode_tau_omega_over_two():
     assert found.damping_ratios[i] == pytest.approx(expected, rel=1e-3)
 
 
-MASS, RADIUS, LENGTH, EA, FALLS, HOLD = 1000.0, 0.1, 5.0, 3.57e6, 8, 5e7
+HOLD = 5e7
 
 
 def hoist():
@@ -107,10 +107,7 @@ def hoist():
         meshes=(),
         couplings=(CouplingSpec(name="motor_1", shaft="drum", y=0.0, stiffness=HOLD),),
         profile=STANDING,
-        load=Rope(
-            shaft="drum", drums=(0.0,), container_mass=MASS, drum_radius=RADIUS, falls=FALLS, axial_stiffness=EA,
-            length=LENGTH, damping_ratio=0.02,
-        ),
+        load=dataclasses.replace(LOAD, rope_damping_ratio=0.02).load("drum", (0.0,)),
     )  # fmt: skip
 
 
@@ -134,7 +131,7 @@ def test_more_rope_than_there_is_cannot_be_wound():
 def undamped_machine(stages, load):
     return train(
         stages, load=load, profile=STANDING, coupling_damping=0.0, bearing_tau=0.0, shaft_tau=0.0, torque=300.0,
-        rope={"damping_ratio": 0.0}, stage={"tau": 0.0},
+        rope={"rope_damping_ratio": 0.0}, stage={"tau": 0.0},
     )  # fmt: skip
 
 
@@ -146,7 +143,7 @@ def undamped(stages, load):
 
 
 def free_motion(system, modes, i, periods=4):
-    """The channel that shows mode i best: its deviation from rest at every step, the step, the expected amplitude.
+    """The channel that shows mode i best: its deviation from rest, the sampling interval, the expected amplitude.
 
     The velocity of the undamped tangent mode disturbs each mesh and rope by at most 0.5 % of its load.
     """
@@ -161,14 +158,15 @@ def free_motion(system, modes, i, periods=4):
     if "rope:force" in swing:
         limits.append((50.0 / swing["rope:force"]) ** 2)
     energy, step = min(limits), min(1 / (64 * modes.frequencies[i]), 1e-5)
+    rate = min(1 / step, 200e3)
     start = dataclasses.replace(state, velocity=shapes[:, i] * math.sqrt(2 * energy))
     run, rest = (
-        simulate(system, Settings(end=end, output_rate=1 / step, step=step), start=begin)
-        for end, begin in ((periods / modes.frequencies[i], start), (4 * step, state))
+        simulate(system, MotionSettings(end=end, output_rate=rate, step=step), start=begin)
+        for end, begin in ((periods / modes.frequencies[i], start), (4 / rate, state))
     )
     largest = modes.amplitudes.max(axis=1)
     best = int(np.argmax(modes.amplitudes[:, i] / np.where(largest > 0, largest, np.inf)))
-    return run.values[best] - rest.values[best, 0], step, modes.amplitudes[best, i] * math.sqrt(energy)
+    return run.values[best] - rest.values[best, 0], 1 / rate, modes.amplitudes[best, i] * math.sqrt(energy)
 
 
 def fitted_eigenvalue(signal, step, frequency):
@@ -200,7 +198,9 @@ def test_small_free_motion_has_the_linearised_frequencies_and_shapes(stages, loa
 def test_small_free_motion_in_rolling_bearings_has_the_linearised_frequencies():
     """At rest the cages stand; the bearings' stiffness is the tangent of their Hertz contacts under the load."""
     machine = dataclasses.replace(undamped_machine(1, "torque"), gravity=9.80665)
-    bearings = tuple(hertz_bearing(b.name, b.shaft, b.y, by_designation("6206"), 0.0) for b in machine.bearings)
+    bearings = tuple(
+        hertz_bearing(b.name, b.shaft, b.y, RollingElements(designation="6206"), 0.0) for b in machine.bearings
+    )
     machine = dataclasses.replace(machine, bearings=bearings)
     journals = tuple(journal_acceleration(b.name, a) for b in bearings for a in DIRECTIONS)
     system = assemble(machine, rigid_casing(machine, ratio=0.0), channel_names(machine, ("sensor_1",)) + journals)
@@ -216,14 +216,14 @@ def test_small_free_motion_in_rolling_bearings_has_the_linearised_frequencies():
 
 
 def test_a_damped_bounce_decays_at_the_linearised_rate():
-    machine = train(1, load="rope", profile=STANDING, rope={"damping_ratio": 0.05})
+    machine = train(1, load="rope", profile=STANDING, rope={"rope_damping_ratio": 0.05})
     system = assemble(machine, rigid_casing(machine))
     modes, state = linear_modes(system), equilibrium(system)
     i = modes.dominant.index("rope bounce")
     velocity = np.zeros_like(state.velocity)
     velocity[system.layout.names.index("container:lift")] = 1e-3
     start = dataclasses.replace(state, velocity=velocity)
-    run = simulate(system, Settings(end=0.6, output_rate=1000.0, step=1e-5), start=start)
+    run = simulate(system, MotionSettings(end=0.6, output_rate=1000.0, step=1e-5), start=start)
     lift = run.channel("container:lift")[50:] - state.displacement[system.layout.names.index("container:lift")]
     value = fitted_eigenvalue(lift, 1e-3, modes.frequencies[i])
     assert abs(value) / (2 * np.pi) == pytest.approx(modes.frequencies[i], rel=5e-3)

@@ -8,7 +8,7 @@ import pytest
 from mbd_rigs import mesh_law, rigid_casing, train
 
 from mbd.forces.sliding import sliding_rows
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
 from mbd.parts.losses import Brake, Coulomb, Efficiency, NoLosses
@@ -22,7 +22,7 @@ SPEED = 94.2477796
 
 def weight_torque(machine):
     load = machine.load
-    return load.container_mass * machine.gravity * load.travel_per_radian * machine.ratios()[load.shaft]
+    return load.hoist.container_mass * machine.gravity * load.travel_per_radian * machine.ratios()[load.shaft]
 
 
 def held(machine, speed):
@@ -84,7 +84,7 @@ def there_and_back(losses, **options):
     machine = train(2, load="rope", profile=profile, rope={"container_mass": 300.0}, bearing_tau=1e-5)
     machine = dataclasses.replace(machine, losses=losses, **options)
     system = assemble(machine, rigid_casing(machine), ("motor_1:torque", "motor_2:torque"))
-    return machine, simulate(system, Settings(end=0.16, output_rate=5e3, step=1e-5))
+    return machine, simulate(system, MotionSettings(end=0.16, output_rate=5e3, step=1e-5))
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from rotors import jeffcott, line
 
 from mbd.excitations.misaligned_coupling import MisalignedCoupling
 from mbd.forces.torque import Torque
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.bearings import rigid_bearing
 from mbd.parts.checks import MachineError
@@ -56,7 +56,7 @@ def pair(*couplings, sense=1, forces=(), torque=0.0):
 
 def lines(machine, orders, channels=FORCES):
     """Complex amplitude of every order of the speed in every channel, and their largest deviation from the mean."""
-    run = simulate(assemble(machine, no_casing(), channels), Settings(end=0.6, output_rate=4e3, step=2.5e-5))
+    run = simulate(assemble(machine, no_casing(), channels), MotionSettings(end=0.6, output_rate=4e3, step=2.5e-5))
     late = run.time > 0.6 - 2 * 2 * math.pi / SPEED
     time = run.time[late]
     found = {n: {order: line(time, run.channel(n)[late], order * SPEED) for order in orders} for n in channels}
@@ -133,7 +133,7 @@ def test_without_misalignment_it_is_the_coupling_of_constant_springs():
     runs = [
         simulate(
             assemble(pair(one, forces=(push,)), no_casing(), ("shaft_2:speed", "motor_1:torque")),
-            Settings(end=0.05, output_rate=4e3, step=2.5e-5),
+            MotionSettings(end=0.05, output_rate=4e3, step=2.5e-5),
         )
         for one in (plain, coupling())
     ]

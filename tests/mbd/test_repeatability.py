@@ -6,7 +6,7 @@ from mbd_rigs import rigid_casing, train
 
 from mbd.integrators.base import LENGTH
 from mbd.integrators.methods import make_integrator
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.repeatability import other_start
 from mbd.output.simulate import simulate
 from mbd.parts.speed_drive import SpeedProfile
@@ -131,4 +131,4 @@ def test_a_warning_in_twenty_of_twenty_rattling_starts():
 def test_settings_of_the_library_measure_too():
     machine = train(1)
     system = assemble(machine, rigid_casing(machine), ("sensor_1:az",))
-    assert simulate(system, Settings(end=0.05, step=2e-5)).parted_at == 0.0
+    assert simulate(system, MotionSettings(end=0.05, step=2e-5)).parted_at == 0.0

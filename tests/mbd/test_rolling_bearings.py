@@ -8,13 +8,13 @@ import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 
 from mbd.forces.rolling_bearing import hertz_bearing, response
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.channels import bearing_force, journal_acceleration
 from mbd.parts.checks import EquilibriumError, MachineError
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import Machine
-from mbd.parts.rolling_catalogue import by_designation, designations
+from mbd.parts.rolling_catalogue import designations
 from mbd.parts.rolling_elements import RollingElements, dimensionless_deflection, pass_frequencies
 from mbd.parts.shafts import Disk, Section, ShaftSpec
 from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
@@ -93,21 +93,21 @@ def test_clearance_leaves_a_free_path_and_the_contact_angle_carries_one_way():
     free = ball(clearance=20e-6)
     assert not response(free, np.array([9e-6, 0, 0, 0, 0]))[0].any()
     assert response(free, np.array([15e-6, 0, 0, 0, 0]))[0][0] > 0.0
-    angular = by_designation("7208")
+    angular = RollingElements(designation="7208")
     assert response(angular, np.array([0, 10e-6, 0, 0, 0]))[0][1] > 100.0
     assert not response(angular, np.array([0, -10e-6, 0, 0, 0]))[0].any()
-    assert response(by_designation("NU208"), np.array([0, 1e-4, 0, 0, 0]))[0][1] == 0.0
+    assert response(RollingElements(designation="NU208"), np.array([0, 1e-4, 0, 0, 0]))[0][1] == 0.0
 
 
 def test_pass_frequencies_are_those_of_the_bearing_data_center():
     """6205-2RS JEM: 3.5848, 5.4152, 0.39828 of the shaft, defect 4.7135 = 2 BSF (Case Western Reserve University)."""
-    found = pass_frequencies(by_designation("6205"))
+    found = pass_frequencies(RollingElements(designation="6205"))
     assert found.outer == pytest.approx(3.5848, rel=1e-4)
     assert found.inner == pytest.approx(5.4152, rel=1e-4)
     assert found.cage == pytest.approx(0.39828, rel=2e-4)
     assert 2 * found.spin == pytest.approx(4.7135, rel=2e-4)
     for name in designations():
-        elements = by_designation(name)
+        elements = RollingElements(designation=name)
         rates = pass_frequencies(elements)
         assert rates.outer + rates.inner == pytest.approx(elements.count)
         assert rates.outer == pytest.approx(elements.count * rates.cage)
@@ -145,7 +145,7 @@ def test_the_turning_cage_shakes_the_shaft_at_the_outer_pass_frequency():
     machine = loaded_shaft(elements, speed)
     names = (journal_acceleration("bearing_1", "z"), bearing_force("bearing_1", "z"))
     system = assemble(machine, no_casing(), names)
-    run = simulate(system, Settings(end=1.2, output_rate=4000.0, step=2.5e-5))
+    run = simulate(system, MotionSettings(end=1.2, output_rate=4000.0, step=2.5e-5))
     late = run.time > 0.4
     signal = run.channel(names[0])[late]
     spectrum = abs(np.fft.rfft(signal * np.hanning(len(signal))))
@@ -173,7 +173,9 @@ def test_nothing_is_lost_in_an_undamped_bearing_that_stands():
     state = equilibrium(system)
     lift = np.linalg.solve(system.mass, system.layout.axis_row("shaft_1", 0.0, 2))
     start = dataclasses.replace(state, velocity=0.02 * lift / abs(lift).max())
-    run = simulate(system, Settings(end=0.1, output_rate=2000.0, step=2.5e-6), start=start)  # 8 times less per halving
+    run = simulate(
+        system, MotionSettings(end=0.1, output_rate=2000.0, step=2.5e-6), start=start
+    )  # 8 times less per halving
     energy = 0.5 * start.velocity @ system.mass @ start.velocity
     stored = sum(run.energy(part, "stored") for part in run.energy_parts if part != "total")
     works = run.energy("total", "received")
@@ -186,19 +188,19 @@ def test_a_geared_pair_runs_in_rolling_bearings(names):
     machine = train(1, load="rope", profile=profile, rope={"container_mass": 300.0})
     bearings = []
     for i, b in enumerate(machine.bearings):
-        elements = by_designation(names[i // 2])
+        elements = RollingElements(designation=names[i // 2])
         if elements.contact_angle:  # face to face: each carries the axial load one way
             angle = elements.contact_angle * (1 if i % 2 else -1)
             elements = dataclasses.replace(elements, contact_angle=angle, preload=8e-6 * (1 if i % 2 else -1))
         if elements.kind == "roller" and i % 2:
-            elements = by_designation("6205")  # locates the shaft
+            elements = RollingElements(designation="6205")  # locates the shaft
         bearings.append(hertz_bearing(b.name, b.shaft, b.y, elements, 1e-5))
     machine = dataclasses.replace(machine, bearings=tuple(bearings))
     system = assemble(machine, rigid_casing(machine))
     load = machine.load
-    exact = load.container_mass * machine.gravity * load.travel_per_radian * machine.ratios()[load.shaft]
+    exact = load.hoist.container_mass * machine.gravity * load.travel_per_radian * machine.ratios()[load.shaft]
     assert equilibrium(system).motor_torque == pytest.approx(exact, rel=1e-9)
-    run = simulate(system, Settings(end=0.06, output_rate=5e3, step=1e-5))
+    run = simulate(system, MotionSettings(end=0.06, output_rate=5e3, step=1e-5))
     assert np.isfinite(run.values).all()
     assert abs(run.energy("total", "residual")) < 2e-6 * run.energy("total", "scale")
     for b in machine.bearings:
@@ -214,7 +216,7 @@ def test_light_and_heavy_loads_find_their_place_in_wide_clearances(mass, clearan
     bearings = tuple(hertz_bearing(b.name, b.shaft, b.y, elements, 1e-5) for b in machine.bearings)
     machine = dataclasses.replace(machine, bearings=bearings)
     load, first = machine.load, machine.meshes[0]
-    torque = load.container_mass * machine.gravity * load.travel_per_radian * machine.ratios()[load.shaft]
+    torque = load.hoist.container_mass * machine.gravity * load.travel_per_radian * machine.ratios()[load.shaft]
     state = equilibrium(assemble(machine, no_casing()))
     assert state.motor_torque == pytest.approx(torque, rel=1e-8)
     assert state.mesh_force[0] == pytest.approx(torque / first.base_radius_driving, rel=1e-8)
@@ -232,7 +234,7 @@ def test_unloaded_gears_in_bearings_with_clearance_are_refused_by_load_and_beari
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: by_designation("9999"), "not in the catalogue"),
+        (lambda: RollingElements(designation="9999"), "not in the catalogue"),
         (lambda: ball(count=30), "overlap"),
         (lambda: RollingElements(kind="roller", count=10, diameter=0.01, pitch_diameter=0.06), "contact length"),
     ],

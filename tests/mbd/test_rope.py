@@ -5,7 +5,7 @@ import pytest
 from mbd_rigs import no_casing
 
 from benchmarks.hoist import EA, FALLS, LENGTH, OMEGA, RADIUS, WEIGHT, hoist
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.machine import STANDARD_GRAVITY
 from mbd.system.statics import equilibrium
@@ -14,7 +14,7 @@ from mbd.system.system import assemble, natural_frequencies
 
 def run(machine, end=0.6, step=5e-5):
     system = assemble(machine, no_casing())
-    return simulate(system, Settings(end=end, output_rate=2000.0, step=step))
+    return simulate(system, MotionSettings(end=end, output_rate=2000.0, step=step))
 
 
 def test_the_rope_mode_is_in_the_modes():

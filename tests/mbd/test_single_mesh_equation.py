@@ -15,8 +15,8 @@ from scipy.integrate import solve_ivp
 
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.evaluation.kernel import evaluate
-from mbd.forces.rope import Rope
-from mbd.integrators.settings import Settings
+from mbd.forces.rope import Rope, RopeLoad
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.bearings import rigid_bearing
 from mbd.parts.load import StaticTorque
@@ -27,8 +27,12 @@ from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 
 INERTIA, HALF, SOFT, SPEED, RATE = (2e-3, 8e-2), 3e-3, 0.5, 94.0, 40e3
-ROPE = {"container_mass": 100.0, "drum_radius": 0.1, "falls": 4, "axial_stiffness": 1e6, "length": 4.0}
-TORQUE = ROPE["container_mass"] * STANDARD_GRAVITY * ROPE["drum_radius"] / 2
+ROPE = RopeLoad(
+    container_mass=100.0, drum_radius=0.1, drum_mass=1.0, drum_inertia=1.0, rope_falls=4, rope_modulus=2.8e10,
+    rope_length=4.0, rope_damping_ratio=0.0,
+)  # fmt: skip
+TORQUE, WEIGHT = ROPE.torque, ROPE.container_mass * STANDARD_GRAVITY
+ROPE_STIFFNESS = ROPE.rope_falls * ROPE.axial_stiffness / ROPE.rope_length
 
 
 def wheel(name, x, sense, inertia):
@@ -47,7 +51,7 @@ def single_mesh(load, coupling=SOFT):
     deviations = 3e-6 * np.sin(2 * np.pi * np.arange(55) / 55) + 1e-6 * np.cos(np.arange(55) * 2.4)
     spec = dataclasses.replace(spec, drive_clearance_wheel=deviations)
     distance = (spec.base_radius_driving + spec.base_radius_driven) / math.cos(TRANSVERSE_ANGLE)
-    hanging = Rope(shaft="b", drums=(0.0,), damping_ratio=0.0, follow_length=False, **ROPE)
+    hanging = Rope(shaft="b", drums=(0.0,), hoist=ROPE, follow_length=False)
     return Machine(
         shafts=(wheel("a", 0.0, 1, INERTIA[0]), wheel("b", distance, -1, INERTIA[1])),
         bearings=tuple(rigid_bearing(f"bearing_{s}{y}", s, y, "ground") for s in "ab" for y in (-HALF, HALF)),
@@ -66,8 +70,8 @@ def integrated(machine, torque, times, x_start):
     m1, m2 = INERTIA[0] / r1**2, INERTIA[1] / r2**2
     m, tables, teeth = m1 * m2 / (m1 + m2), LawEvaluator(spec.drive).packed, spec.terms[0]
     wound = torque / SOFT  # of the motor coupling at the start
-    winch, spring = ROPE["drum_radius"] / 2, ROPE["falls"] * ROPE["axial_stiffness"] / ROPE["length"]
-    weight, hangs = ROPE["container_mass"] * STANDARD_GRAVITY, isinstance(machine.load, Rope)
+    winch, spring = ROPE.drum_radius / 2, ROPE_STIFFNESS
+    weight, hangs = WEIGHT, isinstance(machine.load, Rope)
 
     def rate(t, y):
         x, dx, phi, dphi, lift, dlift = y
@@ -77,7 +81,7 @@ def integrated(machine, torque, times, x_start):
         pull = weight + spring * (winch * (r1 * phi - (x - x_start)) / r2 - lift) if hangs else 0.0
         t1, t2 = torque - SOFT * phi, winch * pull if hangs else TORQUE
         ddx = t1 / (m1 * r1) + t2 / (m2 * r2) - push / m
-        return [dx, ddx, dphi, (t1 - r1 * push) / INERTIA[0], dlift, (pull - weight) / ROPE["container_mass"]]
+        return [dx, ddx, dphi, (t1 - r1 * push) / INERTIA[0], dlift, (pull - weight) / ROPE.container_mass]
 
     start = [x_start, 0.0, 0.0, 0.0, 0.0, 0.0]
     return solve_ivp(rate, (0.0, times[-1]), start, t_eval=times, rtol=1e-9, atol=1e-14, max_step=1e-4).y[0]
@@ -87,7 +91,7 @@ def integrated(machine, torque, times, x_start):
 def test_the_machine_moves_as_the_equation_says(load):
     machine = single_mesh(load)
     system = assemble(machine, no_casing(), ("mesh_1:delta", "motor_1:torque"), band=np.inf)
-    run = simulate(system, Settings(end=0.04, output_rate=RATE, step=1 / RATE / 8))
+    run = simulate(system, MotionSettings(end=0.04, output_rate=RATE, step=1 / RATE / 8))
     approach, n = run.channel("mesh_1:delta"), 100  # the output filter rings at both ends
     torque = equilibrium(system).motor_torque
     np.testing.assert_allclose(run.channel("motor_1:torque"), torque, rtol=1e-3)
@@ -114,7 +118,6 @@ def test_the_static_load_is_that_of_the_right_side():
     assert force == pytest.approx(m1 * m2 / (m1 + m2) * (t1 / (m1 * r1) + t2 / (m2 * r2)), rel=1e-6)
     assert (t2 * r1 / r2 - t1) / r1 == pytest.approx(0.0, abs=1e-6 * force)
     assert (t2 - t1) / r1 == pytest.approx((55 / 20 - 1) * force, rel=1e-6)
-    stretch = ROPE["container_mass"] * STANDARD_GRAVITY / (ROPE["falls"] * ROPE["axial_stiffness"] / ROPE["length"])
-    spring = ROPE["falls"] * ROPE["axial_stiffness"] / ROPE["length"]
-    hanging = (ROPE["container_mass"] * STANDARD_GRAVITY + spring * stretch) * ROPE["drum_radius"] / 2
+    stretch = WEIGHT / ROPE_STIFFNESS
+    hanging = (WEIGHT + ROPE_STIFFNESS * stretch) * ROPE.drum_radius / 2
     assert hanging == pytest.approx(2 * t2, rel=1e-12)

@@ -16,7 +16,7 @@ def needed_torque(machine):
     load, ratio = machine.load, machine.ratios()[machine.load.shaft]
     if isinstance(load, StaticTorque):
         return load.torque * len(load.drums) * ratio
-    return load.container_mass * machine.gravity * load.drum_radius / load.reeving * ratio
+    return load.torque_on_shaft(machine.gravity) * ratio
 
 
 @pytest.mark.parametrize("load", ["torque", "rope"])

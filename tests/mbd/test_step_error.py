@@ -9,7 +9,7 @@ from mbd_rigs import rigid_casing, train
 from report_pages import body_of
 
 from mbd.integrators.methods import make_integrator
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.statics import equilibrium
@@ -29,8 +29,8 @@ def machine(**options):
 
 def true_error(system, method, step, end):
     """Of the accelerations of a run, RMS over the signal's, against an eighth of the step."""
-    coarse = simulate(system, Settings(end=end, step=step, integrator=method))
-    fine = simulate(system, Settings(end=end, step=step / 8))
+    coarse = simulate(system, MotionSettings(end=end, step=step, integrator=method))
+    fine = simulate(system, MotionSettings(end=end, step=step / 8))
     return coarse, np.sqrt(np.sum((coarse.values[:2] - fine.values[:2]) ** 2) / np.sum(fine.values[:2] ** 2))
 
 
@@ -121,7 +121,7 @@ def test_several_motions_say_a_thing_once():
 
 def test_the_step_named_goes_whole_times_into_the_sample():
     system = machine()
-    coarse = simulate(system, Settings(end=0.05, step=2e-5, integrator="trapezoidal"))
+    coarse = simulate(system, MotionSettings(end=0.05, step=2e-5, integrator="trapezoidal"))
     for error in (0.051, 0.16, 0.28, 1.43, 5.39):
         object.__setattr__(coarse, "step_error", error)
         (step,) = re.findall(r"step_us = ([0-9.]+)", motion_warnings(coarse)["step"])

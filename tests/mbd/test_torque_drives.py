@@ -8,12 +8,11 @@ import pytest
 from mbd_rigs import no_casing, train
 from scipy.integrate import solve_ivp
 
-import benchmarks.reference_integrator  # noqa: F401 - registers it
+from benchmarks.reference_integrator import ReferenceSettings
 from mbd.forces.induction_motor import InductionMotor
 from mbd.forces.speed_controller import SpeedController, controller_rule
 from mbd.forces.torque import SpeedTorque, Torque
 from mbd.forces.torque_source import Rotor
-from mbd.integrators.settings import Settings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
 from mbd.parts.mesh_reference import nominal_forces
@@ -52,7 +51,7 @@ def assembled(machine, *names, **options):
 
 
 def run(system, end, step=2e-5, method="exponential", rate=10e3):
-    return simulate(system, Settings(end=end, output_rate=rate, step=step, integrator=method))
+    return simulate(system, ReferenceSettings(end=end, output_rate=rate, step=step, integrator=method))
 
 
 def inertia(system):
@@ -270,7 +269,7 @@ def test_a_controller_gives_no_more_than_its_limit():
 
 
 def test_a_motor_that_winds_up_the_rope_is_stopped_with_the_time():
-    machine = train(1, load="rope", rope={"length": 0.3, "container_mass": 50.0}, model="torsion", speed=100.0)
+    machine = train(1, load="rope", rope={"rope_length": 0.3, "container_mass": 50.0}, model="torsion", speed=100.0)
     machine = replace(machine, couplings=(), input_shaft="shaft_1", forces=(motor(),))
     with pytest.raises(MachineError, match=r"0.3 m are wound up at t = 0\.1"):
         run(assembled(machine), 1.0)

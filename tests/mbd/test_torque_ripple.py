@@ -9,7 +9,7 @@ from mbd_rigs import no_casing, train
 from rotors import jeffcott, line
 
 from mbd.excitations.ripple import TorqueRipple
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
 from mbd.parts.speed_drive import SpeedProfile
@@ -30,7 +30,7 @@ def test_a_ripple_makes_the_line_of_its_order_in_size_and_phase():
     """On a rotor that turns evenly the answer is that of a torque A cos(n Omega t + alpha)."""
     machine = jeffcott(ripple(), speed=SPEED)
     system = assemble(machine, no_casing(), ("motor_1:torque", "shaft_1:angle"))
-    run = simulate(system, Settings(end=1.0, output_rate=2e3, step=5e-5))
+    run = simulate(system, MotionSettings(end=1.0, output_rate=2e3, step=5e-5))
     late = run.time > 0.6
     order = 3.0 * SPEED
     exact = frequency_response(system, "ripple", np.array([order / (2 * math.pi)]))[:, 0] * 0.5 * np.exp(0.7j)
@@ -43,7 +43,7 @@ def test_a_ripple_of_a_geared_shaft_goes_by_the_angle_of_that_shaft():
     """On shaft 2 the line is at n times its own frequency, in the mesh force as well."""
     quiet = train(1, speed=SPEED, stage={"ripple": 0.0})
     machine = dataclasses.replace(quiet, forces=(ripple(shaft="shaft_2", y=0.0),))
-    settings = Settings(end=0.8, output_rate=2e3, step=2e-5)
+    settings = MotionSettings(end=0.8, output_rate=2e3, step=2e-5)
     found = []
     for one in (machine, quiet):
         run = simulate(assemble(one, no_casing(), ("stage_1:drive_force",)), settings)
@@ -60,7 +60,7 @@ def test_a_ripple_goes_by_the_angle_not_by_the_time():
     profile = SpeedProfile(times=np.array([0.0, 0.3]), speeds=np.array([0.0, 300.0]))
     run = simulate(
         assemble(jeffcott(ripple(), profile=profile), no_casing(), ("shaft_1:angle",)),
-        Settings(end=0.4, output_rate=20e3, step=5e-5),
+        MotionSettings(end=0.4, output_rate=20e3, step=5e-5),
     )
     angle = run.channel("shaft_1:angle")[[0, -1]]
     stored = -0.5 / 3.0 * np.diff(np.sin(3.0 * angle + 0.7))[0]

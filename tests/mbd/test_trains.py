@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.bearings import BEARING_AXES, BearingSpec, rigid_bearing
 from mbd.parts.checks import MachineError
@@ -76,7 +76,7 @@ def test_a_branch_without_load_leaves_the_torque_of_the_other_alone():
     assert state.motor_torque == pytest.approx(needed(machine), rel=1e-9)
     assert nominal_forces(machine)["stage_2"] == 0.0
     assert state.mesh_force[1] < 1e-6 * state.mesh_force[0]
-    run = simulate(system, Settings(end=0.02, output_rate=5e3, step=1e-5))
+    run = simulate(system, MotionSettings(end=0.02, output_rate=5e3, step=1e-5))
     assert np.isfinite(run.values).all()
     assert abs(run.energy("total", "residual")) < 2e-6 * run.energy("total", "scale")
 
@@ -189,7 +189,7 @@ def test_cross_terms_turn_the_axes_of_a_bearing():
         for b in base.bearings
     ]
     run = dataclasses.replace(base, bearings=tuple(both))
-    found = simulate(assemble(run, rigid_casing(run)), Settings(end=0.02, output_rate=5e3, step=1e-5))
+    found = simulate(assemble(run, rigid_casing(run)), MotionSettings(end=0.02, output_rate=5e3, step=1e-5))
     for b in both:
         assert abs(found.energy(b.name, "residual")) <= 0.01 * found.energy(b.name, "scale")
     with pytest.raises(MachineError, match="not positive definite"):
@@ -207,7 +207,7 @@ def test_damping_of_its_own_axes_is_booked():
     bearings = tuple(dataclasses.replace(b, damping=tuple(map(tuple, matrix))) for b in base.bearings)
     run = simulate(
         assemble(dataclasses.replace(base, bearings=bearings), no_casing()),
-        Settings(end=0.03, output_rate=5e3, step=1e-5),
+        MotionSettings(end=0.03, output_rate=5e3, step=1e-5),
     )
     for b in bearings:
         assert run.energy(b.name, "dissipated") > 0.0

@@ -10,7 +10,7 @@ from mbd_rigs import no_casing, train
 from rotors import CRITICAL, DAMPING, LENGTH, MASS, MOVING, PROBE, STIFFNESS, jeffcott, line
 
 from mbd.excitations.unbalance import Unbalance
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
 from mbd.parts.speed_drive import SpeedProfile
@@ -30,7 +30,7 @@ def unbalance(**changes):
 
 
 def whirl(machine, channels=PROBE, end=1.2, rate=2000.0, step=1e-4):
-    return simulate(assemble(machine, no_casing(), channels), Settings(end=end, output_rate=rate, step=step))
+    return simulate(assemble(machine, no_casing(), channels), MotionSettings(end=end, output_rate=rate, step=step))
 
 
 @pytest.mark.parametrize("r", [0.6, 1.0, 1.6])

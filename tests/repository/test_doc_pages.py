@@ -14,7 +14,7 @@ from fem.contact.models.registry import MODELS as MESHES
 from mbd.forces.bearing_models import BEARINGS
 from mbd.forces.hanging_loads import LOADS
 from mbd.integrators.methods import METHODS
-from pipelines.scene.tables import casing, losses, motion, shafts
+from pipelines.scene.tables import casing, drive_and_load, losses, shafts
 
 DOCS = ROOT / "docs"
 
@@ -30,7 +30,7 @@ MODELS = [
     *BEARINGS,
     *(choices(t)[0] for t in typing.get_args(typing.get_args(losses.LossModel)[0])),
     *choices(shafts.ShaftModelTable),
-    *choices(motion.SimulationTable, "integrator"),
+    *choices(drive_and_load.SimulationTable, "integrator"),
 ]
 
 
@@ -41,7 +41,7 @@ def test_every_model_has_its_row_in_the_guide(model):
 
 
 def test_every_integrator_of_the_scene_exists():
-    assert set(choices(motion.SimulationTable, "integrator")) <= METHODS.keys()
+    assert set(choices(drive_and_load.SimulationTable, "integrator")) <= METHODS.keys()
 
 
 def test_the_module_map_names_nothing_that_is_gone():

@@ -26,8 +26,8 @@ from fem.casing.reduced.grounded import GroundedCasing
 from fem.casing.reduced.reduced_modes import on_springs, undamped_modes
 from fem.casing.reduced.reduction import Reduction, largest_entry
 from fem.elements.solids import mass_properties, rigid_body_modes
-from fem.numerics.places import unknowns_of
 from fem.numerics.side_by_side import side_by_side
+from fem.numerics.unknowns import unknowns_of
 from fem.storage.records import Record, array, names, scalar
 
 _VECTORS = 4  # random sign vectors, for checks of matrix blocks

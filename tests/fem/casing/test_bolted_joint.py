@@ -17,7 +17,7 @@ from fem.casing.parts.bolted_joint import BoltedJoint, contact_areas, joint_stif
 from fem.casing.parts.bolts import Bolt, BoltError
 from fem.casing.parts.split import SplitPlane, split_mesh
 from fem.casing.reduced.checkup import check_up
-from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.reduced.modes import casing_modes, natural_modes
 from fem.casing.reduced.reduction import reduce_body
@@ -163,7 +163,7 @@ def test_the_ring_of_a_bolt_holds_translation_tilt_and_twist_as_by_hand(element)
 def test_a_hard_block_on_a_bolt_swings_as_a_rigid_body_on_springs():
     """The upper block on the ring: six frequencies from its mass matrix and the stiffness by hand."""
     mesh, held = blocks(), joint((0.0, 0.0, 0.1), stiffness=(3e8, 2e8))
-    casing = ground_casing(mesh, HARD, interfaces={}, joint=held)
+    casing = assembled_casing(mesh, HARD, interfaces={}, joint=held).held()
     found = frequencies(casing)
     inner, outer = held.bolt.hole / 2, held.bolt.contact_diameter / 2
     square = (outer**2 + inner**2) / 2
@@ -182,12 +182,12 @@ def test_stiff_bolts_over_all_of_the_interface_glue_it():
     Up to 0.4 %, by which the functions at the rim of the clamped end differ where the block is in two.
     """
     mesh, closeness = blocks(pieces=(3, 3, 2), element="hexahedron-20"), 5e-3
-    glued = frequencies(ground_casing(mesh, CAST_IRON, interfaces={}))
+    glued = frequencies(assembled_casing(mesh, CAST_IRON, interfaces={}).held())
     wide = Bolt(diameter=1e-6, pitch=1e-7, head=0.2, hole=1e-6, clamped=(0.05, 0.05), outer=0.5)
     before = np.zeros(6)
     for size in (1e7, 1e9, 1e11, 1e13):
         held = joint((0.0, 0.0, 0.1), stiffness=(size, size), bolt=wide)
-        found = frequencies(ground_casing(mesh, CAST_IRON, interfaces={}, joint=held))
+        found = frequencies(assembled_casing(mesh, CAST_IRON, interfaces={}, joint=held).held())
         assert (found > before).all()
         assert (found < glued * (1 + closeness)).all()
         before = found
@@ -197,9 +197,10 @@ def test_stiff_bolts_over_all_of_the_interface_glue_it():
 def test_more_and_larger_rings_hold_better():
     mesh = blocks(pieces=(4, 4, 2))
     corners = [(x, y, 0.1) for x in (-0.03, 0.03) for y in (-0.03, 0.03)]
-    glued = frequencies(ground_casing(mesh, CAST_IRON, interfaces={}))
+    glued = frequencies(assembled_casing(mesh, CAST_IRON, interfaces={}).held())
     one, two, four = (
-        frequencies(ground_casing(mesh, CAST_IRON, interfaces={}, joint=joint(*corners[:n]))) for n in (1, 2, 4)
+        frequencies(assembled_casing(mesh, CAST_IRON, interfaces={}, joint=joint(*corners[:n])).held())
+        for n in (1, 2, 4)
     )
     assert (one < two).all()
     assert (two < four).all()
@@ -209,7 +210,7 @@ def test_more_and_larger_rings_hold_better():
 def test_springs_of_the_cone_do_not_depend_on_the_mesh():
     place = (0.01, 0.0, 0.1)
     coarse, fine = (
-        frequencies(ground_casing(blocks(pieces=(n, n, 2)), CAST_IRON, interfaces={}, joint=joint(place)))
+        frequencies(assembled_casing(blocks(pieces=(n, n, 2)), CAST_IRON, interfaces={}, joint=joint(place)).held())
         for n in (4, 12)
     )
     assert coarse == pytest.approx(fine, rel=0.02)
@@ -233,7 +234,7 @@ def test_two_planks_bolted_along_their_length_bend_as_a_beam_with_slip(slip):
         places=places,
         stiffness=(1e11, slip),
     )
-    casing = ground_casing(planks, stuff, interfaces={}, joint=held)
+    casing = assembled_casing(planks, stuff, interfaces={}, joint=held).held()
     nodes = casing.mesh.nodes
     fixed = np.zeros((len(nodes), 3), bool)
     fixed[:, 1] = True  # bends in one plane
@@ -251,7 +252,7 @@ def test_two_planks_bolted_along_their_length_bend_as_a_beam_with_slip(slip):
 
 def test_a_bolt_where_nothing_touches_is_refused():
     with pytest.raises(MeshError, match=r"do not touch around bolt 2 at \(200, 0, 100\) mm"):
-        ground_casing(blocks(), CAST_IRON, interfaces={}, joint=joint((0.0, 0.0, 0.1), (0.2, 0.0, 0.1)))
+        assembled_casing(blocks(), CAST_IRON, interfaces={}, joint=joint((0.0, 0.0, 0.1), (0.2, 0.0, 0.1))).held()
 
 
 FLANGED = replace(
@@ -275,7 +276,7 @@ def test_a_bolted_housing_is_softer_than_a_glued_one_and_passes_the_check_up(fla
     held = BoltedJoint(plane=plane, bolt=Bolt.of_size("M10", clamped=(0.012, 0.012)), places=BOLTS)
     found = {}
     for name, option in (("glued", None), ("bolted", held)):
-        casing = ground_casing(flanged, CAST_IRON, joint=option)
+        casing = assembled_casing(flanged, CAST_IRON, joint=option).held()
         reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=10)
         assert check_up(casing, reduction).failures == ()
         modes = casing_modes(casing, reduction, model="craig-bampton", band_limit=0.0)

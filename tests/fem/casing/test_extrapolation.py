@@ -14,7 +14,7 @@ from housings import angle_casing, short_housing
 from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.mesh.source import mesh_geometry
-from fem.casing.reduced.grounded import assembled_casing, ground_casing
+from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.casing.uncertainty import extrapolation
@@ -58,7 +58,7 @@ def few_modes():
 def modes_of(size: float, ground: str = "fixed"):
     """Mesh and modes of a short housing with elements of one size (m)."""
     mesh = mesh_housing(short_housing(), sizes=Sizes(element=size, bore=size))
-    casing = ground_casing(mesh, CAST_IRON, ground=ground)
+    casing = assembled_casing(mesh, CAST_IRON, ground=ground).held()
     reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, highest=1.5 * BAND)
     return mesh, casing_modes(casing, reduction, model="craig-bampton", band_limit=1.5 * BAND)
 
@@ -125,7 +125,7 @@ def test_a_coarse_casing_comes_closer_to_its_limit(hexahedra):
 
 def test_mounts_keep_their_stiffness(coarse):
     mesh, _ = coarse
-    casing = ground_casing(mesh, CAST_IRON, ground="springs")
+    casing = assembled_casing(mesh, CAST_IRON, ground="springs").held()
     reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, highest=1.5 * BAND)
     modes = casing_modes(casing, reduction, model="craig-bampton", band_limit=1.5 * BAND)
     soft = ((1e4, 1e4, 1e4),)

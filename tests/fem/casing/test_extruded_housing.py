@@ -13,7 +13,7 @@ from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.section import divided
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.mesh.source import mesh_geometry
-from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.reduced.rigid import housing_mass
 from fem.elements.facets import surface_weights
@@ -44,7 +44,7 @@ def hexahedra(housing, size=0.035, element="hexahedron-27"):
 
 
 def frequencies(mesh, count=4):
-    casing = ground_casing(mesh, CAST_IRON)
+    casing = assembled_casing(mesh, CAST_IRON).held()
     theta, _ = block_lanczos(casing.interface.factor.solve, casing.M_free, count=count)
     return 1.0 / (2.0 * math.pi * np.sqrt(theta)), casing.K_free.shape[0]
 

@@ -23,7 +23,7 @@ from fem.casing.recognition.contents import FoundBore
 from fem.casing.recognition.features import bolt_patterns
 from fem.casing.recognition.read import survey
 from fem.casing.recognition.shaft_fit import FittedShaft, fit_shafts
-from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.grounded import assembled_casing
 from fem.elements.materials import Material
 from fem.elements.solids import assemble
 from pipelines.cli.main import main
@@ -303,7 +303,9 @@ def test_rbe2_and_rbe3_of_foreign_matrices_are_those_of_the_mesh(small):
             for name in mesh.patches("bearing_")
         }
         found[coupling] = reduce_foreign(body, points, held=held, band=None).reduction.stiffness
-    wanted = ground_casing(mesh, IRON, interfaces=dict.fromkeys(mesh.patches("bearing_"), axes), attachment="rigid")
+    wanted = assembled_casing(
+        mesh, IRON, interfaces=dict.fromkeys(mesh.patches("bearing_"), axes), attachment="rigid"
+    ).held()
     stiff = wanted.interface.stiffness
     size = np.sqrt(np.outer(np.diag(stiff), np.diag(stiff)))
     assert (np.abs(found["rigid"] - stiff) / size).max() < 1e-6

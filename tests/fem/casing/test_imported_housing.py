@@ -268,6 +268,15 @@ def test_a_bore_that_is_not_there_is_answered_with_the_nearest(tmp_path):
         mesh_geometry(replace(housing, grounds=(ByGroup(group="FEET"),)), SIZES)
 
 
+def test_a_wrong_bore_of_a_mesh_file_is_answered_with_the_bores_of_the_mesh(native, small, tmp_path):
+    """Normals of coarse facets are up to 4 degrees from perpendicular to the axis. Flat faces are no bores."""
+    housing = imported(write(tmp_path / "housing.vtu", native), small)
+    seat = replace(housing.seats[0], locator=ByCylinder(through=(0.0, -0.05, 0.0), diameter=0.048))
+    nearest = r"nearest cylinders along it: diameter 47 mm at \(0, -50, 0\) mm; diameter 65 mm at \(0, -45, 0\) mm"
+    with pytest.raises(MeshError, match=nearest):
+        mesh_geometry(replace(housing, seats=(seat,)), SIZES)
+
+
 def test_a_bore_off_its_shaft_is_refused(step, small):
     housing = imported(step, small)
     for point, message in (

@@ -10,7 +10,7 @@ from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.parts.regions import Region
 from fem.casing.reduced.accuracy import state_error
-from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
@@ -32,7 +32,7 @@ def mesh():
 
 @pytest.fixture(scope="module", params=["fixed", "springs"])
 def casing(request, mesh):
-    return ground_casing(mesh, CAST_IRON, ground=request.param, regions=(COVER, FEET))
+    return assembled_casing(mesh, CAST_IRON, ground=request.param, regions=(COVER, FEET)).held()
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +59,7 @@ def test_parts_of_the_stiffness_add_up(mesh):
     """All elements together, in two halves, give the stiffness of the housing."""
     middle = mesh.nodes[mesh.elements[:, :4]].mean(axis=1)
     halves = [stiffness_of(mesh, chosen) for chosen in (middle[:, 2] > 0, middle[:, 2] <= 0)]
-    whole = ground_casing(mesh, CAST_IRON).K
+    whole = assembled_casing(mesh, CAST_IRON).held().K
     assert abs(halves[0] + halves[1] - whole).max() < 1e-12 * abs(whole).max()
 
 
@@ -137,10 +137,10 @@ def test_parts_that_are_not_there_are_refused(mesh, modes):
         reduced_body(modes, mounts=mounts(modes), loss_factors={"lid": 0.1})
     nowhere = Region(name="lid", low=(1.0, 1.0, 1.0), high=(2.0, 2.0, 2.0))
     with pytest.raises(MeshError, match="lid: no element lies in it"):
-        ground_casing(mesh, CAST_IRON, regions=(nowhere,))
+        assembled_casing(mesh, CAST_IRON, regions=(nowhere,)).held()
     lower = Region(name="sump", low=(-FAR, -FAR, -FAR), high=(FAR, FAR, 0.0))
     with pytest.raises(MeshError, match=r"feet and sump share \d+ elements"):
-        ground_casing(mesh, CAST_IRON, regions=(FEET, lower))
+        assembled_casing(mesh, CAST_IRON, regions=(FEET, lower)).held()
 
 
 ELASTIC = {"casing.model": "static", "casing.element_size_mm": 60.0}

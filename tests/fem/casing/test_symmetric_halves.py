@@ -13,7 +13,7 @@ from fem.casing.enrichment.added import added_functions
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.mesh.source import mesh_geometry
 from fem.casing.reduced import halves
-from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.halves import MirroredInterface, interface_of, lowest, reduced_and_counted
 from fem.casing.reduced.reduction import held_interface
 from fem.casing.reduced.sturm_count import reduce_and_count
@@ -50,14 +50,14 @@ def mesh(body):
 @pytest.fixture(scope="module")
 def fixed(mesh):
     """The casing on fixed feet, and its interface in one piece."""
-    casing = ground_casing(mesh, CAST_IRON)
+    casing = assembled_casing(mesh, CAST_IRON).held()
     return casing, whole_interface(casing)
 
 
 @pytest.fixture(scope="module")
 def springs(mesh):
     """The same on springs."""
-    casing = ground_casing(mesh, CAST_IRON, ground="springs")
+    casing = assembled_casing(mesh, CAST_IRON, ground="springs").held()
     return casing, whole_interface(casing)
 
 
@@ -127,7 +127,7 @@ def test_each_half_moves_as_it_is_called(mesh, fixed):
 def test_a_casing_without_a_mirror_plane_stays_in_one_piece(fixed):
     """Wider on one side, a force at one point: half of it is not like the other half."""
     wider = angle_casing(CUBIC, move=lambda places: places * np.where(places[:, 1:2] > 0.0, [1.0, 1.2, 1.0], 1.0))
-    one_sided = ground_casing(wider, CAST_IRON)
+    one_sided = assembled_casing(wider, CAST_IRON).held()
     assert not isinstance(one_sided.interface, MirroredInterface)
     casing, _ = fixed
     force = sp.csr_matrix(([1.0], ([0], [2])), shape=(1, casing.unknowns))

@@ -19,7 +19,7 @@ from fem.contact.wheels.sector_face_functions import CutFunctions, piecewise
 from fem.contact.wheels.solid_ring import sector_prism, solid_flank
 from fem.contact.wheels.webs import axial_ends, web_ends
 from fem.elements.nested_condensation import INNER
-from fem.elements.prisms import axial_matrices, slice_means
+from fem.elements.twisted_hexahedra import axial_matrices, slice_means
 from fem.gears.sector import sector_mesh
 from fem.numerics.linear_solver import factorize
 from pipelines.machine.checks.design_warnings import design_warnings

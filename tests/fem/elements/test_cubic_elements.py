@@ -13,7 +13,7 @@ from benchmarks.casing_limits.cubic import cubic_matrices
 from fem.casing.enrichment.added import added_functions
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.mesh.source import mesh_geometry
-from fem.casing.reduced.grounded import assembled_casing, ground_casing
+from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.uncertainty.extrapolation import lowest_modes
 from fem.elements.cubic import cubic_functions
 from fem.elements.cubic_shapes import cubic_shapes
@@ -209,6 +209,6 @@ def test_cubic_elements_are_nearer_to_the_limit_than_as_many_unknowns_of_quadrat
 
 @pytest.mark.parametrize("housing", KINDS[:1], indirect=True)
 def test_the_unknowns_of_the_casing_are_those_of_nodes_and_functions(housing):
-    casing = ground_casing(housing, CAST_IRON)
+    casing = assembled_casing(housing, CAST_IRON).held()
     assert casing.K.shape[0] > 1.5 * 3 * len(housing.nodes)
     assert casing.K_free.shape[0] == casing.K.shape[0] - len(casing.clamped)

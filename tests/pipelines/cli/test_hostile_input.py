@@ -102,6 +102,11 @@ def test_what_a_scene_file_may_hold(capsys, here, text, words):
     assert words in refused(capsys, "check", scene(here, base + text))
 
 
+def test_the_file_of_a_control_that_is_not_there_is_named(capsys, here):
+    name = scene(here, MINIMAL + 'control = "nosuch"\n')
+    assert f'{name}: control = "nosuch": there is no shipped scene' in refused(capsys, "check", name)
+
+
 def test_thousands_of_unknown_keys_are_answered_within_2_s(capsys, here):
     name = scene(here, MINIMAL + "".join(f"container_{i}_kg = {i}\n" for i in range(20_000)))
     refused(capsys, "check", name)  # loads the modules

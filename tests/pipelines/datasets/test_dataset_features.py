@@ -177,7 +177,7 @@ def test_a_run_its_exported_file_and_its_row_in_a_data_set_have_the_same_feature
     assert whole["sensor_3", "z", "whole machine", "rms"] == pytest.approx(rms)
 
 
-def test_files_of_a_folder_are_one_table_and_one_without_features_is_named(tmp_path, monkeypatch, caplog):
+def test_files_of_a_folder_are_one_table_and_one_without_features_is_named(tmp_path, monkeypatch, caplog, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "bench.toml").write_text("teeth = [[20, 31]]\nrate_Hz = 5000\nspeed_rpm = 1500\n")
     angle = 2 * np.pi * 25 * np.arange(40_000) / RATE
@@ -191,6 +191,11 @@ def test_files_of_a_folder_are_one_table_and_one_without_features_is_named(tmp_p
     assert "records/short.npy has no features." in caplog.text
     with open("table.csv", encoding="utf-8") as file:
         assert {line.split(",")[0].strip('"') for line in file} == {"recording", "records/a.npy", "records/b.npy"}
+    caplog.clear()
+    capsys.readouterr()
+    assert main([*arguments[:1], "records/short.npy", "nosuch", *arguments[2:]]) == 2
+    said = caplog.text + capsys.readouterr().err
+    assert said.count("nosuch: no result here") == said.count("records/short.npy: ") == 1
     assert main([*arguments[:-1], "table.txt"]) == 2
     assert main(["features", "bench.toml", "--machine", "bench.toml"]) == 2
 

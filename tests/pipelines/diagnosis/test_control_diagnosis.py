@@ -12,7 +12,7 @@ from pipelines.diagnosis.control_diagnosis import DiagnosisError, DiagnosisSetti
 from pipelines.diagnosis.export import save_diagnoses
 from pipelines.diagnosis.line_words import directions, lines_grid, markdown, modulation, seeds_grid
 from pipelines.signals.analysis import analyse, envelope_band
-from pipelines.signals.lines import LineTable
+from pipelines.signals.line_table import LineTable
 
 WINDOWS = {"lifting": (0.5, 2.5), "lowering": (3.0, 5.0)}
 

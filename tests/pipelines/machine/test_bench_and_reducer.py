@@ -109,8 +109,8 @@ def test_a_dataset_of_an_hdf5_file_is_read_as_well(tmp_path):
     ("text", "message"),
     [
         ("t,rpm\n0,0\n0.2,600\n0.1,900\n", "0.1 follows 0.2 .*line 4"),
-        ("t,rpm\n0,0\n0.1,\n0.2,900\n", "line 3: the cell is empty"),
-        ("t,rpm\n0,0\n0.1,fast\n", "line 3: fast is not a number"),
+        ("t,rpm\n0,0\n0.1,\n0.2,900\n", "line 3, column rpm: the cell is empty"),
+        ("t,rpm\n0,0\n0.1,fast\n", "line 3, column rpm: fast is not a number"),
         ("t,rpm\n0,0\n0.1,nan\n", "line 3"),
         ("t,speed\n0,0\n0.1,3\n", "columns t, speed"),
         ("t,rpm\n", "has no values"),

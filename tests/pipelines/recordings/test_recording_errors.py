@@ -190,7 +190,7 @@ def test_time_that_falls_or_stands_or_has_unknown_units_is_refused(tmp_path):
         ("0.05,1.0", "line 502 has 2 cells, the first line of data 3"),
         ("0.05,1.0,2.0,3.0", "line 502 has 4 cells, the first line of data 3"),
         ("0.05,1.0,2.0,", "line 502 has 4 cells, the first line of data 3"),
-        ("0.05,1.0,\uff12", "could not convert string '\uff12' to float64. Correct it."),
+        ("0.05,1.0,\uff12", 'line 502, column free end: "\uff12" is not a number'),
         ("2024-05-01 12:00:00,1.0,2.0", 'column time: "2024-05-01 12:00:00" is not a number'),
     ],
 )
@@ -295,4 +295,11 @@ def test_a_machine_file_with_the_stages_of_a_scene_is_told_how_teeth_are_given(t
     path = tmp_path / "bench.toml"
     path.write_text("speed_rpm = 1500\n[[stages]]\npinion_teeth = 25\nwheel_teeth = 62\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"speed_rpm can only be in a machine file.* replace stages by teeth = \[\["):
+        read_machine(path)
+
+
+def test_a_machine_file_of_stages_alone_is_told_what_is_missing(tmp_path):
+    path = tmp_path / "bench.toml"
+    path.write_text("[[stages]]\npinion_teeth = 25\nwheel_teeth = 62\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"bench.toml: holds stages alone.* by teeth = \[\[.* set speed_rpm"):
         read_machine(path)

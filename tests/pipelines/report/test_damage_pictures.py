@@ -7,6 +7,7 @@ import pytest
 from rendering import enclosed_volume
 
 from benchmarks.gear_pairs import gear_pair
+from fem.contact.evaluation.contact_pattern import contact_pattern, damaged_part
 from fem.contact.faults.chipped_tooth import ChippedTooth
 from fem.contact.faults.cracked_tooth import CrackedTooth
 from fem.contact.faults.missing_tooth import MissingTooth
@@ -16,7 +17,6 @@ from fem.contact.faults.worn_tooth import WornTooth
 from fem.contact.models.iso import Iso
 from fem.contact.teeth import tooth_terms, with_variants
 from pipelines.report.figures.damage import DRAWN, drawn_tooth
-from pipelines.report.figures.pattern import contact_pattern, damaged_part
 from pipelines.report.figures.scene_frame import placed, scene_frame
 from pipelines.report.figures.shapes import gear_view, twist
 from pipelines.report.figures.solids import gear_surface
@@ -141,6 +141,6 @@ def test_the_pattern_of_a_worn_tooth_is_clear_where_the_material_is_gone():
     pitch = int(np.abs(sound.diameter - 2 * PAIR.working_radii[1]).argmin())
     assert np.isfinite(sound.pressure).all()
     assert np.isnan(worn.pressure[pitch]).all()
-    assert damaged_part(PAIR, LAW, "wheel", [fault])[pitch].min() > 0.98
+    assert damaged_part(PAIR, LAW, "wheel", [fault.gap(LAW, PAIR, "wheel")])[pitch].min() > 0.98
     assert sound.diameter[-1] == pytest.approx(2 * WHEEL.tip_radius, rel=1e-3)
     assert np.ptp(sound.face) == pytest.approx(PAIR.face_width)

@@ -6,7 +6,7 @@ import pytest
 from rexs_units import PLAIN, Row, packed, unit, xml
 
 import gearcase
-from mbd.parts.rolling_catalogue import by_designation
+from mbd.parts.rolling_elements import RollingElements
 from pipelines.cli.main import main
 from pipelines.io.errors import InputError
 from pipelines.machine.bearings import rolling_bearings
@@ -202,7 +202,7 @@ def test_balls_estimated_from_dimensions_and_rating_are_those_of_the_catalogue(i
     size = {"inner_diameter": (float(size), "mm"), "outer_diameter": (float(outside), "mm")}
     size |= {"catalogue_designation": "unknown", "radial_static_load_rating": (rating / 1000, "kN")}
     _, scene = imported(unit().changed(CATALOGUE, size))
-    found, known = rolling_bearings(scene)[0].elements, by_designation(name)
+    found, known = rolling_bearings(scene)[0].elements, RollingElements(designation=name)
     assert found.diameter == pytest.approx(known.diameter, rel=0.021)
     assert found.pitch_diameter == pytest.approx(known.pitch_diameter, rel=0.015)
     assert abs(found.count - known.count) <= 1

@@ -18,7 +18,7 @@ from pipelines.runs.run import run_scene
 from pipelines.scene.file import load_scene
 from pipelines.scene.merge import Whole
 from pipelines.scene.scene import Scene
-from pipelines.signals.lines import LineTable
+from pipelines.signals.line_table import LineTable
 
 SHORT = {  # six turns of the pinion
     "control": "without-faults",

@@ -1,14 +1,19 @@
 """`gearcase gears` in numbers: curves while a damaged tooth passes, beside those of sound teeth."""
 
+import re
+
 import numpy as np
 import pandas as pd
 import pytest
 import xarray
 
 import gearcase
+from pipelines.cli.main import main
 from pipelines.engine.run_graph import Work
+from pipelines.machine.checks.strength import contact_pressure
+from pipelines.machine.layout import lay_out
 from pipelines.report.figures.plots import transmission_error_figure
-from pipelines.runs.gear_numbers import (
+from pipelines.runs.gear_curves import (
     MeshState,
     gear_curves,
     gear_rows,
@@ -16,6 +21,7 @@ from pipelines.runs.gear_numbers import (
     transmission_errors,
     write_curves,
 )
+from pipelines.scene.file import load_scene
 from pipelines.steps.pair_curves import engagement
 
 CHIP = {"kind": "chipped-tooth", "stage": 1, "gear": "wheel", "tooth": 7, "depth_mm": 2.0, "extent_mm": 6.0}
@@ -116,6 +122,17 @@ def test_the_machine_gives_its_own_force_and_tilt():
     assert state.force == pytest.approx(pair.force, rel=1e-6)
     assert state.tilt is not None
     assert 0 < abs(state.tilt) * pair.pair.face_width < 20e-6
+
+
+def test_a_torque_that_no_steel_bears_is_named_with_its_pressure(caplog):
+    """The pressure at the pitch point rises with the root of the torque: that of 20 N m times 1000 for 2e7."""
+    pressures = []
+    for torque in ("20", "2e7"):
+        caplog.clear()
+        assert main(["gears", "minimal", "--torque", torque]) == 0
+        pressures += re.findall(r"stages.1: the line load .* gives a contact stress of (\S+) MPa, and", caplog.text)
+    pair = lay_out(load_scene("minimal").scene).pairs[0]
+    assert [float(one) for one in pressures] == [pytest.approx(contact_pressure(pair, 20.0) / 1e6 * 1000, rel=1e-3)]
 
 
 def test_files_hold_the_curves(tmp_path):

@@ -11,7 +11,7 @@ from mbd_rigs import no_casing, train
 from synthetic import RATE
 
 from fem.storage.stored_array import StoredArray
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.channels import channel_names
 from mbd.system.system import assemble
@@ -52,7 +52,7 @@ def peak(work):
 
 
 def test_the_values_in_a_file_are_those_in_memory(machine, tmp_path):
-    settings = Settings(end=0.05, step=2e-5)
+    settings = MotionSettings(end=0.05, step=2e-5)
     held, kept = simulate(machine, settings), simulate(machine, settings, file=tmp_path / "values.npy")
     assert isinstance(kept.values, StoredArray)
     assert np.asarray(kept.values).tobytes() == held.values.tobytes()
@@ -65,7 +65,11 @@ def test_the_values_in_a_file_are_those_in_memory(machine, tmp_path):
 def test_memory_does_not_grow_by_the_signals_of_a_longer_motion(machine, tmp_path):
     ends = (0.5, 1.5)
     peaks = [
-        peak(lambda end=end: simulate(machine, Settings(end=end, output_rate=RATE_OUT), file=tmp_path / "values.npy"))
+        peak(
+            lambda end=end: simulate(
+                machine, MotionSettings(end=end, output_rate=RATE_OUT), file=tmp_path / "values.npy"
+            )
+        )
         for end in ends
     ]
     added = (ends[1] - ends[0]) * RATE_OUT

@@ -10,7 +10,7 @@ from fem.gears.modifications import relief_lengths
 from pipelines.cli.gears import notes
 from pipelines.machine.layout import lay_out
 from pipelines.report.figures.plots import orders
-from pipelines.runs.gear_numbers import MeshState, gear_curves, gear_rows, relief_errors, transmission_errors
+from pipelines.runs.gear_curves import MeshState, gear_curves, gear_rows, relief_errors, transmission_errors
 from pipelines.scene.file import load_scene
 
 SPUR = {"stages.1.pinion_teeth": 23, "stages.1.wheel_teeth": 57, "stages.1.module_mm": 3.0,

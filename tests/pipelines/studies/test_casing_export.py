@@ -15,7 +15,7 @@ from rendering import drawn
 from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.models.rigid_casing import RigidCasing
 from fem.casing.reduced.body import ReducedBody
-from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
@@ -40,7 +40,7 @@ def housing():
 def elastic(housing):
     """Mesh, modes and body of a small casing."""
     mesh = mesh_housing(housing, element_size=0.05)
-    casing = ground_casing(mesh, CAST_IRON)
+    casing = assembled_casing(mesh, CAST_IRON).held()
     reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=4)
     modes = casing_modes(casing, reduction, model="craig-bampton", band_limit=2000.0)
     return mesh, modes, reduced_body(modes, sensors=housing.sensors[:2])

@@ -22,7 +22,7 @@ from fem.casing.imported.matrix_files import MatrixFiles, read_body
 from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.models.rigid_casing import RigidCasing
 from fem.casing.reduced.attachment import mean_motion_rows
-from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
@@ -50,7 +50,7 @@ def full():
     """Mesh and full model of a small casing."""
     housing = short_housing()
     mesh = mesh_housing(housing, element_size=0.05)
-    return housing, mesh, ground_casing(mesh, CAST_IRON)
+    return housing, mesh, assembled_casing(mesh, CAST_IRON).held()
 
 
 @pytest.fixture(scope="module")

@@ -11,15 +11,15 @@ from pipelines.cli.main import main
 from pipelines.scene.file import load_scene
 from pipelines.signals.analysis import DiagnosisSettings
 from pipelines.studies.verification import page
-from pipelines.studies.verification.claims import (
+from pipelines.studies.verification.measures import fault_levels, load_levels
+from pipelines.studies.verification.page import FAILS, HOLDS, OPEN, judge
+from pipelines.studies.verification.published_claims import (
     CLAIMS,
     ClaimEvidence,
     added_in_lifting,
     lifting_over_lowering,
     over_control,
 )
-from pipelines.studies.verification.measures import fault_levels, load_levels
-from pipelines.studies.verification.page import FAILS, HOLDS, OPEN, judge
 from pipelines.studies.verification.rig import LOADS, LOSSES, SCENES, SENSOR, STRETCHES, cases, scene_of
 
 WINDOWS = {"lifting": (0.5, 2.5), "lowering": (3.0, 5.0)}

@@ -10,7 +10,6 @@ import numpy as np
 from fem.contact.contact_pressure import contact_pressure
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.evaluation.stiffness_curve import stiffness_curve
-from fem.contact.faults.tooth_fault import ToothFault
 from fem.contact.law import MeshLaw
 from fem.gears.geometry import GearPair
 
@@ -79,21 +78,21 @@ def contact_pattern(
     )
 
 
-def damaged_part(pair: GearPair, law: MeshLaw, gear: str, faults: Sequence[ToothFault]) -> np.ndarray:
-    """Where faults open a gap on the flank: 0 to 1 over (row, place) of a `ContactPattern`, 1 at the deepest.
+def damaged_part(pair: GearPair, law: MeshLaw, gear: str, gaps: Sequence[np.ndarray]) -> np.ndarray:
+    """Where the gaps of faults are on the flank: 0 to 1 over (row, place) of a `ContactPattern`, 1 at the deepest.
 
     Parameters
     ----------
     pair, law : the gears in mesh, and the law of their drive flank
     gear : "pinion" or "wheel" that has the faults
-    faults : of one tooth
+    gaps : (slice, position), m, of the faults of one tooth
     """
     xi = _position(pair, gear, _flank_rolls(pair, gear))
     grid = law.position_start + law.position_step * np.arange(law.compliance.size)
     nearest = np.clip(np.rint((xi - grid[0]) / law.position_step).astype(int), 0, grid.size - 1)
     total = np.zeros((law.face_coordinate.size, grid.size))
-    for fault in faults:
-        total = total + fault.gap(law, pair, gear)
+    for gap in gaps:
+        total = total + gap
     total = np.minimum(total, 0.1 * pair.pinion.normal_module)
     most = float(total.max())
     return _to_the_ends(total[:, nearest].T / (most or 1.0))
