@@ -1,6 +1,6 @@
 """Steps `report sections` and `report`: the page of a run without its computing cost, from the results of other steps.
 
-The sections that do not depend on the verdict are a step of their own, which is built while features are computed.
+The sections that do not depend on the verdict are a separate step, which is built while features are computed.
 """
 
 from __future__ import annotations

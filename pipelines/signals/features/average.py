@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy import fft
 
 from pipelines.signals.features.statistics import squared_magnitude
 
@@ -39,7 +38,7 @@ class Average:
 
     @cached_property
     def _lines(self) -> np.ndarray:
-        return np.asarray(fft.rfft(self.values, axis=-1))
+        return np.fft.rfft(self.values, axis=-1)
 
     @cached_property
     def amplitudes(self) -> np.ndarray:
@@ -65,7 +64,7 @@ class Average:
         kept = np.zeros_like(self._lines)
         orders = [order for order in {0, 1} | self._of_meshes() if order < kept.shape[1]]
         kept[:, orders] = self._lines[:, orders]
-        return np.asarray(fft.irfft(kept, self.values.shape[-1], axis=-1))
+        return np.fft.irfft(kept, self.values.shape[-1], axis=-1)
 
     @property
     def difference(self) -> np.ndarray:
@@ -80,7 +79,7 @@ class Average:
         lines = self._lines.copy()
         lines[:, [order for order in orders if order < lines.shape[1]]] = 0.0
         lines[:, self.orders :] = 0.0
-        return np.asarray(fft.irfft(lines, self.values.shape[-1], axis=-1))
+        return np.fft.irfft(lines, self.values.shape[-1], axis=-1)
 
 
 def average_power(turns: np.ndarray) -> np.ndarray:
@@ -94,6 +93,8 @@ def average_power(turns: np.ndarray) -> np.ndarray:
     ----------
     turns : (channel, turn, place), real or complex, two turns or more
     """
+    from scipy import fft
+
     power = squared_magnitude(fft.fft(turns, axis=1)).mean(axis=-1) / turns.shape[1] ** 2
     return np.stack([np.median(power[:, 1:], axis=1), power[:, 0]])
 
