@@ -112,13 +112,13 @@ def trend_grid(courses: Sequence[Course]) -> Grid:
             one.unit,
             "-" if one.healthy is None else " to ".join(_cell(end, one.unit) for end in one.healthy),
             "-" if one.limit is None else _cell(one.limit, one.unit),
-            *("-" if math.isnan(value) else _cell(value, one.unit) for value in one.values),
             "-" if one.first is None else str(one.first),
+            *("-" if math.isnan(value) else _cell(value, one.unit) for value in one.values),
         )
         for one in courses
     )
     numbers = [str(number) for one in courses[:1] for number in range(1, len(one.values) + 1)]
-    headers = ("component or channel", "unit", "healthy", "limit", *numbers, "first above")
+    headers = ("component or channel", "unit", "healthy", "limit", "first above", *numbers)
     return Grid(title="Trend over the recordings 1, 2, ...", headers=headers, rows=rows)
 
 

@@ -376,7 +376,7 @@ def files_grid(names: Sequence[str], found: Sequence[JudgedFile]) -> Grid:
         }
         named = zip(("answer", "strongest evidence", evidence), result, strict=True)
         moment = {} if one.recorded.begin is None else {"begins": f"{one.recorded.begin:%Y-%m-%d %H:%M:%S}"}
-        rows.append({"": str(len(rows) + 1), "recording": name, **moment, **known, **dict(named)})
+        rows.append({"": str(len(rows) + 1), "recording": name, **dict(named), **moment, **known})
     return grid(f"{len(rows)} recordings", rows)
 
 
