@@ -17,7 +17,7 @@ import numpy as np
 from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P, LEAST_SPREAD, limit, moderated
 from pipelines.diagnosis.impacts import CLEAR, Impacts
 from pipelines.diagnosis.verdict import DIFFERENT, Verdict
-from pipelines.diagnosis.verdict_words import STRENGTH, ratio
+from pipelines.diagnosis.verdict_words import STRENGTH
 from pipelines.io.grid import Grid
 from pipelines.signals.levels import ChannelLevel
 
@@ -53,7 +53,7 @@ def evidence_courses(verdicts: Sequence[Verdict]) -> list[Course]:
     courses = []
     for name in dict.fromkeys(name for findings in reversed(found) for name in findings):
         own = [findings.get(name) for findings in found]
-        values = [math.nan if one is None else ratio(one.evidence) for one in own]
+        values = [math.nan if one is None else one.evidence.ratio for one in own]
         ranges = [one.healthy for one in own if one is not None]
         above = np.array([one is not None and bool(one.damaged) for one in own])
         unit, bound = (STRENGTH, 1.0) if known else ("increase dB", None)

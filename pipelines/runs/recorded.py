@@ -176,7 +176,7 @@ def _judged(
 ) -> Verdict:
     """The verdict on the first table against the others, with their names; InputError that begins with a place."""
     from pipelines.diagnosis.baseline_checks import BaselineError
-    from pipelines.diagnosis.verdict import judge
+    from pipelines.diagnosis.judge import judge
     from pipelines.signals.features.table import with_common_components
 
     own, *healthy = with_common_components(tables)
