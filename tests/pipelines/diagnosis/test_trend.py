@@ -65,12 +65,21 @@ def test_the_page_of_a_trend_has_its_figures_and_the_pages_of_its_recordings(fol
     names = [record(f"{day}.npz", size, day, day) for day, size in enumerate(SIZES[2:4], 1)]
     assert main(["diagnose", *names, "--machine", "machine.toml", "--out", "seen"]) == 0
     rows = [line for line in capsys.readouterr().out.splitlines() if line.startswith("DE BPFI")]
-    assert re.fullmatch(r"DE BPFI +impacts dB +- +20.00 +[\d.]+ +[\d.]+ +2", rows[-1])
+    assert re.fullmatch(r"DE BPFI +impacts dB +- +20.00 +2 +[\d.]+ +[\d.]+", rows[-1])
     shown = Path("seen/report.html").read_text(encoding="utf-8")
     assert shown.count("<figure") == 3  # impacts, acceleration, velocity
     links = re.findall('<a href="([^"]+)"', shown)
     assert links == ["1/report.html", "2/report.html"]
     assert all(Path("seen", link).is_file() for link in links)
+
+
+def test_the_tables_of_thirty_recordings_are_readable_in_100_columns(folder, capsys):
+    names = [record(f"measured_at_the_drive_end_on_day_{day:02d}.npz", 0.0, day, day) for day in range(1, 31)]
+    assert main(["diagnose", *names, "--machine", "machine.toml"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) <= 100
+    values = [line for line in lines if line.startswith("DE BPFI  ")]
+    assert len(" ".join(values).split("dB")[1].split()) == 3 + 30 + 2 * (len(values) - 1)  # all, none twice
 
 
 def levels(random: np.random.Generator, offset: float = 0.0) -> list[ChannelLevel]:

@@ -17,7 +17,7 @@ from pipelines.diagnosis.export import export
 from pipelines.io.errors import InputError
 from pipelines.io.universal_file import Function, read_functions, write_function
 from pipelines.recordings import formats
-from pipelines.recordings.channels import RecordedChannel
+from pipelines.recordings.channels import RecordedChannel, RecordedContents
 from pipelines.recordings.formats import BY_ENDING, memory_needed
 from pipelines.recordings.machine_table import SpeedTable, TachometerTable
 from pipelines.recordings.read_recording import read_recording
@@ -62,23 +62,45 @@ def _hdf5(path, moment):
         file.attrs["start_time"] = moment
 
 
+def _uff(path, moment):
+    with path.open("w", encoding="ascii") as file:
+        head = Function(lines=("a", "NONE", moment), size=300, start=0.0, step=1.0 / RATE, quantity=12)
+        write_function(file, head, [signals(300)[:, 0]])
+
+
+@pytest.mark.parametrize("moment", ["2026-03-09 07:05:04", "09-Mar-26 07:05:04", "9-MAR-2026 07:05:04"])
 @pytest.mark.parametrize(
     ("name", "write"),
     [
         ("r.lvm", _lvm),
+        ("r.uff", _uff),
         ("r.csv", _stamps),
         ("r.h5", _hdf5),
         ("r.npz", lambda path, moment: np.savez(path, a=signals()[:, 0], fs=RATE, start=moment)),
         ("r.mat", lambda path, moment: savemat(path, {"rec": {"a": signals()[:, 0], "fs": RATE, "start": moment}})),
     ],
 )
-def test_the_time_at_which_a_recording_begins_is_read_from_its_file(name, write, tmp_path):
-    write(tmp_path / name, "2026-03-09 07:05:04")
+def test_the_time_at_which_a_recording_begins_is_read_from_its_file(name, write, moment, tmp_path):
+    write(tmp_path / name, moment)
     with read_recording(tmp_path / name, machine()) as found:
         assert found.attrs["begin"] == "2026-03-09T07:05:04"
     WRITERS["r.csv"](tmp_path / "r.csv", signals())
     with read_recording(tmp_path / "r.csv", machine()) as found:
         assert found.attrs["begin"] == ""
+
+
+@pytest.mark.parametrize(
+    ("text", "begin"),
+    [
+        ("31-Dec-99 23:59:59", "1999-12-31T23:59:59"),
+        ("01-Jan-69 00:00:00", "2069-01-01T00:00:00"),
+        ("31-Feb-17 12:00:00", ""),
+        ("25-Juk-17 12:00:00", ""),
+        ("test 125-Jun-17 12:00:00", ""),
+    ],
+)
+def test_a_year_of_two_digits_is_between_1970_and_2069_and_no_date_is_invented(text, begin):
+    assert RecordedContents(channels=(), texts=text).begin == begin
 
 
 def test_every_known_ending_is_written_by_a_test():
@@ -263,7 +285,7 @@ def test_a_rate_alone_may_be_that_of_the_shaft(tmp_path):
         read_recording(tmp_path / "r.mat", machine())
 
 
-@pytest.mark.parametrize("form", ["2026-11-27T23:59:59.{:04d}Z", "2026-11-27 23:59:59.{:04d}", "23:59:58.{:04d}"])
+@pytest.mark.parametrize("form", ["2026-11-27T23:59:59.{:04d}Z", "27-Nov-26 23:59:59.{:04d}", "23:59:58.{:04d}"])
 def test_time_stamps_are_the_time(form, tmp_path):
     values, path = signals(600)[:, 0], tmp_path / "r.csv"
     rows = [f"{form.format(10 * number)},ok,{value:.9g}\n" for number, value in enumerate(values)]

@@ -14,8 +14,9 @@ from pipelines.datasets.feature_tables import make_tables, table_job
 from pipelines.datasets.rows import read_row
 from pipelines.datasets.scenes import sampled_scenes, scene_of
 from pipelines.diagnosis.deviation_statistics import LEAST_SPREAD, limit, moderated
+from pipelines.diagnosis.judge import judge
 from pipelines.diagnosis.simulated import FeatureSettings
-from pipelines.diagnosis.verdict import ALARM, judge
+from pipelines.diagnosis.verdict import ALARM
 from pipelines.diagnosis.verdict_words import sentences
 from pipelines.io.errors import InputError
 from pipelines.machine.checks.validity import checked_plant
