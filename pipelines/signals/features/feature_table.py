@@ -28,7 +28,7 @@ from pipelines.signals.features.envelope_features import (
     tooth_energies,
 )
 from pipelines.signals.features.passing import pass_levels
-from pipelines.signals.features.statistics import kurtosis, statistics
+from pipelines.signals.features.statistics import kurtosis, squared_magnitude, statistics
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.features.turns import Turns, cut_turns
 from pipelines.signals.orders.kinematics import GUARD_ORDER, Kinematics, Shaft
@@ -251,14 +251,14 @@ def _shaft_lines(
     width = orders / cut.values.shape[2]
     ratios = [other.ratio / shaft.ratio for other in kinematics.shafts]
     plain, white = (one.reshape(cut.values.shape) for one in banded(laid, ends, width))
-    envelope = np.abs(plain) ** 2
+    envelope = squared_magnitude(plain)
     found |= {"envelope_orders": envelope_orders(envelope), "whitened_kurtosis": kurtosis(white.mean(axis=1).real)}
     lines: Lines = {(shaft.name, name): cut.order(order) for name, order in OF_SHAFT.items()}
     if not gears:
         lines |= {(shaft.name, name): found[name] for name in OF_PLAIN_SHAFT}
     if complete:
         lines |= {(shaft.name, name): found[name] for name in OF_AVERAGE}
-    squares = envelope, np.abs(white) ** 2, np.abs(white.mean(axis=1, keepdims=True)) ** 2
+    squares = envelope, squared_magnitude(white), squared_magnitude(white.mean(axis=1, keepdims=True))
     marks = {}
     for gear in gears:
         energies = {name: tooth_energies(one, gear.teeth) for name, one in zip(CONTRASTS, squares, strict=True)}
