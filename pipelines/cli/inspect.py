@@ -233,7 +233,7 @@ def _casing_mode_files(
     InputError : a number beyond the last mode
     """
     from fem.casing.reduced.body import MODES_OVER_BAND
-    from fem.casing.reduced.modes import natural_modes
+    from fem.casing.reduced.casing_modes import natural_modes
     from pipelines.io.errors import InputError
     from pipelines.report.figures.mode_pictures import ModeView, write_mode, write_modes
     from pipelines.runs.single_results import mode_shapes
