@@ -59,8 +59,8 @@ def measure(element_size: float, band: float, solver: str) -> dict[str, Any]:
 
     from benchmarks.clock import peak_megabytes
     from benchmarks.rig import casing_parts, read
+    from fem.casing.mesh.mesh_geometry import mesh_geometry
     from fem.casing.mesh.sizes import Sizes
-    from fem.casing.mesh.source import mesh_geometry
     from fem.casing.models.casing import Structure
     from fem.casing.models.craig_bampton import CraigBamptonCasing
     from fem.casing.reduced.body import MODES_OVER_BAND

@@ -42,7 +42,7 @@ REFUSALS = (MachineError, GeometryError, ModelError, HousingError, InputError)
 
 
 def make_plant(scene: Scene, source: str = "scene") -> Plant:
-    """The machine model of a scene, without the further checks of `pipelines.machine.checks.validity.checked_plant`.
+    """The machine model of a scene, without the further checks of `checked_plant`.
 
     Raises
     ------

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from fem.casing.imported.casing import ForeignHousing
     from fem.casing.mesh.mesh import CasingMesh
-    from fem.casing.mesh.source import Geometry
+    from fem.casing.mesh.mesh_geometry import Geometry
     from fem.casing.reduced.accuracy import ErrorStatement
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.casing_modes import CasingModes, NaturalModes

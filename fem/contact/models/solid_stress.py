@@ -1,6 +1,6 @@
 """Displacement and von Mises stress of the loaded teeth at one mesh position, on the hexahedra of the model.
 
-The largest stress of each root is found by `pipelines.runs.inspect_stress.root_stresses`.
+The largest stress of each root is found by `pipelines.runs.root_stress.root_stresses`.
 
 The line loads of `fem.contact.wheels.contact` act on the flank rows with the patches of the compliance. Their
 half-width is 0.2 m_n at the default refinement: the subsurface stress of the Hertz contact is not resolved. The ring
