@@ -28,7 +28,7 @@ from pydantic import Field, model_validator
 
 from pipelines.datasets.expressions import Expression, ExpressionError
 from pipelines.datasets.labels import COLUMNS
-from pipelines.datasets.population import typical
+from pipelines.datasets.typical_spread import typical
 from pipelines.datasets.variables import ListTable, Variable
 from pipelines.io.errors import InputError, SceneError
 from pipelines.io.other_files import SCENE_KEYS

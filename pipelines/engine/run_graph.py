@@ -16,10 +16,10 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from fem.processes.executor import ProcessEnded, Processes, RemoteError, in_thread, listening
-from pipelines.engine.build_step import LONG_SECONDS, Event, Result, build_here, one_thread, step_record
+from pipelines.engine.build_step import Event, Result, build_here, one_thread, step_record
 from pipelines.engine.cache import Cache
 from pipelines.engine.progress import ProgressFunction, reported_steps
-from pipelines.engine.step import Graph, Step, StepRecord, seconds_to_the_end, stored
+from pipelines.engine.step import LONG_SECONDS, Graph, Step, StepRecord, seconds_to_the_end, stored
 from pipelines.io.errors import WorkError
 
 _LOG = logging.getLogger(__name__)

@@ -14,7 +14,7 @@ from mbd.parts.gear_mesh import MeshSpec
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import Machine
 from mbd.parts.shafts import Disk, Section, ShaftSpec
-from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
+from mbd.parts.speed_drive import MotorCoupling, SpeedProfile
 
 AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
 ROPE = {
@@ -153,7 +153,7 @@ def train(n_stages=1, *, load="torque", speed=94.2477796, profile=None, model="t
             x += 0.5 * sum(stage["teeth"]) * stage["module"]
     coupling = options.get("coupling", 2e4)
     couplings = tuple(
-        CouplingSpec(
+        MotorCoupling(
             name=f"motor_{k + 1}",
             shaft="shaft_1",
             y=y,

@@ -19,7 +19,7 @@ from pipelines.diagnosis.simulated import FeatureSettings
 from pipelines.diagnosis.verdict import ALARM
 from pipelines.diagnosis.verdict_words import sentences
 from pipelines.io.errors import InputError
-from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.scene.file import load_scene
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.orders.kinematics import Gear, Kinematics, Shaft

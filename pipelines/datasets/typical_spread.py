@@ -1,9 +1,9 @@
-"""The typical population of a machine: what differs between machines of one design, as variables of a plan.
+"""The typical spread of a machine: what differs between machines of one design, as variables of a plan.
 
-`spread = "typical"` in a plan adds these variables for the parts that its scene has. The settings of the plan override
-them. A source is a standard or a publication, or "guess": an assumption of this program, not judged by measurements.
-Unbalance and misaligned couplings are labels of faults and are not varied, nor are sensors, which all runs of a data
-set have in common.
+`spread = "typical"` in a plan adds these variables for the parts that its scene has. Their values are sampled in
+`pipelines.datasets.sampling`. The settings of the plan override them. A source is a standard or a publication, or
+"guess": an assumption of this program, not judged by measurements. Unbalance and misaligned couplings are labels of
+faults and are not varied, nor are sensors, which all runs of a data set have in common.
 """
 
 from __future__ import annotations

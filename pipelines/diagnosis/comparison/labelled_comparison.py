@@ -1,4 +1,4 @@
-"""A comparison as labelled arrays."""
+"""Features of several recordings of one machine, and their differences, as an xarray dataset."""
 
 from __future__ import annotations
 
