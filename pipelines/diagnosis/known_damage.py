@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pipelines.diagnosis import verdict_words
 from pipelines.diagnosis.verdict import Finding, Verdict, decibels
 from pipelines.io.grid import Grid
-from pipelines.signals.lines import LOADS
+from pipelines.signals.line_table import LOADS
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -285,7 +285,7 @@ def _is_number(cell: str, decimal: str) -> bool:
         float(cell.strip().replace(",", ".") if decimal == "," else cell)
     except ValueError:
         return False
-    return "_" not in cell
+    return cell.isascii() and "_" not in cell
 
 
 def _encoding(path: Path) -> str:
