@@ -124,7 +124,7 @@ def _findings(
     increase = np.stack([found.rises[:, own].mean(axis=1) for _, own in groups], axis=1)
     deviation = found.of_groups[0] if found.enough else found.weight * increase + 0.0  # no minus zero
     bounds: list[float] | list[None] = found.limits(ALARM) if found.enough else [None] * len(groups)
-    level = found.levels[:, found.first_lines]
+    level = found.levels[:, found.reference.first_lines]
     rank = np.where(clear, level, deviation / np.array([bound or 1.0 for bound in bounds]))
     best: dict[str, tuple[tuple[bool, float], Finding]] = {}
     for number, (component, own) in enumerate(groups):

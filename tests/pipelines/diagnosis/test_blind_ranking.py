@@ -8,11 +8,13 @@ from turning import MACHINE, recording
 
 from pipelines.diagnosis.alike import alike
 from pipelines.diagnosis.baseline_checks import BaselineError
+from pipelines.diagnosis.deviation_statistics import TAILS
+from pipelines.diagnosis.evidence import GroupEvidence, HealthyReference
 from pipelines.diagnosis.judge import damage_p, judge
 from pipelines.diagnosis.known_damage import Case, Damage, any_found, cases_grid, found
 from pipelines.diagnosis.known_damage import sentences as case_sentences
 from pipelines.diagnosis.simulated import FeatureSettings, run_features, window_features
-from pipelines.diagnosis.verdict import ALARM
+from pipelines.diagnosis.verdict import ALARM, DIFFERENT
 from pipelines.diagnosis.verdict_words import headline, ranking_grid, sentences
 from pipelines.signals.features.feature_table import FeatureError, feature_table
 from pipelines.signals.features.table import WHOLE, _without
@@ -78,6 +80,17 @@ def test_other_healthy_machines_raise_no_alarm(healthy):
     assert headline(verdict).startswith("No damage")
     assert (verdict.tested, verdict.false_alarms) == (8, 0)
     assert verdict.interval(0) == pytest.approx((0.0, 0.369), abs=1e-3)
+
+
+def test_of_healthy_machines_whose_levels_have_the_assumed_tails_one_percent_are_called_different(healthy):
+    reference = HealthyReference(healthy)
+    random, weight = np.random.default_rng(0), np.ones(len(reference.groups))
+    found = []
+    for _ in range(1000):
+        levels = random.standard_t(TAILS, (9, *reference.levels.shape[1:]))
+        found.append(GroupEvidence(reference=reference, levels=levels[0], healthy=levels[1:], weight=weight))
+    assert 4 <= sum(one.p_different <= DIFFERENT for one in found) <= 18
+    assert sum(one.p_damaged <= ALARM for one in found) <= 4
 
 
 def test_clear_impacts_of_a_bearing_rank_before_stronger_evidence_of_a_gear(healthy):

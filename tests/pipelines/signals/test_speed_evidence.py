@@ -11,7 +11,7 @@ from pipelines.signals.features.table import confirmed, with_common_components
 from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 from pipelines.signals.orders.rotation import RotationError
 from pipelines.signals.orders.rotation_of import rotation_of
-from pipelines.signals.orders.speed_evidence import NO_SIDEBANDS
+from pipelines.signals.orders.speed_evidence import NO_SIDEBANDS, OrderLevels, unconfirmed
 
 RATE, SPEED = 4000.0, 24.0
 
@@ -77,6 +77,14 @@ def test_a_speed_beyond_the_search_is_not_known(off):
     assert set(found.conditional) == {"shaft_1", "shaft_2"}
     with pytest.raises(FeatureError, match="no shaft has a confirmed speed"):
         feature_table(recording, train(*PAIR), found)
+
+
+@pytest.mark.parametrize("amplitude", [0.0, 0.01, 0.1])
+def test_half_the_speed_is_not_confirmed_by_two_lines_of_another_cause(amplitude):
+    recording, angle = vibration(train(*PAIR))
+    lines = sum(np.cos(order * angle) for order in (11.5, 13.5))  # next to the mesh order at half the speed, 12.5
+    levels = OrderLevels([recording.acceleration.values[:, 0, 0] + amplitude * lines], 0.5 * angle)
+    assert "a multiple or a fraction" in unconfirmed(levels, train(*PAIR))["shaft_1"]
 
 
 @pytest.mark.parametrize("teeth", [((25, 61),), ((25, 63),)])
