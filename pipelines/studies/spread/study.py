@@ -121,7 +121,7 @@ def run_spread(
 def _spread(plan: Plan, folder: Path, rows: Sequence[Mapping[str, Any]]) -> FeatureSpread:
     """The study, from the rows of the features."""
     tables = {row["run"]: stored_table(row["table"]) for row in rows}
-    found = {run: _levels(table) for run, table in tables.items() if table is not None}
+    found = {run: line_levels(table) for run, table in tables.items() if table is not None}
     if len(found) < FEWEST:
         reason = next((row["failure"] for row in rows if row["failure"]), "see the column reason of rows.parquet")
         raise InputError(f"{len(found)} machines have features, {FEWEST} are needed. Correct the cause: {reason}")
@@ -148,7 +148,7 @@ def _spread(plan: Plan, folder: Path, rows: Sequence[Mapping[str, Any]]) -> Feat
     )
 
 
-def _levels(table: FeatureTable) -> dict[tuple[str, ...], float]:
+def line_levels(table: FeatureTable) -> dict[tuple[str, ...], float]:
     """Level (dB), or value of a feature without level, by sensor, axis, component, feature and unit."""
     columns = table.columns()
     levels, values = columns["level_dB"].reshape(table.value.shape), table.value
