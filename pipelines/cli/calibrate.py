@@ -10,8 +10,8 @@ from pipelines.cli.command_line import scene_arguments, work_of
 from pipelines.io.argument_types import count, path
 
 HELP = """\
-Estimate free keys of a scene from recordings of one healthy machine, at the speed and load of the scene. Print mean, 90 %
-interval and correlations of the posterior, the keys that cannot be identified, and the agreement before and after.
+Estimate free keys of a scene from recordings of one healthy machine, at the speed and load of the scene. Print mean,
+90 % interval and correlations of the posterior, the keys that cannot be identified, and the agreement before and after.
 Needs the extra gearcase[calibrate]. Takes minutes to hours: use --dry-run first."""
 EXAMPLE = """\
 gearcase calibrate minimal runs/minimal/20261128-120000 --free casing.mount_stiffness_N_per_um=100..400 --dry-run

@@ -40,8 +40,8 @@ def text(found: Calibration) -> str:
     parts = [
         grid(f"{found.name}: posterior from {found.lines} lines and {found.runs} runs", rows).to_text(),
         f"A key is identifiable if the 90 % interval is at most {IDENTIFIABLE:.2f} of that of the prior. "
-        f"{found.inside} of {found.lines} lines of the recording are within the range of the runs; if many are outside, "
-        "the scene differs from the machine in other properties, and the intervals are not valid.",
+        f"{found.inside} of {found.lines} lines of the recording are within the range of the runs; if many are "
+        "outside, the scene differs from the machine in other properties, and the intervals are not valid.",
         *([grid("Correlations of the posterior", pairs).to_text()] if pairs else []),
         grid("Median difference between recording and model, second halves of the windows", agreement).to_text(),
     ]
@@ -71,7 +71,7 @@ def plain(found: Calibration) -> dict[str, Any]:
 
 
 def figure(found: Calibration) -> Figure:
-    """Distribution of each key on the diagonal, of each pair of keys below it; the axes are the ranges of the priors."""
+    """Distribution of each key on the diagonal, of each pair of keys below it; the axes are the priors."""
     from pipelines.report.figures.plots import FIRST, MARK, new_figure
     from pipelines.report.figures.plots import plain as plain_words
 

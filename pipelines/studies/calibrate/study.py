@@ -37,9 +37,10 @@ Levels = dict[Line, float]
 class Calibration:
     """Result of a calibration.
 
-    `samples` (sample, key) of the posterior are in the units of the `free` keys. `agreement` has, by group of lines, the
-    median absolute difference (dB) between recording and model before and after the calibration, in the second halves of
-    the windows. `inside` of `lines` lines of the recording are within the range of the `runs` of the campaign.
+    `samples` (sample, key) of the posterior are in the units of the `free` keys. `agreement` has, by group of lines,
+    the median absolute difference (dB) between recording and model before and after the calibration, in the second
+    halves of the windows. `inside` of `lines` lines of the recording are within the range of the `runs` of the
+    campaign.
     """
 
     name: str
@@ -124,8 +125,8 @@ def calibrate(
     lines = [one for one in observed if all(one in levels for levels in found.values())]
     if not lines:
         raise InputError(
-            "the recordings and the scene have no feature in common. Give the sensors of the scene the names and axes of "
-            "the recording."
+            "the recordings and the scene have no feature in common. Give the sensors of the scene the names and axes "
+            "of the recording."
         )
     levels = np.array([[one[line] for line in lines] for one in found.values()])
     given = np.array([observed[line] for line in lines])
