@@ -55,6 +55,12 @@ def parse_free(text: str) -> Free:
 def calibration_plan(loaded: LoadedScene, machine: Plant, free: Sequence[Free], count: int) -> Plan:
     """The plan of the campaign: free keys over their priors, and another pair of gears in each run.
 
+    Parameters
+    ----------
+    loaded, machine : the scene, and its machine model
+    free : the free keys
+    count : number of runs
+
     Raises
     ------
     InputError : no free key, a key twice, or too few runs

@@ -5,7 +5,7 @@
 2. Emulator. With the other half, a Gaussian process describes each summary over the parameters. The covariance of the
    leave-one-out residuals contains the scatter over gears and noise, and the error of the emulator.
 3. Posterior. The residuals of the recording have a multivariate t distribution with this covariance; the prior is
-   uniform. An ensemble sampler draws from the posterior.
+   uniform. The posterior is sampled by an ensemble sampler.
 
 References
 ----------
