@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy import stats
-from test_dataset_features import InOrder
+from serial_executor import InOrder
 
 from pipelines.cli.main import main
 from pipelines.datasets.estimate import estimate
