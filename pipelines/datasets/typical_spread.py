@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -160,7 +160,7 @@ def typical(scene: Mapping[str, Any], settings: Mapping[str, Any]) -> tuple[dict
                 if not _is_set(settings, place):
                     words = {"x": name, "c": str(value)}
                     text = "".join(words.get(one, one) for one in re.split(r"\b", spread.text))
-                    _put(added, place, f"${text}")
+                    put_setting(added, place, f"${text}")
                     variables[name] = dict(spread.variable)
     return variables, added
 
@@ -191,7 +191,8 @@ def _is_set(settings: Any, path: tuple[str, ...]) -> bool:
     return True
 
 
-def _put(tree: dict[str, Any], path: tuple[str, ...], value: str) -> None:
+def put_setting(tree: dict[str, Any], path: Sequence[str], value: Any) -> None:
+    """Insert a value into a tree of settings."""
     for name in path[:-1]:
         tree = tree.setdefault(name, {})
     tree[path[-1]] = value
