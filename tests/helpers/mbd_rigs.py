@@ -17,7 +17,10 @@ from mbd.parts.shafts import Disk, Section, ShaftSpec
 from mbd.parts.speed_drive import MotorCoupling, SpeedProfile
 
 AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
-ROPE = {"container_mass": 1000.0, "drum_radius": 0.1, "drum_mass": 10.0, "drum_inertia": 0.05}
+ROPE = {
+    "container_mass": 1000.0, "drum_radius": 0.1, "drum_mass": 10.0, "drum_inertia": 0.05,
+    "rope_modulus": 3.57e6 / (0.455 * math.pi / 4 * 0.01**2),
+}  # fmt: skip
 TRANSVERSE_ANGLE = math.radians(20.5)
 
 
