@@ -21,7 +21,7 @@ from functools import cached_property
 import numpy as np
 
 from pipelines.diagnosis.comparison.compared_recording import Channel, ComparedRecording
-from pipelines.signals.features.feature_table import FeatureError, envelope_band
+from pipelines.signals.features.recording_features import FeatureError, envelope_band
 from pipelines.signals.orders.revolutions import HIGHEST, revolutions
 from pipelines.signals.orders.whitening import banded
 
