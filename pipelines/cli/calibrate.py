@@ -56,7 +56,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.datasets.scenes import sampled_scenes
     from pipelines.io.json_text import json_text
     from pipelines.io.user_files import write_whole
-    from pipelines.machine.checks.validity import checked_plant
+    from pipelines.machine.checks.checked_plant import checked_plant
     from pipelines.recordings.machine import read_machine
     from pipelines.report.figures.film import save_figure
     from pipelines.scene.presets import load_asked

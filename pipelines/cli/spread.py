@@ -54,7 +54,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.datasets.estimate import estimate
     from pipelines.datasets.scenes import sampled_scenes
     from pipelines.io.user_files import whole_file
-    from pipelines.machine.checks.validity import checked_plant
+    from pipelines.machine.checks.checked_plant import checked_plant
     from pipelines.report.figures.film import save_figure
     from pipelines.scene.presets import load_asked
     from pipelines.studies.spread.page import chosen, figure, text

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pipelines.datasets.plan import Plan, plan_on
-from pipelines.datasets.population import put_setting
+from pipelines.datasets.typical_spread import put_setting
 from pipelines.io.errors import InputError
 from pipelines.io.shown import number_of, shown
 from pipelines.machine.plant import Plant

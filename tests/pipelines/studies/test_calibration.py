@@ -8,7 +8,7 @@ import pytest
 from scipy import stats
 
 from pipelines.io.errors import InputError
-from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.scene.file import load_scene
 from pipelines.studies.calibrate.design import AFTER, Free, agreement_plan, calibration_plan, parse_free
 from pipelines.studies.calibrate.posterior import check_installed, emulator, sample

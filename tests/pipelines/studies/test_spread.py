@@ -11,10 +11,10 @@ from serial_executor import InOrder
 
 from pipelines.cli.main import main
 from pipelines.datasets.estimate import estimate
-from pipelines.datasets.features import dataset_rows
+from pipelines.datasets.feature_source import dataset_rows
 from pipelines.datasets.folder import begin, identity_facts
 from pipelines.datasets.scenes import sampled_scenes
-from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.scene.file import changed, load_scene
 from pipelines.studies.spread.indices import first_order
 from pipelines.studies.spread.study import FEWEST, MEAN, SHARES, spread_plan
