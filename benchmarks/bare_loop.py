@@ -8,8 +8,8 @@ from __future__ import annotations
 import sys
 import time
 
+from pipelines.datasets.campaign_scenes import sampled_scenes, scene_of
 from pipelines.datasets.plan import load_plan
-from pipelines.datasets.scenes import sampled_scenes, scene_of
 from pipelines.datasets.worker_cache import WorkerCache
 from pipelines.engine.build_step import one_thread
 from pipelines.engine.run_graph import Work

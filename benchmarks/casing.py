@@ -11,15 +11,15 @@ from benchmarks.clock import timed
 from benchmarks.rig import casing_parts, keep, kept, read
 from fem.casing.enrichment.added import added_functions
 from fem.casing.mesh.mesh import CasingMesh
-from fem.casing.models.casing import Structure
+from fem.casing.models.casing_model import Structure
 from fem.casing.models.craig_bampton import CraigBamptonCasing
 from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.models.static_casing import StaticCasing
-from fem.casing.reduced.body import MODES_OVER_BAND
 from fem.casing.reduced.casing_modes import casing_modes
 from fem.casing.reduced.checkup import check_up
 from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.halves import reduced_and_counted
+from fem.casing.reduced.reduced_body import MODES_OVER_BAND
 from fem.elements.materials import Material
 from fem.numerics.linear_solver import cholmod_available, factorize
 

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.clock import conditions
-from fem.casing.reduced.body import ReducedBody
+from fem.casing.reduced.reduced_body import ReducedBody
 from fem.casing.uncertainty.draws import CasingDraws, drawn_frequencies, near_modes
 from fem.casing.uncertainty.modal_form import ModalForm, modal_form
 from mbd.output.trajectory import Trajectory
@@ -29,14 +29,14 @@ from pipelines.diagnosis.uncertainty.bar_records import LineBars
 from pipelines.diagnosis.uncertainty.uncertain import uncertain
 from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph, Step
-from pipelines.machine.assembly import assemble_machine, assemble_system
 from pipelines.machine.plant import Plant
+from pipelines.machine.system_assembly import assemble_machine, assemble_system
 from pipelines.scene.file import load_scene
 from pipelines.signals.analysis import analyse
 from pipelines.signals.response import make_response
 from pipelines.steps.error_bars import machine_bars
 from pipelines.steps.motion import moved
-from pipelines.steps.results import bars_step, casing_taken
+from pipelines.steps.result_steps import bars_step, casing_taken
 from pipelines.steps.run_plan import plan_run
 
 OUTPUT = Path(__file__).parent / "results" / "error_bars.json"

@@ -19,12 +19,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from mbd.elements.element_table import Instant, instant
 from mbd.elements.newton import solve_rows, work_between
-from mbd.elements.table import Instant, instant
 from mbd.integrators.base import TOLERANCE, Block, Flow, uniform_clock
 from mbd.integrators.methods import METHODS
 from mbd.integrators.settings import MotionSettings
-from mbd.parts.checks import StepError
+from mbd.parts.part_checks import StepError
 from mbd.system.statics import State
 from mbd.system.system import System
 

@@ -8,15 +8,15 @@ from typing import Any
 
 from fem.casing.geometry.housing import Housing
 from fem.casing.models.stage import body_of
-from fem.casing.reduced.body import ReducedBody
+from fem.casing.reduced.reduced_body import ReducedBody
 from fem.contact.law import MeshLaw
 from fem.contact.models.plane import Plane
 from fem.elements.materials import Material
 from fem.gears.geometry import GearPair
 from mbd.system.system import System
-from pipelines.machine.assembly import assemble_machine, assemble_system
-from pipelines.machine.machine import make_plant
+from pipelines.machine.machine_conversion import make_plant
 from pipelines.machine.plant import Plant
+from pipelines.machine.system_assembly import assemble_machine, assemble_system
 from pipelines.scene.file import load_scene
 
 SCENE = "rig-healthy"

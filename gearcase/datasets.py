@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gearcase.argument_checks import checked_file, checked_recording
+from pipelines.datasets import dataset_reading as _reading
 from pipelines.datasets import pieces as _views
-from pipelines.datasets import reading as _reading
 
 if TYPE_CHECKING:
     import xarray

@@ -14,7 +14,7 @@ from pipelines.datasets.feature_source import FeatureSource
 from pipelines.datasets.workers import local_workers
 from pipelines.diagnosis.comparison.labelled_comparison import labelled_comparison
 from pipelines.diagnosis.verdict import Verdict
-from pipelines.recordings.machine import read_machine
+from pipelines.recordings.machine_file import read_machine
 from pipelines.recordings.read_recording import read_recording
 from pipelines.runs.recorded import judge_recordings
 

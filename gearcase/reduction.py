@@ -84,8 +84,8 @@ def reduce(
     >>> body.coordinate_names
     ('end:ux', 'end:uy', 'end:uz', 'mode_1', 'mode_2', 'mode_3')
     """
-    from fem.casing.imported.body import ForeignError, foreign_body
-    from fem.casing.imported.checks import check_foreign
+    from fem.casing.imported.foreign_body import ForeignError, foreign_body
+    from fem.casing.imported.matrix_checks import check_foreign
     from fem.casing.imported.reduce import reduce_foreign
     from fem.casing.reduced.reduction import ReductionError
     from fem.numerics.linear_solver import SingularMatrixError

@@ -9,7 +9,7 @@ from gearcase.progress import ProgressFunction
 from gearcase.scenes import Scene, loaded_scene
 from pipelines.engine.run_graph import Work
 from pipelines.machine.checks.checked_plant import checked_plant
-from pipelines.studies.spread.study import FeatureSpread, run_spread, spread_plan
+from pipelines.studies.spread.population_spread import FeatureSpread, run_spread, spread_plan
 from pipelines.studies.trade.axes import AXES
 from pipelines.studies.trade.refinement import RefinementStudy, refine
 from pipelines.studies.trade.tradeoff import Tradeoff, trade

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks.checks.record import Check, Subject, Values
-from pipelines.machine.machine import make_plant
+from pipelines.machine.machine_conversion import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.signals.spectrum import amplitude_spectrum, cut, envelope, envelope_spectrum, whole_revolutions
 

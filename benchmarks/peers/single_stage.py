@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.gear_pairs import gear_pair
-from fem.casing.reduced.body import ReducedBody
+from fem.casing.reduced.reduced_body import ReducedBody
 from fem.contact.models.plane import Plane
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.gear_mesh import MeshSpec
@@ -99,8 +99,8 @@ class Equations:
         from numba import njit
 
         from mbd.elements.element import WIDTH
+        from mbd.elements.element_table import Instant, instant
         from mbd.elements.newton import forces_at
-        from mbd.elements.table import Instant, instant
 
         basis, table = machine.basis, machine.table
         u_rows, v_rows = np.ascontiguousarray(machine.all_rows @ basis), np.ascontiguousarray(machine.rows @ basis)

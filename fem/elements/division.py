@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.elements.solid_elements import SOLIDS, ElementError
-from fem.numerics.places import in_mm
+from fem.numerics.message_places import in_mm
 
 OFF_MIDDLE = 0.3  # of the edge length: largest distance of a mid-side node from the middle
 

@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.numerics.places import in_mm
+from fem.numerics.message_places import in_mm
 
 AXES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))  # i, j of the gradient products; j, i: transposed
 STRAIGHT_RULE = 2

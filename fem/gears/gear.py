@@ -10,9 +10,9 @@ import math
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from fem.gears.body import check_body
 from fem.gears.gear_checks import GeometryError, require
 from fem.gears.rack import Rack
+from fem.gears.wheel_body import check_body
 from fem.options import check_options, option
 
 HANDS = ("right", "left")

@@ -17,7 +17,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from fem.storage import shown_html
-from fem.storage.hdf5 import hdf5_file
+from fem.storage.hdf5_file import hdf5_file
 from fem.storage.stored_array import StoredArray
 
 _NAMES_SHOWN = 6

@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mbd.elements.channel_reading import Reading
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element
 from mbd.elements.linear import Part
-from mbd.elements.reading import Reading
 
 
 class Place(NamedTuple):

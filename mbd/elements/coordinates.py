@@ -1,6 +1,6 @@
 """Interface through which a part of the machine gets the coordinates of the system for its matrices and rows.
 
-`mbd.parts.layout.Layout` implements it. Parts depend only on this interface and do not import the machine.
+`mbd.parts.coordinate_layout.Layout` implements it. Parts depend only on this interface and do not import the machine.
 """
 
 from __future__ import annotations

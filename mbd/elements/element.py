@@ -9,7 +9,7 @@ coordinates, and a force F on a row pulls the coordinates back by row^T F. The f
 of a part that follows from a potential U(u, motor angle) and a part that does not: damping, friction, an external
 force. A linear reference (k0, c0) of each row belongs to the matrices of the system. The time step solves for the
 difference lambda = k0 u + c0 u' - F (`mbd.elements.newton`). The loop, the equilibrium, the linearised model and the
-energy balance need nothing else of a kind: they use the tables of `mbd.elements.table`.
+energy balance need nothing else of a kind: they use the tables of `mbd.elements.element_table`.
 
 The rule
 --------

@@ -26,7 +26,16 @@ from numba import types
 from fem.numerics.compiled import CUBE, FLOAT, INTEGER, INTEGER_MATRIX, MATRIX, VECTOR, by_address, stored
 from fem.numerics.inner import UNCOUNTED, inner
 from mbd.elements.element import WIDTH
-from mbd.elements.table import CLOCK, INSTANT, TABLE, ElementTable, Instant, follow_tangent, parametric_work, row_forces
+from mbd.elements.element_table import (
+    CLOCK,
+    INSTANT,
+    TABLE,
+    ElementTable,
+    Instant,
+    follow_tangent,
+    parametric_work,
+    row_forces,
+)
 
 MAX_ITERATIONS = 60
 MAX_HALVINGS = 8
@@ -173,8 +182,8 @@ def _newton(table, clock, u_p, v_p, g_u, g_v, held, force, u, v, now, tolerance,
 def _newton_step(table, g_u, g_v, work):
     """Solve (1 - S_u G_u - S_v G_v) step = residual in place; only rows whose force depends on the motion are unknown.
 
-    ``g_u`` and ``g_v`` as in `iterate`, the slopes S_u and S_v as in `mbd.elements.table.row_forces`, the step of
-    ``work`` in: the residual, out: the change of the forces. False if the matrix is singular.
+    ``g_u`` and ``g_v`` as in `iterate`, S_u and S_v as in `mbd.elements.element_table.row_forces`, the step of ``work``
+    in: the residual, out: the change of the forces. False if the matrix is singular.
     """
     step, right, matrix, n, n_pushed = work.forces[2], work.forces[4], work.matrix, 0, 0
     slope_u, slope_v, active, pushed = work.slopes[1], work.slopes[2], work.rows[0], work.rows[1]
@@ -257,24 +266,24 @@ def _solve_rows(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance, w
 
 @stored(__file__, **UNCOUNTED)
 def forces_at(table, clock, u, v, before, held, force, slope_u, slope_v, now):
-    """`mbd.elements.table.row_forces` at one instant.
+    """`mbd.elements.element_table.row_forces` at one instant.
 
     Parameters
     ----------
-    table, clock, u, v, before, held, force, slope_u, slope_v, now : those of `mbd.elements.table.row_forces`
+    table, clock, u, v, before, held, force, slope_u, slope_v, now : those of `mbd.elements.element_table.row_forces`
     """
     row_forces(table, clock, u, v, before, held, force, slope_u, slope_v, now)
 
 
 @stored(__file__)
 def work_between(table, angle_before, clock, u_before, u, v, last, now):
-    """`mbd.elements.table.parametric_work` of an audited step.
+    """`mbd.elements.element_table.parametric_work` of an audited step.
 
     Parameters
     ----------
-    table, u_before, last : those of `mbd.elements.table.parametric_work`
+    table, u_before, last : those of `mbd.elements.element_table.parametric_work`
     angle_before : of the motor at the start of the step, rad
-    clock, u, v, now : end of the step, those of `mbd.elements.table.row_forces`
+    clock, u, v, now : end of the step, those of `mbd.elements.element_table.row_forces`
     """
     m = len(v)
     force, slope_u, slope_v = np.empty(m), np.empty((m, WIDTH)), np.empty((m, WIDTH))

@@ -27,8 +27,8 @@ from mbd.elements.component import Place
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import ENERGY, Element, rule
 from mbd.excitations.turned_direction import turned_direction
-from mbd.parts.checks import MachineError
 from mbd.parts.load import TurningForce
+from mbd.parts.part_checks import MachineError
 
 APART = 1e-6  # m: places closer than that are the same
 START, SENSE, ROLL, FORCE, BOW = range(5)

@@ -47,7 +47,7 @@ from mbd.excitations.cage_slip import CageSlip, lag_at
 from mbd.excitations.spall import SURFACES, Spall, check_apart, race_radius
 from mbd.forces.rolling_bearing import COUNT, FIRST, RATE, START, RollingContacts
 from mbd.parts.bearings import BearingSpec
-from mbd.parts.checks import MachineError
+from mbd.parts.part_checks import MachineError
 from mbd.parts.rolling_elements import pass_frequencies
 
 SOUND, GAP, SENSE, RATIO, CAGE, ROLL, ELEMENT, OUTER, INNER, REACH, SPALLS, KNOTS, REST = range(13)

@@ -17,8 +17,8 @@ from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, Signal, rule
 from mbd.excitations.waveform import SweepWave, TableWave, Waveform, wave_value
 from mbd.parts.bearings import DIRECTIONS
-from mbd.parts.checks import MachineError
 from mbd.parts.load import OUTSIDE_FORCE, Excitation, OutsideForce
+from mbd.parts.part_checks import MachineError
 
 LEAST_SCALE = 1e-9  # N
 

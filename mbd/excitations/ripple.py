@@ -14,8 +14,8 @@ from typing import Literal
 from fem.options import option
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import ENERGY, Element, rule
-from mbd.parts.checks import positive
 from mbd.parts.load import TurningForce
+from mbd.parts.part_checks import positive
 
 AMPLITUDE, ORDER, PHASE, ROLL = range(4)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from fem.options import option
-from mbd.parts.checks import MachineError, Options
+from mbd.parts.part_checks import MachineError, Options
 from mbd.parts.rolling_elements import RollingElements
 
 SURFACES = ("outer-ring", "inner-ring", "element")

@@ -9,7 +9,7 @@ from typing import Literal
 from fem.named_classes import named_class
 from fem.options import check_options, inline, option
 from mbd.parts.bearings import BearingSpec, rigid_bearing
-from mbd.parts.checks import MachineError, Options
+from mbd.parts.part_checks import MachineError, Options
 from mbd.parts.rolling_elements import RollingElements
 
 BEARINGS = {

@@ -15,7 +15,7 @@ import math
 from collections.abc import Iterator
 
 from mbd.elements.element import Element, rule
-from mbd.parts.assembly import Assembly
+from mbd.parts.linear_reference import Assembly
 
 TORQUE, ROLL, SMOOTH, CLOSING = range(4)  # closing: motor speed below which a brake acts, 0 for a drag
 

@@ -22,7 +22,7 @@ from collections.abc import Iterator
 from mbd.elements.element import Element, rule
 from mbd.forces.flank import flank_name
 from mbd.forces.sliding import mesh_sliding_rows
-from mbd.parts.assembly import Assembly
+from mbd.parts.linear_reference import Assembly
 
 ETA, RADIUS, RATIO, ROLL, SMOOTH = range(5)
 

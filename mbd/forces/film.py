@@ -23,7 +23,7 @@ from collections.abc import Iterator
 from fem.contact.teeth import least_clearance
 from mbd.elements.element import Element, rule
 from mbd.forces.flank import SIDES, flank_name
-from mbd.parts.assembly import Assembly
+from mbd.parts.linear_reference import Assembly
 
 STRENGTH, ROUGHNESS, TOUCHING, FADING = range(4)
 

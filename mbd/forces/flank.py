@@ -23,8 +23,8 @@ from fem.contact.teeth import least_clearance
 from fem.numerics.inner import UNCOUNTED, inner
 from mbd.elements.element import ENERGY, FROZEN_ENERGY, Contact, Element, Signal, rule
 from mbd.elements.mode_words import ModeWords
-from mbd.parts.assembly import Assembly
 from mbd.parts.gear_mesh import MeshSpec, mesh_channels, mesh_rows
+from mbd.parts.linear_reference import Assembly
 from mbd.parts.mesh_reference import approach_at, mean_stiffness
 
 BACKLASH, FLOOR, REACH, TAU, CYCLE_START, CYCLE_RATE, RATIO, PINION, WHEEL, LAW = range(10)

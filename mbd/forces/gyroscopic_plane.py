@@ -14,7 +14,7 @@ import numpy as np
 from scipy import linalg
 
 from mbd.elements.element import Element, rule
-from mbd.parts.assembly import Assembly
+from mbd.parts.linear_reference import Assembly
 
 KIND = "gyroscopic"
 KEPT = 0.999

@@ -8,9 +8,9 @@ from typing import Literal
 
 from fem.named_classes import named_class
 from fem.options import option
-from mbd.parts.checks import MachineError, Options
 from mbd.parts.load import Load, StaticTorque
 from mbd.parts.machine import STANDARD_GRAVITY
+from mbd.parts.part_checks import MachineError, Options
 from mbd.parts.speed_drive import SpeedProfile
 
 LOADS = {

@@ -21,7 +21,7 @@ import numpy as np
 from fem.options import in_si, option
 from mbd.elements.element import Rule, rule
 from mbd.forces.torque_source import TorqueSource
-from mbd.parts.checks import MachineError
+from mbd.parts.part_checks import MachineError
 
 RATIO, SYNCHRONOUS, BREAKDOWN, SLIP = range(4)
 

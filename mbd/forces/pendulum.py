@@ -22,12 +22,12 @@ from typing import Literal
 import numpy as np
 
 from fem.options import option
+from mbd.elements.channel_reading import Reading
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import BY_ANGLE, ENERGY, Element, Signal, rule
-from mbd.elements.reading import Reading
 from mbd.forces.rope import LENGTH, LIFT, LOSS, PART, STIFFNESS_TIMES_LENGTH, TRAVEL, WORDS, Rope, RopeLoad
-from mbd.parts.checks import MachineError
 from mbd.parts.load import ROPE_FORCE, SWAY
+from mbd.parts.part_checks import MachineError
 
 SWAYS = ("container:sway_x", "container:sway_y")  # coordinates
 

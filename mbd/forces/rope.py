@@ -19,15 +19,15 @@ from typing import Literal
 import numpy as np
 
 from fem.options import option
+from mbd.elements.channel_reading import Reading
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import BY_ANGLE, ENERGY, Element, Signal, rule
 from mbd.elements.linear import Matrices, Part
 from mbd.elements.mode_words import ModeWords
-from mbd.elements.reading import Reading
 from mbd.forces.container_ground import ground
 from mbd.forces.hanging_loads import HangingLoad
-from mbd.parts.checks import MachineError
 from mbd.parts.load import CONTAINER, ROPE_FORCE, Load, pull_axis
+from mbd.parts.part_checks import MachineError
 from mbd.parts.speed_drive import SpeedProfile
 
 LIFT = "container:lift"

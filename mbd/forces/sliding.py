@@ -23,9 +23,9 @@ import numpy as np
 
 from mbd.elements.element import Element, rule
 from mbd.forces.flank import SIDES, flank_name
-from mbd.parts.assembly import Assembly
+from mbd.parts.coordinate_layout import Layout
 from mbd.parts.gear_mesh import MeshSpec
-from mbd.parts.layout import Layout
+from mbd.parts.linear_reference import Assembly
 from mbd.parts.mesh_reference import sliding_shares
 from mbd.parts.shafts import ShaftSpec
 

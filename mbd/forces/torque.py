@@ -10,7 +10,7 @@ import numpy as np
 from mbd.elements.element import Rule, rule
 from mbd.elements.lookup import interpolated
 from mbd.forces.torque_source import TorqueSource
-from mbd.parts.checks import freeze_pairs
+from mbd.parts.part_checks import freeze_pairs
 
 
 @rule(__file__)

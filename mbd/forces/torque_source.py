@@ -15,13 +15,13 @@ from typing import ClassVar
 import numpy as np
 
 from fem.options import inline, option
+from mbd.elements.channel_reading import Reading
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, Rule, Signal
 from mbd.elements.linear import Matrices, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
-from mbd.elements.reading import Reading
-from mbd.parts.checks import Options
 from mbd.parts.load import OutsideForce
+from mbd.parts.part_checks import Options
 from mbd.parts.speed_drive import COUPLING_TORQUE, motor_channels
 
 LEAST_SCALE = 1e-6  # N m

@@ -20,10 +20,10 @@ import copy
 import numpy as np
 from scipy import linalg
 
+from mbd.elements.element_table import instant
 from mbd.elements.newton import solve_rows, work_between
-from mbd.elements.table import instant
 from mbd.integrators.base import TOLERANCE, Block, Flow, uniform_clock
-from mbd.parts.checks import StepError
+from mbd.parts.part_checks import StepError
 from mbd.system.statics import State
 from mbd.system.system import System
 

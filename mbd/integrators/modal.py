@@ -24,11 +24,11 @@ import numpy as np
 from scipy import linalg
 
 from mbd.elements.element import LOG_COLUMNS
+from mbd.elements.element_table import Instant, instant
 from mbd.elements.newton import solve_rows
-from mbd.elements.table import Instant, instant
 from mbd.integrators.base import LENGTH, TOLERANCE, Block, Flow, join
 from mbd.integrators.modal_loop import QUARTERS, Constants, Memory, advance_modes, room
-from mbd.parts.checks import StepError
+from mbd.parts.part_checks import StepError
 from mbd.system.rolling_frame import RollingFrame
 from mbd.system.statics import State
 from mbd.system.system import System

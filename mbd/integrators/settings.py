@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from fem.options import check_options, option
-from mbd.elements.reading import FURTHER
+from mbd.elements.channel_reading import FURTHER
 
 if TYPE_CHECKING:
     FurtherChannel = str

@@ -19,7 +19,7 @@ import numpy as np
 
 from fem.storage.stored_array import StoredArray
 from mbd.integrators.base import ACCELERATION, ANGLE, SPEED, Block, Integrator
-from mbd.parts.checks import StepError
+from mbd.parts.part_checks import StepError
 from mbd.system.system import System
 
 PASS_SHARE = 0.4

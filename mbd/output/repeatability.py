@@ -28,7 +28,7 @@ import numpy as np
 
 from mbd.integrators.base import Block, Integrator
 from mbd.output.recorder import Recorder
-from mbd.parts.checks import StepError
+from mbd.parts.part_checks import StepError
 from mbd.system.statics import State
 from mbd.system.system import System
 

@@ -21,7 +21,7 @@ from mbd.output.repeatability import Repeatability
 from mbd.output.step_error import StepCheck
 from mbd.output.trajectory import Trajectory
 from mbd.parts.channels import sensor_names
-from mbd.parts.checks import StepError
+from mbd.parts.part_checks import StepError
 from mbd.system.statics import State, equilibrium
 from mbd.system.system import System
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from mbd.integrators.base import Block, Integrator
 from mbd.output.recorder import Recorder, low_pass
-from mbd.parts.checks import StepError
+from mbd.parts.part_checks import StepError
 from mbd.parts.speed_drive import SpeedProfile
 
 logger = logging.getLogger(__name__)

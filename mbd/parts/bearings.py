@@ -18,14 +18,14 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from fem.casing.reduced.body import BEARING_AXES
+from fem.casing.reduced.reduced_body import BEARING_AXES
+from mbd.elements.channel_reading import Reading
 from mbd.elements.component import Component, Place
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element
 from mbd.elements.linear import Matrices, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
-from mbd.elements.reading import Reading
-from mbd.parts.checks import MachineError
+from mbd.parts.part_checks import MachineError
 from mbd.parts.shafts import AXES
 
 DIRECTIONS = ("x", "y", "z")

@@ -11,15 +11,15 @@ from functools import partial
 
 import numpy as np
 
+from mbd.elements.channel_reading import FURTHER, ChannelKind, Reading, further_class
 from mbd.elements.component import Component
 from mbd.elements.element import Element
-from mbd.elements.reading import FURTHER, ChannelKind, Reading, further_class
 from mbd.parts.bearings import DIRECTIONS, bearing_force, journal_acceleration
-from mbd.parts.checks import MachineError
+from mbd.parts.coordinate_layout import Layout
 from mbd.parts.gear_mesh import mesh_channels
-from mbd.parts.layout import Layout
 from mbd.parts.load import CONTAINER, GROUND_ACCELERATION, OUTSIDE_FORCE, ROPE_FORCE, SWAY
 from mbd.parts.machine import Train
+from mbd.parts.part_checks import MachineError
 from mbd.parts.probe import DISPLACEMENT, probe_channel
 from mbd.parts.shafts import shaft_channels
 from mbd.parts.speed_drive import COUPLING_TORQUE, motor_channels

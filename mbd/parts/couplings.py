@@ -18,7 +18,7 @@ from mbd.elements.component import Component, Link, Place
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.linear import Part, part_on_rows, springs
 from mbd.elements.mode_words import ModeWords
-from mbd.parts.checks import MachineError
+from mbd.parts.part_checks import MachineError
 
 
 @dataclass(frozen=True, kw_only=True)

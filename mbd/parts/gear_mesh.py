@@ -31,7 +31,7 @@ import numpy as np
 from fem.contact.law import MeshLaw
 from fem.contact.teeth import checked_terms
 from mbd.elements.component import Component, Link, Place
-from mbd.parts.film import Film
+from mbd.parts.oil_film import Film
 from mbd.parts.shafts import ShaftSpec
 
 

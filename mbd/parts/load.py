@@ -17,7 +17,7 @@ import numpy as np
 from fem.options import check_options
 from mbd.elements.component import Component, Place
 from mbd.elements.coordinates import Coordinates
-from mbd.parts.checks import MachineError
+from mbd.parts.part_checks import MachineError
 from mbd.parts.speed_drive import SpeedProfile
 
 ROPE_FORCE = "rope:force"  # N, of all falls; for a swinging container the vertical component

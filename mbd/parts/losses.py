@@ -2,7 +2,7 @@
 
 The forces are computed in `mbd.forces`: `efficiency`, `sliding`, `drag`. All are internal torques. They change their
 sign smoothly with the speed omega of the element, as tanh(omega/omega_0); omega_0 is a share of the highest speed in
-the run (`mbd.parts.assembly`). At rest there is neither loss nor static friction.
+the run (`mbd.parts.linear_reference`). At rest there is neither loss nor static friction.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Literal
 
 from fem.options import option
 from mbd.elements.component import Component, Place
-from mbd.parts.checks import Options
+from mbd.parts.part_checks import Options
 
 
 class Losses(Options):

@@ -12,9 +12,9 @@ from fem.contact.evaluation.evaluator import LawEvaluator, Teeth
 from fem.contact.law import MeshLaw
 from fem.contact.teeth import LawError
 from mbd.elements.element import LARGEST_APPROACH
-from mbd.parts.checks import EquilibriumError
 from mbd.parts.gear_mesh import MeshSpec
 from mbd.parts.machine import Machine
+from mbd.parts.part_checks import EquilibriumError
 from mbd.parts.train import power_flow
 
 MIN_LINE_LOAD = 1e3  # N/m: lower limit of the load for the reference stiffness

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from mbd.elements.channel_reading import ChannelKind, Reading
 from mbd.elements.component import Component
 from mbd.elements.coordinates import Coordinates
-from mbd.elements.reading import ChannelKind, Reading
 from mbd.parts.bearings import BEARING_AXES, BearingSpec
-from mbd.parts.checks import MachineError
+from mbd.parts.part_checks import MachineError
 
 
 @dataclass(frozen=True, kw_only=True)

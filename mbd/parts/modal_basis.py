@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import linalg
 
-from mbd.parts.checks import MachineError
+from mbd.parts.part_checks import MachineError
 
 SMALLEST_FREQUENCY = 1e-2  # Hz: below it a coordinate counts as free
 INDEPENDENT = 1e-6  # static responses closer to the others than this are dropped

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from fem.options import option
+from mbd.elements.channel_reading import Reading
 from mbd.elements.component import Component, Place
 from mbd.elements.coordinates import Coordinates
-from mbd.elements.reading import Reading
 from mbd.parts.bearings import DIRECTIONS
-from mbd.parts.checks import Options
+from mbd.parts.part_checks import Options
 
 DISPLACEMENT = ":displacement_"
 

@@ -12,7 +12,7 @@ import difflib
 import math
 from typing import Any
 
-from mbd.parts.checks import MachineError
+from mbd.parts.part_checks import MachineError
 
 # elements, element diameter, pitch diameter, contact angle (deg), roller length; mm
 _BALLS: dict[str, tuple[int, float, float, float]] = {

@@ -17,7 +17,7 @@ from typing import Literal
 
 from fem.numerics.root import brentq
 from fem.options import option
-from mbd.parts.checks import MachineError, positive
+from mbd.parts.part_checks import MachineError, positive
 from mbd.parts.rolling_catalogue import catalogued
 
 LINE_CONSTANT = 35948.0 * 1000.0 ** (10 / 9 + 8 / 9)  # c_L in N, m

@@ -17,13 +17,13 @@ from typing import Literal
 import numpy as np
 
 from fem.options import check_options, option
+from mbd.elements.channel_reading import Reading
 from mbd.elements.component import Component
 from mbd.elements.coordinates import Coordinates, node_at
 from mbd.elements.linear import Matrices, Part
 from mbd.elements.mode_words import ModeWords
-from mbd.elements.reading import Reading
 from mbd.parts.beam import beam_matrices, disk_matrices
-from mbd.parts.checks import MachineError, Options
+from mbd.parts.part_checks import MachineError, Options
 
 AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
 RIGID_MOTIONS = 5  # of the model "torsion", its first coordinates

@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mbd.elements.channel_reading import Reading
 from mbd.elements.component import Component, Place
 from mbd.elements.linear import Matrices, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
-from mbd.elements.reading import Reading
-from mbd.parts.checks import freeze_pairs
+from mbd.parts.part_checks import freeze_pairs
 
 if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator

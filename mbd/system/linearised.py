@@ -28,12 +28,12 @@ from scipy import linalg
 
 from fem.storage.records import Record, array, integer, names
 from mbd.elements.element import WIDTH
+from mbd.elements.element_table import instant, slope_matrix
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.newton import forces_at
-from mbd.elements.table import instant, slope_matrix
-from mbd.parts.checks import MachineError, positive
 from mbd.parts.machine import Machine
 from mbd.parts.modal_basis import SMALLEST_FREQUENCY
+from mbd.parts.part_checks import MachineError, positive
 from mbd.system.statics import State, equilibrium, foot_forces
 from mbd.system.system import System
 

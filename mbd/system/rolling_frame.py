@@ -20,7 +20,7 @@ import numpy as np
 
 from fem.numerics.inner import inner
 from mbd.elements.element import Element
-from mbd.parts.checks import MachineError
+from mbd.parts.part_checks import MachineError
 
 ROUND_OFF = 1e-12  # of the largest rolling of a row
 

@@ -18,9 +18,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from mbd.elements.element import LARGEST_APPROACH, WIDTH, Contact, Element
+from mbd.elements.element_table import Instant, instant, slope_matrix
 from mbd.elements.newton import forces_at
-from mbd.elements.table import Instant, instant, slope_matrix
-from mbd.parts.checks import EquilibriumError
+from mbd.parts.part_checks import EquilibriumError
 from mbd.system.system import System
 
 TOLERANCE = 1e-12
@@ -82,7 +82,7 @@ def equilibrium(system: System, speed: float = 0.0) -> State:
 
 def foot_forces(system: System, state: State) -> np.ndarray:
     """Force (foot, 3) of the ground on the feet of the casing at a state of rest, N; the feet are those of
-    `fem.casing.reduced.body.ReducedBody.feet`."""
+    `fem.casing.reduced.reduced_body.ReducedBody.feet`."""
     body = system.layout.casing
     return body.foot_forces(state.displacement[system.layout.index("casing")], system.machine.gravity)
 

@@ -1,6 +1,6 @@
 """System: the assembled machine as M q'' + C q' + K q = f + B^T lambda, with its linear reference and its rows.
 
-q is measured in the frame that rolls with the train (see `mbd.parts.layout`): total motion = R phi_m(t) + q.
+q is measured in the frame that rolls with the train (see `mbd.parts.coordinate_layout`): total motion = R phi_m(t) + q.
 Rolling strains no spring, so K R = 0 except for the couplings, whose motors also roll; only the inertia
 force -M R phi_m'' remains. f is the constant load (gravity, static torque). The matrices contain a linear reference of
 every mesh (mean stiffness at the nominal load) and of every other nonlinear element; lambda is the difference to the
@@ -14,16 +14,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.casing.reduced.body import ReducedBody
+from fem.casing.reduced.reduced_body import ReducedBody
 from mbd.elements.element import Element
+from mbd.elements.element_table import ElementTable, element_table
 from mbd.elements.linear import Part
-from mbd.elements.table import ElementTable, element_table
 from mbd.forces import drag, efficiency, film, flank, gyroscopic_plane, sliding
-from mbd.parts.assembly import Assembly
 from mbd.parts.channels import ChannelRows, channel_names, channel_rows
-from mbd.parts.checks import MachineError
-from mbd.parts.layout import Layout, layout
+from mbd.parts.coordinate_layout import Layout, layout
+from mbd.parts.linear_reference import Assembly
 from mbd.parts.machine import Machine
+from mbd.parts.part_checks import MachineError
 from mbd.system.rolling_frame import RollingFrame, rolling_frame
 
 DEFAULT_BAND = 20e3  # Hz

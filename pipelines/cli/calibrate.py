@@ -52,17 +52,17 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Simulate what is missing, sample the posterior, and write it with its figure."""
+    from pipelines.datasets.campaign_scenes import sampled_scenes
     from pipelines.datasets.estimate import estimate
-    from pipelines.datasets.scenes import sampled_scenes
     from pipelines.io.json_text import json_text
     from pipelines.io.user_files import write_whole
     from pipelines.machine.checks.checked_plant import checked_plant
-    from pipelines.recordings.machine import read_machine
-    from pipelines.report.figures.film import save_figure
+    from pipelines.recordings.machine_file import read_machine
+    from pipelines.report.figures.frame_files import save_figure
     from pipelines.scene.presets import load_asked
-    from pipelines.studies.calibrate.design import calibration_plan, parse_free
-    from pipelines.studies.calibrate.page import figure, plain, text
-    from pipelines.studies.calibrate.study import calibrate
+    from pipelines.studies.calibrate.calibration import calibrate
+    from pipelines.studies.calibrate.calibration_page import figure, plain, text
+    from pipelines.studies.calibrate.free_keys import calibration_plan, parse_free
 
     loaded = load_asked(options)
     machine = checked_plant(loaded.scene, loaded.source.shown)

@@ -41,9 +41,9 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 def main(options: argparse.Namespace) -> Printed:
     """Simulate the scenes that are missing and print a summary; 1 if every scene failed."""
     from pipelines.datasets.campaign import run_campaign
+    from pipelines.datasets.campaign_scenes import sampled_scenes
     from pipelines.datasets.estimate import estimate
     from pipelines.datasets.plan import load_plan
-    from pipelines.datasets.scenes import sampled_scenes
     from pipelines.datasets.workers import dask_workers, local_workers
 
     plan = load_plan(options.plan)

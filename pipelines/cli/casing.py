@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
     import numpy as np
 
-    from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.casing_modes import CasingModes, NaturalModes
+    from fem.casing.reduced.reduced_body import ReducedBody
     from fem.casing.uncertainty.frequency_limits import FrequencyLimits
     from pipelines.runs.single_results import Casing
 
@@ -163,7 +163,7 @@ def _write_response(casing: Casing, names: list[str], scene: str, title: str, fo
     from pathlib import Path
 
     from pipelines.io.user_files import whole_file, writable_file
-    from pipelines.report.figures.film import save_figure
+    from pipelines.report.figures.frame_files import save_figure
     from pipelines.studies.housings.responses import accelerance, accelerance_figure, damping_words, table_lines
 
     words = damping_words(modal_ratios(casing.body), casing.frequencies, casing.band)

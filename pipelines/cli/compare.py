@@ -16,9 +16,9 @@ from pipelines.runs import run_folder
 from pipelines.runs.recorded import asked_windows, machine_of, recording_and_window
 
 if TYPE_CHECKING:
+    from pipelines.diagnosis.comparison.compared_features import Features
     from pipelines.diagnosis.comparison.compared_recording import ComparedRecording
     from pipelines.diagnosis.comparison.curves import Curves
-    from pipelines.diagnosis.comparison.features import Features
 
 MOST_NAME = 60  # characters of the name of a recording in a table
 FOLDER = "comparison"
@@ -71,10 +71,16 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     ------
     InputError : a recording or its machine cannot be used, or they have nothing in common
     """
+    from pipelines.diagnosis.comparison.compared_features import features_of
     from pipelines.diagnosis.comparison.compared_recording import brought_together, chosen_channel
+    from pipelines.diagnosis.comparison.comparison_words import (
+        LETTERS,
+        features_csv,
+        features_grid,
+        recordings_grid,
+        remarks,
+    )
     from pipelines.diagnosis.comparison.curves import curves
-    from pipelines.diagnosis.comparison.features import features_of
-    from pipelines.diagnosis.comparison.words import LETTERS, features_csv, features_grid, recordings_grid, remarks
     from pipelines.signals.features.recording_features import FeatureError
 
     sources = options.recordings
@@ -125,7 +131,7 @@ def _read(sources: Sequence[str], machine: str | Path | None) -> list[ComparedRe
 
 def _shaft(parts: Sequence[ComparedRecording], found: Features, number: int | None) -> str:
     """The shaft whose turns are averaged."""
-    from pipelines.diagnosis.comparison.features import most_different_shaft
+    from pipelines.diagnosis.comparison.compared_features import most_different_shaft
 
     there = [
         shaft.name
@@ -145,9 +151,9 @@ def _shaft(parts: Sequence[ComparedRecording], found: Features, number: int | No
 
 def _write(target: Path, drawn: Curves, found: Features, parts: Sequence[ComparedRecording]) -> list[Path]:
     """The figures as SVG."""
-    from pipelines.diagnosis.comparison.words import LETTERS
+    from pipelines.diagnosis.comparison.comparison_words import LETTERS
     from pipelines.report.figures.comparison_plots import comparison_figures
-    from pipelines.report.figures.film import save_figure
+    from pipelines.report.figures.frame_files import save_figure
 
     names = [f"{letter}  {part.name}" for letter, part in zip(LETTERS, parts, strict=False)]
     pictures = comparison_figures(drawn, found, parts, names)

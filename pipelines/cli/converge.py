@@ -52,7 +52,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Refine along one axis; print order, limit, uncertainty band and a verdict; write the plot."""
     from pipelines.io.user_files import writable_file
-    from pipelines.report.figures.film import save_figure
+    from pipelines.report.figures.frame_files import save_figure
     from pipelines.studies.trade.known_lines import known_lines
     from pipelines.studies.trade.refinement import refine
     from pipelines.studies.trade.refinement_page import (

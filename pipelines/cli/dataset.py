@@ -121,7 +121,7 @@ def _info(options: argparse.Namespace) -> Iterator[str]:
 
 
 def _check(options: argparse.Namespace) -> Printed:
-    from pipelines.datasets.check import check_dataset
+    from pipelines.datasets.dataset_check import check_dataset
     from pipelines.engine.progress import reported_count
 
     with reported_count("runs", quiet=options.quiet) as report:
@@ -131,7 +131,7 @@ def _check(options: argparse.Namespace) -> Printed:
 
 
 def _export(options: argparse.Namespace) -> Iterator[str]:
-    from pipelines.datasets.export import export_dataset
+    from pipelines.datasets.dataset_export import export_dataset
 
     target, count = export_dataset(
         Path(options.folder),

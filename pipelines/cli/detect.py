@@ -65,19 +65,19 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Simulate what is missing; print the probabilities and write them with their figure."""
     from pipelines.datasets.campaign import run_campaign
+    from pipelines.datasets.campaign_scenes import sampled_scenes
     from pipelines.datasets.estimate import estimate
-    from pipelines.datasets.scenes import sampled_scenes
     from pipelines.datasets.workers import local_workers
     from pipelines.engine.progress import reported_count
     from pipelines.io.errors import InputError
     from pipelines.io.json_text import json_text
     from pipelines.io.user_files import write_whole
     from pipelines.machine.checks.checked_plant import checked_plant
-    from pipelines.report.figures.film import save_figure
+    from pipelines.report.figures.frame_files import save_figure
     from pipelines.scene.presets import load_asked
     from pipelines.studies.detect.design import Design, detection_plan
+    from pipelines.studies.detect.detectability_page import figure, plain, text
     from pipelines.studies.detect.over import parse_over
-    from pipelines.studies.detect.page import figure, plain, text
     from pipelines.studies.detect.study import study
 
     loaded = load_asked(options)

@@ -151,7 +151,7 @@ def _recordings(options: argparse.Namespace) -> Iterator[str]:
 
 def _run(options: argparse.Namespace, folder: Path) -> Iterator[str]:
     from pipelines.diagnosis.export import diagnosis_facts
-    from pipelines.diagnosis.uncertainty.words import bars_words
+    from pipelines.diagnosis.uncertainty.bar_words import bars_words
     from pipelines.engine.run_graph import Work
     from pipelines.io.json_text import json_text
     from pipelines.runs.diagnosed import diagnose_folder, folder_bars, judge_folder

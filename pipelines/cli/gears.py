@@ -76,7 +76,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.grid import grid
     from pipelines.io.json_text import json_text
     from pipelines.io.user_files import writable_file
-    from pipelines.report.figures.film import save_figure
+    from pipelines.report.figures.frame_files import save_figure
     from pipelines.report.figures.plots import transmission_error_figure
     from pipelines.runs.gear_curves import (
         FORMATS,

@@ -116,10 +116,10 @@ def main(options: argparse.Namespace) -> Iterator[str]:
 
 def _geometry(path: Path, options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.user_files import writable_folder, write_whole
-    from pipelines.report.figures.film import save_figure
+    from pipelines.report.figures.frame_files import save_figure
     from pipelines.studies.housings.bore_picture import housing_picture
+    from pipelines.studies.housings.housing_page import housing_page
     from pipelines.studies.housings.listing import fitted, listing
-    from pipelines.studies.housings.page import housing_page
 
     folder = writable_folder(options.out or f"{path.stem}-housing")
     contents, fit, block, words = _surveyed(path, options)
@@ -138,7 +138,7 @@ def _geometry(path: Path, options: argparse.Namespace) -> Iterator[str]:
 
 def _matrices(path: Path, options: argparse.Namespace) -> Iterator[str]:
     """Print the checks of stiffness and mass matrices; if points are to be kept, write the reduced body to a file."""
-    from fem.casing.imported.checks import check_foreign
+    from fem.casing.imported.matrix_checks import check_foreign
     from fem.casing.imported.matrix_files import MatrixFiles, read_body
     from pipelines.io.user_files import writable_folder
 

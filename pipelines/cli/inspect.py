@@ -174,7 +174,7 @@ def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, 
 
 
 def _write_casing(graph: Graph, machine: Plant, folder: Path, work: Work) -> Iterator[str]:
-    from pipelines.report.figures.film import save_figure
+    from pipelines.report.figures.frame_files import save_figure
     from pipelines.report.figures.labelled_pictures import casing_figure
     from pipelines.report.figures.views import NotRendered
     from pipelines.steps.pictures import rendered_casing
@@ -232,8 +232,8 @@ def _casing_mode_files(
     ------
     InputError : a number beyond the last mode
     """
-    from fem.casing.reduced.body import MODES_OVER_BAND
     from fem.casing.reduced.casing_modes import natural_modes
+    from fem.casing.reduced.reduced_body import MODES_OVER_BAND
     from pipelines.io.errors import InputError
     from pipelines.report.figures.mode_pictures import ModeView, write_mode, write_modes
     from pipelines.runs.single_results import mode_shapes

@@ -116,7 +116,7 @@ def mode_table(title: str, modes: LinearModes) -> Grid:
 
 def notes(machine: Plant, modes: LinearModes, up_to: float) -> list[str]:
     """What the table was made with, and what bounds it."""
-    from fem.casing.reduced.body import MODES_OVER_BAND
+    from fem.casing.reduced.reduced_body import MODES_OVER_BAND
 
     found = [
         f"{name.replace('_', ' ')}: force {force:.4g} N, tangent stiffness {stiffness / 1e6:.4g} N/um"

@@ -34,7 +34,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
 
     step = "Change it"
     if is_rexs(options.source):
-        from pipelines.rexs.new import new_scene_from_rexs
+        from pipelines.rexs.rexs_scene import new_scene_from_rexs
 
         path, made = new_scene_from_rexs(options.file, options.source)
         yield from map(str, made.notes)

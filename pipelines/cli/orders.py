@@ -89,7 +89,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.engine.run_graph import Work
     from pipelines.io.shown import shown
     from pipelines.io.user_files import writable_folder
-    from pipelines.machine.machine import make_drivetrain
+    from pipelines.machine.machine_conversion import make_drivetrain
     from pipelines.report.figures.order_plots import campbell_figure, cuts_figure, waterfall_figure
     from pipelines.runs.recorded import recording_and_window
     from pipelines.signals.orders.order_spectra import OrderError, frequency_waterfall, order_waterfall
@@ -156,8 +156,8 @@ def _read(folder: Path, options: argparse.Namespace) -> _RunUp:
     """
     import numpy as np
 
-    from pipelines.machine.kinematics import kinematics_of
-    from pipelines.machine.machine import make_drivetrain
+    from pipelines.machine.machine_conversion import make_drivetrain
+    from pipelines.machine.scene_kinematics import kinematics_of
     from pipelines.scene.file import load_scene
     from pipelines.signals.analysis import DiagnosisError, channel, channel_names
 

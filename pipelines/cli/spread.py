@@ -51,14 +51,14 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Simulate what is missing; print the summary and write table and figure."""
+    from pipelines.datasets.campaign_scenes import sampled_scenes
     from pipelines.datasets.estimate import estimate
-    from pipelines.datasets.scenes import sampled_scenes
     from pipelines.io.user_files import whole_file
     from pipelines.machine.checks.checked_plant import checked_plant
-    from pipelines.report.figures.film import save_figure
+    from pipelines.report.figures.frame_files import save_figure
     from pipelines.scene.presets import load_asked
-    from pipelines.studies.spread.page import chosen, figure, text
-    from pipelines.studies.spread.study import run_spread, spread_plan
+    from pipelines.studies.spread.population_spread import run_spread, spread_plan
+    from pipelines.studies.spread.spread_page import chosen, figure, text
 
     loaded = load_asked(options)
     machine = checked_plant(loaded.scene, loaded.source.shown)

@@ -46,7 +46,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Measure every choice against the reference; print the table and the answers, write the plot."""
     from pipelines.io.user_files import writable_file
-    from pipelines.report.figures.film import save_figure
+    from pipelines.report.figures.frame_files import save_figure
     from pipelines.studies.trade.tradeoff import trade
     from pipelines.studies.trade.tradeoff_page import answers, trade_figure, trade_table
 

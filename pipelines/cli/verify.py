@@ -48,14 +48,14 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """Print the claims and their limits, simulate the cases, and print the verdicts, or write them to a folder."""
     from pipelines.engine.code_version import library_versions
     from pipelines.io.user_files import writable_folder
-    from pipelines.studies.verification import page
+    from pipelines.studies.verification import claims_page
     from pipelines.studies.verification.rig import simulated
 
     folder = writable_folder(options.out) if options.out else None
-    yield page.stated()
+    yield claims_page.stated()
     evidence = simulated(options.seeds, options.preset, work_of(options))
-    found = page.verdicts(evidence)
-    yield page.text(found)
+    found = claims_page.verdicts(evidence)
+    yield claims_page.text(found)
     if folder is not None:
         facts = {"preset": options.preset, "seeds": options.seeds, "versions": library_versions("gearcase")}
-        yield from map(str, page.write(folder, evidence, found, facts))
+        yield from map(str, claims_page.write(folder, evidence, found, facts))

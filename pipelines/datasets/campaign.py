@@ -13,14 +13,14 @@ from pathlib import Path
 
 from fem.processes.executor import ProcessEnded
 from fem.storage import shown_html
+from pipelines.datasets.campaign_scenes import SampledScene, sampled_scenes, scene_of
 from pipelines.datasets.card import write_card
 from pipelines.datasets.expressions import ExpressionError
 from pipelines.datasets.folder import begin, disk_errors, find_begun, held, identity_facts
 from pipelines.datasets.job import Done, Job, row_head, work
-from pipelines.datasets.layout import RunLayout, run_layout
 from pipelines.datasets.plan import Plan
 from pipelines.datasets.rows import FAILED, numbers, read_rows, row_path, sweep_rows, write_row, write_table
-from pipelines.datasets.scenes import SampledScene, sampled_scenes, scene_of
+from pipelines.datasets.signal_layout import RunLayout, run_layout
 from pipelines.datasets.store import sweep, write_run
 from pipelines.datasets.worker_cache import WorkerCache
 from pipelines.datasets.workers import Workers, lost

@@ -8,11 +8,11 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from pipelines.datasets.campaign_scenes import SampledScene, group_variables, scene_of
 from pipelines.datasets.expressions import ExpressionError
 from pipelines.datasets.labels import labels
-from pipelines.datasets.layout import CASING_SIGNALS
 from pipelines.datasets.plan import Plan
-from pipelines.datasets.scenes import SampledScene, group_variables, scene_of
+from pipelines.datasets.signal_layout import CASING_SIGNALS
 from pipelines.engine.cache import Cache
 from pipelines.engine.step import Graph, Step
 from pipelines.engine.storage import digest

@@ -14,19 +14,19 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pipelines.datasets.campaign_scenes import scene_of
+from pipelines.datasets.dataset_reading import VIBRATION
 from pipelines.datasets.feature_tables import stored_table, table_job
-from pipelines.datasets.layout import FACTS, read_facts
 from pipelines.datasets.plan import stored_plan
-from pipelines.datasets.reading import VIBRATION
 from pipelines.datasets.rows import DONE, compute_rows, numbers, read_rows, row_path
-from pipelines.datasets.scenes import scene_of
+from pipelines.datasets.signal_layout import FACTS, read_facts
 from pipelines.diagnosis.simulated import FeatureSettings
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
 from pipelines.io.user_files import whole_file
-from pipelines.machine.bearings import rolling_bearings
-from pipelines.machine.kinematics import kinematics_of
 from pipelines.machine.layout import lay_out
+from pipelines.machine.scene_bearings import rolling_bearings
+from pipelines.machine.scene_kinematics import kinematics_of
 from pipelines.recordings.formats import BY_ENDING
 from pipelines.runs.recorded import asked_windows, machine_of, read_features, recording_and_window
 from pipelines.runs.run_folder import RESPONSE

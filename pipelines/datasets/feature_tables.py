@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipelines.datasets.layout import RunLayout, read_facts, stored_layout
 from pipelines.datasets.rows import RowJob, compute_rows, read_row
+from pipelines.datasets.signal_layout import RunLayout, read_facts, stored_layout
 from pipelines.datasets.store import read_run
 from pipelines.diagnosis.simulated import FeatureSettings, run_features
 from pipelines.engine.code_version import code_version

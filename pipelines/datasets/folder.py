@@ -22,10 +22,10 @@ from pathlib import Path
 from typing import Any
 
 from fem.storage.locks import lock_file
-from pipelines.datasets.layout import FACTS, RunLayout, stored_layout
+from pipelines.datasets.campaign_scenes import SampledScene, group_variables
 from pipelines.datasets.plan import Plan
 from pipelines.datasets.rows import ROWS
-from pipelines.datasets.scenes import SampledScene, group_variables
+from pipelines.datasets.signal_layout import FACTS, RunLayout, stored_layout
 from pipelines.datasets.store import create_store
 from pipelines.engine.code_version import code_version, library_versions
 from pipelines.io.errors import InputError, WorkError

@@ -17,11 +17,11 @@ from typing import Any
 import numpy as np
 
 from mbd.output.trajectory import Trajectory
+from pipelines.datasets.campaign_scenes import SampledScene, scene_key, scene_of
 from pipelines.datasets.labels import labels
-from pipelines.datasets.layout import FACTS, RunLayout, run_arrays
 from pipelines.datasets.plan import Plan
 from pipelines.datasets.rows import DONE, FAILED, write_row
-from pipelines.datasets.scenes import SampledScene, scene_key, scene_of
+from pipelines.datasets.signal_layout import FACTS, RunLayout, run_arrays
 from pipelines.datasets.store import write_run
 from pipelines.datasets.worker_cache import WorkerCache
 from pipelines.engine.build_step import one_thread

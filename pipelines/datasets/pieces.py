@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipelines.datasets.reading import vibration
+from pipelines.datasets.dataset_reading import vibration
 from pipelines.datasets.rows import DONE
 from pipelines.io.errors import InputError
 from pipelines.signals.analysis import sampling

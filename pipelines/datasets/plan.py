@@ -37,8 +37,8 @@ from pipelines.scene.file import LoadedScene, Source, find_source, load_scene, p
 from pipelines.scene.merge import Merged, Whole, leaves, merge
 from pipelines.scene.presets import preset_on
 from pipelines.scene.shipped_files import anchored
-from pipelines.scene.tables.base import Number, Table
-from pipelines.scene.tables.base import Whole as Integer
+from pipelines.scene.tables.scene_table import Number, Table
+from pipelines.scene.tables.scene_table import Whole as Integer
 
 MOST_SCENES = 1_000_000
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")

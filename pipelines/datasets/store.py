@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipelines.datasets.layout import RunLayout
+from pipelines.datasets.signal_layout import RunLayout
 from pipelines.io.errors import InputError
 
 if TYPE_CHECKING:

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from pipelines.datasets.columns import counted, read_columns
-from pipelines.datasets.layout import read_facts
 from pipelines.datasets.rows import DONE
 from pipelines.datasets.run_warnings import run_warnings
+from pipelines.datasets.signal_layout import read_facts
 from pipelines.datasets.store import SIGNALS
 from pipelines.datasets.variables_grid import design_words, varied_grid
 from pipelines.io.toml_text import read_toml

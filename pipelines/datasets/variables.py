@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from pipelines.scene.tables.base import Number, Table, Whole
+from pipelines.scene.tables.scene_table import Number, Table, Whole
 
 MOST = 10_000  # values of a list, levels of a grid
 NEAREST = 1e-15  # smallest distance of a share from 0 and 1, where a distribution may be infinite

@@ -13,25 +13,25 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.casing.geometry.dimensions import Bore, Dimensions, Sensor, orthonormal
-from fem.casing.geometry.features import Feet
 from fem.casing.geometry.housing import Housing
+from fem.casing.geometry.housing_features import Feet
 from fem.casing.geometry.locators import Point
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
 from fem.casing.mesh.mesh_geometry import Geometry
-from fem.casing.models.casing import CasingModel, Structure
-from fem.casing.models.registry import casing_class
+from fem.casing.models.casing_model import CasingModel, Structure
+from fem.casing.models.casing_registry import casing_class
 from mbd.parts.bearings import BEARING_AXES
 from pipelines.io.errors import Problem, SceneError
-from pipelines.machine.bearings import bearing_points
 from pipelines.machine.layout import TrainLayout
 from pipelines.machine.parts import MachineParts
+from pipelines.machine.scene_bearings import bearing_points
 from pipelines.scene.scene import Scene
 from pipelines.scene.shipped_files import find_file
 from pipelines.scene.tables.casing import ElasticBase, FlexibleBase
 from pipelines.scene.tables.housing import HousingBase, ImportedTable, MatricesHousingTable
 
 if TYPE_CHECKING:
-    from fem.casing.imported.casing import ForeignHousing
+    from fem.casing.imported.imported_casing import ForeignHousing
     from fem.casing.reduced.grounded import ForcedPoint
 
 END_DISTANCE = 0.05  # from the end of the box to the outer feet, in lengths of the box
@@ -183,7 +183,7 @@ def foreign_housing(
     table: MatricesHousingTable, sensors: tuple[Sensor, ...], points: Sequence[Point]
 ) -> ForeignHousing:
     """The housing given by imported matrices, with the sensors on it; arguments as for `housing`."""
-    from fem.casing.imported.casing import ForeignHousing, file_digests
+    from fem.casing.imported.imported_casing import ForeignHousing, file_digests
     from fem.casing.imported.matrix_files import MatrixFiles
 
     nodes = {seat.name: seat.nodes for seat in table.bearings}

@@ -11,16 +11,16 @@ from dataclasses import dataclass
 from typing import Any
 
 from fem.casing.geometry.dimensions import Sensor
-from fem.casing.models.casing import CasingModel, Structure
+from fem.casing.models.casing_model import CasingModel, Structure
 from fem.contact.models.mesh_model import LawSpec
 from mbd.forces.hanging_loads import HangingLoad
 from mbd.integrators.settings import MotionSettings
-from pipelines.machine.bearings import BearingFault, RollingBearing
 from pipelines.machine.flanks import Fault
 from pipelines.machine.flanks_spec import FlanksSpec
-from pipelines.machine.kinematics import pass_lines, pass_rates, shaft_lines
 from pipelines.machine.layout import StageFacts, TrainLayout
 from pipelines.machine.parts import MachineParts, Recorded
+from pipelines.machine.scene_bearings import BearingFault, RollingBearing
+from pipelines.machine.scene_kinematics import pass_lines, pass_rates, shaft_lines
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import ShaftFault, shaft_faults
 from pipelines.scene.tables.diagnosis import LookedFor

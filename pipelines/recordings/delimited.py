@@ -21,7 +21,7 @@ import numpy as np
 
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
-from pipelines.recordings.channels import (
+from pipelines.recordings.recording_channels import (
     DATE,
     RecordedChannel,
     RecordedContents,

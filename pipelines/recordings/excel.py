@@ -10,7 +10,7 @@ from typing import Any
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
 from pipelines.recordings import delimited
-from pipelines.recordings.channels import RecordedContents
+from pipelines.recordings.recording_channels import RecordedContents
 
 
 def open_channels(path: Path) -> RecordedContents:

@@ -11,7 +11,7 @@ from pathlib import Path
 from pipelines.io.errors import InputError
 from pipelines.io.shown import nearest_name, shown
 from pipelines.io.user_files import regular_file, sibling_names
-from pipelines.recordings.channels import RecordedContents
+from pipelines.recordings.recording_channels import RecordedContents
 
 SHARE = 0.5  # of the memory that is free, which one file may take
 

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from fem.storage.hdf5 import blocks_missing
+from fem.storage.hdf5_file import blocks_missing
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
-from pipelines.recordings.channels import RecordedChannel, RecordedContents, array_channels, says_rate
+from pipelines.recordings.recording_channels import RecordedChannel, RecordedContents, array_channels, says_rate
 
 _REFERENCES = "#refs#"  # where MATLAB keeps what its cells hold
 _TEXT_CLASSES = ("char", "logical")  # of MATLAB, stored as numbers

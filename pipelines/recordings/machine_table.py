@@ -15,8 +15,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PlainValidator, model_validator
 
 from pipelines.recordings.units import ACCELERATIONS, VOLTAGES, plain_units
-from pipelines.scene.tables.base import Number, Positive, Table
-from pipelines.scene.tables.base import Whole as Integer
+from pipelines.scene.tables.scene_table import Number, Positive, Table
+from pipelines.scene.tables.scene_table import Whole as Integer
 
 AXES = ("x", "y", "z")
 DEFAULT_AXIS = "z"

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from pipelines.recordings import hdf5
-from pipelines.recordings.channels import RecordedChannel, RecordedContents, of_array
 from pipelines.recordings.numpy_files import named_arrays, texts
+from pipelines.recordings.recording_channels import RecordedChannel, RecordedContents, of_array
 
 _WIDTH = 8  # bytes of a number
 _PACKED = 2  # a file with compressed structures takes at least this many times its size

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pipelines.recordings.channels import RecordedChannel, RecordedContents, array_channels, says_rate
+from pipelines.recordings.recording_channels import RecordedChannel, RecordedContents, array_channels, says_rate
 
 
 def open_npy(path: Path) -> RecordedContents:

@@ -19,12 +19,12 @@ from xarray.core import indexing
 
 from pipelines.io.errors import InputError
 from pipelines.io.shown import nearest_name, shown
-from pipelines.recordings.channels import SHAFT_ANGLE, RecordedChannel, RecordedContents
-from pipelines.recordings.checks import checked_extremes, clipped_share, is_silent, whole_numbers
 from pipelines.recordings.formats import damage_refused, format_of, memory_needed, open_channels
 from pipelines.recordings.hdf5 import holds_recording
-from pipelines.recordings.machine import MeasuredMachine, shaft_name
+from pipelines.recordings.machine_file import MeasuredMachine, shaft_name
 from pipelines.recordings.machine_table import AXES, DEFAULT_AXIS, ChannelName
+from pipelines.recordings.recording_channels import SHAFT_ANGLE, RecordedChannel, RecordedContents
+from pipelines.recordings.sample_checks import checked_extremes, clipped_share, is_silent, whole_numbers
 from pipelines.recordings.time_axis import is_time, sampling
 from pipelines.recordings.units import ACCELERATIONS, GRAVITY, VOLTAGES, may_be_acceleration, plain_units
 from pipelines.signals.motion_warnings import ATTRIBUTE

@@ -12,7 +12,7 @@ import numpy as np
 
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
-from pipelines.recordings.channels import RecordedChannel, RecordedContents, of_array
+from pipelines.recordings.recording_channels import RecordedChannel, RecordedContents, of_array
 
 _INCREMENT = "wf_increment"  # s, of a waveform
 _UNITS = ("unit_string", "NI_UnitDescription")

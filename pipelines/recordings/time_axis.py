@@ -8,7 +8,7 @@ import numpy as np
 
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
-from pipelines.recordings.channels import RecordedChannel
+from pipelines.recordings.recording_channels import RecordedChannel
 from pipelines.recordings.units import TIMES, plain_units
 
 NAMES = ("time", "t", "zeit", "times", "timestamp", "time_s", "seconds", "x_value")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from pipelines.io.universal_file import QUANTITIES, Function, UniversalFunction, read_functions
-from pipelines.recordings.channels import (
+from pipelines.recordings.recording_channels import (
     RecordedChannel,
     RecordedContents,
     array_channels,

@@ -9,7 +9,7 @@ import numpy as np
 
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
-from pipelines.recordings.channels import RecordedChannel, RecordedContents
+from pipelines.recordings.recording_channels import RecordedChannel, RecordedContents
 
 _UNSAID = 0xFFFFFFFF  # size in the header of a file that was written as a stream
 _PADDING = 1  # byte that some programs include in the size but do not write

@@ -13,8 +13,8 @@ from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.known_damage import Case, Damage, any_found, sentences
 from pipelines.diagnosis.verdict import Finding, Verdict, decibels
 from pipelines.io.grid import grid
-from pipelines.machine.kinematics import kinematics_of
 from pipelines.machine.plant import Plant
+from pipelines.machine.scene_kinematics import kinematics_of
 from pipelines.report import page
 from pipelines.report.chart_data import ENVELOPE_ORDERS, streams
 from pipelines.report.first_figures import average_figure, envelope_figure

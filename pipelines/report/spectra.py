@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.line_words import case_name, directions, lines_grid, seeds_grid
 from pipelines.diagnosis.uncertainty.bar_records import LineBars
-from pipelines.diagnosis.uncertainty.words import bars_grid
+from pipelines.diagnosis.uncertainty.bar_words import bars_grid
 from pipelines.report import page
 from pipelines.report.chart_data import channels, views
 from pipelines.report.figures.plots import waveform_figure

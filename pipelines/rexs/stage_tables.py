@@ -10,11 +10,11 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from fem.gears.body import THINNEST_RIM
 from fem.gears.gear import Gear as Body
 from fem.gears.gear_checks import GeometryError
 from fem.gears.geometry import GearPair
 from fem.gears.rack import Rack
+from fem.gears.wheel_body import THINNEST_RIM
 from pipelines.machine.layout import USUAL_BACKLASH
 from pipelines.rexs.document import RexsError
 from pipelines.rexs.gear_unit import GearUnit, Note, RexsGear, RexsShaft, RexsStage

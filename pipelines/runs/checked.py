@@ -100,14 +100,14 @@ def _lines(machine: Plant, control: str) -> Iterator[str]:
 
         yield f"  joint: {joint_words(machine.structure.joint, machine.structure.material)}"
     if machine.rolling:
-        from pipelines.machine.kinematics import pass_rates
+        from pipelines.machine.scene_kinematics import pass_rates
 
         yield "  rolling bearing    shaft  elements  BPFO Hz   BPFI Hz   BSF Hz    FTF Hz"
         for bearing in machine.rolling:
             rates = "  ".join(f"{value:<8.5g}" for value in pass_rates(machine.layout, bearing).values())
             yield f"  {bearing.name:<18} {bearing.shaft + 1:<6} {bearing.elements.count:<9} {rates}".rstrip()
     if machine.shaft_faults:
-        from pipelines.machine.kinematics import shaft_lines
+        from pipelines.machine.scene_kinematics import shaft_lines
 
         for fault in machine.shaft_faults:
             monitored = shaft_lines(machine.layout, fault).monitored()
@@ -120,7 +120,7 @@ def _lines(machine: Plant, control: str) -> Iterator[str]:
 
 def _times(machine: Plant) -> Iterator[str]:
     """How long a window must be for each shaft, and which are too short."""
-    from pipelines.machine.kinematics import kinematics_of
+    from pipelines.machine.scene_kinematics import kinematics_of
     from pipelines.signals.features.average import FEWEST_TURNS
     from pipelines.signals.orders.kinematics import needed_seconds
     from pipelines.signals.spectrum import FEWEST_REVOLUTIONS

@@ -29,7 +29,7 @@ def diagnose_folder(folder: Path, settings: Settings = ()) -> Diagnosis:
     ------
     InputError : the scene has no diagnosis, or the run has no control
     """
-    from pipelines.machine.machine import make_drivetrain
+    from pipelines.machine.machine_conversion import make_drivetrain
     from pipelines.scene.file import load_scene
     from pipelines.steps.diagnosing import CaseSpec, diagnoses
 
@@ -78,8 +78,8 @@ def judge_folder(folder: Path) -> dict[str, Any]:
     from pipelines.diagnosis.control_diagnosis import deviation_name
     from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
     from pipelines.diagnosis.simulated import FeatureSettings
-    from pipelines.machine.kinematics import kinematics_of
-    from pipelines.machine.machine import make_drivetrain
+    from pipelines.machine.machine_conversion import make_drivetrain
+    from pipelines.machine.scene_kinematics import kinematics_of
     from pipelines.scene.file import load_scene
     from pipelines.steps import features, verdict
 
@@ -116,7 +116,7 @@ def folder_bars(folder: Path, diagnosis: Diagnosis, settings: Settings, work: Wo
     from pipelines.runs.single_results import scene_graph
     from pipelines.scene.file import load_scene
     from pipelines.steps.error_bars import machine_bars
-    from pipelines.steps.results import casing_taken
+    from pipelines.steps.result_steps import casing_taken
 
     graph, machine = scene_graph(load_scene(folder / run_folder.RESOLVED))  # without `settings`: casing of the run
     changed = load_scene(folder / run_folder.RESOLVED, settings).scene.diagnosis

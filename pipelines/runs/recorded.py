@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from pipelines.diagnosis.impacts import Impacts
     from pipelines.diagnosis.trend import Course
     from pipelines.diagnosis.verdict import Verdict
-    from pipelines.recordings.machine import MeasuredMachine
+    from pipelines.recordings.machine_file import MeasuredMachine
     from pipelines.signals.features.feature_table import FeatureTable
     from pipelines.signals.levels import ChannelLevel
     from pipelines.signals.orders.kinematics import Kinematics
@@ -233,7 +233,7 @@ def machine_of(path: Path, machine: str | Path | None) -> tuple[MeasuredMachine,
     InputError : the file is missing or empty, or no machine is given and its folder has no scene of a run
     """
     from pipelines.recordings.formats import format_of
-    from pipelines.recordings.machine import read_machine
+    from pipelines.recordings.machine_file import read_machine
     from pipelines.scene.file import load_scene
 
     format_of(path)  # refuses a missing or empty file

@@ -6,15 +6,15 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from pipelines.diagnosis import verdict_words
+from pipelines.diagnosis.comparison.compared_features import features_of
 from pipelines.diagnosis.comparison.compared_recording import (
     Channel,
     ComparedRecording,
     brought_together,
     chosen_channel,
 )
+from pipelines.diagnosis.comparison.comparison_words import LETTERS, recordings_grid
 from pipelines.diagnosis.comparison.curves import curves
-from pipelines.diagnosis.comparison.features import features_of
-from pipelines.diagnosis.comparison.words import LETTERS, recordings_grid
 from pipelines.diagnosis.impacts import impact_words
 from pipelines.io.user_files import write_whole
 from pipelines.report import page

@@ -16,7 +16,7 @@ from traceback import format_exception
 from typing import Any
 
 from mbd.output.trajectory import Trajectory
-from pipelines.diagnosis.uncertainty.words import bars_words
+from pipelines.diagnosis.uncertainty.bar_words import bars_words
 from pipelines.engine.build_step import Result
 from pipelines.engine.code_version import library_versions
 from pipelines.engine.run_graph import Outcome, Work
@@ -29,7 +29,7 @@ from pipelines.runs import run_folder
 from pipelines.runs.claims import claimed
 from pipelines.scene.file import LoadedScene, control_differences
 from pipelines.signals.motion_warnings import log_warnings
-from pipelines.steps.results import BARS, DIAGNOSIS, REPORT, VERDICT, result_steps
+from pipelines.steps.result_steps import BARS, DIAGNOSIS, REPORT, VERDICT, result_steps
 from pipelines.steps.run_plan import RunPlan, plan_run, scene_warnings
 
 _LOG = logging.getLogger(__name__)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fem.casing.reduced.body import MODES_OVER_BAND
+from fem.casing.reduced.reduced_body import MODES_OVER_BAND
 from fem.storage import shown_html
 from pipelines.io.errors import InputError
 from pipelines.steps.run_plan import plan_run
@@ -16,13 +16,13 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray
 
-    from fem.casing.imported.casing import ForeignHousing
+    from fem.casing.imported.imported_casing import ForeignHousing
     from fem.casing.mesh.mesh import CasingMesh
     from fem.casing.mesh.mesh_geometry import Geometry
     from fem.casing.reduced.accuracy import ErrorStatement
-    from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.casing_modes import CasingModes, NaturalModes
     from fem.casing.reduced.checkup import CheckUp
+    from fem.casing.reduced.reduced_body import ReducedBody
     from fem.casing.uncertainty.frequency_limits import FrequencyLimits
     from mbd.system.linearised import LinearModes
     from mbd.system.system import System
@@ -235,7 +235,7 @@ def build_system(loaded: LoadedScene, work: Work, band: float | None = None, cyc
     cycle : mesh cycle of stage 1 to which the machine is rotated; by default that of the start
     """
     from mbd.system.linearised import turned
-    from pipelines.machine.assembly import assemble_machine, assemble_system
+    from pipelines.machine.system_assembly import assemble_machine, assemble_system
 
     graph, machine = scene_graph(loaded)
     outcome = work.build(graph, [*machine.law_names, "casing"])

@@ -17,7 +17,7 @@ from pydantic.fields import FieldInfo
 
 from pipelines.io.errors import Problem, problem_of
 from pipelines.io.shown import MOST_CHARACTERS, nearest_name, shown_value
-from pipelines.scene.tables.base import is_list, tables, tags
+from pipelines.scene.tables.scene_table import is_list, tables, tags
 
 UNITS = {  # by the suffix of a key, longer suffixes first
     "N_m_s_per_rad": "N m s/rad", "N_m_per_rad": "N m/rad", "N_per_um": "N/um", "kg_m2": "kg m2", "kg_m3": "kg/m3",

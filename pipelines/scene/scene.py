@@ -14,7 +14,6 @@ from mbd.forces.bearing_models import LinearBearings
 from mbd.parts.losses import NoLosses
 from pipelines.io.shown import shown_value
 from pipelines.scene.shaft_places import stage_shafts
-from pipelines.scene.tables.base import Table
 from pipelines.scene.tables.bearings import BearingModel
 from pipelines.scene.tables.casing import (
     CasingModel,
@@ -28,6 +27,7 @@ from pipelines.scene.tables.faults import AnyFaultTable, BearingSpallTable, Faul
 from pipelines.scene.tables.forces import ForceModel, PlacedTable
 from pipelines.scene.tables.housing import HousingBase
 from pipelines.scene.tables.losses import FilmModel, LossModel, NoFilm
+from pipelines.scene.tables.scene_table import Table
 from pipelines.scene.tables.shafts import CouplingTable, DiskTable, ProbeTable, ShaftModelTable, ShaftTable
 from pipelines.scene.tables.simulation import SimulationTable
 from pipelines.scene.tables.stages import DeviationTable, StageTable

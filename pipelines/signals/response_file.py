@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
-from fem.storage.hdf5 import CarefulFile, blocks_missing, careful_file
+from fem.storage.hdf5_file import CarefulFile, blocks_missing, careful_file
 from mbd.output.trajectory import Trajectory
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown

@@ -9,7 +9,7 @@ from fem.casing.models.stage import CasingError, CasingInputError, Stage
 from pipelines.io.errors import InputError, WorkError
 
 if TYPE_CHECKING:
-    from fem.casing.reduced.body import ReducedBody
+    from fem.casing.reduced.reduced_body import ReducedBody
 
 _SENSOR_OFF = 0.005  # m: how far from its position a sensor may measure without a warning
 

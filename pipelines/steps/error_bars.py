@@ -11,13 +11,13 @@ from pipelines.machine.plant import Plant
 if TYPE_CHECKING:
     import xarray
 
-    from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.casing_modes import CasingModes
     from fem.casing.reduced.checkup import CheckUp
+    from fem.casing.reduced.reduced_body import ReducedBody
     from fem.casing.uncertainty.extrapolation import LowestModes
     from mbd.output.trajectory import Trajectory
     from pipelines.diagnosis.control_diagnosis import Diagnosis
-    from pipelines.machine.assembly import Laws
+    from pipelines.machine.system_assembly import Laws
 
 
 def build(
@@ -72,10 +72,10 @@ def machine_bars(
     machine, run, diagnosis : the machine, its signals and their lines
     laws, body, modes, coarser : as in `build`
     """
-    from mbd.parts.checks import EquilibriumError, MachineError
+    from mbd.parts.part_checks import EquilibriumError, MachineError
     from pipelines.diagnosis.uncertainty.sampled_bars import BarsError, line_bars
     from pipelines.diagnosis.uncertainty.uncertain import uncertain
-    from pipelines.machine.assembly import assemble_machine, assemble_system
+    from pipelines.machine.system_assembly import assemble_machine, assemble_system
 
     unknown = uncertain(
         machine.casing, None if modes is None else modes[0], list(coarser), machine.looked_for.damping_spread

@@ -11,7 +11,7 @@ from fem.processes.executor import tell_share
 from fem.storage.ledger import count
 
 if TYPE_CHECKING:
-    from fem.casing.reduced.body import ReducedBody
+    from fem.casing.reduced.reduced_body import ReducedBody
     from fem.contact.law import MeshLaw
     from mbd.integrators.settings import MotionSettings
     from mbd.output.trajectory import Trajectory
@@ -71,7 +71,7 @@ def precompile(spec: MotionSpec, *laws: tuple[MeshLaw, MeshLaw]) -> None:
     from fem.contact.evaluation.evaluator import LawEvaluator
     from mbd.output.simulate import simulate
     from mbd.system.system import assemble
-    from pipelines.machine.assembly import assemble_machine
+    from pipelines.machine.system_assembly import assemble_machine
 
     for drive, _ in laws:
         LawEvaluator(drive).evaluate(0.0, 0.0)
@@ -82,7 +82,7 @@ def precompile(spec: MotionSpec, *laws: tuple[MeshLaw, MeshLaw]) -> None:
 
 def assembled(spec: MotionSpec, body: ReducedBody, laws: Sequence[tuple[MeshLaw, MeshLaw]]) -> System:
     """The system of the machine in its casing; arguments as in `build`."""
-    from pipelines.machine.assembly import assemble_machine, assemble_system
+    from pipelines.machine.system_assembly import assemble_machine, assemble_system
 
     return assemble_system(assemble_machine(spec.machine, laws), body, spec.recorded, spec.motion.band)
 

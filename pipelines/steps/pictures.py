@@ -21,7 +21,7 @@ from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, Pair
 
 if TYPE_CHECKING:
     from fem.casing.mesh.mesh import CasingMesh
-    from pipelines.machine.assembly import Laws
+    from pipelines.machine.system_assembly import Laws
     from pipelines.report.figures.plots import StiffnessPlot
 
 GEARS, CURVES, CASING = "gear picture", "stiffness curves", "casing picture"

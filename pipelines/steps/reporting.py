@@ -18,9 +18,9 @@ import numpy as np
 from fem.gears.modifications import EndRelief, FlankModifications, Relief
 from fem.options import options_of
 from pipelines.engine.step import Unkept
-from pipelines.machine.kinematics import pass_rates, shaft_lines
 from pipelines.machine.layout import TrainLayout
 from pipelines.machine.plant import Plant
+from pipelines.machine.scene_kinematics import pass_rates, shaft_lines
 from pipelines.signals.motion_warnings import gathered, stored_warnings
 from pipelines.steps.casing import misread_sensors
 from pipelines.steps.diagnosing import CaseSpec, diagnoses
@@ -29,8 +29,8 @@ from pipelines.steps.verdict import known_damages
 if TYPE_CHECKING:
     import xarray
 
-    from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.checkup import CheckUp
+    from fem.casing.reduced.reduced_body import ReducedBody
     from mbd.output.trajectory import Trajectory
     from pipelines.diagnosis.control_diagnosis import Diagnosis
     from pipelines.diagnosis.uncertainty.bar_records import LineBars

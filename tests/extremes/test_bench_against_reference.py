@@ -10,7 +10,7 @@ import pytest
 from benchmarks.reference_integrator import ReferenceSettings
 from mbd.output.simulate import simulate
 from pipelines.engine.run_graph import Work
-from pipelines.machine.assembly import assemble_machine, assemble_system
+from pipelines.machine.system_assembly import assemble_machine, assemble_system
 from pipelines.runs.single_results import scene_graph
 from pipelines.scene.file import load_scene
 

@@ -9,7 +9,7 @@ from housings import small_housing
 
 from fem.casing.geometry.dimensions import HousingError, Sensor
 from fem.casing.mesh.mesher import mesh_housing
-from fem.casing.models.casing import Structure
+from fem.casing.models.casing_model import Structure
 from fem.casing.models.static_casing import StaticCasing
 from fem.casing.reduced.accuracy import reduced_response
 from fem.casing.reduced.casing_modes import casing_modes, reduced_body

@@ -10,8 +10,8 @@ from mbd_rigs import no_casing, rigid_casing, train
 from benchmarks.motion import mesh_mode_frequency
 from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
-from mbd.parts.checks import EquilibriumError, MachineError, StepError
 from mbd.parts.losses import Coulomb, Efficiency
+from mbd.parts.part_checks import EquilibriumError, MachineError, StepError
 from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble

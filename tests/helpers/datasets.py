@@ -4,12 +4,12 @@ from pathlib import Path
 
 import numpy as np
 
+from pipelines.datasets.campaign_scenes import sampled_scenes, scene_key, scene_of
 from pipelines.datasets.folder import begin, identity_facts
 from pipelines.datasets.labels import labels
-from pipelines.datasets.layout import RunLayout, SignalLayout
 from pipelines.datasets.plan import load_plan
 from pipelines.datasets.rows import DONE, FAILED, write_row, write_table
-from pipelines.datasets.scenes import sampled_scenes, scene_key, scene_of
+from pipelines.datasets.signal_layout import RunLayout, SignalLayout
 from pipelines.datasets.store import write_run
 from pipelines.machine.checks.checked_plant import checked_plant
 

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 
-from fem.casing.reduced.body import ReducedBody
+from fem.casing.reduced.reduced_body import ReducedBody
 from fem.contact.law import MeshLaw
 from mbd.forces.pendulum import RopePendulum, RopePendulumLoad
 from mbd.forces.rope import RopeLoad

@@ -9,7 +9,7 @@ import pyuff
 from nptdms import ChannelObject, TdmsWriter
 from scipy.io import savemat, wavfile
 
-from pipelines.recordings.machine import MeasuredMachine
+from pipelines.recordings.machine_file import MeasuredMachine
 from pipelines.recordings.machine_table import MachineTable
 from pipelines.signals.orders.kinematics import Kinematics, Shaft
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mbd.elements.reading import Reading
+from mbd.elements.channel_reading import Reading
 from mbd.parts.bearings import rigid_bearing
 from mbd.parts.load import OutsideForce, StaticTorque
 from mbd.parts.machine import Machine

@@ -24,7 +24,7 @@ from mbd.system.linearised import tangent
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 from pipelines.io.errors import SceneError
-from pipelines.machine.machine import make_plant
+from pipelines.machine.machine_conversion import make_plant
 from pipelines.scene.file import load_scene
 
 STANDING = SpeedProfile(times=np.zeros(1), speeds=np.zeros(1))

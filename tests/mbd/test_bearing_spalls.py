@@ -20,8 +20,8 @@ from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.bearings import rigid_bearing
 from mbd.parts.channels import journal_acceleration, shaft_channels
-from mbd.parts.checks import MachineError
 from mbd.parts.load import StaticTorque
+from mbd.parts.part_checks import MachineError
 from mbd.parts.rolling_elements import RollingElements, pass_frequencies
 from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.system import assemble

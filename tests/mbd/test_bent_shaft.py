@@ -12,10 +12,10 @@ from mbd.excitations.bent_shaft import BentShaft
 from mbd.excitations.unbalance import Unbalance
 from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
-from mbd.parts.checks import MachineError
+from mbd.parts.part_checks import MachineError
 from mbd.system.system import assemble
 from pipelines.io.errors import SceneError
-from pipelines.machine.machine import make_plant
+from pipelines.machine.machine_conversion import make_plant
 from pipelines.scene.file import load_scene
 
 BOW, ANGLE = 20e-6, 0.3

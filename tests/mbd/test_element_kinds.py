@@ -7,9 +7,9 @@ import pytest
 from mbd_rigs import hoisting, no_casing, rigid_casing, swinging, train
 
 from mbd.elements.element import BY_ANGLE, ENERGY, WIDTH, Element, Signal, rule
+from mbd.elements.element_table import instant, slope_matrix
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.newton import forces_at
-from mbd.elements.table import instant, slope_matrix
 from mbd.excitations.base_acceleration import BaseAcceleration
 from mbd.excitations.bent_shaft import BentShaft
 from mbd.excitations.cage_slip import CageSlip

@@ -8,8 +8,8 @@ import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 
 from mbd.elements.element import ENERGY, FROZEN_ENERGY, PARAMETRIC
+from mbd.elements.element_table import instant, parametric_work
 from mbd.elements.newton import work_between
-from mbd.elements.table import instant, parametric_work
 from mbd.integrators.base import ACCELERATION, LENGTH, SPEED
 from mbd.integrators.exponential import exponential
 from mbd.integrators.phi_functions import phi_functions

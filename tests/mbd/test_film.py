@@ -13,12 +13,12 @@ from mbd.forces.film import film_rule
 from mbd.forces.torque import Torque
 from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
-from mbd.parts.checks import MachineError
-from mbd.parts.film import Film
+from mbd.parts.oil_film import Film
+from mbd.parts.part_checks import MachineError
 from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
-from pipelines.machine.machine import film_spec
+from pipelines.machine.machine_conversion import film_spec
 from pipelines.scene.file import load_scene
 
 FILM = Film(viscosity=0.05, roughness=1e-6, radius=8e-3, length=0.02)

@@ -18,12 +18,12 @@ from mbd.excitations.outside_force import CasingForce, ForceSweep, ForceTable, S
 from mbd.excitations.waveform import wave_value
 from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
-from mbd.parts.checks import MachineError
+from mbd.parts.part_checks import MachineError
 from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.frequency_response import frequency_response
 from mbd.system.system import assemble
 from pipelines.io.errors import SceneError
-from pipelines.machine.machine import make_plant
+from pipelines.machine.machine_conversion import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.steps.graph import plant_steps
 

@@ -12,10 +12,10 @@ from mbd.forces.gyroscopic_plane import planes
 from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.bearings import BEARING_AXES, BearingSpec
-from mbd.parts.checks import MachineError
 from mbd.parts.gear_mesh import MeshSpec
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import Machine
+from mbd.parts.part_checks import MachineError
 from mbd.parts.shafts import Disk, Section, ShaftSpec, free_shaft, shaft_nodes
 from mbd.parts.speed_drive import MotorCoupling, SpeedProfile
 from mbd.system.linearised import linear_modes

@@ -16,7 +16,7 @@ from mbd.integrators.methods import make_integrator
 from mbd.integrators.modal import complex_modes
 from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
-from mbd.parts.checks import StepError
+from mbd.parts.part_checks import StepError
 from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble

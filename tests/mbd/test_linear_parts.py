@@ -20,9 +20,9 @@ from mbd.forces.torque import Torque
 from mbd.forces.torque_source import Rotor
 from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
-from mbd.parts.checks import MachineError
 from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.load import OutsideForce
+from mbd.parts.part_checks import MachineError
 from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.linearised import linear_modes
 from mbd.system.system import assemble

@@ -15,9 +15,9 @@ from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.channels import DIRECTIONS, channel_names, journal_acceleration
-from mbd.parts.checks import MachineError
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import Machine
+from mbd.parts.part_checks import MachineError
 from mbd.parts.rolling_elements import RollingElements
 from mbd.parts.shafts import Disk, Section, ShaftSpec
 from mbd.parts.speed_drive import MotorCoupling, SpeedProfile

@@ -10,9 +10,9 @@ from mbd_rigs import mesh_law, rigid_casing, train
 from mbd.forces.sliding import sliding_rows
 from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
-from mbd.parts.checks import MachineError
 from mbd.parts.losses import Brake, Coulomb, Efficiency, NoLosses
 from mbd.parts.mesh_reference import sliding_shares
+from mbd.parts.part_checks import MachineError
 from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble

@@ -13,9 +13,9 @@ from mbd.forces.torque import Torque
 from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.bearings import rigid_bearing
-from mbd.parts.checks import MachineError
 from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.load import StaticTorque
+from mbd.parts.part_checks import MachineError
 from mbd.parts.shafts import Section
 from mbd.system.system import assemble
 from pipelines.io.errors import SceneError

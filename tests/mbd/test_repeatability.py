@@ -17,7 +17,7 @@ from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph
 from pipelines.io.grid import Grid
-from pipelines.machine.machine import make_plant
+from pipelines.machine.machine_conversion import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.signals.motion_warnings import motion_warnings
 from pipelines.steps.graph import plant_steps

@@ -11,9 +11,9 @@ from mbd.forces.rolling_bearing import hertz_bearing, response
 from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.channels import bearing_force, journal_acceleration
-from mbd.parts.checks import EquilibriumError, MachineError
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import Machine
+from mbd.parts.part_checks import EquilibriumError, MachineError
 from mbd.parts.rolling_catalogue import designations
 from mbd.parts.rolling_elements import RollingElements, dimensionless_deflection, pass_frequencies
 from mbd.parts.shafts import Disk, Section, ShaftSpec

@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import eigh
 
 from mbd.parts.beam import shear_coefficient
-from mbd.parts.checks import MachineError
+from mbd.parts.part_checks import MachineError
 from mbd.parts.shafts import (
     Disk,
     Section,

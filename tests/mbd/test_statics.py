@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 
-from mbd.parts.checks import EquilibriumError
 from mbd.parts.load import StaticTorque
+from mbd.parts.part_checks import EquilibriumError
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 

@@ -14,8 +14,8 @@ from mbd.forces.speed_controller import SpeedController, controller_rule
 from mbd.forces.torque import SpeedTorque, Torque
 from mbd.forces.torque_source import Rotor
 from mbd.output.simulate import simulate
-from mbd.parts.checks import MachineError
 from mbd.parts.mesh_reference import nominal_forces
+from mbd.parts.part_checks import MachineError
 from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble

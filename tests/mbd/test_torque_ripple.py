@@ -11,11 +11,11 @@ from rotors import jeffcott, line
 from mbd.excitations.ripple import TorqueRipple
 from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
-from mbd.parts.checks import MachineError
+from mbd.parts.part_checks import MachineError
 from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.frequency_response import frequency_response
 from mbd.system.system import assemble
-from pipelines.machine.machine import make_plant
+from pipelines.machine.machine_conversion import make_plant
 from pipelines.scene.file import load_scene
 
 SPEED = 100.0  # rad/s

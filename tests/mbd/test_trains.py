@@ -10,10 +10,10 @@ from mbd_rigs import no_casing, rigid_casing, train
 from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.bearings import BEARING_AXES, BearingSpec, rigid_bearing
-from mbd.parts.checks import MachineError
 from mbd.parts.couplings import ShaftCoupling
 from mbd.parts.gear_mesh import mesh_rows
 from mbd.parts.mesh_reference import nominal_forces
+from mbd.parts.part_checks import MachineError
 from mbd.parts.train import Link, power_flow, shaft_ratios
 from mbd.system.linearised import linear_modes
 from mbd.system.statics import equilibrium

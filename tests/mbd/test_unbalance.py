@@ -12,12 +12,12 @@ from rotors import CRITICAL, DAMPING, LENGTH, MASS, MOVING, PROBE, STIFFNESS, je
 from mbd.excitations.unbalance import Unbalance
 from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
-from mbd.parts.checks import MachineError
+from mbd.parts.part_checks import MachineError
 from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.linearised import linear_modes
 from mbd.system.system import assemble
 from pipelines.io.errors import SceneError
-from pipelines.machine.machine import make_plant
+from pipelines.machine.machine_conversion import make_plant
 from pipelines.scene.file import load_scene
 
 ECCENTRIC = 10e-6  # m

@@ -10,7 +10,7 @@ from sources import ROOT
 from benchmarks import page
 from benchmarks.__main__ import RESULTS
 from benchmarks.modules import modules
-from fem.contact.models.registry import MODELS as MESHES
+from fem.contact.models.mesh_model_registry import MODELS as MESHES
 from mbd.forces.bearing_models import BEARINGS
 from mbd.forces.hanging_loads import LOADS
 from mbd.integrators.methods import METHODS

@@ -27,7 +27,7 @@ MBD_TAKES = {
     "fem.contact.evaluation.evaluator",
     "fem.contact.evaluation.kernel",
     "fem.contact.teeth",
-    "fem.casing.reduced.body",
+    "fem.casing.reduced.reduced_body",
     "fem.storage.records",
     "fem.storage.stored_array",
     "fem.named_classes",

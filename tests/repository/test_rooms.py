@@ -121,6 +121,13 @@ def test_the_architecture_page_lists_the_folders_in_the_order_of_their_imports()
     assert listed == list(dict.fromkeys("/".join(folder) for folder in folders))
 
 
+def test_a_file_name_repeats_only_beside_its_command_table_step_or_python_function():
+    outer = ("pipelines.cli", "pipelines.scene.tables", "pipelines.steps", "gearcase")
+    files = [module_name(path) for path in sources.FILES if path.stem != "__init__"]
+    names = [name.rpartition(".")[2] for name in files if not name.startswith(outer)]
+    assert sorted(name for name in set(names) if names.count(name) > 1) == []
+
+
 def test_a_class_name_repeats_only_for_one_idea_on_two_floors():
     places = {}
     for path in sources.FILES:

@@ -4,7 +4,7 @@ Axes: x across the shafts, y along them (0 at mid width of the box), z up; the o
 Four walls, floor and cover, each with its thickness. Each boss is a cylinder along y, flush with the outer face of its
 side wall and protruding into the box; the bore passes through it. Feet are under the floor, flush with a side wall or
 beyond it; their undersides, or those of their bolt pads, are the ground faces. Ribs, a flange on the split plane of the
-cover and fillets are added on request (`fem.casing.geometry.features`).
+cover and fillets are added on request (`fem.casing.geometry.housing_features`).
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.casing.geometry.features import LARGEST, Feet, Fillets, Flange, Ribs, Walls
+from fem.casing.geometry.housing_features import LARGEST, Feet, Fillets, Flange, Ribs, Walls
 from fem.options import inline, option
 
 Box = tuple[np.ndarray, np.ndarray]  # lower and upper corner (3,), m

@@ -28,11 +28,11 @@ import scipy.io
 import scipy.sparse as sp
 
 from fem.casing.imported.ansys import harwell_boeing, mapped_equations
-from fem.casing.imported.body import ForeignBody, ForeignError, foreign_body
+from fem.casing.imported.foreign_body import ForeignBody, ForeignError, foreign_body
 from fem.casing.imported.nastran import SUFFIXES as NASTRAN
 from fem.casing.imported.nastran import grid_points, output4, punched, superelement_equations
 from fem.processes.own_process import DAMAGED, opened_apart
-from fem.storage.hdf5 import blocks_missing
+from fem.storage.hdf5_file import blocks_missing
 
 if TYPE_CHECKING:
     import h5py

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import scipy.sparse as sp
 
-from fem.casing.imported.body import ForeignError
+from fem.casing.imported.foreign_body import ForeignError
 
 SUFFIXES = (".bdf", ".dat", ".nas", ".blk", ".pch", ".asm")  # of files with GRID or EXTRN cards
 

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from fem.casing.imported.body import ForeignBody, ForeignError
-from fem.casing.imported.checks import rigid_motion
+from fem.casing.imported.foreign_body import ForeignBody, ForeignError
+from fem.casing.imported.matrix_checks import rigid_motion
 from fem.casing.parts.names import Attachment
 from fem.casing.reduced.attachment import AXES
 from fem.casing.reduced.reduction import Interface, Reduction, held_interface, reduce_body

@@ -29,7 +29,7 @@ from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.sizes import MM, Refinement, Sizes
 from fem.casing.mesh.surface import Surface
 from fem.numerics.connected import connected_parts
-from fem.numerics.places import in_mm
+from fem.numerics.message_places import in_mm
 from fem.processes.own_process import DAMAGED, bounded_memory
 
 _log = logging.getLogger(__name__)

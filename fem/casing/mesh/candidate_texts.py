@@ -12,7 +12,7 @@ import numpy as np
 from fem.casing.mesh.surface import Surface
 from fem.numerics.connected import connected_parts, shared_sides
 from fem.numerics.fitted_circle import fitted_circle
-from fem.numerics.places import in_mm
+from fem.numerics.message_places import in_mm
 
 _SMOOTH = np.cos(np.radians(50.0))
 _PERPENDICULAR = np.sin(np.radians(12.0))

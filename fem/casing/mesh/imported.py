@@ -26,7 +26,7 @@ from fem.casing.mesh.quality import straightened
 from fem.casing.mesh.surface import Surface
 from fem.elements.solid_elements import CHOICES, SOLIDS, solid_element
 from fem.numerics.fitted_circle import fitted_circle
-from fem.numerics.places import in_mm
+from fem.numerics.message_places import in_mm
 
 UNITS = {"m": 1.0, "cm": 1 / 100, "mm": 1 / 1000, "um": 1 / 1_000_000, "inch": 127 / 5000}  # m
 STL_SUFFIXES = (".stl",)

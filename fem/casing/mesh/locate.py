@@ -13,7 +13,7 @@ from fem.casing.mesh.candidate_texts import cylinders_like, planes_like
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.surface import Surface
 from fem.elements.facets import nearest_in_triangles
-from fem.numerics.places import in_mm
+from fem.numerics.message_places import in_mm
 
 RADIUS_TOLERANCE = 0.005  # of the radius: largest distance of a corner from the target cylinder
 PLANE_TOLERANCE = 5e-5  # m: largest distance of a corner from the plane

@@ -25,7 +25,7 @@ import numpy as np
 
 from fem.casing.mesh.mesh import MeshError
 from fem.elements.solid_elements import curved, shapes, solid_element, straight_places
-from fem.numerics.places import in_mm
+from fem.numerics.message_places import in_mm
 
 _log = logging.getLogger(__name__)
 

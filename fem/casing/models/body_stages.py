@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from fem.casing.geometry.housing import Housing
     from fem.casing.mesh.mesh import CasingMesh
     from fem.casing.parts.names import DampingRatio
-    from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.casing_modes import CasingModes
     from fem.casing.reduced.checkup import CheckUp
+    from fem.casing.reduced.reduced_body import ReducedBody
     from fem.casing.uncertainty.extrapolation import LowestModes
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
 from fem.casing.models.body_stages import Recovery
-from fem.casing.models.casing import HousingCasing, Structure
+from fem.casing.models.casing_model import HousingCasing, Structure
 from fem.casing.models.damped_part import DampedPart
 from fem.casing.models.holding import CasingReduction, ErrorCheck, Holding, QuadraticModes
 from fem.casing.models.meshing import Meshing, SizedMeshing

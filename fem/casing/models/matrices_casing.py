@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from fem.casing.models.casing import CasingModel, Structure
+from fem.casing.models.casing_model import CasingModel, Structure
 from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.models.stage import MODES, CasingError, CasingInputError, PlannedStage, Stage
 
 if TYPE_CHECKING:
-    from fem.casing.imported.casing import ForeignHousing
+    from fem.casing.imported.imported_casing import ForeignHousing
     from fem.casing.parts.names import Attachment, Ground
     from fem.casing.reduced.casing_modes import CasingModes
     from fem.casing.reduced.checkup import CheckUp
@@ -40,8 +40,8 @@ class MatricesReduction(Stage):
         CasingInputError : the matrices cannot be used
         CasingError : the reduction fails
         """
-        from fem.casing.imported.body import ForeignError
-        from fem.casing.imported.casing import foreign_casing
+        from fem.casing.imported.foreign_body import ForeignError
+        from fem.casing.imported.imported_casing import foreign_casing
         from fem.casing.reduced.reduction import ReductionError
         from fem.numerics.linear_solver import SingularMatrixError
 

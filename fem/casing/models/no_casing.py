@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from fem.casing.models.body_stages import BearingsOnGround
-from fem.casing.models.casing import CasingModel, Structure
+from fem.casing.models.casing_model import CasingModel, Structure
 from fem.casing.models.stage import BODY, PlannedStage
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 from fem.casing.models.body_stages import RigidRecovery
-from fem.casing.models.casing import HousingCasing, Structure
+from fem.casing.models.casing_model import HousingCasing, Structure
 from fem.casing.models.stage import BODY, MESH, PlannedStage
 from fem.options import option
 

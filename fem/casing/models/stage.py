@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
 if TYPE_CHECKING:
-    from fem.casing.reduced.body import ReducedBody
+    from fem.casing.reduced.reduced_body import ReducedBody
 
 MESH, MODES, BODY = "casing mesh", "casing modes", "casing"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from fem.casing.models.casing import Structure
+from fem.casing.models.casing_model import Structure
 from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.models.holding import CasingReduction
 

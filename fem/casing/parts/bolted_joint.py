@@ -29,7 +29,7 @@ from fem.casing.parts.split import SplitMesh, SplitPlane
 from fem.elements.facets import facet_element
 from fem.elements.materials import Material
 from fem.elements.solid_elements import shapes
-from fem.numerics.places import in_mm
+from fem.numerics.message_places import in_mm
 
 _FINE = 12  # pieces along the side of a facet; those within the ring are integrated
 

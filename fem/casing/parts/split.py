@@ -9,7 +9,7 @@ import numpy as np
 from fem.casing.mesh.mesh import CasingMesh, MeshError
 from fem.elements.facets import outer_facets
 from fem.elements.solid_elements import solid_element
-from fem.numerics.places import in_mm
+from fem.numerics.message_places import in_mm
 
 _IN_PLANE = 1e-3  # of the element size: largest distance of nodes from the plane
 

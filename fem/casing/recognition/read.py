@@ -16,7 +16,7 @@ from fem.casing.mesh.mesh_file import read_mesh_file
 from fem.casing.mesh.sizes import MM
 from fem.casing.recognition.contents import FoundSolid, GeometryContents
 from fem.casing.recognition.faces import split
-from fem.casing.recognition.features import bolt_patterns, faces_of
+from fem.casing.recognition.surface_features import bolt_patterns, faces_of
 from fem.elements.facets import corner_triangles, outer_facets
 from fem.elements.solid_elements import SOLIDS, converted, solid_element
 from fem.numerics.connected import connected_parts, shared_sides

@@ -17,7 +17,7 @@ import scipy.sparse as sp
 
 from fem.elements.facets import nearest_on_facets, surface_weights
 from fem.elements.solids import rigid_body_modes
-from fem.numerics.places import in_mm
+from fem.numerics.message_places import in_mm
 
 AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
 FARTHEST_SENSOR = 0.05  # m: largest distance of a sensor from the surface

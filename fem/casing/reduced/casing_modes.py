@@ -17,10 +17,10 @@ from fem.casing.geometry.dimensions import Sensor
 from fem.casing.parts.feet import clamped_reactions, foot_sums
 from fem.casing.parts.names import MOUNTS, DampingRatio
 from fem.casing.reduced.attachment import nearest_surface_point
-from fem.casing.reduced.body import BEARING_AXES, ReducedBody
 from fem.casing.reduced.damping import energy_shares, modal_damping
 from fem.casing.reduced.fewer_modes import ModeSet, fewest_modes, kept
 from fem.casing.reduced.grounded import GROUND_AXES, GroundedCasing
+from fem.casing.reduced.reduced_body import BEARING_AXES, ReducedBody
 from fem.casing.reduced.reduction import Reduction, ReductionError
 from fem.casing.reduced.undamped_modes import mode_names, on_springs, undamped_modes
 from fem.elements.solids import mass_properties

@@ -24,8 +24,8 @@ from fem.casing.parts.names import FEWEST_MOUNTS, JOINTS, Attachment, Ground, fe
 from fem.casing.parts.regions import Region, elements_inside
 from fem.casing.parts.split import split_mesh
 from fem.casing.reduced.attachment import AXES, AttachmentError, mean_motion_rows, nearest_surface_point
-from fem.casing.reduced.body import BEARING_AXES
 from fem.casing.reduced.halves import Places, choice_of, interface_of
+from fem.casing.reduced.reduced_body import BEARING_AXES
 from fem.casing.reduced.reduction import Interface
 from fem.elements.materials import Material
 from fem.elements.solids import rigid_body_modes

@@ -17,8 +17,8 @@ from fem.casing.geometry.housing import Housing
 from fem.casing.mesh.mesh import CasingMesh
 from fem.casing.parts.names import DampingRatio
 from fem.casing.reduced.attachment import AXES, nearest_surface_point
-from fem.casing.reduced.body import BEARING_AXES, ReducedBody
 from fem.casing.reduced.damping import modal_damping
+from fem.casing.reduced.reduced_body import BEARING_AXES, ReducedBody
 from fem.elements.solids import mass_properties, rigid_body_modes
 
 

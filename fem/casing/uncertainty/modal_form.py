@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg as la
 
-from fem.casing.reduced.body import ReducedBody
+from fem.casing.reduced.reduced_body import ReducedBody
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pipelines.diagnosis.comparison.compared_features import features_of
 from pipelines.diagnosis.comparison.compared_recording import brought_together, compared_recording
-from pipelines.diagnosis.comparison.features import features_of
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
 from pipelines.signals.features.recording_features import FeatureError

@@ -16,17 +16,17 @@ from fem.casing.mesh.imported import ALONG_Y, OFF_AXIS, ImportedHousing
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesh_geometry import Geometry
 from fem.casing.mesh.sizes import Sizes
-from fem.casing.models.casing import HousingCasing
+from fem.casing.models.casing_model import HousingCasing
 from fem.casing.parts.names import FEWEST_MOUNTS, few_feet
-from mbd.parts.layout import BEARING_PLACE_TOLERANCE
+from mbd.parts.coordinate_layout import BEARING_PLACE_TOLERANCE
 from pipelines.io.errors import Problem
-from pipelines.machine.bearings import bearing_names, bearing_points
 from pipelines.machine.layout import TrainLayout
 from pipelines.machine.plant import Plant
+from pipelines.machine.scene_bearings import bearing_names, bearing_points
 from pipelines.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from fem.casing.imported.casing import ForeignHousing
+    from fem.casing.imported.imported_casing import ForeignHousing
 
 MOST_ELEMENTS = 1_500_000  # quadratic tetrahedra, 2 million nodes: their factorisation needs about 60 GB
 MOST_NODES = 2_000_000

@@ -10,7 +10,7 @@ from pipelines.machine.checks.shaft_checks import long_shafts, off_shaft, unheld
 from pipelines.machine.checks.strength import bursting, overloaded
 from pipelines.machine.checks.window_checks import bad_windows
 from pipelines.machine.layout import lay_out
-from pipelines.machine.machine import REFUSALS, drivetrain, in_casing
+from pipelines.machine.machine_conversion import REFUSALS, drivetrain, in_casing
 from pipelines.machine.plant import Plant
 from pipelines.scene.scene import Scene
 

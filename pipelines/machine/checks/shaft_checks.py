@@ -11,8 +11,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from mbd.parts.bearings import BEARING_AXES
-from mbd.parts.checks import MachineError
 from mbd.parts.gear_mesh import contact_rows
+from mbd.parts.part_checks import MachineError
 from mbd.parts.shafts import shaft_nodes
 from pipelines.io.errors import Problem
 from pipelines.machine.layout import TrainLayout

@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
+from pipelines.diagnosis.comparison.compared_features import Features
 from pipelines.diagnosis.comparison.compared_recording import ComparedRecording
 from pipelines.diagnosis.comparison.curves import RAHMONICS, Curves
-from pipelines.diagnosis.comparison.features import Features
 from pipelines.report.figures.plots import FIRST, LETTER, MARK, SECOND, WIDTH, dress, fixed_figure, new_figure, plain
 from pipelines.report.figures.spectrum_plots import DECADES
 from pipelines.signals.orders.kinematics import Kinematics

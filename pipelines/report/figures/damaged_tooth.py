@@ -14,7 +14,7 @@ import numpy as np
 
 from fem.gears.gear import Gear
 from fem.gears.profile import half_tooth_profile
-from pipelines.report.figures.solids import fanned
+from pipelines.report.figures.tooth_surfaces import fanned
 
 WALL = 1e-5  # of the face width
 

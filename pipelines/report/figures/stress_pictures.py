@@ -20,7 +20,7 @@ from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from pipelines.io.user_files import whole_file
 from pipelines.report.figures.colours import CONTACT, GONE, STRESS_COLOURS
-from pipelines.report.figures.film import save_figure
+from pipelines.report.figures.frame_files import save_figure
 from pipelines.report.figures.labelled_pictures import corner_axes, show
 from pipelines.report.figures.plots import new_figure, plain
 from pipelines.report.figures.render import render_stress

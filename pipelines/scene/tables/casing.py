@@ -8,9 +8,9 @@ from typing import Annotated, TypeAlias
 from pydantic import Field, field_validator, model_validator
 
 from fem.casing.geometry.dimensions import Sensor
-from fem.casing.models.casing import HousingCasing
+from fem.casing.models.casing_model import HousingCasing
+from fem.casing.models.casing_registry import CASINGS, casing_class
 from fem.casing.models.elastic_casing import ElasticCasing
-from fem.casing.models.registry import CASINGS, casing_class
 from fem.casing.parts.names import COVER, FEET, JOINTS, MOUNTS
 from fem.elements.materials import Material
 from pipelines.scene.tables.derived import DerivedTable, choice, table

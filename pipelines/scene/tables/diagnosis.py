@@ -9,8 +9,8 @@ from typing import Literal, TypeAlias
 from pydantic import Field
 
 from fem.options import option
-from pipelines.scene.tables.base import Window
 from pipelines.scene.tables.derived import DerivedTable, table
+from pipelines.scene.tables.scene_table import Window
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,8 +9,8 @@ from pydantic import BeforeValidator, Field, model_validator
 from mbd.forces.hanging_loads import LOADS, StaticTorqueLoad, load_model
 from mbd.forces.induction_motor import InductionMotor
 from mbd.forces.speed_controller import SpeedController
-from pipelines.scene.tables.base import Number, Table, Whole
 from pipelines.scene.tables.derived import DerivedTable, choice, table
+from pipelines.scene.tables.scene_table import Number, Table, Whole
 from pipelines.scene.tables.series import ColumnTable, Samples, check_pairs
 from pipelines.scene.tables.torques import SomewhereTable, TorqueCurve
 

@@ -6,10 +6,10 @@ from typing import Annotated, Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
 
-from fem.contact.faults.registry import FAULTS, fault_class
+from fem.contact.faults.fault_registry import FAULTS, fault_class
 from mbd.excitations.spall import Spall
-from pipelines.scene.tables.base import Whole
 from pipelines.scene.tables.derived import DerivedTable, choice, table
+from pipelines.scene.tables.scene_table import Whole
 
 
 class FaultBase(DerivedTable):

@@ -1,7 +1,7 @@
 """Tables of external forces other than drive and load, with their conversion to the multibody model.
 
-The tables of `mbd.excitations.registry` are derived from its classes. Any other kind has a table here, in `ForceModel`,
-and a class in `mbd.forces`; no other file depends on the kinds.
+The tables of `mbd.excitations.excitation_registry` are derived from its classes. Any other kind has a table here, in
+`ForceModel`, and a class in `mbd.forces`; no other file depends on the kinds.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from typing import Annotated, Any, Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
 
-from mbd.excitations.registry import EXCITATIONS, excitation_class
+from mbd.excitations.excitation_registry import EXCITATIONS, excitation_class
 from mbd.parts.load import Excitation, OutsideForce
-from pipelines.scene.tables.base import Number, Table, Whole
 from pipelines.scene.tables.derived import DerivedTable, choice, table
+from pipelines.scene.tables.scene_table import Number, Table, Whole
 from pipelines.scene.tables.torques import TorqueCurve
 
 
@@ -44,7 +44,7 @@ class TorqueTable(PlacedTable, TorqueCurve):
 
 
 class ExcitationBase(DerivedTable):
-    """An excitation of `mbd.excitations.registry`."""
+    """An excitation of `mbd.excitations.excitation_registry`."""
 
     @model_validator(mode="after")
     def _fits(self) -> Self:

@@ -9,8 +9,8 @@ from pydantic import Field, model_validator
 from fem.gears.gear import GearDetails
 from fem.gears.modifications import FlankModifications
 from fem.gears.prescribed import Eccentricity, ToothError, Wave
-from pipelines.scene.tables.base import Number, Table
 from pipelines.scene.tables.derived import DerivedTable, table
+from pipelines.scene.tables.scene_table import Number, Table
 
 EccentricTable: Any = table(Eccentricity)
 WaveTable: TypeAlias = table(Wave)

@@ -7,12 +7,12 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from fem.casing.geometry.features import LARGEST
 from fem.casing.geometry.housing import Housing
+from fem.casing.geometry.housing_features import LARGEST
 from fem.casing.geometry.locators import ByBox, ByCylinder, ByGroup, ByPlane, ByPoint
 from fem.casing.parts.bolts import Size
-from pipelines.scene.tables.base import Flag, Number, Positive, Table, Whole
 from pipelines.scene.tables.derived import DerivedTable, EitherTable, either, table
+from pipelines.scene.tables.scene_table import Flag, Number, Positive, Table, Whole
 
 Vector = tuple[Number, Number, Number]
 Axes = tuple[Vector, Vector, Vector]

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any, Literal, TypeAlias
 
-from mbd.parts.film import Film
 from mbd.parts.losses import Coulomb, Efficiency, NoLosses
-from pipelines.scene.tables.base import Table
+from mbd.parts.oil_film import Film
 from pipelines.scene.tables.derived import choice, table
+from pipelines.scene.tables.scene_table import Table
 
 
 class NoFilm(Table):

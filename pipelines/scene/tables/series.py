@@ -14,11 +14,11 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Discriminator, Field, Tag
 
-from fem.storage.hdf5 import blocks_missing
+from fem.storage.hdf5_file import blocks_missing
 from pipelines.io.errors import InputError, Problem, SceneError
 from pipelines.io.shown import nearest_name, number_of, shown
 from pipelines.io.user_files import read_text, regular_file
-from pipelines.scene.tables.base import Number, Table
+from pipelines.scene.tables.scene_table import Number, Table
 
 MOST_BYTES = 200_000_000
 HDF5 = (".h5", ".hdf5")

@@ -11,9 +11,9 @@ from mbd.parts.couplings import CouplingWithAxes, ShaftCoupling
 from mbd.parts.load import OutsideForce
 from mbd.parts.probe import Probe
 from mbd.parts.shafts import Disk, Section, ShaftModel
-from pipelines.scene.tables.base import Flag, Number, Table, Whole
 from pipelines.scene.tables.bearings import BearingModel
 from pipelines.scene.tables.derived import DerivedTable, table
+from pipelines.scene.tables.scene_table import Flag, Number, Table, Whole
 
 
 class _OnShaft(DerivedTable):

@@ -6,12 +6,12 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field
 
+from fem.contact.models.mesh_model_registry import MODELS, mesh_model
 from fem.contact.models.plane import Plane
-from fem.contact.models.registry import MODELS, mesh_model
 from fem.gears.deviations import RandomDeviations
-from pipelines.scene.tables.base import Flag, Number, Positive, Table, Whole
 from pipelines.scene.tables.derived import DerivedTable, choice, table
 from pipelines.scene.tables.gears import GearTable, MisalignmentTable
+from pipelines.scene.tables.scene_table import Flag, Number, Positive, Table, Whole
 
 MeshModel: TypeAlias = choice((table(mesh_model(name)) for name in MODELS), "model")
 

@@ -8,19 +8,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from pipelines.datasets.campaign_scenes import scene_of
 from pipelines.datasets.feature_tables import make_tables, table_job
 from pipelines.datasets.plan import Plan
 from pipelines.datasets.rows import DONE, read_rows
-from pipelines.datasets.scenes import scene_of
 from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
 from pipelines.diagnosis.simulated import FeatureSettings
 from pipelines.io.errors import InputError
-from pipelines.machine.kinematics import kinematics_of
-from pipelines.machine.machine import make_drivetrain
+from pipelines.machine.machine_conversion import make_drivetrain
+from pipelines.machine.scene_kinematics import kinematics_of
 from pipelines.signals.features.feature_table import FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.steps.verdict import known_damages
-from pipelines.studies.detect.channels import DetectionChannel, channels
+from pipelines.studies.detect.channel_detectability import DetectionChannel, channels
 from pipelines.studies.detect.design import HEALTHY, SPECIMEN, STATE, Design
 from pipelines.studies.detect.over import Over
 from pipelines.studies.detect.probability import Damage, Detection, Machines, detection

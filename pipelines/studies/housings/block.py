@@ -11,7 +11,7 @@ from fem.casing.recognition.contents import FlatFace, GeometryContents
 from fem.casing.recognition.shaft_fit import ShaftFit
 from fem.casing.reduced.attachment import FARTHEST_SENSOR
 from fem.elements.facets import nearest_on_facets
-from mbd.parts.layout import BEARING_PLACE_TOLERANCE
+from mbd.parts.coordinate_layout import BEARING_PLACE_TOLERANCE
 from pipelines.io.toml_text import format_value
 from pipelines.scene.scene import Scene
 

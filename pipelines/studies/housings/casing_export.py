@@ -1,6 +1,6 @@
 """The reduced casing in files that other programs read, chosen by the ending of the name.
 
-.h5    in its ground: everything, as `fem.casing.reduced.body.ReducedBody` writes it (HDF5 with named dimensions)
+.h5    in its ground: everything, as `fem.casing.reduced.reduced_body.ReducedBody` writes it (HDF5)
 .mat   in its ground: matrices, rows and names for MATLAB
 .npz, .mtx, .op4, .pch   as a free body with a node for the ground, see `pipelines.studies.housings.superelement`; the
        model `matrices` of a housing reads them again
@@ -33,8 +33,8 @@ from pipelines.studies.housings.superelement import (
 
 if TYPE_CHECKING:
     from fem.casing.mesh.mesh import CasingMesh
-    from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.casing_modes import CasingModes, NaturalModes
+    from fem.casing.reduced.reduced_body import ReducedBody
     from pipelines.runs.single_results import Casing
 
 _LINES = 1000  # frequencies of an accelerance

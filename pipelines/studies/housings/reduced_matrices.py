@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.casing.imported.body import ForeignBody
-from fem.casing.imported.checks import frequency_lines, lowest_frequencies
+from fem.casing.imported.foreign_body import ForeignBody
+from fem.casing.imported.matrix_checks import frequency_lines, lowest_frequencies
 from fem.casing.reduced.reduction import Reduction
 from pipelines.io.errors import InputError
 from pipelines.io.user_files import whole_file
@@ -38,7 +38,7 @@ def write_reduced(
     """
     import scipy.sparse as sp
 
-    from fem.casing.reduced.body import MODES_OVER_BAND
+    from fem.casing.reduced.reduced_body import MODES_OVER_BAND
     from fem.casing.reduced.reduction import ReductionError, held_interface, reduce_body
     from fem.numerics.linear_solver import SingularMatrixError
 

@@ -23,7 +23,7 @@ from pipelines.io.shown import shown
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from fem.casing.reduced.body import ReducedBody
+    from fem.casing.reduced.reduced_body import ReducedBody
 
 LINES = 2000  # frequencies of a response
 _COLOURS = {"x": "#2a6f97", "y": "#3a7d44", "z": "#c23b22"}

@@ -8,8 +8,8 @@ from dataclasses import replace
 from fem.casing.mesh.imported import UNITS
 from fem.casing.recognition.contents import GeometryContents
 from fem.casing.recognition.shaft_fit import FittedShaft, ShaftFit, fit_shafts
-from pipelines.machine.bearings import bearing_names
 from pipelines.machine.layout import lay_out
+from pipelines.machine.scene_bearings import bearing_names
 from pipelines.scene.scene import Scene
 
 

@@ -18,7 +18,7 @@ from typing import IO
 
 import numpy as np
 
-from fem.casing.reduced.body import ReducedBody
+from fem.casing.reduced.reduced_body import ReducedBody
 from pipelines.io.errors import InputError
 from pipelines.io.user_files import whole_file
 

@@ -8,7 +8,7 @@ from pipelines.diagnosis.uncertainty.bar_records import LineBars
 from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph
 from pipelines.scene.file import LoadedScene
-from pipelines.steps.results import bars_step, casing_taken
+from pipelines.steps.result_steps import bars_step, casing_taken
 from pipelines.steps.run_plan import plan_run
 
 

@@ -110,7 +110,7 @@ def _frf(machine: Plant, outcome: Outcome) -> list[Value]:
 
 def _machine(machine: Plant, outcome: Outcome) -> list[Value]:
     from mbd.system.linearised import linear_modes
-    from pipelines.machine.assembly import assemble_machine, assemble_system
+    from pipelines.machine.system_assembly import assemble_machine, assemble_system
 
     assembled = assemble_machine(machine.machine, [outcome.value(name) for name in machine.law_names])
     modes = linear_modes(assemble_system(assembled, outcome.value("casing"), machine.recorded))

@@ -9,7 +9,7 @@ import skfem
 from housings import small_housing
 from scipy.sparse.linalg import eigsh
 
-from fem.casing.geometry.features import Flange
+from fem.casing.geometry.housing_features import Flange
 from fem.casing.mesh.finished import RawMesh, finished_mesh
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesher import mesh_housing

@@ -12,17 +12,17 @@ from housings import housing_for_shafts, short_housing
 from fem.casing.geometry.dimensions import HousingError, Sensor
 from fem.casing.mesh.mesh import CasingMesh, MeshError
 from fem.casing.mesh.mesher import mesh_housing
-from fem.casing.models.casing import Structure
+from fem.casing.models.casing_model import Structure
 from fem.casing.models.craig_bampton import CraigBamptonCasing
 from fem.casing.models.no_casing import NoCasing
 from fem.casing.models.rigid_casing import RigidCasing
 from fem.casing.models.static_casing import StaticCasing
 from fem.casing.reduced.attachment import AttachmentError
-from fem.casing.reduced.body import BEARING_AXES
 from fem.casing.reduced.casing_modes import CasingModes, casing_modes, reduced_body
 from fem.casing.reduced.checkup import _asymmetry, check_up
 from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.lanczos import block_lanczos
+from fem.casing.reduced.reduced_body import BEARING_AXES
 from fem.casing.reduced.reduction import reduce_body
 from fem.casing.reduced.rigid import housing_mass
 from fem.elements.facets import surface_weights

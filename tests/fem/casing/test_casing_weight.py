@@ -112,7 +112,7 @@ def test_the_feet_of_a_casing_carry_its_weight_and_what_stands_in_its_seats(grou
 
 def test_the_feet_of_a_machine_carry_everything_in_it():
     """Shafts, gear bodies, drums and casing of a scene; its torques come and go beside the weight."""
-    from pipelines.machine.assembly import assemble_machine, assemble_system
+    from pipelines.machine.system_assembly import assemble_machine, assemble_system
 
     elastic = {"casing.model": "static", "casing.element_size_mm": 60.0}
     work = Work(processes=1, quiet=True)

@@ -35,7 +35,7 @@ from fem.casing.uncertainty.wanted_size import wanted_factor
 from fem.elements.materials import CAST_IRON
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import SceneError
-from pipelines.machine.machine import make_plant
+from pipelines.machine.machine_conversion import make_plant
 from pipelines.report.figures import render
 from pipelines.runs.run import run_scene
 from pipelines.scene.file import load_scene

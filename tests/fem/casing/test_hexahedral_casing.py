@@ -13,7 +13,7 @@ from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesh_file import read_mesh_file, write_fields
 from fem.casing.mesh.mesh_geometry import mesh_geometry
 from fem.casing.mesh.sizes import Sizes
-from fem.casing.models.casing import Structure
+from fem.casing.models.casing_model import Structure
 from fem.casing.models.craig_bampton import CraigBamptonCasing
 from fem.casing.reduced.attachment import nearest_surface_point
 from fem.elements.facets import corner_triangles, outer_facets, surface_weights

@@ -9,8 +9,8 @@ import scipy.sparse as sp
 from benchmarks.solids import box_mesh
 from fem.casing.geometry.locators import ByCylinder, ByGroup, ByPlane
 from fem.casing.imported.ansys import mapped_equations
-from fem.casing.imported.body import ForeignError, foreign_body
-from fem.casing.imported.checks import check_foreign, lowest_frequencies
+from fem.casing.imported.foreign_body import ForeignError, foreign_body
+from fem.casing.imported.matrix_checks import check_foreign, lowest_frequencies
 from fem.casing.imported.matrix_files import MatrixFiles, read_body, read_matrices
 from fem.casing.mesh.cad_file import fill_surface, read_triangles
 from fem.casing.mesh.gmsh_session import session

@@ -13,16 +13,16 @@ import pytest
 import scipy.sparse as sp
 from housings import small_housing
 
-from fem.casing.imported.body import foreign_body
+from fem.casing.imported.foreign_body import foreign_body
 from fem.casing.imported.reduce import Point, reduce_foreign
 from fem.casing.mesh.cad_file import import_solids
 from fem.casing.mesh.gmsh_session import session
 from fem.casing.mesh.mesher import mesh_housing, write_step
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.recognition.contents import FoundBore
-from fem.casing.recognition.features import bolt_patterns
 from fem.casing.recognition.read import survey
 from fem.casing.recognition.shaft_fit import FittedShaft, fit_shafts
+from fem.casing.recognition.surface_features import bolt_patterns
 from fem.casing.reduced.grounded import assembled_casing
 from fem.elements.materials import Material
 from fem.elements.solids import assemble
@@ -31,7 +31,7 @@ from pipelines.runs.checked import check_scene
 from pipelines.scene.file import load_scene
 from pipelines.studies.housings.block import housing_block
 from pipelines.studies.housings.bore_picture import _seen
-from pipelines.studies.housings.page import housing_page, thinned
+from pipelines.studies.housings.housing_page import housing_page, thinned
 
 IRON = Material(name="iron", elastic_modulus=1.1e11, poisson_ratio=0.26, density=7200.0)
 TILT = math.radians(4.3)

@@ -5,8 +5,8 @@ import pytest
 
 pytest.importorskip("pyyeti")
 
-from fem.casing.imported.body import ForeignError, foreign_body
-from fem.casing.imported.checks import check_foreign, rigid_motion
+from fem.casing.imported.foreign_body import ForeignError, foreign_body
+from fem.casing.imported.matrix_checks import check_foreign, rigid_motion
 from fem.casing.imported.matrix_files import MatrixFiles, read_body
 from fem.casing.imported.nastran import superelement_equations
 

@@ -10,12 +10,12 @@ import pytest
 from housings import housing_for_shafts, small_housing
 
 from fem.casing.geometry.dimensions import HousingError, Sensor
-from fem.casing.geometry.features import Fillets, Flange, Ribs, Walls
+from fem.casing.geometry.housing_features import Fillets, Flange, Ribs, Walls
+from fem.casing.mesh.housing_solid import build_solid
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesher import mesh_housing, session
 from fem.casing.mesh.sizes import Sizes, bending_wavelength
-from fem.casing.mesh.solid import build_solid
-from fem.casing.models.casing import Structure
+from fem.casing.models.casing_model import Structure
 from fem.casing.models.craig_bampton import CraigBamptonCasing
 from fem.casing.reduced.rigid import housing_mass
 from fem.elements.materials import CAST_IRON, Material

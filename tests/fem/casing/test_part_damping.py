@@ -15,7 +15,7 @@ from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
 from pipelines.io.errors import SceneError
-from pipelines.machine.machine import make_plant
+from pipelines.machine.machine_conversion import make_plant
 from pipelines.scene.file import load_scene
 
 BAND = 1500.0

@@ -18,7 +18,7 @@ from fem.casing.reduced.halves import MirroredInterface, interface_of, lowest, r
 from fem.casing.reduced.reduction import held_interface
 from fem.casing.reduced.sturm_count import reduce_and_count
 from fem.elements.materials import CAST_IRON
-from pipelines.machine.machine import make_plant
+from pipelines.machine.machine_conversion import make_plant
 from pipelines.scene.file import load_scene
 
 CUBIC = "hexahedron-32"

@@ -23,7 +23,7 @@ from fem.contact.teeth import tooth_terms
 from fem.gears.gear_checks import GeometryError
 from pipelines.io.errors import SceneError
 from pipelines.machine.checks.design_warnings import design_warnings
-from pipelines.machine.machine import make_drivetrain, make_plant
+from pipelines.machine.machine_conversion import make_drivetrain, make_plant
 from pipelines.scene.file import control_of, load_scene
 
 HELICAL = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))

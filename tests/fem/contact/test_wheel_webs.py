@@ -23,7 +23,7 @@ from fem.elements.twisted_hexahedra import axial_matrices, slice_means
 from fem.gears.sector import sector_mesh
 from fem.numerics.linear_solver import factorize
 from pipelines.machine.checks.design_warnings import design_warnings
-from pipelines.machine.machine import make_drivetrain
+from pipelines.machine.machine_conversion import make_drivetrain
 from pipelines.scene.file import load_scene
 
 YOUNG, POISSON = 206e9, 0.3

@@ -27,11 +27,11 @@ from fem.gears.prescribed import (
     single_tooth_terms,
 )
 from pipelines.io.errors import SceneError
-from pipelines.machine.assembly import assemble_machine
 from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.checks.design_warnings import design_warnings
 from pipelines.machine.flanks import prescribed_deviations
-from pipelines.machine.machine import make_drivetrain, make_plant
+from pipelines.machine.machine_conversion import make_drivetrain, make_plant
+from pipelines.machine.system_assembly import assemble_machine
 from pipelines.scene.file import control_of, load_scene
 from pipelines.scene.measured_flanks import measured_flanks
 

@@ -24,7 +24,7 @@ from fem.numerics.inner import Inner, inner
 from fem.storage.cache_folder import CacheWarning
 from pipelines.engine.code_version import reachable
 from pipelines.engine.storage import class_modules
-from pipelines.machine.machine import make_plant
+from pipelines.machine.machine_conversion import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.steps.graph import plant_steps
 

@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.storage.hdf5 import CarefulFile, careful_file
+from fem.storage.hdf5_file import CarefulFile, careful_file
 from fem.storage.records import Record, array, names
 from fem.storage.stored_array import StoredArray
 

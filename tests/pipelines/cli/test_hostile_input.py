@@ -341,7 +341,7 @@ def test_a_scene_with_a_long_list_is_copied_at_once(tmp_path):
 
 
 def test_markup_in_a_title_stays_text(tmp_path):
-    from pipelines.report.figures.film import film_page
+    from pipelines.report.figures.frame_files import film_page
     from pipelines.report.figures.labelled_pictures import plain
     from pipelines.report.figures.plots import dress, new_figure
     from pipelines.report.report import write_report

@@ -6,9 +6,9 @@ from collections import Counter
 import numpy as np
 import pytest
 
+from pipelines.datasets.campaign_scenes import sampled_scenes, scene_key, scene_of, split_groups
 from pipelines.datasets.expressions import Expression, ExpressionError
 from pipelines.datasets.plan import load_plan
-from pipelines.datasets.scenes import sampled_scenes, scene_key, scene_of, split_groups
 from pipelines.io.errors import InputError, SceneError
 
 SPEED = 'drive.speeds_rpm = [0.0, "$speed", "$speed"]\n'

@@ -11,19 +11,19 @@ from serial_executor import InOrder
 
 import pipelines.datasets.job as job_module
 from pipelines.datasets.campaign import run_campaign
+from pipelines.datasets.campaign_scenes import sampled_scenes, scene_of
 from pipelines.datasets.folder import find_begun, held, identity_facts
 from pipelines.datasets.job import Job, work
 from pipelines.datasets.labels import labels
 from pipelines.datasets.plan import load_plan
 from pipelines.datasets.rows import numbers, read_row, read_rows, row_path, write_row
-from pipelines.datasets.scenes import sampled_scenes, scene_of
 from pipelines.datasets.store import SIGNALS, read_run
 from pipelines.datasets.workers import Workers
 from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph
 from pipelines.io.errors import InputError, SceneError, WorkError
 from pipelines.machine.checks.checked_plant import checked_plant
-from pipelines.machine.machine import make_plant
+from pipelines.machine.machine_conversion import make_plant
 from pipelines.signals.response import make_response
 from pipelines.steps.graph import plant_steps
 from pipelines.steps.motion import moved

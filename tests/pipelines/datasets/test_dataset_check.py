@@ -9,7 +9,7 @@ import pytest
 from datasets import PLAN, make_dataset, signals
 
 from pipelines.cli.main import main
-from pipelines.datasets.check import check_dataset
+from pipelines.datasets.dataset_check import check_dataset
 from pipelines.datasets.rows import TABLE, read_row, row_path, write_row, write_table
 from pipelines.datasets.store import SIGNALS, chunk_path, write_run
 from pipelines.datasets.summary import stretches, summarised

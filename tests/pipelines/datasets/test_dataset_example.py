@@ -12,9 +12,9 @@ from datasets import PLAN, make_dataset
 from sources import ROOT
 
 from pipelines.cli.main import main
+from pipelines.datasets.campaign_scenes import sampled_scenes
 from pipelines.datasets.estimate import estimate
 from pipelines.datasets.plan import load_plan
-from pipelines.datasets.scenes import sampled_scenes
 
 EXAMPLE = ROOT / "examples" / "classify_bench.py"
 

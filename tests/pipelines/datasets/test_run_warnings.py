@@ -9,10 +9,10 @@ from sources import ROOT
 
 import gearcase
 from pipelines.cli.main import main
+from pipelines.datasets.campaign_scenes import sampled_scenes, scene_of
 from pipelines.datasets.card import write_card
 from pipelines.datasets.plan import load_plan
 from pipelines.datasets.rows import read_row, write_row, write_table
-from pipelines.datasets.scenes import sampled_scenes, scene_of
 from pipelines.scene.file import load_scene
 from pipelines.signals.motion_warnings import needed_step_us
 

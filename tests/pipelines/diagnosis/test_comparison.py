@@ -10,9 +10,9 @@ import xarray
 
 import gearcase
 from pipelines.cli.main import main
+from pipelines.diagnosis.comparison.compared_features import features_of, most_different_shaft
 from pipelines.diagnosis.comparison.compared_recording import brought_together, compared_recording
 from pipelines.diagnosis.comparison.curves import curves
-from pipelines.diagnosis.comparison.features import features_of, most_different_shaft
 from pipelines.report.figures.comparison_plots import _mark
 from pipelines.report.figures.plots import new_figure
 from pipelines.scene.file import load_scene

@@ -20,12 +20,12 @@ from fem.casing.uncertainty.modal_form import ModalForm, modal_form
 from mbd.system.blocked_forces import MachineAtSeats
 from pipelines.diagnosis.control_diagnosis import diagnose
 from pipelines.diagnosis.uncertainty.bar_records import Band, LineBar, LineBars
+from pipelines.diagnosis.uncertainty.bar_words import bars_words
 from pipelines.diagnosis.uncertainty.casing_changes import CasingPath
 from pipelines.diagnosis.uncertainty.sampled_bars import line_bars
 from pipelines.diagnosis.uncertainty.uncertain import Uncertain, uncertain
-from pipelines.diagnosis.uncertainty.words import bars_words
 from pipelines.engine.run_graph import Work
-from pipelines.machine.assembly import assemble_machine, assemble_system
+from pipelines.machine.system_assembly import assemble_machine, assemble_system
 from pipelines.scene.file import load_scene
 from pipelines.signals.response import make_response
 from pipelines.steps.motion import moved

@@ -10,7 +10,7 @@ import gearcase
 from pipelines.cli.main import main
 from pipelines.diagnosis.control_diagnosis import diagnose
 from pipelines.diagnosis.line_words import lines_grid
-from pipelines.machine.machine import make_plant
+from pipelines.machine.machine_conversion import make_plant
 from pipelines.scene.file import control_differences, control_of, load_scene
 from pipelines.steps.reporting import shaft_rows
 

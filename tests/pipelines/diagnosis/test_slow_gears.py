@@ -2,7 +2,7 @@
 
 import pytest
 
-from pipelines.machine.machine import make_drivetrain
+from pipelines.machine.machine_conversion import make_drivetrain
 from pipelines.runs.diagnosed import diagnose_folder, judge_folder
 from pipelines.runs.run import run_scene
 from pipelines.scene.file import load_scene

@@ -11,9 +11,9 @@ import gearcase
 from mbd.system.statics import equilibrium
 from pipelines.engine.storage import digest
 from pipelines.io.errors import SceneError
-from pipelines.machine.assembly import assemble_machine, assemble_system
 from pipelines.machine.drives import speed_profile
-from pipelines.machine.machine import make_plant
+from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.system_assembly import assemble_machine, assemble_system
 from pipelines.scene.file import load_scene
 from pipelines.scene.merge import Whole
 from pipelines.steps.graph import plant_steps

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from housings import short_housing
 
-from fem.casing.geometry.features import Flange
+from fem.casing.geometry.housing_features import Flange
 from fem.casing.geometry.locators import ByCylinder, ByPlane
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
 from fem.casing.mesh.mesh_geometry import mesh_geometry
@@ -21,7 +21,7 @@ from fem.casing.uncertainty.extrapolation import lowest_modes
 from fem.elements.materials import CAST_IRON
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import SceneError
-from pipelines.machine.machine import make_plant
+from pipelines.machine.machine_conversion import make_plant
 from pipelines.runs.single_results import build_casing
 from pipelines.scene.file import load_scene
 

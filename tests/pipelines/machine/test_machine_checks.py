@@ -12,11 +12,10 @@ from fem.casing.geometry.locators import ByCylinder
 from fem.casing.mesh.imported import Seat
 from fem.storage.cache_folder import cache_root
 from mbd.parts.channels import channel_names, mesh_channels, motor_channels, shaft_channels
-from mbd.parts.checks import MachineError
+from mbd.parts.part_checks import MachineError
 from mbd.system.system import assemble
 from pipelines.cli.main import main
 from pipelines.io.errors import Problems, SceneError
-from pipelines.machine.bearings import bearing_points, bearing_specs
 from pipelines.machine.checks import cost
 from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.checks.design_warnings import design_warnings
@@ -28,7 +27,8 @@ from pipelines.machine.checks.strength import (
     torsions,
 )
 from pipelines.machine.layout import lay_out
-from pipelines.machine.machine import make_drivetrain
+from pipelines.machine.machine_conversion import make_drivetrain
+from pipelines.machine.scene_bearings import bearing_points, bearing_specs
 from pipelines.runs.checked import check_scene
 from pipelines.scene.file import load_scene
 from pipelines.steps.run_plan import plan_run

@@ -11,7 +11,7 @@ from pipelines.engine.storage import class_modules, digest
 from pipelines.io.errors import SceneError
 from pipelines.machine.checks.collisions import RevolvedBody
 from pipelines.machine.flanks import Fault, first_tooth_fault
-from pipelines.machine.machine import make_drivetrain, make_plant
+from pipelines.machine.machine_conversion import make_drivetrain, make_plant
 from pipelines.scene.file import load_scene
 from pipelines.steps.graph import plant_steps
 

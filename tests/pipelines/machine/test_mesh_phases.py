@@ -8,7 +8,7 @@ import pytest
 from fem.gears.profile import form_radius
 from pipelines.io.errors import SceneError
 from pipelines.machine.layout import lay_out
-from pipelines.machine.machine import make_drivetrain
+from pipelines.machine.machine_conversion import make_drivetrain
 from pipelines.scene.file import load_scene
 
 GEAR = {

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from mbd.forces.torque import Torque
-from mbd.parts.checks import MachineError
+from mbd.parts.part_checks import MachineError
 from pipelines.engine.storage import digest
 from pipelines.io.errors import SceneError
-from pipelines.machine.machine import make_plant
+from pipelines.machine.machine_conversion import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.steps.graph import plant_steps
 

@@ -14,7 +14,7 @@ from pipelines.io.errors import SceneError
 from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.checks.design_warnings import design_warnings
 from pipelines.machine.layout import lay_out
-from pipelines.machine.machine import make_drivetrain, make_plant
+from pipelines.machine.machine_conversion import make_drivetrain, make_plant
 from pipelines.machine.tooth_terms import clearances, mesh_faults
 from pipelines.scene.file import load_scene
 from pipelines.steps.graph import plant_steps

@@ -10,7 +10,7 @@ from scipy.io import savemat
 
 from pipelines.io.errors import InputError
 from pipelines.io.universal_file import Function, write_function
-from pipelines.recordings.machine import read_machine
+from pipelines.recordings.machine_file import read_machine
 from pipelines.recordings.machine_table import TachometerTable
 from pipelines.recordings.read_recording import read_recording
 

@@ -7,10 +7,10 @@ import pytest
 from measured import signals
 
 from pipelines.io.errors import InputError, SceneError
-from pipelines.machine.kinematics import kinematics_of, pass_rates
 from pipelines.machine.layout import lay_out
-from pipelines.machine.machine import make_plant
-from pipelines.recordings.machine import read_machine
+from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.scene_kinematics import kinematics_of, pass_rates
+from pipelines.recordings.machine_file import read_machine
 from pipelines.recordings.read_recording import read_recording
 from pipelines.scene.file import load_scene
 

@@ -17,10 +17,10 @@ from pipelines.diagnosis.export import export
 from pipelines.io.errors import InputError
 from pipelines.io.universal_file import Function, read_functions, write_function
 from pipelines.recordings import formats
-from pipelines.recordings.channels import RecordedChannel, RecordedContents
 from pipelines.recordings.formats import BY_ENDING, memory_needed
 from pipelines.recordings.machine_table import SpeedTable, TachometerTable
 from pipelines.recordings.read_recording import read_recording
+from pipelines.recordings.recording_channels import RecordedChannel, RecordedContents
 
 PRECISION = {
     "r.csv": 1e-11,

@@ -16,7 +16,7 @@ from pipelines.report.figures.labelled_pictures import casing_figure, gear_figur
 from pipelines.report.figures.placed_geometry import casing_surface, gear_view
 from pipelines.report.figures.plots import StiffnessPlot
 from pipelines.report.figures.render import render_casing, render_gears
-from pipelines.report.figures.solids import gear_surface, prism_surface, without_tooth
+from pipelines.report.figures.tooth_surfaces import gear_surface, prism_surface, without_tooth
 from pipelines.report.figures.views import GearPairView, GearView, NotRendered, Picture
 
 

@@ -9,7 +9,7 @@ import pytest
 from fem.gears.modifications import active_roll
 from pipelines.engine.run_graph import Work
 from pipelines.engine.storage import digest
-from pipelines.machine.machine import make_plant
+from pipelines.machine.machine_conversion import make_plant
 from pipelines.report.figures import render
 from pipelines.runs import run_folder
 from pipelines.runs.checked import check_scene

@@ -10,10 +10,10 @@ from pipelines.io.errors import InputError, SceneError
 from pipelines.io.toml_text import read_toml
 from pipelines.machine.checks.collisions import find_collisions
 from pipelines.machine.layout import lay_out
-from pipelines.machine.machine import make_drivetrain
+from pipelines.machine.machine_conversion import make_drivetrain
 from pipelines.rexs.files import read_document
-from pipelines.rexs.new import new_scene_from_rexs
-from pipelines.rexs.reading import read_gear_unit
+from pipelines.rexs.gear_unit_reading import read_gear_unit
+from pipelines.rexs.rexs_scene import new_scene_from_rexs
 from pipelines.rexs.scene_text import scene_text
 from pipelines.rexs.stage_tables import stage_table
 from pipelines.runs.checked import check_scene

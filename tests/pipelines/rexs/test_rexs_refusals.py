@@ -9,12 +9,12 @@ import gearcase
 from mbd.parts.rolling_elements import RollingElements
 from pipelines.cli.main import main
 from pipelines.io.errors import InputError
-from pipelines.machine.bearings import rolling_bearings
 from pipelines.machine.layout import lay_out
+from pipelines.machine.scene_bearings import rolling_bearings
 from pipelines.rexs import files
 from pipelines.rexs.document import RexsError
 from pipelines.rexs.files import read_document
-from pipelines.rexs.new import new_scene_from_rexs
+from pipelines.rexs.rexs_scene import new_scene_from_rexs
 from pipelines.scene.file import load_scene
 
 CATALOGUE = "rolling_bearing_with_catalog_geometry"

@@ -22,7 +22,7 @@ from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph
 from pipelines.io.errors import CacheWarning
-from pipelines.machine.machine import make_plant
+from pipelines.machine.machine_conversion import make_plant
 from pipelines.runs import run_folder
 from pipelines.runs.run import run_scene
 from pipelines.scene.file import load_scene

@@ -12,7 +12,7 @@ from pipelines.cli.main import main
 from pipelines.io.errors import SceneError
 from pipelines.machine.checks.design_warnings import design_warnings
 from pipelines.machine.layout import lay_out
-from pipelines.machine.machine import make_drivetrain
+from pipelines.machine.machine_conversion import make_drivetrain
 from pipelines.runs import inspect_gears
 from pipelines.runs.checked import check_scene
 from pipelines.scene.file import load_scene

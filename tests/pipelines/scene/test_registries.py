@@ -8,10 +8,10 @@ import pytest
 
 from benchmarks.gear_pairs import gear_pair
 from benchmarks.scene_keys import values
-from fem.casing.models.registry import CASINGS, casing_class
-from fem.contact.faults.registry import FAULTS, fault_class
+from fem.casing.models.casing_registry import CASINGS, casing_class
+from fem.contact.faults.fault_registry import FAULTS, fault_class
 from fem.contact.frame import ModelError
-from fem.contact.models.registry import MODELS, loaded_model, mesh_model
+from fem.contact.models.mesh_model_registry import MODELS, loaded_model, mesh_model
 from fem.elements.solid_elements import CHOICES
 from fem.gears.gear_checks import GeometryError
 from fem.options import check_options, option
@@ -19,7 +19,7 @@ from mbd.integrators.methods import METHODS, make_integrator
 from pipelines.engine.code_version import reachable
 from pipelines.engine.storage import class_modules
 from pipelines.io.errors import SceneError
-from pipelines.machine.machine import make_plant
+from pipelines.machine.machine_conversion import make_plant
 from pipelines.scene.file import load_scene, validate
 from pipelines.scene.merge import Merged
 from pipelines.scene.tables.casing import CASING_TABLES, FlexibleBase

@@ -10,14 +10,14 @@ import pytest
 from pydantic import BaseModel
 
 from fem.options import inlined, options_of
-from mbd.parts.checks import MachineError
+from mbd.parts.part_checks import MachineError
 from pipelines.engine.storage import digest
 from pipelines.io.errors import InputError
-from pipelines.machine.machine import make_plant
+from pipelines.machine.machine_conversion import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.base import Table
 from pipelines.scene.tables.derived import key_of
+from pipelines.scene.tables.scene_table import Table
 from pipelines.steps.graph import plant_steps
 
 END = {"amount_um": 5.0, "length_mm": 2.0, "shape": "linear"}

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from measured import RATE, machine, signals
 
-from fem.casing.imported.body import ForeignError
+from fem.casing.imported.foreign_body import ForeignError
 from fem.casing.imported.matrix_files import read_matrices
 from mbd.output.trajectory import Trajectory
 from mbd.parts import channels

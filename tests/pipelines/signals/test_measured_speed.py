@@ -8,7 +8,7 @@ import pytest
 import gearcase
 from pipelines.diagnosis.control_diagnosis import diagnose
 from pipelines.io.errors import SceneError
-from pipelines.machine.machine import make_plant
+from pipelines.machine.machine_conversion import make_plant
 from pipelines.scene.file import control_of, load_scene
 from pipelines.scene.merge import Whole
 from pipelines.signals.analysis import DiagnosisError

@@ -5,7 +5,7 @@ import pytest
 from pipelines.engine.storage import digest
 from pipelines.io.errors import InputError
 from pipelines.machine.checks.design_warnings import design_warnings
-from pipelines.machine.machine import make_drivetrain, make_plant
+from pipelines.machine.machine_conversion import make_drivetrain, make_plant
 from pipelines.scene.file import load_scene
 from pipelines.steps.run_plan import plan_run
 

@@ -10,9 +10,9 @@ from scipy import stats
 from pipelines.io.errors import InputError
 from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.scene.file import load_scene
-from pipelines.studies.calibrate.design import AFTER, Free, agreement_plan, calibration_plan, parse_free
+from pipelines.studies.calibrate.calibration import IDENTIFIABLE, Calibration
+from pipelines.studies.calibrate.free_keys import AFTER, Free, agreement_plan, calibration_plan, parse_free
 from pipelines.studies.calibrate.posterior import check_installed, emulator, sample
-from pipelines.studies.calibrate.study import IDENTIFIABLE, Calibration
 
 pytest.importorskip("emcee")
 SCATTER = 0.7  # dB

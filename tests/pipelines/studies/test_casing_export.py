@@ -14,9 +14,9 @@ from rendering import drawn
 
 from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.models.rigid_casing import RigidCasing
-from fem.casing.reduced.body import ReducedBody
 from fem.casing.reduced.casing_modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.grounded import assembled_casing
+from fem.casing.reduced.reduced_body import ReducedBody
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
 from pipelines.cli.casing import _texts, band_words, missed_error, mode_table, part_table, reduction_words
@@ -25,7 +25,7 @@ from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, Step, explain
 from pipelines.io.errors import InputError
 from pipelines.io.user_files import writable_file
-from pipelines.report.figures.film import film_page
+from pipelines.report.figures.frame_files import film_page
 from pipelines.report.figures.mode_pictures import ModeView, mode_figure, write_mode
 from pipelines.runs.single_results import Casing, mode_shapes
 from pipelines.studies.housings.casing_export import FORMATS, write_mat, write_uff, write_vtu

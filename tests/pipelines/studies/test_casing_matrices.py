@@ -16,8 +16,8 @@ from housings import short_housing
 from scipy.sparse.linalg import LinearOperator, eigsh
 from sources import ROOT
 
-from fem.casing.imported.body import ForeignError
-from fem.casing.imported.checks import check_foreign
+from fem.casing.imported.foreign_body import ForeignError
+from fem.casing.imported.matrix_checks import check_foreign
 from fem.casing.imported.matrix_files import MatrixFiles, read_body
 from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.models.rigid_casing import RigidCasing

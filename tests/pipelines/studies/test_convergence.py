@@ -158,8 +158,8 @@ def test_a_study_names_what_it_did_not_refine_with_the_size_that_is_known():
 
 
 def test_every_model_of_a_scene_has_words():
-    from fem.casing.models.registry import CASINGS as CASING_MODELS
-    from fem.contact.models.registry import MODELS
+    from fem.casing.models.casing_registry import CASINGS as CASING_MODELS
+    from fem.contact.models.mesh_model_registry import MODELS
 
     assert set(MESH_MODELS) == set(MODELS)
     assert set(CASINGS) == set(CASING_MODELS) - {"matrices"}  # those are chosen by the housing

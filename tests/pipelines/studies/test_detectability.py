@@ -10,9 +10,9 @@ from scipy.stats import norm
 from serial_executor import InOrder
 
 from pipelines.cli.main import main
+from pipelines.datasets.campaign_scenes import sampled_scenes, scene_of
 from pipelines.datasets.feature_tables import make_tables, table_job
 from pipelines.datasets.rows import read_row
-from pipelines.datasets.scenes import sampled_scenes, scene_of
 from pipelines.diagnosis.deviation_statistics import LEAST_SPREAD, limit, moderated
 from pipelines.diagnosis.judge import judge
 from pipelines.diagnosis.simulated import FeatureSettings
@@ -23,10 +23,10 @@ from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.scene.file import load_scene
 from pipelines.signals.features.feature_table import WHOLE, FeatureTable
 from pipelines.signals.orders.kinematics import Gear, Kinematics, Shaft
-from pipelines.studies.detect.channels import channels
+from pipelines.studies.detect.channel_detectability import channels
 from pipelines.studies.detect.design import DAMAGED, HEALTHY, Design, detection_plan
+from pipelines.studies.detect.detectability_page import words
 from pipelines.studies.detect.over import Over, parse_over
-from pipelines.studies.detect.page import words
 from pipelines.studies.detect.probability import Machines, Share, detection
 
 KINEMATICS = Kinematics(

@@ -10,14 +10,14 @@ from scipy import stats
 from serial_executor import InOrder
 
 from pipelines.cli.main import main
+from pipelines.datasets.campaign_scenes import sampled_scenes
 from pipelines.datasets.estimate import estimate
 from pipelines.datasets.feature_source import dataset_rows
 from pipelines.datasets.folder import begin, identity_facts
-from pipelines.datasets.scenes import sampled_scenes
 from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.scene.file import changed, load_scene
-from pipelines.studies.spread.indices import first_order
-from pipelines.studies.spread.study import FEWEST, MEAN, SHARES, spread_plan
+from pipelines.studies.spread.population_spread import FEWEST, MEAN, SHARES, spread_plan
+from pipelines.studies.spread.sobol_indices import first_order
 
 SHORT = ("simulation.end_s=0.8", "diagnosis.windows_s={ lifting = [0.1, 0.8] }")
 RANDOM = np.random.default_rng(3)

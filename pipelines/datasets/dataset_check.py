@@ -15,14 +15,14 @@ from typing import Any
 
 import numpy as np
 
+from pipelines.datasets.campaign_scenes import SampledScene, sampled_scenes, scene_of
 from pipelines.datasets.expressions import ExpressionError
 from pipelines.datasets.folder import identity_facts
 from pipelines.datasets.labels import labels
-from pipelines.datasets.layout import RunLayout, read_facts, stored_layout
 from pipelines.datasets.plan import Plan, stored_plan
 from pipelines.datasets.rows import DONE, FAILED, ROWS, TABLE, cell, flat, numbers, read_row
 from pipelines.datasets.run_warnings import run_warnings
-from pipelines.datasets.scenes import SampledScene, sampled_scenes, scene_of
+from pipelines.datasets.signal_layout import RunLayout, read_facts, stored_layout
 from pipelines.datasets.store import SIGNALS, checksum, chunk_path, read_run
 from pipelines.datasets.summary import stretches
 from pipelines.io.errors import InputError, SceneError

@@ -13,7 +13,7 @@ from pipelines.machine.parts import GearMesh, MachineParts, Recorded
 from pipelines.machine.tooth_terms import clearances
 
 if TYPE_CHECKING:
-    from fem.casing.reduced.body import ReducedBody
+    from fem.casing.reduced.reduced_body import ReducedBody
     from mbd.system.system import System
 
 Laws = tuple[MeshLaw, MeshLaw]  # of drive and coast flank

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 
 from pipelines.rexs.document import Document, RexsComponent
 from pipelines.rexs.gear_unit import Between, Elements, RexsBearing
-from pipelines.rexs.places import Directions, Frame
+from pipelines.rexs.part_places import Directions, Frame
 
 KINDS = (
     "rolling_bearing_with_catalog_geometry",

@@ -19,12 +19,12 @@ from pipelines.engine.run_graph import Work
 from pipelines.engine.storage import digest
 from pipelines.io.errors import InputError
 from pipelines.machine.plant import Plant
-from pipelines.recordings.machine import MeasuredMachine
+from pipelines.recordings.machine_file import MeasuredMachine
 from pipelines.runs.recorded import asked_windows, read_features, recording_and_window
 from pipelines.scene.file import LoadedScene
-from pipelines.studies.calibrate.design import AFTER, BEFORE, FEWEST, STATE, Free, agreement_plan, calibration_plan
+from pipelines.studies.calibrate.free_keys import AFTER, BEFORE, FEWEST, STATE, Free, agreement_plan, calibration_plan
 from pipelines.studies.calibrate.posterior import check_installed, emulator, sample
-from pipelines.studies.spread.study import MEAN, line_levels
+from pipelines.studies.spread.population_spread import MEAN, line_levels
 
 IDENTIFIABLE = 1.0 / 3.0  # greatest width of the posterior over that of the prior
 _SHARES = (0.05, 0.95)

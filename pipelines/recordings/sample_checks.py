@@ -6,7 +6,7 @@ import numpy as np
 
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
-from pipelines.recordings.channels import RecordedChannel
+from pipelines.recordings.recording_channels import RecordedChannel
 
 LEAST_SAMPLES = 256
 _NEAR = 0.02  # of the range: how wide the neighbourhood of an extreme value is

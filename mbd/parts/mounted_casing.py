@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.casing.reduced.body import ReducedBody
+from fem.casing.reduced.reduced_body import ReducedBody
 from mbd.elements.component import Component
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.linear import Matrices, Part

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from fem.named_classes import named_class
-from mbd.parts.checks import MachineError
 from mbd.parts.load import Excitation
+from mbd.parts.part_checks import MachineError
 
 EXCITATIONS = {
     "induction-motor": ("mbd.forces.induction_motor", "InductionMotor"),

@@ -69,9 +69,9 @@ def read_machine(source: str | Path) -> MeasuredMachine:
 
 
 def _of_scene(source: str | Path) -> MeasuredMachine:
-    from pipelines.machine.bearings import rolling_bearings
-    from pipelines.machine.kinematics import kinematics_of
     from pipelines.machine.layout import lay_out
+    from pipelines.machine.scene_bearings import rolling_bearings
+    from pipelines.machine.scene_kinematics import kinematics_of
     from pipelines.scene.file import load_scene
 
     loaded = load_scene(source)
@@ -147,7 +147,7 @@ def _shafts(table: MachineTable) -> tuple[list[Shaft], list[Problem]]:
 
 def _bearings(table: MachineTable) -> tuple[list[Bearing], list[Problem]]:
     """Bearings with their pass orders, and problems of those whose rolling elements do not fit."""
-    from mbd.parts.checks import MachineError
+    from mbd.parts.part_checks import MachineError
 
     found, problems = [], []
     for number, bearing in enumerate(table.bearings, 1):
@@ -161,7 +161,7 @@ def _bearings(table: MachineTable) -> tuple[list[Bearing], list[Problem]]:
 
 def _geometric_orders(table: BearingTable) -> dict[str, float]:
     from mbd.parts.rolling_elements import RollingElements
-    from pipelines.machine.kinematics import pass_orders
+    from pipelines.machine.scene_kinematics import pass_orders
 
     return pass_orders(
         RollingElements(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from pipelines.io.grid import grid
-from pipelines.studies.calibrate.study import IDENTIFIABLE, Calibration
+from pipelines.studies.calibrate.calibration import IDENTIFIABLE, Calibration
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -10,7 +10,7 @@ import numpy as np
 from pipelines.io.errors import InputError
 from pipelines.io.grid import grid
 from pipelines.signals.features.definitions import BY_NAME
-from pipelines.studies.spread.study import FeatureSpread
+from pipelines.studies.spread.population_spread import FeatureSpread
 
 if TYPE_CHECKING:
     import pandas

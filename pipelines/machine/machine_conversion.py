@@ -14,18 +14,17 @@ from functools import partial
 from fem.casing.geometry.dimensions import HousingError
 from fem.contact.frame import ModelError
 from fem.contact.models.mesh_model import LawSpec
-from fem.contact.models.registry import loaded_model
+from fem.contact.models.mesh_model_registry import loaded_model
 from fem.gears.gear import Gear
 from fem.gears.gear_checks import GeometryError
 from fem.gears.geometry import GearPair
 from fem.gears.prescribed import PrescribedDeviations
 from mbd.parts.channels import further_channels
-from mbd.parts.checks import MachineError
-from mbd.parts.film import Film
 from mbd.parts.losses import Brake
+from mbd.parts.oil_film import Film
+from mbd.parts.part_checks import MachineError
 from mbd.parts.shafts import Disk, ShaftSpec
 from pipelines.io.errors import InputError, Problem, Problems
-from pipelines.machine.bearings import bearing_faults, bearing_points, bearing_specs, rolling_bearings
 from pipelines.machine.casing import casing
 from pipelines.machine.drives import motor_couplings, motor_torques, speed_profile
 from pipelines.machine.flanks import GEARS, Fault, damaged_teeth, flanks_spec, prescribed_deviations, tooth_faults
@@ -33,6 +32,7 @@ from pipelines.machine.layout import TrainLayout, lay_out
 from pipelines.machine.loads import hanging_load, load_places, suspended_load, torque_load
 from pipelines.machine.parts import GearMesh, GearTeeth, MachineParts, Recorded
 from pipelines.machine.plant import Drivetrain, Plant, labels
+from pipelines.machine.scene_bearings import bearing_faults, bearing_points, bearing_specs, rolling_bearings
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import shaft_faults
 from pipelines.scene.tables.drive_and_load import LoadBase, SpeedDrive

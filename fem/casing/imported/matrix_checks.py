@@ -10,7 +10,7 @@ import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
 
-from fem.casing.imported.body import ForeignBody
+from fem.casing.imported.foreign_body import ForeignBody
 from fem.elements.solids import rigid_body_modes
 
 _SYMMETRIC = 1e-9

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pipelines.diagnosis.comparison.compared_features import Features
 from pipelines.diagnosis.comparison.compared_recording import ComparedRecording
-from pipelines.diagnosis.comparison.features import Features
 from pipelines.io.grid import Grid
 from pipelines.signals.features.definitions import BY_NAME
 from pipelines.signals.orders.revolutions import HIGHEST

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from pipelines.rexs.bearings import read_bearings, read_between
 from pipelines.rexs.document import Document, RexsComponent, RexsError
 from pipelines.rexs.gear_unit import GearUnit, Note, RexsGear, RexsMaterial, RexsSection, RexsShaft, RexsStage
 from pipelines.rexs.left_out import left_out
 from pipelines.rexs.operation import Operation, read_operation
-from pipelines.rexs.places import Directions, Frame, directions, frame
+from pipelines.rexs.part_places import Directions, Frame, directions, frame
+from pipelines.rexs.rexs_bearings import read_bearings, read_between
 
 _REFUSED = {  # kinds of components that no scene can hold, and why
     "planetary_stage": "planets and turning carriers are not modelled",

@@ -9,11 +9,11 @@ import numpy as np
 
 from mbd.elements.element import Element
 from mbd.elements.linear import Part
-from mbd.parts.checks import MachineError
-from mbd.parts.layout import Layout
+from mbd.parts.coordinate_layout import Layout
 from mbd.parts.machine import Machine
 from mbd.parts.mesh_reference import nominal_forces, reference_load
 from mbd.parts.modal_basis import modal_basis
+from mbd.parts.part_checks import MachineError
 from mbd.parts.shafts import torsional_stiffness
 
 SLOWEST = 1.0  # rad/s: smoothing speed of a machine that never turns

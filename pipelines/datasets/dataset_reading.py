@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipelines.datasets.columns import read_columns
-from pipelines.datasets.layout import read_facts
+from pipelines.datasets.signal_layout import read_facts
 from pipelines.datasets.store import SIGNALS
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown

@@ -12,8 +12,8 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from fem.casing.geometry.dimensions import Sensor
-from fem.casing.imported.body import ForeignBody, ForeignError
-from fem.casing.imported.checks import ForeignCheck, check_foreign, rigid_motion
+from fem.casing.imported.foreign_body import ForeignBody, ForeignError
+from fem.casing.imported.matrix_checks import ForeignCheck, check_foreign, rigid_motion
 from fem.casing.imported.matrix_files import MatrixFiles, read_body
 from fem.casing.imported.reduce import Point, ReducedForeign, reduce_foreign
 from fem.casing.parts.feet import clamped_reactions, foot_sums
@@ -22,7 +22,7 @@ from fem.casing.reduced.casing_modes import CasingModes
 from fem.casing.reduced.checkup import CheckUp
 from fem.casing.reduced.grounded import GROUND_AXES
 from fem.casing.reduced.undamped_modes import mode_names, on_springs, undamped_modes
-from fem.numerics.places import in_mm
+from fem.numerics.message_places import in_mm
 
 _OFF = 0.0005  # m: largest distance of a single node from its bearing point, and
 _OFF_SHARE = 0.3  # of the middle of several nodes, as a share of their mean distance from it

@@ -11,12 +11,12 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.casing.reduced.body import ReducedBody
+from fem.casing.reduced.reduced_body import ReducedBody
 from mbd.elements.component import Component
 from mbd.elements.coordinates import Coordinates
-from mbd.parts.casing import MachineCasing
-from mbd.parts.checks import MachineError
 from mbd.parts.machine import Machine
+from mbd.parts.mounted_casing import MachineCasing
+from mbd.parts.part_checks import MachineError
 from mbd.parts.shafts import flexibility, shaft_basis, shaft_nodes
 
 BEARING_PLACE_TOLERANCE = 1e-4  # m

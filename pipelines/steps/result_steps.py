@@ -34,7 +34,7 @@ def verdict_steps(plan: RunPlan) -> list[Step]:
     from pipelines.diagnosis.control_diagnosis import deviation_name
     from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
     from pipelines.diagnosis.simulated import FeatureSettings
-    from pipelines.machine.kinematics import kinematics_of
+    from pipelines.machine.scene_kinematics import kinematics_of
 
     machine, exact = plan.plant, not plan.baseline
     cases = plan.cases if exact else plan.cases[:1]

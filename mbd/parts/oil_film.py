@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from fem.options import check_options, option
-from mbd.parts.checks import MachineError
+from mbd.parts.part_checks import MachineError
 
 
 @dataclass(frozen=True, kw_only=True)

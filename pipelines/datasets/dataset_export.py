@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pipelines.datasets.dataset_reading import open_dataset
 from pipelines.datasets.pieces import pieces
-from pipelines.datasets.reading import open_dataset
 from pipelines.datasets.rows import DONE
 from pipelines.io.errors import InputError
 from pipelines.io.user_files import whole_file, writable_file, writable_folder

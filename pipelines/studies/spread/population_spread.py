@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipelines.datasets.campaign import run_campaign
+from pipelines.datasets.campaign_scenes import group_variables
 from pipelines.datasets.columns import as_array
 from pipelines.datasets.feature_source import dataset_rows
 from pipelines.datasets.feature_tables import stored_table
 from pipelines.datasets.plan import Plan, plan_on, plan_tables
 from pipelines.datasets.rows import read_row
-from pipelines.datasets.scenes import group_variables
 from pipelines.datasets.typical_spread import TYPICAL, typical
 from pipelines.datasets.workers import local_workers
 from pipelines.engine.progress import reported_count
@@ -26,7 +26,7 @@ from pipelines.machine.plant import Plant
 from pipelines.scene.file import LoadedScene
 from pipelines.scene.tables.diagnosis import LookedFor
 from pipelines.signals.features.feature_table import FeatureTable
-from pipelines.studies.spread.indices import first_order
+from pipelines.studies.spread.sobol_indices import first_order
 
 if TYPE_CHECKING:
     import pandas

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from mbd.parts.rolling_elements import RollingElements, pass_frequencies
-from pipelines.machine.bearings import BearingFault, RollingBearing
 from pipelines.machine.layout import TrainLayout
+from pipelines.machine.scene_bearings import BearingFault, RollingBearing
 from pipelines.scene.shaft_faults import ShaftFault
 from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 from pipelines.signals.pass_lines import PassLines
