@@ -50,9 +50,11 @@ if TYPE_CHECKING:
     from gearcase.scenes import Checked as Checked
     from gearcase.scenes import Scene as Scene
     from gearcase.scenes import check as check
+    from gearcase.studies import FeatureSpread as FeatureSpread
     from gearcase.studies import RefinementStudy as RefinementStudy
     from gearcase.studies import Tradeoff as Tradeoff
     from gearcase.studies import converge as converge
+    from gearcase.studies import spread as spread
     from gearcase.studies import tradeoff as tradeoff
 
 _PLACES = {
@@ -67,7 +69,7 @@ _PLACES = {
     "reduction": ("Point", "ReducedMatrices", "reduce"),
     "results": ("Diagnosis", "LineBars", "diagnose", "error_bars", "open_run", "run", "spectrum"),
     "scenes": ("Checked", "Scene", "check"),
-    "studies": ("RefinementStudy", "Tradeoff", "converge", "tradeoff"),
+    "studies": ("RefinementStudy", "FeatureSpread", "Tradeoff", "converge", "spread", "tradeoff"),
 }
 _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
 __all__ = sorted(_PLACE_OF)

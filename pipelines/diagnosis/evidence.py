@@ -33,9 +33,9 @@ from pipelines.diagnosis.deviation_statistics import (
     probability,
 )
 from pipelines.diagnosis.impacts import CLEAR, in_race_or_element
-from pipelines.signals.features.feature_table import OF_SHAFT, OF_WHITENED
+from pipelines.signals.features.feature_table import WHOLE, FeatureTable
 from pipelines.signals.features.passing import SIDEBANDS
-from pipelines.signals.features.table import WHOLE, FeatureTable
+from pipelines.signals.features.recording_features import OF_SHAFT, OF_WHITENED
 
 LEAST_ORDER = -40.0  # dB over the rms of healthy recordings; weaker orders of a shaft are no evidence
 _OVER_HEALTHY = 6.0  # dB, least level of clear impacts over every healthy recording

@@ -31,7 +31,7 @@ from pipelines.diagnosis.baseline_checks import check_baseline, outlying
 from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P, limit
 from pipelines.diagnosis.evidence import GroupEvidence, HealthyReference
 from pipelines.diagnosis.verdict import ALARM, DIFFERENT, Change, Evidence, Finding, Verdict
-from pipelines.signals.features.table import FeatureTable
+from pipelines.signals.features.feature_table import FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 
 

@@ -57,6 +57,8 @@ ROOMS = (  # from the ground up: a room imports from itself and from what stands
     "pipelines.datasets",
     "pipelines.studies.housings",
     "pipelines.studies.detect",
+    "pipelines.studies.spread",
+    "pipelines.studies.calibrate",
     "pipelines.studies.trade",
     "pipelines.studies.verification",
     "pipelines.cli",

@@ -16,8 +16,8 @@ from pipelines.diagnosis.known_damage import sentences as case_sentences
 from pipelines.diagnosis.simulated import FeatureSettings, run_features, window_features
 from pipelines.diagnosis.verdict import ALARM, DIFFERENT
 from pipelines.diagnosis.verdict_words import headline, ranking_grid, sentences
-from pipelines.signals.features.feature_table import FeatureError, feature_table
-from pipelines.signals.features.table import WHOLE, _without
+from pipelines.signals.features.feature_table import WHOLE, _without
+from pipelines.signals.features.recording_features import FeatureError, recording_features
 from pipelines.signals.orders.kinematics import Gear, Shaft
 from pipelines.signals.orders.rotation import Rotation
 
@@ -256,7 +256,7 @@ def test_recordings_without_features_of_any_component_are_refused_with_the_reaso
     one = recording(103)
     unsure = Rotation(angle=2 * np.pi * 20.0 * one.time.values, source="", error=0.02, absolute=False)
     bare = dataclasses.replace(MACHINE, bearings=())
-    tables = [feature_table(recording(seed), bare, unsure) for seed in range(103, 109)]
+    tables = [recording_features(recording(seed), bare, unsure) for seed in range(103, 109)]
     with pytest.raises(BaselineError, match=r"no shaft, gear or bearing .* averages need 0\.25\. Reduce the"):
         judge(tables[0], tables[1:], bare)
 
@@ -284,7 +284,7 @@ def test_what_turns_too_seldom_is_named_with_the_time_it_takes(healthy):
     angle = 2 * np.pi * 20.0 * one.time.values
     unsure = Rotation(angle=angle, source="", error=0.0, absolute=False, conditional={"shaft_1": "no sidebands"})
     with pytest.raises(FeatureError, match=r"shaft_1: no sidebands\. .*, correct teeth, set speed with"):
-        feature_table(one, MACHINE, unsure, {"none": (1.0, 1.1)})
+        recording_features(one, MACHINE, unsure, {"none": (1.0, 1.1)})
     with pytest.raises(FeatureError, match="none: 900 to 910 s is outside the recording, which lasts from 0 to "):
         run_features(recording(105), FeatureSettings(kinematics=MACHINE, windows={"none": (900.0, 910.0)}))
 

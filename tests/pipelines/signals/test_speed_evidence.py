@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import xarray
 
-from pipelines.signals.features.feature_table import FeatureError, feature_table
-from pipelines.signals.features.table import confirmed, with_common_components
+from pipelines.signals.features.feature_table import confirmed, with_common_components
+from pipelines.signals.features.recording_features import FeatureError, recording_features
 from pipelines.signals.orders import mesh_tracking
 from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 from pipelines.signals.orders.rotation import RotationError
@@ -77,7 +77,7 @@ def test_a_speed_beyond_the_search_is_not_known(off):
         return
     assert set(found.conditional) == {"shaft_1", "shaft_2"}
     with pytest.raises(FeatureError, match="no shaft has a confirmed speed"):
-        feature_table(recording, train(*PAIR), found)
+        recording_features(recording, train(*PAIR), found)
 
 
 @pytest.mark.parametrize("amplitude", [0.0, 0.01, 0.1])
@@ -125,7 +125,7 @@ def test_a_shaft_without_sidebands_is_conditional_and_not_diagnosed():
     found = rotation_of(recording, machine)
     assert abs(error(found, angle)) < 1e-4
     assert found.conditional == {"shaft_1": NO_SIDEBANDS}
-    (table,) = confirmed([feature_table(recording, machine, found)])
+    (table,) = confirmed([recording_features(recording, machine, found)])
     assert "stage 1 pinion" not in table.component
     assert "stage 1 wheel" in table.component
     assert "stage 1 pinion" in table.left_out[0]
@@ -138,7 +138,7 @@ def test_a_recording_that_shows_both_shafts_confirms_the_teeth_for_those_that_sh
     found = rotation_of(recording, machine)
 
     def table(**conditional):
-        return feature_table(recording, machine, replace(found, conditional=conditional))
+        return recording_features(recording, machine, replace(found, conditional=conditional))
 
     both, first, second = table(), table(shaft_2=NO_SIDEBANDS), table(shaft_1=NO_SIDEBANDS)
     other = table(shaft_2="its sidebands have the spacing of a gear with another number of teeth")
@@ -182,7 +182,7 @@ def test_a_constant_speed_gives_bearings_and_no_averages_over_turns():
     found = rotation_of(recording, PLAIN)
     assert found.turns == pytest.approx(1.004 * SPEED * 6.0, rel=1e-3)
     assert found.error == 0.005
-    table = feature_table(recording, PLAIN, found)
+    table = recording_features(recording, PLAIN, found)
     assert set(table.component) == {"whole machine", "DE BPFO", "DE BPFI"}
     assert "known to 0.72 turns" in table.left_out[0]
     levels = dict(zip(table.component, table.value[0], strict=True))
@@ -190,7 +190,7 @@ def test_a_constant_speed_gives_bearings_and_no_averages_over_turns():
 
 
 def test_a_speed_known_well_gives_the_shaft_too():
-    table = feature_table(known(SPEED, 0.0005), PLAIN, rotation_of(known(SPEED, 0.0005), PLAIN))
+    table = recording_features(known(SPEED, 0.0005), PLAIN, rotation_of(known(SPEED, 0.0005), PLAIN))
     assert ("shaft_1", "order_1") in table.lines
 
 
