@@ -35,7 +35,6 @@ Teeth = np.ndarray | None  # terms (z, 6), clearances (z,) in m, or None for sou
 Values = np.ndarray | float
 
 
-
 class MeshResponse(NamedTuple):
     """What a law answers at a state, as arrays of one shape."""
 
@@ -94,9 +93,28 @@ class LawEvaluator:
         cycle, delta, psi : 1, m, rad
         pinion, wheel : see `Teeth`
         """
-        pairs, loads = self._near_loads(cycle, delta, psi, pinion, wheel)
-        loaded = loads.any(axis=1)
-        return pairs[loaded], loads[loaded]
+        pairs, loads = self.near_loads(cycle, delta, psi, pinion, wheel)
+        loaded = loads[0].any(axis=1)
+        return pairs[0, loaded], loads[0, loaded]
+
+    def near_loads(
+        self, cycle: Values, delta: Values, psi: Values = 0.0, pinion: Teeth = None, wheel: Teeth = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers (n, pair) of all pairs that may be near mesh at n states, and their `line_loads` (n, pair, slice).
+
+        Parameters
+        ----------
+        cycle, delta, psi : 1, m, rad, numbers or (n,)
+        pinion, wheel : see `Teeth`
+        """
+        law = self.law
+        last = law.position_start + (law.compliance.size - 1) * law.position_step
+        reach = math.ceil(max(abs(law.position_start), abs(last)) + float(np.abs(law.cycle_shift).max())) + 1
+        c = np.broadcast_arrays(np.atleast_1d(cycle), delta, psi)[0]
+        loads = np.zeros((c.size, 2 * reach + 1, law.face_coordinate.size))
+        self._respond(c, delta, psi, *self.teeth(pinion, wheel), loads)
+        first = np.floor(law.cycle_sign * c + law.cycle_offset).astype(int)
+        return first[:, None] + np.arange(-reach, reach + 1), loads
 
     def shares(
         self, cycle: float, delta: float, psi: float = 0.0, pinion: Teeth = None, wheel: Teeth = None
@@ -108,8 +126,8 @@ class LawEvaluator:
         cycle, delta, psi : 1, m, rad
         pinion, wheel : see `Teeth`
         """
-        pairs, loads = self._near_loads(cycle, delta, psi, pinion, wheel)
-        return pairs, loads @ self.law.slice_width
+        pairs, loads = self.near_loads(cycle, delta, psi, pinion, wheel)
+        return pairs[0], loads[0] @ self.law.slice_width
 
     def no_load(self, cycle: Values, psi: Values = 0.0, pinion: Teeth = None, wheel: Teeth = None) -> np.ndarray:
         """delta (n,) in m at which the force of the law begins: the least gap + h - psi y over its slices and pairs.
@@ -186,17 +204,6 @@ class LawEvaluator:
                 )
             checked.append(terms)
         return checked[0], checked[1]
-
-    def _near_loads(
-        self, cycle: float, delta: float, psi: float, pinion: Teeth, wheel: Teeth
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Numbers (n,) of all pairs that may be near mesh and their line loads (n, slice)."""
-        law = self.law
-        last = law.position_start + (law.compliance.size - 1) * law.position_step
-        reach = math.ceil(max(abs(law.position_start), abs(last)) + float(np.abs(law.cycle_shift).max())) + 1
-        loads = np.zeros((1, 2 * reach + 1, law.face_coordinate.size))
-        self._respond(cycle, delta, psi, *self.teeth(pinion, wheel), loads)
-        return math.floor(law.cycle_sign * cycle + law.cycle_offset) + np.arange(-reach, reach + 1), loads[0]
 
     def _respond(
         self, cycle: Values, delta: Values, psi: Values, pinion: np.ndarray, wheel: np.ndarray, loads: Any = None
