@@ -10,7 +10,7 @@ from pipelines.io.argument_types import count, from_zero, positive
 
 HELP = """\
 Search for the best flank modifications of a stage. Print the best candidates, evaluated with values as they are
-manufactured, and the settings of the best compromise. Takes seconds to minutes; a repeated search continues where it ended."""
+manufactured, and the settings of the best compromise. A repeated search continues where it ended."""
 EXAMPLE = """\
 gearcase design bench --vary both.tip_relief.amount_um=0:30:2 --vary both.tip_relief.length_mm=0.5:4:0.5
 ...

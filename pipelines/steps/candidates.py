@@ -61,7 +61,7 @@ class Conditions:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CandidateResults:
-    """Arrays over (candidate, sample, ...), SI; sample 0 is the nominal pair. NaN for a candidate that is not possible."""
+    """Arrays over (candidate, sample, ...), SI; sample 0 is the nominal pair. NaN: the candidate is not possible."""
 
     peak_to_peak: np.ndarray  # (candidate, sample, load), m
     orders: np.ndarray  # (candidate, sample, load, order), m

@@ -1,4 +1,4 @@
-"""A loaded gear pair over one mesh cycle: transmission error at several loads, line loads, pressure, load along the face.
+"""A loaded gear pair over one mesh cycle: transmission error at several loads, line loads, pressure, load factor.
 
 A tooth pair passes all its positions while the mesh cycle passes once over all pairs in contact. So extremes over one
 cycle and all pairs are those of one tooth pair over its engagement.
@@ -20,7 +20,7 @@ ORDERS = 8  # of the mesh frequency
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MeshCycle:
-    """Solution at the forces (load,), N, with the tilts (load,), rad; `error` (load, position) m, over one mesh cycle."""
+    """Solution at the forces (load,), N, and tilts (load,), rad; `error` (load, position), m, over one mesh cycle."""
 
     pair: GearPair
     evaluator: LawEvaluator

@@ -1,1 +1,1 @@
-"""Search for flank modifications: least transmission error, pressure and stress, for the nominal pair or deviating ones."""
+"""Search for flank modifications with the least transmission error and pressure, nominal or with deviations."""

@@ -118,7 +118,7 @@ class Evaluations:
             libraries=("numpy", "scipy", "numba"),
             seconds=SECONDS * problems,
         )
-        return self._work.build(Graph([*self._graph, step]), ["candidates"]).value("candidates")  # type: ignore[no-any-return]
+        return self._work.build(Graph([*self._graph, step]), ["candidates"]).value("candidates")
 
     def __call__(self, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Objectives (candidate, objective) and excess (candidate, limit) of candidates (candidate, variable)."""
@@ -174,7 +174,7 @@ def search(evaluate: Evaluations, task: DesignTask, *, quiet: bool) -> Designs:
 
 
 def _evolve(evaluate: Evaluations, task: DesignTask, report: Callable[[], None]) -> None:
-    """Half of the evaluations by NSGA-II, then neighbours of the front, until all are known or the number is reached."""
+    """Half of the evaluations by NSGA-II, then neighbours of the front until all are known."""
     try:
         from pymoo.algorithms.moo.nsga2 import NSGA2
         from pymoo.core.evaluator import Evaluator

@@ -91,7 +91,7 @@ def design_study(loaded: LoadedScene, options: DesignOptions, work: Work) -> Des
 
     Raises
     ------
-    SceneError, InputError : the scene cannot be used; a variable, quantity or limit is not valid; nothing meets the limits
+    SceneError, InputError : the scene or an option cannot be used, or nothing meets the limits
     """
     graph, machine = scene_graph(loaded)
     task = _task(loaded, machine, options, work)
