@@ -1,4 +1,4 @@
-"""A design study: from what is asked to the front, with its best candidates evaluated on a finer grid of positions."""
+"""A design study: from the options to the front, with its best candidates evaluated on a finer grid of positions."""
 
 from __future__ import annotations
 
