@@ -37,7 +37,7 @@ from pipelines.signals.response import make_response
 from pipelines.steps.error_bars import machine_bars
 from pipelines.steps.motion import moved
 from pipelines.steps.results import bars_step, casing_taken
-from pipelines.steps.study import plan_study
+from pipelines.steps.run_plan import plan_run
 
 OUTPUT = Path(__file__).parent / "results" / "error_bars.json"
 SHORT: dict[str, Any] = {
@@ -91,26 +91,26 @@ class MeshRun:
 
 def mesh_run(settings: Mapping[str, Any]) -> MeshRun:
     """The rig with a missing tooth in a casing of one mesh."""
-    study = plan_study(load_scene("rig-missing-tooth", {**SHORT, **settings}), with_control=False, both_loads=False)
-    plant = study.plant
+    plan = plan_run(load_scene("rig-missing-tooth", {**SHORT, **settings}), with_control=False, both_loads=False)
+    plant = plan.plant
     step = Step(
         name="inputs",
         kind="inputs",
         build=machine_bars,
-        takes={"laws": plant.law_names, **casing_taken(study.graph)},
+        takes={"laws": plant.law_names, **casing_taken(plan.graph)},
     )
-    outcome = Work(processes=1).build(study.graph, ["simulate", *step.inputs])
+    outcome = Work(processes=1).build(plan.graph, ["simulate", *step.inputs])
     return MeshRun(plant=plant, motion=outcome.value("simulate"), taken=step.received(outcome.value))
 
 
 def first_bars() -> tuple[Diagnosis, LineBars]:
     """Diagnosis and bars of the first mesh, against its healthy control."""
     loaded = load_scene("rig-missing-tooth", {**SHORT, **MESHES[FIRST]})
-    study = plan_study(loaded, both_loads=False)
-    step, case = bars_step(study), study.cases[0]
+    plan = plan_run(loaded, both_loads=False)
+    step, case = bars_step(plan), plan.cases[0]
     assert case.control is not None
     assert case.own.plant.diagnosis is not None
-    outcome = Work(processes=1).build(Graph([*study.graph, step]), [step.name, case.own.step, case.control.step])
+    outcome = Work(processes=1).build(Graph([*plan.graph, step]), [step.name, case.own.step, case.control.step])
     runs = (make_response(outcome.value(case.own.step), case.own.plant.labels),
             make_response(outcome.value(case.control.step), case.control.plant.labels))  # fmt: skip
     return diagnose(*runs, case.own.plant.diagnosis), outcome.value(step.name)

@@ -15,9 +15,9 @@ from numba import njit
 from benchmarks.clock import timed
 from benchmarks.gear_pairs import gear_pair
 from benchmarks.rig import Laws, keep, plane_law, read, stage_law
-from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.evaluation.kernel import evaluate
+from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.models.solid import Solid
 from fem.contact.wheels.crack_surface import crack_surface
 

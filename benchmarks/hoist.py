@@ -8,9 +8,9 @@ import numpy as np
 
 from mbd.forces.rope import Rope
 from mbd.parts.bearings import BearingSpec
-from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.machine import STANDARD_GRAVITY, Machine
 from mbd.parts.shafts import Disk, Section, ShaftSpec
+from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
 
 MASS, RADIUS, LENGTH, EA, FALLS = 1000.0, 0.1, 5.0, 3.57e6, 8
 OMEGA = math.sqrt(FALLS * EA / LENGTH / MASS)  # rad/s

@@ -13,9 +13,9 @@ import numpy as np
 from numba import njit
 
 from benchmarks.rig import plane_law, read
-from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.evaluation.kernel import evaluate
+from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.law import MeshLaw
 from fem.contact.teeth import tooth_terms
 

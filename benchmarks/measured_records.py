@@ -17,7 +17,7 @@ from pathlib import Path
 
 from pipelines.diagnosis.impacts import impacts
 from pipelines.diagnosis.verdict import judge
-from pipelines.diagnosis.words import headline, standing
+from pipelines.diagnosis.verdict_words import headline, standing
 from pipelines.runs.recorded import machine_of, read_features
 from pipelines.signals.features.table import with_common_components
 

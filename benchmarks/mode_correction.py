@@ -16,7 +16,7 @@ import numpy as np
 import scipy.linalg as la
 
 from fem.casing.reduced.modes import CasingModes
-from fem.casing.reduced.truncation import undamped_modes
+from fem.casing.reduced.reduced_modes import undamped_modes
 from fem.casing.uncertainty.extrapolation import measured_limits
 from pipelines.engine.run_graph import Work
 from pipelines.runs.single_results import scene_graph

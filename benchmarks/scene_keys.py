@@ -23,7 +23,7 @@ from pipelines.io.toml_text import format_value
 from pipelines.scene.problems import unit_of
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.base import is_list, tables, tag_key, tags
-from pipelines.scene.tables.samples import ColumnTable
+from pipelines.scene.tables.series import ColumnTable
 
 HEAD = """# Scene keys
 

@@ -31,7 +31,7 @@ REPEATS = 5  # of a random split
 def main(folder: Path) -> None:
     """Simulate what is missing in the data set, then classify."""
     _gearcase("campaign", str(PLAN), "--out", str(folder))
-    _gearcase("dataset", "features", str(folder), "--start", str(START), "--noise", str(NOISE))
+    _gearcase("features", str(folder), "--start", str(START), "--noise", str(NOISE))
     table, names = run_table(folder)
     train, test = table[table.split == "train"], table[table.split == "test"]
     found = forest().fit(train[names], train.label).predict(test[names])
@@ -56,8 +56,9 @@ def run_table(folder: Path) -> tuple[pandas.DataFrame, list[str]]:
     """A line per run with its label, split and group, and the names of its features."""
     rows = pandas.read_parquet(folder / "rows.parquet").set_index("run")
     features = pandas.read_parquet(folder / "features.parquet")
-    wide = features.pivot(index="run", columns=["sensor", "axis"]).dropna(axis="columns")
-    wide.columns = ["_".join(words) for words in wide.columns]
+    names = ["sensor", "axis", "component", "feature"]
+    wide = features.pivot(index="run", columns=names, values="value").dropna(axis="columns")
+    wide.columns = [" ".join(words) for words in wide.columns]
     return rows.join(wide, how="inner"), list(wide.columns)
 
 

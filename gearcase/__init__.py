@@ -3,7 +3,7 @@
     scene = gearcase.Scene.from_file("minimal")    check laws casing modes simulate run tradeoff converge
     gearcase.reduce(K, M, points, nodes=...)       matrices of another program; Point
     gearcase.open_run("minimal")                   a finished run; diagnose error_bars spectrum
-    gearcase.open_recording("r.csv", "bench.toml") a measured file; judge compare
+    gearcase.open_recording("r.csv", "bench.toml") a measured file; features judge compare
     gearcase.open_dataset("campaigns/plan")        a data set of many runs; pieces
 
 All numbers are SI unless a name ends in a unit. No function prints; `progress=` takes a function that is called for
@@ -14,7 +14,7 @@ import importlib
 import logging
 from typing import TYPE_CHECKING, Any
 
-from gearcase.hidden import refuse_hidden
+from gearcase.shadowed_packages import refuse_shadowed
 
 if TYPE_CHECKING:
     from gearcase.campaigns import Finished as Finished
@@ -34,8 +34,10 @@ if TYPE_CHECKING:
     from gearcase.matrices import Point as Point
     from gearcase.matrices import ReducedMatrices as ReducedMatrices
     from gearcase.matrices import reduce as reduce
+    from gearcase.progress import StepProgress as StepProgress
     from gearcase.recordings import Verdict as Verdict
     from gearcase.recordings import compare as compare
+    from gearcase.recordings import features as features
     from gearcase.recordings import judge as judge
     from gearcase.recordings import open_recording as open_recording
     from gearcase.results import Diagnosis as Diagnosis
@@ -52,7 +54,6 @@ if TYPE_CHECKING:
     from gearcase.studies import Tradeoff as Tradeoff
     from gearcase.studies import converge as converge
     from gearcase.studies import tradeoff as tradeoff
-    from gearcase.working import StepProgress as StepProgress
 
 _PLACES = {
     "campaigns": ("Finished", "campaign"),
@@ -62,16 +63,16 @@ _PLACES = {
     "gears": ("PairLaws", "laws"),
     "machines": ("LinearModes", "modes", "simulate"),
     "matrices": ("Point", "ReducedMatrices", "reduce"),
-    "recordings": ("Verdict", "compare", "judge", "open_recording"),
+    "progress": ("StepProgress",),
+    "recordings": ("Verdict", "compare", "features", "judge", "open_recording"),
     "results": ("Diagnosis", "LineBars", "diagnose", "error_bars", "open_run", "run", "spectrum"),
     "scenes": ("Checked", "Scene", "check"),
     "studies": ("RefinementStudy", "Tradeoff", "converge", "tradeoff"),
-    "working": ("StepProgress",),
 }
 _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
 __all__ = sorted(_PLACE_OF)
 
-refuse_hidden()
+refuse_shadowed()
 for _package in ("fem", "mbd", "pipelines"):
     logging.getLogger(_package).addHandler(logging.NullHandler())  # silent unless the caller configures logging
 

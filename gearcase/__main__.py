@@ -3,7 +3,7 @@
 import os
 import sys
 
-from gearcase.hidden import HOME
+from gearcase.shadowed_packages import HOME
 
 if __name__ == "__main__":
     here = os.path.realpath(os.getcwd())

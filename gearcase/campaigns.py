@@ -6,7 +6,7 @@ import contextlib
 from concurrent.futures import Executor
 from pathlib import Path
 
-from gearcase.given import checked_file
+from gearcase.argument_checks import checked_file
 from pipelines.datasets.campaign import Finished, run_campaign
 from pipelines.datasets.plan import load_plan
 from pipelines.datasets.workers import Workers, local_workers

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from gearcase.progress import ProgressFunction
 from gearcase.scenes import Scene, loaded_scene
-from gearcase.working import ProgressFunction
 from pipelines.engine.run_graph import Work
 from pipelines.runs.single_results import Casing, build_casing
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gearcase.given import checked_file, checked_recording
+from gearcase.argument_checks import checked_file, checked_recording
 from pipelines.datasets import pieces as _views
 from pipelines.datasets import reading as _reading
 

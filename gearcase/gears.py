@@ -1,9 +1,9 @@
-"""Mesh stiffness of the gear pairs."""
+"""`gearcase.laws`: the mesh laws of all gear pairs of a scene, with their curves of stiffness."""
 
 from __future__ import annotations
 
+from gearcase.progress import ProgressFunction
 from gearcase.scenes import Scene, loaded_scene
-from gearcase.working import ProgressFunction
 from pipelines.engine.run_graph import Work
 from pipelines.runs.single_results import build_pairs
 from pipelines.steps.pair_curves import PairLaws

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from gearcase.progress import ProgressFunction
 from gearcase.scenes import Scene, loaded_scene
-from gearcase.working import ProgressFunction
 from mbd.system.linearised import LinearModes
 from pipelines.engine.run_graph import Work
 from pipelines.runs.single_results import build_machine_modes, build_signals

@@ -1,21 +1,29 @@
-"""Recordings of measured accelerations: open, compare with healthy ones, compare with one another."""
+"""Recordings of measured accelerations: open, compute features, compare with healthy ones and with one another."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import xarray
 
-from gearcase.given import checked_by_name, checked_file, checked_recording, checked_recordings
+from gearcase.argument_checks import checked_by_name, checked_file, checked_recording, checked_recordings
+from pipelines.datasets.features import FeatureSource
+from pipelines.datasets.workers import local_workers
 from pipelines.diagnosis.comparison.labelled import labelled_comparison
 from pipelines.diagnosis.verdict import Verdict
 from pipelines.recordings.machine import read_machine
-from pipelines.recordings.recording import read_recording
+from pipelines.recordings.read_recording import read_recording
 from pipelines.runs.recorded import judge_recordings
 
+if TYPE_CHECKING:
+    import pandas
+
 MACHINE = "a machine file, a scene file, or the name of a shipped scene"
-__all__ = ["Verdict", "compare", "judge", "open_recording"]
+_SOURCE = "a recording, a run, a data set or a folder of recordings"
+__all__ = ["Verdict", "compare", "features", "judge", "open_recording"]
 
 
 def open_recording(path: str | Path, machine: str | Path) -> xarray.Dataset:
@@ -45,6 +53,55 @@ def open_recording(path: str | Path, machine: str | Path) -> xarray.Dataset:
     return read_recording(
         checked_file("path", path, "a recording"), read_machine(checked_file("machine", machine, MACHINE))
     )
+
+
+def features(
+    sources: str | Path | Sequence[str | Path],
+    machine: str | Path | None = None,
+    *,
+    start: float = 0.0,
+    end: float = math.inf,
+    noise_m_s2: float = 0.0,
+    processes: int | None = None,
+) -> pandas.DataFrame:
+    """Compute the features of recordings, finished runs or a data set; docs/features.md defines them.
+
+    Parameters
+    ----------
+    sources : recordings, runs, folders of recordings, or the folder of one data set
+    machine : machine file, scene file, or the name of a shipped scene; runs and data sets have their own
+    start, end : part to evaluate, s; by default the whole signal
+    noise_m_s2 : RMS of added white noise, which depends only on the signals
+    processes : signals processed in parallel, all cores by default
+
+    Returns
+    -------
+    a row for each signal, channel, component and feature: `recording` (or `run`, the number in a data set), `sensor`,
+    `axis`, `component`, `feature`, `unit`, `value` in this unit, and `level_dB` over the reference of the feature. The
+    attribute `failures` gives the reason for each signal without features
+
+    Raises
+    ------
+    InputError, SceneError : a source or the machine cannot be used, or no signal has features
+
+    >>> import gearcase, numpy, pathlib
+    >>> _ = pathlib.Path("bench.toml").write_text("teeth = [[20, 31]]\\nspeed_rpm = 1500\\nrate_Hz = 5000\\n")
+    >>> angle = 2 * numpy.pi * 25 * numpy.arange(40000) / 5000
+    >>> mesh = (1 + 0.5 * numpy.cos(angle) + 0.5 * numpy.cos(20 / 31 * angle)) * numpy.cos(20 * angle)
+    >>> numpy.save("record.npy", mesh + 0.01 * numpy.random.default_rng(1).normal(size=angle.size))
+    >>> table = gearcase.features("record.npy", "bench.toml").set_index(["component", "feature"])
+    >>> print(f"{table.value['stage 1 pinion', 'mesh_1_upper']:.2f} m/s2")
+    0.25 m/s2
+    """
+    import pandas as pd
+
+    several = [sources] if isinstance(sources, str | Path) else list(sources)
+    named = [checked_file(f"sources[{number}]", one, _SOURCE) for number, one in enumerate(several)]
+    found = FeatureSource(named, machine, start, end, noise_m_s2)
+    with local_workers(processes) as workers:
+        table = pd.concat(list(found.frames(workers.executor, lambda done, total: None)), ignore_index=True)
+    table.attrs["failures"] = found.failures
+    return table
 
 
 def judge(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset], machine: str | Path) -> Verdict:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gearcase.given import checked_file, checked_recording, checked_signal, refusal
+from gearcase.argument_checks import checked_file, checked_recording, checked_signal, refusal
+from gearcase.progress import ProgressFunction
 from gearcase.scenes import Scene, Settings, loaded_scene
-from gearcase.working import ProgressFunction
 from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.uncertainty.line_bars import LineBars
 from pipelines.engine.run_graph import Work

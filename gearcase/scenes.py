@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from fem.storage import shown_html
-from gearcase.given import checked_file, refusal
+from gearcase.argument_checks import checked_file, refusal
 from pipelines.io.toml_text import format_value
 from pipelines.runs.checked import Checked, check_scene
 from pipelines.scene.file import LoadedScene, changed, load_scene, scene_of_tree

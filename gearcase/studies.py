@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from gearcase.given import refusal
+from gearcase.argument_checks import refusal
+from gearcase.progress import ProgressFunction
 from gearcase.scenes import Scene, loaded_scene
-from gearcase.working import ProgressFunction
 from pipelines.engine.run_graph import Work
 from pipelines.studies.trade.axes import AXES
 from pipelines.studies.trade.refinement import RefinementStudy, refine

@@ -8,11 +8,11 @@ from fem.casing.reduced.body import ReducedBody
 from fem.contact.law import MeshLaw
 from mbd.forces.rope import Rope
 from mbd.parts.bearings import BearingSpec
-from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.gear_mesh import MeshSpec
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import Machine
 from mbd.parts.shafts import Disk, Section, ShaftSpec
+from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
 
 AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
 TRANSVERSE_ANGLE = math.radians(20.5)

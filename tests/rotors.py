@@ -7,10 +7,10 @@ import numpy as np
 
 from mbd.elements.reading import Reading
 from mbd.parts.bearings import rigid_bearing
-from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.load import OutsideForce, StaticTorque
 from mbd.parts.machine import Machine
 from mbd.parts.shafts import Disk, Section, ShaftSpec
+from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
 
 LENGTH, DIAMETER, MASS, MODULUS, RATIO = 0.5, 0.02, 10.0, 206e9, 0.3
 DAMPING = 0.05

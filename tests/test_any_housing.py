@@ -30,8 +30,8 @@ from pipelines.cli.main import main
 from pipelines.runs.checked import check_scene
 from pipelines.scene.file import load_scene
 from pipelines.studies.housings.block import housing_block
+from pipelines.studies.housings.bore_picture import _seen
 from pipelines.studies.housings.page import housing_page, thinned
-from pipelines.studies.housings.picture import _seen
 
 IRON = Material(name="iron", elastic_modulus=1.1e11, poisson_ratio=0.26, density=7200.0)
 TILT = math.radians(4.3)

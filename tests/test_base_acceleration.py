@@ -18,7 +18,7 @@ from mbd.excitations.base_acceleration import AccelerationSweep, AccelerationTab
 from mbd.excitations.unbalance import Unbalance
 from mbd.integrators.settings import Settings
 from mbd.output.simulate import simulate
-from mbd.parts.drive import SpeedProfile
+from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.frequency_response import frequency_response
 from mbd.system.linearised import tangent
 from mbd.system.statics import equilibrium

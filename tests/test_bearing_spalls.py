@@ -21,10 +21,10 @@ from mbd.output.simulate import simulate
 from mbd.parts.bearings import rigid_bearing
 from mbd.parts.channels import journal_acceleration, shaft_channels
 from mbd.parts.checks import MachineError
-from mbd.parts.drive import SpeedProfile
 from mbd.parts.load import StaticTorque
 from mbd.parts.rolling_catalogue import by_designation
 from mbd.parts.rolling_elements import pass_frequencies
+from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.system import assemble
 
 BALLS, ROLLERS = by_designation("6208"), by_designation("NU208")

@@ -7,13 +7,13 @@ import pytest
 from turning import MACHINE, recording
 
 from pipelines.diagnosis.alike import alike
-from pipelines.diagnosis.baseline import BaselineError
-from pipelines.diagnosis.cases import Case, Damage, any_found, cases_grid, found
-from pipelines.diagnosis.cases import sentences as case_sentences
+from pipelines.diagnosis.baseline_checks import BaselineError
+from pipelines.diagnosis.known_damage import Case, Damage, any_found, cases_grid, found
+from pipelines.diagnosis.known_damage import sentences as case_sentences
 from pipelines.diagnosis.simulated import FeatureSettings, run_features, window_features
 from pipelines.diagnosis.verdict import ALARM, damage_p, judge
-from pipelines.diagnosis.words import headline, ranking_grid, sentences
-from pipelines.signals.features.recorded import FeatureError, feature_table
+from pipelines.diagnosis.verdict_words import headline, ranking_grid, sentences
+from pipelines.signals.features.feature_table import FeatureError, feature_table
 from pipelines.signals.features.table import WHOLE, _without
 from pipelines.signals.orders.kinematics import Gear, Shaft
 from pipelines.signals.orders.rotation import Rotation

@@ -16,10 +16,10 @@ from scipy.linalg import eigh
 
 from mbd.forces.torque import Torque
 from mbd.parts.bearings import rigid_bearing
-from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.gear_mesh import MeshSpec
 from mbd.parts.machine import Machine
 from mbd.parts.shafts import Disk, Section, ShaftSpec
+from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
 from mbd.system.linearised import linear_modes
 from mbd.system.system import assemble
 

@@ -232,7 +232,7 @@ def test_a_mode_is_drawn_with_8_percent_of_the_diagonal(monkeypatch):
     """A block with a diagonal of 1.3 m: the largest displacement is drawn as 0.104 m, after a quarter period."""
     pytest.importorskip("pyvista")
     from pipelines.report.figures import render
-    from pipelines.report.figures.view import draw_mode
+    from pipelines.report.figures.renderer import draw_mode
 
     monkeypatch.setattr(render, "_render", lambda drawn, title, arrays, *others, **more: arrays)
     nodes = np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.0, 0.4, 0.0], [0.0, 0.0, 1.2]])

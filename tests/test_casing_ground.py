@@ -15,12 +15,13 @@ from fem.casing.reduced.attachment import AttachmentError
 from fem.casing.reduced.body import BEARING_AXES
 from fem.casing.reduced.checkup import check_up
 from fem.casing.reduced.damping import damping_ratios
+from fem.casing.reduced.fewer_modes import kept
 from fem.casing.reduced.grounded import ground_casing
 from fem.casing.reduced.halves import reduced_and_counted
 from fem.casing.reduced.lanczos import EigenError, block_lanczos
 from fem.casing.reduced.modes import casing_modes, kept_modes, natural_modes, reduced_body
-from fem.casing.reduced.reduction import ReductionError, count_fixed_modes, reduce_body
-from fem.casing.reduced.truncation import kept
+from fem.casing.reduced.reduction import ReductionError, reduce_body
+from fem.casing.reduced.sturm_count import count_fixed_modes
 from fem.elements.materials import CAST_IRON
 from fem.numerics.linear_solver import nested_dissection
 from fem.storage.ledger import counting
@@ -214,7 +215,7 @@ def test_a_missed_mode_is_an_error(fixed, monkeypatch):
     reduction, counted = reduced_and_counted(*held, highest=1.5 * BAND)
     assert reduction.n_fixed == counted
     assert np.array_equal(reduction.modes, fixed[1].modes)  # the same numbers beside the count as without
-    monkeypatch.setattr("fem.casing.reduced.reduction.count_fixed_modes", lambda *_: counted + 1)
+    monkeypatch.setattr("fem.casing.reduced.sturm_count.count_fixed_modes", lambda *_: counted + 1)
     with pytest.raises(EigenError, match=f"{counted} fixed-interface modes found below 4500 Hz, {counted + 1} exist"):
         reduced_and_counted(*held, highest=1.5 * BAND)
 

@@ -18,7 +18,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 
 from fem.casing.imported.body import ForeignError
 from fem.casing.imported.checks import check_foreign
-from fem.casing.imported.files import MatrixFiles, read_body
+from fem.casing.imported.matrix_files import MatrixFiles, read_body
 from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.models.rigid_casing import RigidCasing
 from fem.casing.reduced.attachment import mean_motion_rows

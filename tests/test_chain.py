@@ -7,12 +7,12 @@ from pipelines.io.errors import InputError
 from pipelines.machine.checks.design_warnings import design_warnings
 from pipelines.machine.machine import make_drivetrain, make_plant
 from pipelines.scene.file import load_scene
-from pipelines.steps.study import plan_study
+from pipelines.steps.run_plan import plan_run
 
 
 def inputs(scene, *settings, **options):
-    study = plan_study(load_scene(scene, settings), **options)
-    return {stage.name: (stage.kind, digest(stage.spec), stage.inputs) for stage in study.graph}
+    plan = plan_run(load_scene(scene, settings), **options)
+    return {stage.name: (stage.kind, digest(stage.spec), stage.inputs) for stage in plan.graph}
 
 
 def touched(scene, *settings):
@@ -70,27 +70,27 @@ def test_scene_and_control_share_all_but_the_simulation():
 
 
 def test_the_loads_and_seeds_share_all_but_the_simulation():
-    study = plan_study(load_scene("rig-missing-tooth"), seeds=2)
-    assert [case.label for case in study.cases] == [
+    plan = plan_run(load_scene("rig-missing-tooth"), seeds=2)
+    assert [case.label for case in plan.cases] == [
         "", "torque", "error-free", "seed 2", "torque error-free", "torque seed 2"
     ]  # fmt: skip
-    kinds = [stage.kind for stage in study.graph]
+    kinds = [stage.kind for stage in plan.graph]
     assert (kinds.count("law"), kinds.count("casing-modes"), kinds.count("simulate")) == (3, 1, 12)
 
 
 def test_seeds_without_a_control_are_refused():
     with pytest.raises(InputError, match=r"--seeds: there is no healthy control to compare with\. Set control"):
-        plan_study(load_scene("minimal"), seeds=2)
+        plan_run(load_scene("minimal"), seeds=2)
 
 
 def test_the_torque_beside_the_rope_is_the_shipped_torque_scene():
-    study = plan_study(load_scene("rig-missing-tooth"))
-    stages = {name: study.graph.steps[name].spec for name in ("torque simulate", "torque healthy simulate")}
+    plan = plan_run(load_scene("rig-missing-tooth"))
+    stages = {name: plan.graph.steps[name].spec for name in ("torque simulate", "torque healthy simulate")}
     for name, shipped in (
         ("torque simulate", "rig-missing-tooth-torque"),
         ("torque healthy simulate", "rig-healthy-torque"),
     ):
-        alone = plan_study(load_scene(shipped), with_control=False).graph.steps["simulate"].spec
+        alone = plan_run(load_scene(shipped), with_control=False).graph.steps["simulate"].spec
         assert digest(stages[name]) == digest(alone)
 
 

@@ -31,7 +31,7 @@ from pipelines.machine.layout import lay_out
 from pipelines.machine.machine import make_drivetrain
 from pipelines.runs.checked import check_scene
 from pipelines.scene.file import load_scene
-from pipelines.steps.study import plan_study
+from pipelines.steps.run_plan import plan_run
 
 NO_WINDOWS = {"diagnosis.windows_s": {}}
 FAULT = {"faults": [{"kind": "missing-tooth", "stage": 1, "gear": "wheel", "tooth": 0}], "control": "without-faults"}
@@ -59,7 +59,9 @@ def refusal(scene, settings):
     loaded = load_scene(scene, settings)
     with pytest.raises(SceneError) as refused:
         checked_plant(loaded.scene, loaded.source.shown)
-    return {problem.path: str(problem) for problem in refused.value.problems}
+    said = {problem.path: str(problem) for problem in refused.value.problems}
+    assert all(text == text.rstrip() and ".. " not in text for text in said.values())
+    return said
 
 
 LOST_FILE = {"model": "table", "times_s": {"file": "lost.csv", "column": "t"}, "forces_N": [1.0]}
@@ -199,6 +201,12 @@ def test_refused_before_computing_by_key_with_value_and_limit(scene, settings, p
     assert words in found[path], found
 
 
+def test_a_bearing_outside_its_boss_is_one_problem():
+    loaded = load_scene("minimal", {"shafts.1.bearing_positions_mm": [-65.0, 100.0]})
+    with pytest.raises(SceneError, match=r"1 problem\n.* bearing_2 at y = 100 mm is 35 mm away from the middle"):
+        checked_plant(loaded.scene, "minimal")
+
+
 def test_everything_is_refused_at_once():
     settings = {
         "bearings": {"model": "hertz", "designation": "6206X"},
@@ -249,16 +257,16 @@ def test_signals_that_find_no_room_are_refused_before_the_work(monkeypatch, tmp_
     monkeypatch.chdir(tmp_path)
     free_bytes(monkeypatch, cache=1e12, elsewhere=1e6)
     with pytest.raises(SceneError, match=r"signals of 1 simulation take about 1\.16 MB in runs, 1 MB are free"):
-        plan_study(load_scene("minimal"))
+        plan_run(load_scene("minimal"))
 
 
 def test_a_full_cache_stops_only_signals_that_memory_cannot_hold(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     free_bytes(monkeypatch, cache=0.0, elsewhere=1e12)
-    plan_study(load_scene("minimal"))
+    plan_run(load_scene("minimal"))
     long = {"simulation.end_s": 1000.0, "drive.times_s": [0.0, 0.2, 1000.0], "drive.speeds_rpm": [0.0, 900.0, 900.0]}
     with pytest.raises(SceneError, match=r"signals of 1 simulation take about 2\.32 GB in .*, 0 B are free"):
-        plan_study(load_scene("minimal", long))
+        plan_run(load_scene("minimal", long))
 
 
 def test_check_says_what_a_run_costs(capsys):
@@ -270,7 +278,7 @@ def test_check_counts_the_signals_of_each_simulation():
     rope = cost.cost(make_drivetrain(load_scene("rig-healthy").scene))
     torque = cost.cost(make_drivetrain(load_scene("rig-healthy", {"load.model": "static-torque"}).scene))
     assert torque.channels < rope.channels
-    found = cost.estimate([*plan_study(load_scene("rig-missing-tooth")).machines.values()])
+    found = cost.estimate([*plan_run(load_scene("rig-missing-tooth")).machines.values()])
     assert f"4 simulations of 1e+05 time steps and 5e+04 samples of {rope.channels} or {torque.channels}" in found
     on_disk = 2 * rope.bytes + 2 * torque.bytes + 0.5 * 2 * rope.bytes  # cache; two files of the result folder
     assert found.endswith(f"{cost.words(on_disk)} on disk")
@@ -302,6 +310,13 @@ def test_the_output_rate_is_held_against_the_fastest_mesh():
     scene = load_scene("rig-healthy", settings).scene
     told = [text for text in design_warnings(scene, make_drivetrain(scene)) if "output_rate_Hz" in text]
     assert [("stage 2, 818.2 Hz" in text) for text in told] == [True]
+
+
+@pytest.mark.parametrize(("step", "warned"), [(500.0, True), (100.0, False)])
+def test_a_step_above_the_sampling_interval_is_a_warning_with_the_step_used(step, warned):
+    scene = load_scene("minimal", {"simulation.step_us": step}).scene
+    found = design_warnings(scene, make_drivetrain(scene))
+    assert any("step_us = 500 is above the sampling interval" in t and "is 100 us" in t for t in found) == warned
 
 
 def test_a_window_in_the_run_up_is_a_warning_where_nothing_is_compared():

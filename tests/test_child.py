@@ -169,6 +169,6 @@ def test_an_error_that_cannot_be_pickled_keeps_its_words():
 def test_folders_go_to_the_child_as_they_are(monkeypatch, tmp_path):
     monkeypatch.setattr(sys, "path", ["", str(ROOT / "tests"), "__editable__.tool.finder.__path_hook__"])
     monkeypatch.chdir(tmp_path)
-    home, names, folders = json.loads(child.command("pipelines.report.figures.view")[4])
+    home, names, folders = json.loads(child.command("pipelines.report.figures.renderer")[4])
     assert (home, folders) == (str(ROOT), sys.path[1:])
     assert set(names) == set(child.PACKAGES)

@@ -149,7 +149,7 @@ def test_an_example_prints_what_its_help_shows(capsys, here, own_cache, command)
         (["check", "pair", "--set", "stages.1.wheel.face_widht_mm=3"], "Did you mean stages.1.face_width_mm?"),
         (["check", "pair", "--set", "stages.1.teth=30"], "Did you mean pinion_teeth or wheel_teeth?"),
         (["check", "bench", "--set", "shafts.1.diameter_mm=3"], "Did you mean shafts.1.sections.1.diameter_mm?"),
-        (["dataset"], "Give one of info, check, features, export"),
+        (["dataset"], "Give one of info, check, export"),
         (["gears", "pair", "--torque", "50,100"], "Separate numbers by blanks: 50 100"),
         (["tradeoff", "minimal", "--error", "2"], "'2' is above 1, that is above 100 %; for 2 per cent write 2%"),
         (
@@ -224,10 +224,10 @@ def test_explain_of_another_scene_lists_its_stages_and_no_differences(capsys, ow
     """After a run of minimal the differences of rig-missing-tooth to it filled 21,398 letters."""
     from pipelines.engine.cache import Cache
     from pipelines.engine.run_graph import run_graph
-    from pipelines.steps.study import plan_study
+    from pipelines.steps.run_plan import plan_run
 
     scene = load_scene("minimal", {"simulation.end_s": 0.01, "diagnosis.windows_s": {}})
-    run_graph(plan_study(scene).graph, Cache(), ["simulate"])
+    run_graph(plan_run(scene).graph, Cache(), ["simulate"])
     code, out, _ = gearcase(capsys, "explain", "rig-missing-tooth")
     assert code == 0
     assert out.startswith("First run: ")

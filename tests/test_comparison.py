@@ -10,9 +10,9 @@ import xarray
 
 import gearcase
 from pipelines.cli.main import main
+from pipelines.diagnosis.comparison.compared_recording import brought_together, compared_recording
 from pipelines.diagnosis.comparison.curves import curves
 from pipelines.diagnosis.comparison.features import features_of, most_different_shaft
-from pipelines.diagnosis.comparison.part import brought_together, part_of
 from pipelines.report.figures.comparison_plots import _mark
 from pipelines.report.figures.plots import new_figure
 from pipelines.scene.file import load_scene
@@ -47,7 +47,7 @@ def recording(tones, rate=10_000.0, seconds=2.0, sensors=("a", "b"), axes=("z",)
 
 def together(*recordings, windows=None):
     """The recordings as parts with the same channels and rate."""
-    return brought_together([part_of(f"r{i}", one, KINEMATICS, windows) for i, one in enumerate(recordings)])
+    return brought_together([compared_recording(f"r{i}", one, KINEMATICS, windows) for i, one in enumerate(recordings)])
 
 
 def difference(found, component, feature, row=1):
@@ -101,8 +101,8 @@ def test_lengths_and_windows_may_differ():
     tones = {20: 1.0, 20.5: 0.2}
     parts = brought_together(
         [
-            part_of("short", recording(tones, seconds=1.0), KINEMATICS),
-            part_of("long", recording(tones, seconds=4.0), KINEMATICS, {"middle": (1.0, 3.5)}),
+            compared_recording("short", recording(tones, seconds=1.0), KINEMATICS),
+            compared_recording("long", recording(tones, seconds=4.0), KINEMATICS, {"middle": (1.0, 3.5)}),
         ]
     )
     assert [part.windows[0].turns for part in parts] == pytest.approx([25.0, 62.5], abs=0.01)
@@ -118,7 +118,7 @@ def test_a_window_of_a_louder_part_is_louder():
     both["shaft_angle"][:, 0] = 2 * np.pi * SPEED * both.time.values
     parts = brought_together(
         [
-            part_of(name, both, KINEMATICS, {name: span})
+            compared_recording(name, both, KINEMATICS, {name: span})
             for name, span in (("first", (0.2, 1.8)), ("second", (2.2, 3.8)))
         ]
     )
@@ -174,13 +174,13 @@ def test_a_bearing_fault_makes_its_own_shaft_differ_most():
     pair = [recording({20: 1.0}, seconds=4.0, noise=0.3) for _ in range(2)]
     pair[1].acceleration.values += 0.3 * (carrier * knocks)[:, None, None]
     pair[0].acceleration.values += 0.3 * carrier[:, None, None]
-    found = features_of(tuple(part_of(name, one, machine) for name, one in zip("ab", pair, strict=True)))
+    found = features_of(tuple(compared_recording(name, one, machine) for name, one in zip("ab", pair, strict=True)))
     assert ("bearing_1 2 BSF", "pass_order") in found.lines
     assert most_different_shaft(found, machine, ["shaft_1", "shaft_2"]) == "shaft_2"
 
 
 def test_an_average_from_an_unknown_mark_is_turned_to_lie_over_the_first():
-    one = part_of("one", recording({20: 1.0, 1: 0.5, 3: 0.3}), KINEMATICS)
+    one = compared_recording("one", recording({20: 1.0, 1: 0.5, 3: 0.3}), KINEMATICS)
     shifted = replace(one.rotation, angle=one.rotation.angle + np.pi / 2, absolute=False)
     drawn = curves((one, replace(one, rotation=shifted)), ("a", "z"), "shaft_1")
     assert drawn.turned == (False, True)
@@ -236,6 +236,7 @@ def test_the_command_writes_table_and_figures(files, capsys):
         (["healthy.csv", "worn.csv@lowering"], "lowering is not a window. Give start and end in seconds"),
         (["healthy.csv", "worn.csv@5:6"], "the recording lasts from 0 to 1.4999 s"),
         (["healthy.csv", "worn.csv@1.0:0.5"], "its start before its end"),
+        (["healthy.csv", "worn.csv@1:1.05"], "worn.csv@1:1.05: no shaft makes 3 revolutions between 1 and 1.05 s"),
         (
             ["healthy.csv", "worn.csv", "--sensor", "motor"],
             "motor: not a channel of all recordings. Set --sensor and --axis to one of drive z",
@@ -290,7 +291,7 @@ def test_in_python_the_same_features_come_as_labelled_arrays(files):
 def test_the_time_that_a_slow_shaft_needs_follows_from_the_longest_window():
     slow = replace(KINEMATICS, shafts=(*KINEMATICS.shafts, Shaft(name="slow", ratio=0.02)))
     windows = {"long": (0.1, 1.7), "late": (1.8, 1.95)}
-    part = part_of("r", recording({20: 1.0}), slow, windows)
+    part = compared_recording("r", recording({20: 1.0}), slow, windows)
     (line,) = features_of([part, part]).tables[0].left_out
     assert line == f"slow: 0.8 turns in a window, {(FEWEST_TURNS + 1) * 2:g} s would be needed"
 
@@ -306,3 +307,33 @@ def test_the_names_of_orders_that_almost_coincide_are_all_readable():
     boxes = [text.get_window_extent() for text in axes.texts]
     assert {text.get_text() for text in axes.texts} == set(marks)
     assert not any(one.overlaps(other) for n, one in enumerate(boxes) for other in boxes[:n])
+
+
+def trained(period: float):
+    """Curves of impulses at every `period` turns of the first shaft, in noise."""
+    shafts = (KINEMATICS.shafts[0], Shaft(name="shaft_2", ratio=0.4))
+    train = replace(KINEMATICS, shafts=shafts, gears=(KINEMATICS.gears[0], replace(KINEMATICS.gears[1], teeth=50)))
+    run = recording({20: 0.0}, noise=0.01)
+    run.acceleration[:: round(period * 10_000 / SPEED)] += 10.0
+    return curves([compared_recording("r", run, train)], ("a", "z"), "shaft_1")
+
+
+@pytest.mark.parametrize(("period", "ratio", "other"), [(2.5, 0.4, 1.0), (1.0, 1.0, 0.4)])
+def test_the_cepstrum_of_impulses_has_lines_at_their_period_and_its_multiples_only(period, ratio, other):
+    found = trained(period)
+    step = 0.5 / found.orders[-1]
+    away = np.abs(found.quefrency - period * np.round(found.quefrency / period))
+    at_period = found.cepstrum[0, round(period / step)]
+    between = found.cepstrum[0, (found.quefrency > 0.5) & (away > 5.0 * step)]
+    assert at_period > 4.0 * np.abs(between).max()
+    assert found.rahmonics(ratio)[0] > 2.0 * abs(found.rahmonics(other)[0])  # five turns are two and a half twice
+    assert np.isnan(found.rahmonics(0.1)[0])  # thirty turns in a block of fifty, of which half are shown
+
+
+def test_the_cepstrum_of_an_echo_is_half_its_factor_at_its_delay():
+    found, factor, delay = trained(1.0), 0.6, 3.0
+    echo = np.abs(1.0 + factor * np.exp(-2j * np.pi * found.orders * delay))
+    cepstrum = replace(found, spectrum=echo[None]).cepstrum[0]
+    place = round(delay * 2.0 * found.orders[-1])
+    assert cepstrum[place] == pytest.approx(factor / 2, abs=1e-3)  # ln|1 + a exp(-jwT)| = a cos wT - a^2/2 cos 2wT ...
+    assert cepstrum[2 * place] == pytest.approx(-(factor**2) / 4, abs=1e-3)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from benchmarks.gear_pairs import gear_pair
-from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import LawEvaluator
+from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.faults.changed_law import modified_law
 from fem.contact.models.plane import Plane
 from fem.gears.modifications import FlankModifications, PairModifications, Relief

@@ -12,7 +12,7 @@ from benchmarks.added_by_cracks import added, by_surface, reference, seen
 from benchmarks.cracked_teeth import CASES, places
 from benchmarks.gear_pairs import gear_pair
 from benchmarks.solid_contact import solve
-from fem.contact.evaluation.curves import stiffness_curve
+from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.faults.changed_law import damaged_law
 from fem.contact.faults.cracked_section import crack_compliance
 from fem.contact.faults.cracked_tooth import CrackedTooth

@@ -8,12 +8,12 @@ import pytest
 from measured import RATE, machine, signals
 
 from fem.casing.imported.body import ForeignError
-from fem.casing.imported.files import read_matrices
+from fem.casing.imported.matrix_files import read_matrices
 from mbd.output.trajectory import Trajectory
 from mbd.parts import channels
 from pipelines.cli.main import main
 from pipelines.io.errors import InputError
-from pipelines.recordings.recording import read_recording
+from pipelines.recordings.read_recording import read_recording
 from pipelines.runs.run_folder import RESPONSE, loaded_run
 from pipelines.signals.response_file import has_checksum, open_response, write_response
 

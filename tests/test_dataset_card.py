@@ -14,7 +14,7 @@ from pipelines.datasets.labels import COLUMNS
 def folder(tmp_path_factory):
     plan = PLAN.replace("scenes = 8", "scenes = 12\nlicence = 'CC-BY-4.0'")
     folder = make_dataset(tmp_path_factory.mktemp("card") / "known", plan, failed=(3,))
-    assert main(["dataset", "features", str(folder), "--processes", "1"]) == 0
+    assert main(["features", str(folder), "--processes", "1"]) == 0
     write_card(folder)
     return folder
 

@@ -36,13 +36,13 @@ def test_the_example_goes_through_on_known_signals(example, tmp_path, monkeypatc
 
     def command(*words):
         done.append(words[0])
-        if words[0] == "dataset":
+        if words[0] == "features":
             assert main([*words, "--processes", "1"]) == 0
 
     monkeypatch.setattr(example, "_gearcase", command)
     example.main(folder)
     text = capsys.readouterr().out
-    assert done == ["campaign", "dataset"]
+    assert done == ["campaign", "features"]
     assert "missing-tooth" in text
     assert "by chance" in text
     assert (folder / "confusion.png").stat().st_size > 1000

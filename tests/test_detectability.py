@@ -10,12 +10,13 @@ from scipy.stats import norm
 from test_dataset_features import InOrder
 
 from pipelines.cli.main import main
+from pipelines.datasets.feature_tables import make_tables, table_job
 from pipelines.datasets.rows import read_row
 from pipelines.datasets.scenes import sampled_scenes, scene_of
-from pipelines.diagnosis.prediction import LEAST_SPREAD, limit, moderated
+from pipelines.diagnosis.deviation_statistics import LEAST_SPREAD, limit, moderated
 from pipelines.diagnosis.simulated import FeatureSettings
 from pipelines.diagnosis.verdict import ALARM, judge
-from pipelines.diagnosis.words import sentences
+from pipelines.diagnosis.verdict_words import sentences
 from pipelines.io.errors import InputError
 from pipelines.machine.checks.validity import checked_plant
 from pipelines.scene.file import load_scene
@@ -26,7 +27,6 @@ from pipelines.studies.detect.design import DAMAGED, HEALTHY, Design, detection_
 from pipelines.studies.detect.over import Over, parse_over
 from pipelines.studies.detect.page import words
 from pipelines.studies.detect.probability import Machines, Share, detection
-from pipelines.studies.detect.tables import make_tables, table_job
 
 KINEMATICS = Kinematics(
     shafts=(Shaft(name="shaft_1", ratio=1.0), Shaft(name="shaft_2", ratio=20 / 55)),

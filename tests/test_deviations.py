@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.gear_pairs import gear_pair
 from fem.gears.deviations import pitch_tolerance, sample_pitch_deviations
-from fem.gears.geometry import GeometryError
+from fem.gears.gear_checks import GeometryError
 
 PAIR = gear_pair((20, 55), 2, 12, 12)
 

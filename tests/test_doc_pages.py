@@ -12,7 +12,7 @@ from benchmarks.__main__ import RESULTS
 from benchmarks.modules import modules
 from fem.contact.models.registry import MODELS as MESHES
 from mbd.forces.bearing_models import BEARINGS
-from mbd.forces.load_models import LOADS
+from mbd.forces.hanging_loads import LOADS
 from mbd.integrators.methods import METHODS
 from pipelines.scene.tables import casing, losses, motion, shafts
 

@@ -13,7 +13,7 @@ import pytest
 import xarray
 
 import gearcase
-from gearcase import hidden
+from gearcase import shadowed_packages
 from pipelines.report.figures import render
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -25,11 +25,11 @@ MODULES = (
     "gears",
     "machines",
     "matrices",
+    "progress",
     "recordings",
     "results",
     "scenes",
     "studies",
-    "working",
 )
 FAULT = {"kind": "missing-tooth", "stage": 1, "gear": "pinion", "tooth": 0}
 SHORT = {
@@ -60,7 +60,7 @@ def test_the_examples_of_the_docstrings_run(name, tmp_path, monkeypatch):
 def test_every_function_and_class_of_the_door_has_an_example():
     ours = [getattr(gearcase, name) for name in gearcase.__all__]
     told = [one for one in ours if one.__module__.startswith("gearcase.")]
-    assert len(told) == 21
+    assert len(told) == 22
     assert all(">>> import gearcase" in one.__doc__ for one in told)
 
 
@@ -256,7 +256,7 @@ def test_files_and_packages_named_like_modules_of_python_are_found(tmp_path, mon
     monkeypatch.setattr(sys, "path", [str(tmp_path), *sys.path])
     for name in ("queue.py", "json", "mine.py"):
         write(tmp_path, name)
-    found = hidden._named_like_pythons_own()
+    found = shadowed_packages._named_like_pythons_own()
     assert found == {"queue": tmp_path / "queue.py", "json": tmp_path / "json" / "__init__.py"}
 
 

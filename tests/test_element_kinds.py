@@ -19,16 +19,16 @@ from mbd.excitations.outside_force import ForceSweep, ShaftForce
 from mbd.excitations.ripple import TorqueRipple
 from mbd.excitations.spall import Spall
 from mbd.excitations.unbalance import Unbalance
-from mbd.forces.ground import Ground
+from mbd.forces.container_ground import Ground
 from mbd.forces.pendulum import RopePendulum
 from mbd.forces.rolling_bearing import hertz_bearing
 from mbd.forces.torque import Torque
 from mbd.integrators.settings import Settings
 from mbd.output.simulate import simulate
-from mbd.parts.drive import SpeedProfile
 from mbd.parts.load import OutsideForce
 from mbd.parts.losses import Brake, Coulomb, Efficiency
 from mbd.parts.rolling_catalogue import by_designation
+from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.linearised import linear_modes
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble

@@ -17,7 +17,7 @@ from mbd.integrators.settings import Settings
 from mbd.output.element_energy import ElementWork
 from mbd.output.exact_integrals import FlowWork
 from mbd.output.simulate import simulate
-from mbd.parts.drive import SpeedProfile
+from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from benchmarks.gear_pairs import gear_pair, line_length
-from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import LawEvaluator
+from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.faults.cracked_tooth import CrackedTooth
 from fem.contact.frame import ModelError
 from fem.contact.models.energy import Energy, foundation_factors, tooth_parts

@@ -21,7 +21,7 @@ from mbd.system.blocked_forces import MachineAtSeats
 from pipelines.diagnosis.control_diagnosis import diagnose
 from pipelines.diagnosis.uncertainty.casing_changes import CasingPath
 from pipelines.diagnosis.uncertainty.line_bars import Band, LineBar, LineBars
-from pipelines.diagnosis.uncertainty.made import line_bars
+from pipelines.diagnosis.uncertainty.sampled_bars import line_bars
 from pipelines.diagnosis.uncertainty.uncertain import Uncertain, uncertain
 from pipelines.diagnosis.uncertainty.words import bars_words
 from pipelines.engine.run_graph import Work
@@ -29,7 +29,7 @@ from pipelines.machine.assembly import assemble_machine, assemble_system
 from pipelines.scene.file import load_scene
 from pipelines.signals.response import make_response
 from pipelines.steps.motion import moved
-from pipelines.steps.study import plan_study
+from pipelines.steps.run_plan import plan_run
 from pipelines.studies.trade.known_lines import known_lines, widths
 
 MASS, STIFFNESS, RATIO = 3.0, 4e6, 0.02  # of a casing that moves along one axis
@@ -211,9 +211,9 @@ SHORT = {
 @pytest.fixture(scope="module")
 def diagnosed():
     """The scene `minimal`, whose pitch deviations make sidebands: its plant, system, run and diagnosis."""
-    study = plan_study(load_scene("minimal", SHORT), with_control=False, both_loads=False)
-    plant = study.plant
-    outcome = Work(processes=1).build(study.graph, [*plant.law_names, "casing", "simulate"])
+    plan = plan_run(load_scene("minimal", SHORT), with_control=False, both_loads=False)
+    plant = plan.plant
+    outcome = Work(processes=1).build(plan.graph, [*plant.law_names, "casing", "simulate"])
     machine = assemble_machine(plant.machine, [outcome.value(name) for name in plant.law_names])
     system = assemble_system(machine, outcome.value("casing"), plant.recorded, plant.motion.band)
     run = make_response(outcome.value("simulate"), plant.labels)
@@ -230,8 +230,8 @@ def test_bars_hold_the_lines_of_simulated_casings(diagnosed, monkeypatch):
     def one_draw(*_):
         return dataclasses.replace(undrawn(form, near), squares=form.squares[None, :near] * 1.015**2)
 
-    monkeypatch.setattr("pipelines.diagnosis.uncertainty.made.SAMPLES", 1)
-    monkeypatch.setattr("pipelines.diagnosis.uncertainty.made.drawn_frequencies", one_draw)
+    monkeypatch.setattr("pipelines.diagnosis.uncertainty.sampled_bars.SAMPLES", 1)
+    monkeypatch.setattr("pipelines.diagnosis.uncertainty.sampled_bars.drawn_frequencies", one_draw)
     quiet = run.assign_attrs(step_error=0.0)
     known = Uncertain(errors=errors_of(near, 0.0), damping_spread=0.3, remedy="")
     bars = line_bars(quiet, found, system, known).bars

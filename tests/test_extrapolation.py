@@ -29,7 +29,7 @@ from fem.casing.uncertainty.extrapolation import (
     stiffness_factor,
 )
 from fem.casing.uncertainty.frequency_limits import EDGE_ORDER
-from fem.casing.uncertainty.laws import RATIOS
+from fem.casing.uncertainty.limits_by_element import RATIOS
 from fem.casing.uncertainty.pairing import sample_nodes
 from fem.casing.uncertainty.wanted_size import wanted_factor
 from fem.elements.materials import CAST_IRON

@@ -10,8 +10,8 @@ from rings import POISSON, YOUNG, whole_ring_response
 from scipy.integrate import quad
 
 from benchmarks.gear_pairs import gear_pair
-from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import LawEvaluator
+from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.faults.changed_law import damaged_law
 from fem.contact.faults.chipped_tooth import ChippedTooth
 from fem.contact.faults.cracked_section import crack_compliance
@@ -21,7 +21,7 @@ from fem.contact.frame import law_points
 from fem.contact.models.plane import Plane
 from fem.contact.teeth import tooth_terms
 from fem.contact.wheels import ring
-from fem.gears.gear import GeometryError
+from fem.gears.gear_checks import GeometryError
 from fem.gears.path import path_points
 from fem.gears.sector import Slit, root_chord, sector_mesh
 

@@ -14,8 +14,8 @@ from mbd.forces.torque import Torque
 from mbd.integrators.settings import Settings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
-from mbd.parts.drive import SpeedProfile
 from mbd.parts.film import Film
+from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 from pipelines.machine.machine import film_spec

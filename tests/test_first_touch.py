@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from benchmarks.gear_pairs import gear_pair
-from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.first_touch import first_touch
+from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.faults.changed_law import modified_law
 from fem.contact.models.iso import Iso
 from fem.contact.models.plane import Plane

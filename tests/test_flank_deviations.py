@@ -8,7 +8,7 @@ from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.models.iso import Iso
 from fem.contact.teeth import tooth_terms
 from fem.gears.flank_deviations import flank_tolerance, sample_flank_deviations
-from fem.gears.gear import GeometryError
+from fem.gears.gear_checks import GeometryError
 
 PAIR = gear_pair((20, 55), 2, 12, 12)
 

@@ -19,7 +19,7 @@ from mbd.excitations.waveform import wave_value
 from mbd.integrators.settings import Settings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
-from mbd.parts.drive import SpeedProfile
+from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.frequency_response import frequency_response
 from mbd.system.system import assemble
 from pipelines.io.errors import SceneError

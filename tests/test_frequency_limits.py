@@ -5,7 +5,7 @@ import pytest
 
 from fem.casing.uncertainty.cubic_limits import SHARES, cubic_limits
 from fem.casing.uncertainty.frequency_limits import EDGE_ORDER, LimitError, frequency_limits
-from fem.casing.uncertainty.laws import FAST, SLOW, WALLS, hexahedral_limits, law_of
+from fem.casing.uncertainty.limits_by_element import FAST, SLOW, WALLS, extrapolation_of, hexahedral_limits
 from fem.casing.uncertainty.pairing import counterparts
 
 SIZES = np.array([1.0, 1.3, 1.7])
@@ -96,7 +96,7 @@ def test_no_order_beyond_what_theory_allows_is_believed():
     ("element", "order"), [("tetrahedron-4", 2.0), ("tetrahedron-10", 4.0), ("tetrahedron-20", 6.0)]
 )
 def test_the_largest_order_that_is_believed_is_that_of_the_element(element, order):
-    assert law_of(element)(SIZES, on_meshes(7.0, amplitudes())).order == order
+    assert extrapolation_of(element)(SIZES, on_meshes(7.0, amplitudes())).order == order
 
 
 def test_meshes_that_tell_nothing_are_refused():

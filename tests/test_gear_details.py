@@ -10,7 +10,7 @@ from benchmarks.gear_pairs import gear_pair
 from fem.contact.models.iso import Iso, blank_factor
 from fem.contact.wheels import ring
 from fem.elements.sections import stiffness
-from fem.gears.gear import GeometryError
+from fem.gears.gear_checks import GeometryError
 from fem.gears.geometry import root_penetration
 from fem.gears.path import path_points
 from fem.gears.profile import form_radius

@@ -16,7 +16,7 @@ from pipelines.machine.machine import make_drivetrain
 from pipelines.runs import inspect_gears
 from pipelines.runs.checked import check_scene
 from pipelines.scene.file import load_scene
-from pipelines.steps.study import plan_study
+from pipelines.steps.run_plan import plan_run
 
 OWN = """extends = "pair"
 faults = [{ kind = "cracked-tooth", stage = 1, gear = "wheel", tooth = 10, depth_mm = 2.0 }]
@@ -122,7 +122,7 @@ def test_the_pattern_of_a_missing_tooth_is_that_of_its_neighbours(tmp_path, monk
     (laws,) = gearcase.laws(gearcase.Scene.from_dict({"extends": "pair", "faults": [fault]}))
     seen = []
     monkeypatch.setattr(inspect_gears, "pattern_figure", lambda *given, **_: seen.append(given) or Figure())
-    plant = plan_study(load_scene("pair", {"faults": [fault]}), with_control=False, both_loads=False).plant
+    plant = plan_run(load_scene("pair", {"faults": [fault]}), with_control=False, both_loads=False).plant
     inspect_gears.InspectedStage(machine=plant, laws=laws).write_pattern(tmp_path / "pattern.png")
     ((title, patterns),) = seen
     assert title.endswith("neighbours of the missing tooth 24 of the pinion")

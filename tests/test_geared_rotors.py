@@ -13,11 +13,11 @@ from mbd.integrators.settings import Settings
 from mbd.output.simulate import simulate
 from mbd.parts.bearings import BEARING_AXES, BearingSpec
 from mbd.parts.checks import MachineError
-from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.gear_mesh import MeshSpec
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import Machine
 from mbd.parts.shafts import Disk, Section, ShaftSpec, free_shaft, shaft_nodes
+from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
 from mbd.system.linearised import linear_modes
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble

@@ -9,13 +9,13 @@ from mbd_rigs import no_casing, rigid_casing, train
 from scipy.integrate import solve_ivp
 
 from benchmarks.hoist import MASS, RADIUS, hoist
-from mbd.forces.ground import Ground
+from mbd.forces.container_ground import Ground
 from mbd.forces.pendulum import RopePendulum
 from mbd.integrators.settings import Settings
 from mbd.output.simulate import simulate
 from mbd.parts.channels import bearing_force
-from mbd.parts.drive import SpeedProfile
 from mbd.parts.machine import STANDARD_GRAVITY
+from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.linearised import linear_modes
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble

@@ -341,8 +341,8 @@ def test_a_scene_with_a_long_list_is_copied_at_once(tmp_path):
 
 
 def test_markup_in_a_title_stays_text(tmp_path):
-    from pipelines.report.figures.callouts import plain
     from pipelines.report.figures.film import film_page
+    from pipelines.report.figures.labelled_pictures import plain
     from pipelines.report.figures.plots import dress, new_figure
     from pipelines.report.report import report_body, write_report
     from pipelines.report.run_screen import screen_parts

@@ -11,7 +11,7 @@ from fem.casing.geometry.locators import ByCylinder, ByGroup, ByPlane
 from fem.casing.imported.ansys import mapped_equations
 from fem.casing.imported.body import ForeignError, foreign_body
 from fem.casing.imported.checks import check_foreign, lowest_frequencies
-from fem.casing.imported.files import MatrixFiles, read_body, read_matrices
+from fem.casing.imported.matrix_files import MatrixFiles, read_body, read_matrices
 from fem.casing.mesh.gmsh_session import session
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
 from fem.casing.mesh.mesh import MeshError

@@ -255,6 +255,11 @@ def test_a_bore_that_is_not_there_is_answered_with_the_nearest(tmp_path):
         MeshError, match=r"bearing_1: no cylinder of diameter 48 mm.*nearest.*diameter 47 mm at \(.*-65"
     ):
         mesh_geometry(replace(housing, seats=(seat,)), SIZES)
+    turned = replace(seat, locator=ByCylinder(through=(0.0, -0.07, 0.0), diameter=0.047, axis=(1.0, 0.0, 0.0)))
+    with pytest.raises(
+        MeshError, match=r"no cylinder along this axis, along y: diameter 47 mm at .* Correct through_mm"
+    ):
+        mesh_geometry(replace(housing, seats=(turned,)), SIZES)
     with pytest.raises(MeshError, match=r"ground_1: no flat face.*-5 mm along the normal|\+5 mm along the normal"):
         mesh_geometry(replace(housing, grounds=(floor(small, 0.005),)), SIZES)
     with pytest.raises(MeshError, match=r"the point \(0, 0, -120\) mm is .* mm from the surface"):

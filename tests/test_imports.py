@@ -8,8 +8,8 @@ from sources import FILES, ROOT, module_name, nodes, text
 
 ONLY_IN = {  # package: modules or packages that may import it
     "gmsh": {"fem.casing.mesh.gmsh_session"},
-    "pyvista": {"pipelines.report.figures.view"},
-    "vtk": {"pipelines.report.figures.view"},
+    "pyvista": {"pipelines.report.figures.renderer"},
+    "vtk": {"pipelines.report.figures.renderer"},
     "sksparse": {"fem.numerics.linear_solver"},
     "skfem": {"fem.elements"},
     "pydantic": {"pipelines"},

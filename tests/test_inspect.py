@@ -22,8 +22,8 @@ from pipelines.io.errors import InputError
 from pipelines.io.user_files import writable_file
 from pipelines.machine.flanks_spec import FlanksSpec
 from pipelines.report.figures import mesh_pictures
-from pipelines.report.figures.callouts import casing_figure, gear_figure
 from pipelines.report.figures.colours import GONE
+from pipelines.report.figures.labelled_pictures import casing_figure, gear_figure
 from pipelines.report.figures.mesh_frames import MeshView, mesh_frames, passage
 from pipelines.report.figures.mesh_pictures import mesh_figure, write_film, write_still
 from pipelines.report.figures.plots import StiffnessPlot
@@ -33,13 +33,12 @@ from pipelines.report.figures.shapes import gear_view
 from pipelines.report.figures.stress_pictures import (
     FORMATS,
     StressView,
-    root_stresses,
     stress_figure,
     teeth_in_mesh,
     write_teeth,
 )
 from pipelines.report.figures.views import Picture
-from pipelines.runs.inspect_stress import _stress_steps
+from pipelines.runs.inspect_stress import _stress_steps, root_stresses
 from pipelines.runs.single_results import scene_graph
 from pipelines.scene.file import load_scene
 from pipelines.steps import stress

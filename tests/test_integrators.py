@@ -17,7 +17,7 @@ from mbd.integrators.modal import complex_modes
 from mbd.integrators.settings import MotionSettings, Settings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import StepError
-from mbd.parts.drive import SpeedProfile
+from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 

@@ -25,7 +25,7 @@ MISSING = {**SHORT, "faults": [{"kind": "missing-tooth", "stage": 1, "gear": "pi
 
 @pytest.fixture(autouse=True)
 def no_pictures(monkeypatch):
-    """Of gears and casing: they are tested in tests/test_report_listing.py and tests/test_view.py."""
+    """Of gears and casing: they are tested in tests/test_report_listing.py and tests/test_renderer.py."""
     monkeypatch.setattr(render, "command", lambda _: [sys.executable, "-S", "-c", "pass"])
 
 
@@ -60,7 +60,9 @@ def test_a_result_folder_may_have_a_dot_in_its_name(tmp_path):
 
 def test_healthy_recordings_of_another_speed_are_warned_of():
     def recorded(rpm):
-        return RecordedFile(name="a.csv", table=SimpleNamespace(speed=[rpm / 60]), error=0.0, turning="", warnings=())
+        return RecordedFile(
+            name="a.csv", table=SimpleNamespace(speed=[rpm / 60]), levels=(), error=0.0, turning="", warnings=()
+        )
 
     near, far = {"near.csv": recorded(1540)}, {f"far-{n}.csv": recorded(1200) for n in range(4)}
     assert other_speeds(recorded(1500), near) == []

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray
 
-from pipelines.signals.levels import band_velocity, contact_sentence, level_grid
+from pipelines.signals.levels import band_velocity, contact_sentence, level_grid, levels
 
 RATE = 8000.0
 TIME = np.arange(int(2 * RATE)) / RATE
@@ -29,11 +29,18 @@ def run(**attributes):
     return xarray.Dataset({"acceleration": (dims, values)}, coords=coordinates, attrs=attributes)
 
 
-def test_the_table_names_the_largest_axis():
-    (row,) = level_grid(run(), {"steady": (0.5, 1.5)}).rows
-    assert row[:2] == ("cover", "steady")
-    assert row[3].endswith("(x)")
-    assert float(row[3].split()[0]) == pytest.approx(2000 / np.sqrt(2) / (200 * np.pi), rel=5e-3)
+def test_every_channel_has_its_velocity_and_an_axis_without_signal_has_none():
+    tones = run()
+    tones["acceleration"] = tones.acceleration.where(tones.axis != "z")  # a sensor that has no z axis
+    x, y = levels(tones, {"steady": (0.5, 1.5)})
+    assert (x.sensor, x.axis, x.window, y.axis) == ("cover", "x", "steady", "y")
+    assert x.acceleration == pytest.approx(2 / np.sqrt(2), rel=1e-3)
+    assert x.velocity == pytest.approx(2 / np.sqrt(2) / (200 * np.pi), rel=5e-3)
+    assert y.velocity == pytest.approx(0.5 * x.velocity)
+    table = level_grid((x, y))
+    assert table.headers[2:] == ("acceleration x m/s²", "velocity x mm/s", "acceleration y m/s²", "velocity y mm/s")
+    (row,) = table.rows
+    assert float(row[3]) == pytest.approx(1000 * x.velocity, rel=5e-3)
 
 
 def test_lost_contact_is_told_with_its_share_of_the_time():

@@ -8,8 +8,8 @@ from mesh_laws import made_up_law
 
 from benchmarks.gear_pairs import gear_pair
 from fem.contact.contact_pressure import contact_pressure
-from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import LawEvaluator
+from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.models.iso import Iso
 from fem.contact.models.plane import Plane
 from fem.contact.teeth import tooth_terms, with_variants

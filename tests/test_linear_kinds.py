@@ -23,8 +23,8 @@ from mbd.integrators.settings import Settings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
 from mbd.parts.couplings import ShaftCoupling
-from mbd.parts.drive import SpeedProfile
 from mbd.parts.load import OutsideForce
+from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.linearised import linear_modes
 from mbd.system.system import assemble
 

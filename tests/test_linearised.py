@@ -16,11 +16,11 @@ from mbd.output.simulate import simulate
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.channels import DIRECTIONS, channel_names, journal_acceleration
 from mbd.parts.checks import MachineError
-from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import Machine
 from mbd.parts.rolling_catalogue import by_designation
 from mbd.parts.shafts import Disk, Section, ShaftSpec
+from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
 from mbd.system.linearised import linear_modes, tangent, turned
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble

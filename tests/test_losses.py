@@ -11,9 +11,9 @@ from mbd.forces.sliding import sliding_rows
 from mbd.integrators.settings import Settings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
-from mbd.parts.drive import SpeedProfile
 from mbd.parts.losses import Brake, Coulomb, Efficiency, NoLosses
 from mbd.parts.mesh_reference import sliding_shares
+from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 

@@ -11,7 +11,7 @@ from pipelines.machine.kinematics import kinematics_of, pass_rates
 from pipelines.machine.layout import lay_out
 from pipelines.machine.machine import make_plant
 from pipelines.recordings.machine import read_machine
-from pipelines.recordings.recording import read_recording
+from pipelines.recordings.read_recording import read_recording
 from pipelines.scene.file import load_scene
 
 FIVE = """\

@@ -9,9 +9,9 @@ from mesh_laws import gap_of_slice, made_up_law, missing_tooth, potential_errors
 from scipy.integrate import trapezoid
 from scipy.optimize import root
 
-from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import LawError, LawEvaluator
 from fem.contact.evaluation.kernel import evaluate
+from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.teeth import tooth_terms
 
 LAWS = {

@@ -7,7 +7,7 @@ pytest.importorskip("pyyeti")
 
 from fem.casing.imported.body import ForeignError, foreign_body
 from fem.casing.imported.checks import check_foreign, rigid_motion
-from fem.casing.imported.files import MatrixFiles, read_body
+from fem.casing.imported.matrix_files import MatrixFiles, read_body
 from fem.casing.imported.nastran import superelement_equations
 
 PLACES = np.array([[0.0, 0.0, 0.0], [3.0, 1.0, 0.5], [1.0, 4.0, 2.0], [0.5, 1.0, 3.0]])

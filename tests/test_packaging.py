@@ -78,7 +78,7 @@ def test_every_module_scene_and_mesh_is_in_the_wheel(wheel):
 
 def test_every_list_of_our_packages_is_the_same():
     from fem.processes import child
-    from gearcase import hidden
+    from gearcase import shadowed_packages
     from pipelines.engine import code_version
 
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]
@@ -87,7 +87,10 @@ def test_every_list_of_our_packages_is_the_same():
     assert packed == set(project["ruff"]["lint"]["isort"]["known-first-party"])
     assert packed == {*project["mypy"]["packages"], "meshes"}
     assert (
-        set(hidden.PACKAGES) == set(child.PACKAGES) == packed - {"gearcase"} == {*code_version.OWN_PACKAGES, "meshes"}
+        set(shadowed_packages.PACKAGES)
+        == set(child.PACKAGES)
+        == packed - {"gearcase"}
+        == {*code_version.OWN_PACKAGES, "meshes"}
     )
 
 

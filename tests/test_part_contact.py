@@ -5,8 +5,8 @@ import pytest
 from mesh_laws import made_up_law
 
 from benchmarks.gear_pairs import gear_pair
-from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import LawEvaluator
+from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.models.plane import Plane
 from fem.contact.part_contact import part_of, spared, touch
 

@@ -60,7 +60,7 @@ def test_behind_the_plant_only_what_makes_other_scenes_names_the_class():
         if any(isinstance(node, ast.ImportFrom) and node.module == "pipelines.scene.scene" for node in nodes(path))
     }
     assert naming == {
-        "steps/study.py",
+        "steps/run_plan.py",
         "trade/axes.py",
         "trade/choices.py",
         "detect/design.py",

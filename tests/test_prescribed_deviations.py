@@ -15,7 +15,7 @@ from fem.contact.faults.worn_tooth import WornTooth
 from fem.contact.models.iso import Iso
 from fem.contact.teeth import tooth_terms, with_variants
 from fem.gears.flank_deviations import sample_flank_deviations
-from fem.gears.gear import GeometryError
+from fem.gears.gear_checks import GeometryError
 from fem.gears.path import path_points
 from fem.gears.prescribed import (
     Eccentricity,

@@ -10,8 +10,9 @@ from scipy.io import savemat
 
 from pipelines.io.errors import InputError
 from pipelines.io.universal_file import Function, write_function
+from pipelines.recordings.machine import read_machine
 from pipelines.recordings.machine_table import TachometerTable
-from pipelines.recordings.recording import read_recording
+from pipelines.recordings.read_recording import read_recording
 
 
 def refusal(path, **changes):
@@ -189,6 +190,7 @@ def test_time_that_falls_or_stands_or_has_unknown_units_is_refused(tmp_path):
         ("0.05,1.0", "line 502 has 2 cells, the first line of data 3"),
         ("0.05,1.0,2.0,3.0", "line 502 has 4 cells, the first line of data 3"),
         ("0.05,1.0,2.0,", "line 502 has 4 cells, the first line of data 3"),
+        ("0.05,1.0,\uff12", "could not convert string '\uff12' to float64. Correct it."),
         ("2024-05-01 12:00:00,1.0,2.0", 'column time: "2024-05-01 12:00:00" is not a number'),
     ],
 )
@@ -203,6 +205,8 @@ def test_a_bad_line_of_text_is_named(line, said, tmp_path):
 def test_a_text_without_numbers_is_refused(tmp_path):
     (tmp_path / "r.txt").write_text("this is a letter\n" * 20, encoding="utf-8")
     assert "none of its first 20 lines holds numbers alone" in refusal(tmp_path / "r.txt")
+    (tmp_path / "r.txt").write_text("this is a letter", encoding="utf-8")
+    assert "no line holds numbers alone" in refusal(tmp_path / "r.txt")
     (tmp_path / "r.txt").write_text("\n\n", encoding="utf-8")
     assert "is empty" in refusal(tmp_path / "r.txt")
 
@@ -285,3 +289,10 @@ def test_what_nptdms_guesses_at_is_refused_and_not_printed(tmp_path, capfd):
 def test_a_classic_netcdf_file_says_how_to_convert_it(tmp_path):
     (tmp_path / "r.nc").write_bytes(b"CDF\x01" + bytes(100))
     assert "nccopy -k nc4" in refusal(tmp_path / "r.nc")
+
+
+def test_a_machine_file_with_the_stages_of_a_scene_is_told_how_teeth_are_given(tmp_path):
+    path = tmp_path / "bench.toml"
+    path.write_text("speed_rpm = 1500\n[[stages]]\npinion_teeth = 25\nwheel_teeth = 62\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"speed_rpm can only be in a machine file.* replace stages by teeth = \[\["):
+        read_machine(path)

@@ -20,7 +20,7 @@ from pipelines.recordings import formats
 from pipelines.recordings.channels import RecordedChannel
 from pipelines.recordings.formats import BY_ENDING, memory_needed
 from pipelines.recordings.machine_table import SpeedTable, TachometerTable
-from pipelines.recordings.recording import read_recording
+from pipelines.recordings.read_recording import read_recording
 
 PRECISION = {
     "r.csv": 1e-11,
@@ -43,6 +43,42 @@ def test_a_recording_comes_back_from_every_format(name, tmp_path):
         np.testing.assert_allclose(found.time.values, np.arange(len(values)) / RATE, atol=1e-9)
         assert found.attrs["source"] == name
         assert json.loads(found.attrs["warnings"]) == {}
+
+
+def _lvm(path, moment):
+    day, clock = moment.split(" ")
+    head = f"LabVIEW Measurement\t\nDate\t{day.replace('-', '/')}\nTime\t{clock}.5\n***End_of_Header***\t\ntime\ta\n"
+    path.write_text(head + "".join(f"{i / RATE:.6f}\t{value}\n" for i, value in enumerate(signals(300)[:, 0])))
+
+
+def _stamps(path, moment):
+    rows = [f"{moment}.{100 * i:06d},{value}\n" for i, value in enumerate(signals(300)[:, 0])]
+    path.write_text("when,a\n" + "".join(rows))
+
+
+def _hdf5(path, moment):
+    WRITERS["r.h5"](path, signals())
+    with h5py.File(path, "a") as file:
+        file.attrs["start_time"] = moment
+
+
+@pytest.mark.parametrize(
+    ("name", "write"),
+    [
+        ("r.lvm", _lvm),
+        ("r.csv", _stamps),
+        ("r.h5", _hdf5),
+        ("r.npz", lambda path, moment: np.savez(path, a=signals()[:, 0], fs=RATE, start=moment)),
+        ("r.mat", lambda path, moment: savemat(path, {"rec": {"a": signals()[:, 0], "fs": RATE, "start": moment}})),
+    ],
+)
+def test_the_time_at_which_a_recording_begins_is_read_from_its_file(name, write, tmp_path):
+    write(tmp_path / name, "2026-03-09 07:05:04")
+    with read_recording(tmp_path / name, machine()) as found:
+        assert found.attrs["begin"] == "2026-03-09T07:05:04"
+    WRITERS["r.csv"](tmp_path / "r.csv", signals())
+    with read_recording(tmp_path / "r.csv", machine()) as found:
+        assert found.attrs["begin"] == ""
 
 
 def test_every_known_ending_is_written_by_a_test():

@@ -73,7 +73,7 @@ def test_a_diagnosed_file_has_a_page_with_its_figures_and_its_orders_have_pictur
     assert words.splitlines()[-1] == f"report: {Path('seen') / 'report.html'}"
     assert "Diagnosis of record.csv" in shown
     assert "Strongest evidence: stage 1 pinion" in shown
-    assert shown.count("<figure") == 6  # spectra, sidebands of two stages, envelopes, averages, rms
+    assert shown.count("<figure") == 7  # spectra, sidebands of two stages, envelopes, cepstra, averages, rms
     assert main(["orders", "record.csv", "--machine", "bench.toml", "--out", "seen"]) == 0
     rows = [line.split() for line in capsys.readouterr().out.splitlines()]
     windows = int(rows[0][-2])

@@ -13,7 +13,7 @@ from fem.contact.faults.registry import FAULTS, fault_class
 from fem.contact.frame import ModelError
 from fem.contact.models.registry import MODELS, loaded_model, mesh_model
 from fem.elements.solid_elements import CHOICES
-from fem.gears.rack import GeometryError
+from fem.gears.gear_checks import GeometryError
 from fem.options import check_options, option
 from mbd.integrators.methods import METHODS, make_integrator
 from pipelines.engine.code_version import reachable
@@ -25,8 +25,8 @@ from pipelines.scene.merge import Merged
 from pipelines.scene.tables.casing import CASING_TABLES, FlexibleBase
 from pipelines.scene.tables.derived import table
 from pipelines.scene.tables.faults import FaultTable
-from pipelines.scene.tables.gears import MeshModel
 from pipelines.scene.tables.motion import SimulationTable
+from pipelines.scene.tables.stages import MeshModel
 from pipelines.steps.graph import plant_steps
 
 PAIR = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))

@@ -9,7 +9,7 @@ from mbd.integrators.methods import make_integrator
 from mbd.integrators.settings import Settings
 from mbd.output.repeatability import other_start
 from mbd.output.simulate import simulate
-from mbd.parts.drive import SpeedProfile
+from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 from pipelines.cli.main import main
@@ -22,7 +22,7 @@ from pipelines.scene.file import load_scene
 from pipelines.signals.motion_warnings import motion_warnings
 from pipelines.steps.graph import plant_steps
 from pipelines.studies.trade.probes import Value
-from pipelines.studies.trade.spread import spread_table
+from pipelines.studies.trade.starts_table import spread_table
 
 RATTLE = {
     "bearings": {"model": "hertz", "designation": "6205", "radial_clearance_um": 20.0},

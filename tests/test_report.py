@@ -18,13 +18,13 @@ from pipelines.diagnosis.control_diagnosis import DiagnosisSettings, diagnose
 from pipelines.diagnosis.export import ExportError, export
 from pipelines.io.grid import Grid, GridError, cell, grid
 from pipelines.report import page
+from pipelines.report.chart_data import extremes, largest, views
 from pipelines.report.figures.plots import StiffnessPlot, drive_figure, stiffness_figure, waveform_figure
 from pipelines.report.figures.views import LeftOut
 from pipelines.report.first_figures import average_figure, envelope_figure
 from pipelines.report.page import typeset
 from pipelines.report.report import report_body, write_report
 from pipelines.report.run_screen import screen_parts
-from pipelines.report.zoom_data import extremes, largest, views
 from pipelines.steps import pictures
 
 LEFT_OUT = "The picture of the gear pair is left out: off-screen rendering ended with SIGSEGV. Install libegl1."

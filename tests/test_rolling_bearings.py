@@ -12,12 +12,12 @@ from mbd.integrators.settings import Settings
 from mbd.output.simulate import simulate
 from mbd.parts.channels import bearing_force, journal_acceleration
 from mbd.parts.checks import EquilibriumError, MachineError
-from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import Machine
 from mbd.parts.rolling_catalogue import by_designation, designations
 from mbd.parts.rolling_elements import RollingElements, dimensionless_deflection, pass_frequencies
 from mbd.parts.shafts import Disk, Section, ShaftSpec
+from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 

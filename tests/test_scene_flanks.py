@@ -11,11 +11,11 @@ from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph
 from pipelines.io.errors import SceneError
-from pipelines.machine.assembly import clearances, mesh_faults
 from pipelines.machine.checks.design_warnings import design_warnings
 from pipelines.machine.checks.validity import checked_plant
 from pipelines.machine.layout import lay_out
 from pipelines.machine.machine import make_drivetrain, make_plant
+from pipelines.machine.tooth_terms import clearances, mesh_faults
 from pipelines.scene.file import load_scene
 from pipelines.steps.graph import plant_steps
 

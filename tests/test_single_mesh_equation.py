@@ -19,10 +19,10 @@ from mbd.forces.rope import Rope
 from mbd.integrators.settings import Settings
 from mbd.output.simulate import simulate
 from mbd.parts.bearings import rigid_bearing
-from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import STANDARD_GRAVITY, Machine
 from mbd.parts.shafts import Disk, Section, ShaftSpec
+from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 

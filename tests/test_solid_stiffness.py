@@ -144,7 +144,7 @@ def test_spur_pair_at_the_pitch_point_against_contact_in_the_plane():
 
 def test_coupling_along_the_face_is_what_plane_slices_lack(helical, spur):
     """Slices support one another: under an even load the mean is that of `plane` within 6 %, free faces the softer."""
-    from fem.contact.evaluation.curves import stiffness_curve
+    from fem.contact.evaluation.stiffness_curve import stiffness_curve
 
     for record, pair in ((spur, thick_rimmed_pair()), (helical, thick_rimmed_pair(12.0))):
         plane = stiffness_curve(Plane().law(pair, "drive"), LOAD, np.arange(16) / 16).secant.mean()

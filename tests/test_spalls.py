@@ -11,8 +11,8 @@ from mesh_laws import potential_errors
 
 from benchmarks.gear_pairs import gear_pair
 from benchmarks.solid_contact import solve
-from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import LawEvaluator
+from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.faults.changed_law import damaged_law
 from fem.contact.faults.pitted_tooth import PittedTooth
 from fem.contact.faults.spalled_tooth import SpalledTooth
@@ -20,7 +20,7 @@ from fem.contact.faults.worn_tooth import WornTooth
 from fem.contact.models.plane import Plane
 from fem.contact.models.solid import Solid
 from fem.contact.teeth import tooth_terms
-from fem.gears.gear import GeometryError
+from fem.gears.gear_checks import GeometryError
 from pipelines.io.errors import SceneError
 from pipelines.machine.checks.design_warnings import design_warnings
 from pipelines.machine.machine import make_drivetrain, make_plant

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray
 
-from pipelines.signals.features.recorded import FeatureError, feature_table
+from pipelines.signals.features.feature_table import FeatureError, feature_table
 from pipelines.signals.features.table import confirmed, with_common_components
 from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 from pipelines.signals.orders.rotation import RotationError

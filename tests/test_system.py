@@ -11,11 +11,11 @@ from mbd_rigs import TRANSVERSE_ANGLE, mesh, no_casing, rigid_casing, train
 
 from mbd.parts.channels import acceleration, bearing_force, channel_names
 from mbd.parts.checks import MachineError
-from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.gear_mesh import mesh_rows
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import Machine
 from mbd.parts.shafts import Disk, Section, ShaftSpec
+from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble, natural_frequencies
 

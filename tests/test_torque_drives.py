@@ -16,8 +16,8 @@ from mbd.forces.torque_source import Rotor
 from mbd.integrators.settings import Settings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
-from mbd.parts.drive import SpeedProfile
 from mbd.parts.mesh_reference import nominal_forces
+from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 

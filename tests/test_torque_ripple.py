@@ -12,7 +12,7 @@ from mbd.excitations.ripple import TorqueRipple
 from mbd.integrators.settings import Settings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
-from mbd.parts.drive import SpeedProfile
+from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.frequency_response import frequency_response
 from mbd.system.system import assemble
 from pipelines.machine.machine import make_plant

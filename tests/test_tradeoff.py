@@ -10,7 +10,7 @@ import pytest
 
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import Work
-from pipelines.io.errors import SceneError
+from pipelines.io.errors import InputError, SceneError
 from pipelines.scene import presets
 from pipelines.scene.file import load_scene
 from pipelines.scene.presets import LEVELS, PRESETS, load_asked, preset_on, replaced
@@ -47,6 +47,11 @@ def found(tmp_path_factory):
         patch.setattr(choices_module, "MESHES", {"iso": {"model": "iso"}, "plane": {"model": "plane", "slices": 9}})
         patch.setattr(tradeoff, "step_costs", said)
         return trade(load_scene("minimal", SHORT), Work(cache=Cache(tmp_path_factory.mktemp("cache")), processes=1))
+
+
+def test_a_machine_without_load_is_refused_before_computing():
+    with pytest.raises(InputError, match=r"pair: .* need a load\. Set one, such as --set load\.torque_N_m=50\."):
+        trade(load_scene("pair"), None)
 
 
 @pytest.mark.slow

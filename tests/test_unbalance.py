@@ -13,7 +13,7 @@ from mbd.excitations.unbalance import Unbalance
 from mbd.integrators.settings import Settings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import MachineError
-from mbd.parts.drive import SpeedProfile
+from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.linearised import linear_modes
 from mbd.system.system import assemble
 from pipelines.io.errors import SceneError

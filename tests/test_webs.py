@@ -10,8 +10,8 @@ from scipy import sparse
 from benchmarks import gear_bodies
 from benchmarks.gear_pairs import gear, gear_pair
 from benchmarks.solid_contact import solve
-from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import LawEvaluator
+from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.models.solid import Solid
 from fem.contact.models.solid_condensation import condense
 from fem.contact.models.solid_stress import stress_field

@@ -11,7 +11,7 @@ from scipy import sparse
 
 from benchmarks.checks.record import Check, Subject, Values
 from benchmarks.gear_pairs import gear, pair_of_17_and_43, thick_rimmed_pair
-from fem.contact.evaluation.curves import stiffness_curve
+from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.law import MeshLaw
 from fem.contact.models.plane import Plane
 from fem.contact.wheels import ring

@@ -27,7 +27,7 @@ from benchmarks.peers.contact_deck import ContactModel
 from benchmarks.peers.tooth_mesh import Sizes
 from benchmarks.rig import plane_law, read
 from benchmarks.solid_contact import solve as solve_solid
-from fem.contact.evaluation.curves import stiffness_curve
+from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.law import MeshLaw
 from fem.contact.models.energy import Energy
 from fem.contact.models.iso import Iso

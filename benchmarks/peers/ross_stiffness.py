@@ -44,7 +44,7 @@ def theirs(helix_deg: float = 0.0) -> dict[str, float]:
 
 def ours() -> dict[str, dict[str, float]]:
     """The same by the models energy and plane, with the steel of ROSS."""
-    from fem.contact.evaluation.curves import stiffness_curve
+    from fem.contact.evaluation.stiffness_curve import stiffness_curve
     from fem.contact.models.energy import Energy
     from fem.contact.models.plane import Plane
     from fem.elements.materials import Material

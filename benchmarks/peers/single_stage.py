@@ -20,11 +20,11 @@ from benchmarks.gear_pairs import gear_pair
 from fem.casing.reduced.body import ReducedBody
 from fem.contact.models.plane import Plane
 from mbd.parts.bearings import BearingSpec
-from mbd.parts.drive import CouplingSpec, SpeedProfile
 from mbd.parts.gear_mesh import MeshSpec
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import Machine
 from mbd.parts.shafts import Disk, Section, ShaftSpec
+from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import System, assemble
 

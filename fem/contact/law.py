@@ -7,9 +7,9 @@ approach x (m) obey
     x = C(xi) f + A f (B(xi) - ln f) + sum_q c_|p-q|(xi) fraction_q f_q        (x > 0, else f = 0)
     x = delta + psi y_s - gap(xi) - lead_gap(y_s) - h_p(xi, y_s)
 
-C is the tooth and body compliance, A and B represent the Hertz line contact, c_n is the compliance between pair p and
-pair p + n (tabulated at the xi of the leading pair, that with the smaller p). F = sum fraction f width, M = sum
-fraction f width y. U is the strain energy, so F = dU/d delta, M = dU/d psi.
+C is the tooth and body compliance, A and B represent the Hertz line contact (`fem.contact.wheels.hertz_terms`), c_n is
+the compliance between pair p and pair p + n (tabulated at the xi of the leading pair, that with the smaller p). F = sum
+fraction f width, M = sum fraction f width y. U is the strain energy, so F = dU/d delta, M = dU/d psi.
 
 Gaps are means over the slice. Contact starts at its least gap. Until the slice is in full contact, x is less than the
 first right-hand side by the term of `fem.contact.part_contact`, so that slicing causes no spurious excitation.

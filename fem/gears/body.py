@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fem.gears.rack import require
+from fem.gears.gear_checks import require
 
 THINNEST_RIM = 1.2  # modules: least backup ratio, limit of ISO 6336-1 and of finite elements of a tooth on a ring
 

@@ -18,7 +18,8 @@ from typing import Literal
 
 import numpy as np
 
-from fem.gears.gear import Gear, GeometryError
+from fem.gears.gear import Gear
+from fem.gears.gear_checks import GeometryError
 from fem.options import option
 
 GRADES = range(1, 12)

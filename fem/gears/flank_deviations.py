@@ -28,8 +28,8 @@ import numpy as np
 
 from fem.gears.deviations import class_factors, rounded
 from fem.gears.gear import Gear
+from fem.gears.gear_checks import GeometryError
 from fem.gears.geometry import GearPair
-from fem.gears.rack import GeometryError
 
 COMMON_PART = 0.5  # share of the slope deviations common to all teeth of a gear (machine setting)
 

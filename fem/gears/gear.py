@@ -11,13 +11,17 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from fem.gears.body import check_body
-from fem.gears.rack import GeometryError, Rack, involute, require
+from fem.gears.gear_checks import GeometryError, require
+from fem.gears.rack import Rack
 from fem.options import check_options, option
-
-__all__ = ["HANDS", "Gear", "GeometryError", "Rack", "involute", "require"]
 
 HANDS = ("right", "left")
 MAX_HELIX = math.radians(45.0)
+
+
+def involute(angle: float) -> float:
+    """inv(alpha) = tan(alpha) - alpha (rad)."""
+    return math.tan(angle) - angle
 
 
 @dataclass(frozen=True, kw_only=True)

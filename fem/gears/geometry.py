@@ -14,11 +14,12 @@ from typing import TypeVar
 import numpy as np
 
 from fem.elements.materials import STEEL, Material
-from fem.gears.gear import Gear, GeometryError, Rack, involute, require
+from fem.gears.gear import Gear, involute
+from fem.gears.gear_checks import require
 from fem.gears.profile import form_point, form_radius, generate_trochoid
 from fem.numerics.root import brentq
 
-__all__ = ["Gear", "GearPair", "GeometryError", "Rack"]
+__all__ = ["Gear", "GearPair"]
 _Places = TypeVar("_Places", float, np.ndarray)
 
 logger = logging.getLogger(__name__)

@@ -24,9 +24,9 @@ from typing import Literal
 
 import numpy as np
 
+from fem.gears.gear_checks import GeometryError, require
 from fem.gears.geometry import Gear, GearPair
 from fem.gears.path import PathPoints
-from fem.gears.rack import GeometryError, require
 from fem.options import check_options, option
 
 SHAPES = {"linear": 1, "parabolic": 2}

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.gears.gear import GeometryError, require
+from fem.gears.gear_checks import GeometryError, require
 from fem.gears.geometry import GearPair
 from fem.numerics.root import brentq
 

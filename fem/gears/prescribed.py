@@ -29,8 +29,8 @@ from typing import Literal
 import numpy as np
 
 from fem.gears.gear import Gear
+from fem.gears.gear_checks import require
 from fem.gears.geometry import GearPair
-from fem.gears.rack import require
 from fem.options import option
 
 FLANKS = ("drive", "coast")

@@ -13,7 +13,8 @@ import math
 
 import numpy as np
 
-from fem.gears.gear import Gear, require
+from fem.gears.gear import Gear
+from fem.gears.gear_checks import require
 from fem.numerics.root import brentq
 
 _FINE = 400  # points on the fillet for its arc length

@@ -1,24 +1,11 @@
-"""Standard basic rack of the generating tool (ISO 53), and errors and inv(alpha) for all gear modules."""
+"""Standard basic rack of the generating tool (ISO 53)."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
-
-class GeometryError(ValueError):
-    """Gear data that describe no valid gear or pair."""
-
-
-def involute(angle: float) -> float:
-    """inv(alpha) = tan(alpha) - alpha (rad)."""
-    return math.tan(angle) - angle
-
-
-def require(condition: bool, message: str) -> None:
-    """Raise GeometryError(message) unless the condition holds."""
-    if not condition:
-        raise GeometryError(message)
+from fem.gears.gear_checks import require
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""Element kind: the definition of a nonlinear force; each kind is one file of `mbd.forces`.
+"""Element kind: the definition of a nonlinear force; each kind is one file of `mbd.forces` or `mbd.excitations`.
 
 A kind has a compiled rule. A component makes its elements, or a function finds them in a machine (a line in
 `mbd.system.system.SOURCES_OF_FORCE`). An element acts on rows: the displacements u (n,) are linear combinations of the

@@ -6,8 +6,8 @@ a press: K b is then that force and its two reactions,
 
     U = k b^2/2 - k b n . d,   d = u(y) - (1 - share) u(y_1) - share u(y_2),
 
-with n of `mbd.excitations.turning`, the deflection d over the chord, and the stiffness k of the shaft simply supported
-at y_1 and y_2 under a force at y. The torque on the rotation follows from the same potential.
+with n of `mbd.excitations.turned_direction`, the deflection d over the chord, and the stiffness k of the shaft simply
+supported at y_1 and y_2 under a force at y. The torque on the rotation follows from the same potential.
 
 References
 ----------
@@ -26,7 +26,7 @@ from fem.options import option
 from mbd.elements.component import Place
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import ENERGY, Element, rule
-from mbd.excitations.turning import turned_direction
+from mbd.excitations.turned_direction import turned_direction
 from mbd.parts.checks import MachineError
 from mbd.parts.load import TurningForce
 

@@ -1,7 +1,7 @@
 """Coupling between misaligned shafts, with stiffness axes that turn with the first shaft; or a universal joint.
 
-The axes e_1, e_2 are n and t of `mbd.excitations.turning`. The axis of the second shaft lies ``offset`` from that of
-the first and is tilted by ``tilt`` against it; with the motions u, r of both ends p = u_1 - u_2 - offset and
+The axes e_1, e_2 are n and t of `mbd.excitations.turned_direction`. The axis of the second shaft lies ``offset`` from
+that of the first and is tilted by ``tilt`` against it; with the motions u, r of both ends p = u_1 - u_2 - offset and
 a = r_2 - r_1 + tilt, in turning components p_1, p_2 and a_1, a_2, the coupling stores
 
     U = (k_1 p_1^2 + k_2 p_2^2 + c_1 a_1^2 + c_2 a_2^2 + k_t w^2)/2,   w = phi_1 - phi_2 - s a_1 a_2/2 in a joint.
@@ -33,7 +33,7 @@ from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import ENERGY, Element, rule
 from mbd.elements.linear import Part, part_on_rows, springs
 from mbd.elements.mode_words import ModeWords
-from mbd.excitations.turning import turned_direction
+from mbd.excitations.turned_direction import turned_direction
 from mbd.parts.couplings import CouplingWithAxes
 
 WORDS = ModeWords("coupling", "couplings")

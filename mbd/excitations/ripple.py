@@ -1,7 +1,7 @@
 """Torque ripple: a torque on a shaft that depends on its angle, A cos(n phi + alpha).
 
-phi is the true rotation of the shaft (see `mbd.excitations.turning`), n the order: periods per turn, such as the number
-of teeth of a motor or of chambers of a pump. The torque has the potential U = -(A/n) sin(n phi + alpha).
+phi is the true rotation of the shaft (see `mbd.excitations.turned_direction`), n the order: periods per turn, such as
+the number of teeth of a motor or of chambers of a pump. The torque has the potential U = -(A/n) sin(n phi + alpha).
 """
 
 from __future__ import annotations

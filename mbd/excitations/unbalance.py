@@ -1,8 +1,8 @@
 """Unbalance: a mass m at the radius e of a shaft, U = m e.
 
 The mass and its inertia m e^2 belong to the shaft. The rest of its kinetic energy is T = U beta' v . t, v the
-velocity of the axis in (x, z), n and t the turning directions of `mbd.excitations.turning`; of its weight, V = U g n_z.
-With a = v', t' = -beta' n, Lagrange's equations give the force on the axis and the torque about beta
+velocity of the axis in (x, z), n and t the turning directions of `mbd.excitations.turned_direction`; of its weight,
+V = U g n_z. With a = v', t' = -beta' n, Lagrange's equations give the force on the axis and the torque about beta
 
     F = U (beta'^2 n - beta'' t),    Q = -U (a . t + g t_z),
 
@@ -33,7 +33,7 @@ from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, rule
 from mbd.elements.linear import Matrices, Part, part_on_rows, springs
 from mbd.elements.mode_words import ModeWords
-from mbd.excitations.turning import turned_direction
+from mbd.excitations.turned_direction import turned_direction
 from mbd.parts.load import TurningForce
 
 WORDS = ModeWords("unbalance", "unbalances")

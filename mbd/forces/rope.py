@@ -23,10 +23,10 @@ from mbd.elements.element import BY_ANGLE, ENERGY, Element, Signal, rule
 from mbd.elements.linear import Matrices, Part
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
-from mbd.forces.ground import Ground
+from mbd.forces.container_ground import Ground
 from mbd.parts.checks import MachineError
-from mbd.parts.drive import SpeedProfile
 from mbd.parts.load import CONTAINER, ROPE_FORCE, Load, pull_axis
+from mbd.parts.speed_drive import SpeedProfile
 
 LIFT = "container:lift"
 PART = "rope"

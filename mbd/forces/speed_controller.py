@@ -34,7 +34,7 @@ from mbd.elements.linear import Matrices, Part, part_on_rows
 from mbd.elements.lookup import cell_below, interpolated
 from mbd.elements.mode_words import ModeWords
 from mbd.forces.torque_source import TorqueSource
-from mbd.parts.drive import SpeedProfile
+from mbd.parts.speed_drive import SpeedProfile
 
 WORDS = ModeWords("controller", "controllers")
 SHARE = 1e-6  # e: share of the torque that drives w

@@ -21,8 +21,8 @@ from mbd.elements.linear import Matrices, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
 from mbd.parts.checks import Options
-from mbd.parts.drive import COUPLING_TORQUE, motor_channels
 from mbd.parts.load import OutsideForce
+from mbd.parts.speed_drive import COUPLING_TORQUE, motor_channels
 
 LEAST_SCALE = 1e-6  # N m
 

@@ -1,4 +1,6 @@
-"""Time loop over complex modes, compiled, see `mbd.integrators.modal`; arrays over modes hold (Re, Im) halves.
+"""Time loop over complex modes with step refinement, compiled; arrays over modes hold (Re, Im) halves.
+
+See `mbd.integrators.modal` for the method.
 
 Refinement: the forces extrapolated to the end of a step are compared with the forces at the motion that they cause.
 A step is repeated in quarters if they differ by more than ROUGH of their scale, if a contact opens or closes, or if it

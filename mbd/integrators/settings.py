@@ -1,4 +1,4 @@
-"""Settings of a simulation."""
+"""Settings of a simulation: length, output rate, time step, method; defaults of the scene's [simulation]."""
 
 from __future__ import annotations
 

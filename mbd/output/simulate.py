@@ -18,7 +18,7 @@ from mbd.integrators.settings import Settings
 from mbd.output.balance import ENERGY_ENTRIES, EnergyBalance
 from mbd.output.recorder import PASS_SHARE, Recorder
 from mbd.output.repeatability import Repeatability
-from mbd.output.step_check import StepCheck
+from mbd.output.step_error import StepCheck
 from mbd.output.trajectory import Trajectory
 from mbd.parts.channels import sensor_names
 from mbd.parts.checks import StepError

@@ -16,13 +16,13 @@ from mbd.elements.element import Element
 from mbd.elements.reading import FURTHER, ChannelKind, Reading, further_class
 from mbd.parts.bearings import DIRECTIONS, bearing_force, journal_acceleration
 from mbd.parts.checks import MachineError
-from mbd.parts.drive import COUPLING_TORQUE, motor_channels
 from mbd.parts.gear_mesh import mesh_channels
 from mbd.parts.layout import Layout
 from mbd.parts.load import CONTAINER, GROUND_ACCELERATION, OUTSIDE_FORCE, ROPE_FORCE, SWAY
 from mbd.parts.machine import Train
 from mbd.parts.probe import DISPLACEMENT, probe_channel
 from mbd.parts.shafts import shaft_channels
+from mbd.parts.speed_drive import COUPLING_TORQUE, motor_channels
 
 __all__ = [
     "CHANNELS",

@@ -18,7 +18,7 @@ from fem.options import check_options
 from mbd.elements.component import Component, Place
 from mbd.elements.coordinates import Coordinates
 from mbd.parts.checks import MachineError
-from mbd.parts.drive import SpeedProfile
+from mbd.parts.speed_drive import SpeedProfile
 
 ROPE_FORCE = "rope:force"  # N, of all falls; for a swinging container the vertical component
 CONTAINER = ("container:lift", "container:acceleration")  # m, from the position at t = 0; m/s2
@@ -154,6 +154,6 @@ class TurningForce(OutsideForce):
         return replace(self, rolled=self.rolled + turns[self.shaft])
 
     def direction(self, lay: Coordinates, angle: float) -> tuple[float, float, float]:
-        """The first arguments of `mbd.excitations.turning.turned_direction` for an angle alpha (rad)."""
+        """The first arguments of `mbd.excitations.turned_direction.turned_direction` for an angle alpha (rad)."""
         sense = float(lay.sense(self.shaft))
         return angle - sense * self.rolled, sense, lay.ratios[self.shaft]

@@ -18,11 +18,11 @@ import numpy as np
 from mbd.elements.component import Component, Link
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.couplings import ShaftCoupling
-from mbd.parts.drive import CouplingSpec, Drive, SpeedProfile
 from mbd.parts.gear_mesh import GearedShafts, MeshSpec
 from mbd.parts.load import Excitation, Load, OutsideForce
 from mbd.parts.losses import Brake, Losses, NoLosses
 from mbd.parts.shafts import ShaftSpec
+from mbd.parts.speed_drive import CouplingSpec, Drive, SpeedProfile
 from mbd.parts.train import shaft_ratios
 
 STANDARD_GRAVITY = 9.80665

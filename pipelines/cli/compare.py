@@ -16,9 +16,9 @@ from pipelines.runs import run_folder
 from pipelines.runs.recorded import asked_windows, machine_of, recording_and_window
 
 if TYPE_CHECKING:
+    from pipelines.diagnosis.comparison.compared_recording import ComparedRecording
     from pipelines.diagnosis.comparison.curves import Curves
     from pipelines.diagnosis.comparison.features import Features
-    from pipelines.diagnosis.comparison.part import ComparedPart
 
 MOST_NAME = 60  # characters of the name of a recording in a table
 FOLDER = "comparison"
@@ -71,11 +71,11 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     ------
     InputError : a recording or its machine cannot be used, or they have nothing in common
     """
+    from pipelines.diagnosis.comparison.compared_recording import brought_together, chosen_channel
     from pipelines.diagnosis.comparison.curves import curves
     from pipelines.diagnosis.comparison.features import features_of
-    from pipelines.diagnosis.comparison.part import brought_together, chosen_channel
     from pipelines.diagnosis.comparison.words import LETTERS, features_csv, features_grid, recordings_grid, remarks
-    from pipelines.signals.features.recorded import FeatureError
+    from pipelines.signals.features.feature_table import FeatureError
 
     sources = options.recordings
     if not 2 <= len(sources) <= len(LETTERS):
@@ -99,11 +99,11 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     yield from map(str, [*files, target / "features.csv"])
 
 
-def _read(sources: Sequence[str], machine: str | Path | None) -> list[ComparedPart]:
+def _read(sources: Sequence[str], machine: str | Path | None) -> list[ComparedRecording]:
     """Every recording with its machine: the one that is given, its own scene, or that of the first that has one."""
-    from pipelines.diagnosis.comparison.part import part_of
-    from pipelines.recordings.recording import read_recording
-    from pipelines.signals.features.recorded import FeatureError
+    from pipelines.diagnosis.comparison.compared_recording import compared_recording
+    from pipelines.recordings.read_recording import read_recording
+    from pipelines.signals.features.feature_table import FeatureError
     from pipelines.signals.orders.rotation import RotationError
 
     split = [recording_and_window(source) for source in sources]
@@ -115,13 +115,15 @@ def _read(sources: Sequence[str], machine: str | Path | None) -> list[ComparedPa
         name = shown(source) if len(source) <= MOST_NAME else f"...{shown(source[3 - MOST_NAME :])}"
         with read_recording(file, known) as recording:
             try:
-                parts.append(part_of(name, recording, known.kinematics, asked_windows(source, window, windows)))
+                parts.append(
+                    compared_recording(name, recording, known.kinematics, asked_windows(source, window, windows))
+                )
             except (FeatureError, RotationError) as error:
                 raise InputError(f"{shown(source)}: {error}") from error
     return parts
 
 
-def _shaft(parts: Sequence[ComparedPart], found: Features, number: int | None) -> str:
+def _shaft(parts: Sequence[ComparedRecording], found: Features, number: int | None) -> str:
     """The shaft whose turns are averaged."""
     from pipelines.diagnosis.comparison.features import most_different_shaft
 
@@ -141,7 +143,7 @@ def _shaft(parts: Sequence[ComparedPart], found: Features, number: int | None) -
     return shafts[number - 1].name
 
 
-def _write(target: Path, drawn: Curves, found: Features, parts: Sequence[ComparedPart]) -> list[Path]:
+def _write(target: Path, drawn: Curves, found: Features, parts: Sequence[ComparedRecording]) -> list[Path]:
     """The figures as SVG."""
     from pipelines.diagnosis.comparison.words import LETTERS
     from pipelines.report.figures.comparison_plots import comparison_figures

@@ -1,4 +1,4 @@
-"""`gearcase dataset`: summarise, check or export a data set, or compute its features."""
+"""`gearcase dataset`: summarise, check or export a data set."""
 
 from __future__ import annotations
 
@@ -7,11 +7,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from pipelines.cli.command_line import Printed, action_parsers, quiet_argument
-from pipelines.io.argument_types import count, from_zero, part, path, positive, whole
+from pipelines.io.argument_types import from_zero, part, path, positive, whole
 
-HELP = (
-    "Summarise, check or export a data set of `gearcase campaign`, or compute its features. Takes seconds to minutes."
-)
+HELP = "Summarise, check or export a data set of `gearcase campaign`. Takes seconds to minutes."
 EXAMPLE = """\
 gearcase dataset info campaigns/plan
 ...
@@ -43,17 +41,6 @@ what to do; the exit code is then 1. Takes seconds to minutes.""",
 gearcase dataset check campaigns/plan
 6 rows of 6 runs checked: 0 errors, 0 warnings""",
     ),
-    "features": (
-        "compute the features of every run",
-        """\
-Compute statistical and order features of every run, and write them to features.parquet in the data set: a row for each
-run, sensor and axis. Repeat the command to continue after an interruption. Takes seconds to minutes.""",
-        """\
-gearcase dataset features campaigns/plan --start 0.3
-...
-features of 6 runs computed now
-campaigns/plan/features.parquet: 18 rows""",
-    ),
     "export": (
         "write runs, or pieces of them, with labels for other programs",
         """\
@@ -68,22 +55,12 @@ gearcase dataset export campaigns/plan --to npz --split train --seconds 0.25 --n
 
 
 def arguments(sub: argparse.ArgumentParser) -> None:
-    """Add the actions info, check, features and export with their arguments."""
+    """Add the actions info, check and export with their arguments."""
     actions = action_parsers(sub, ACTIONS, title="actions", required=True)
     for action in actions:
         action.add_argument("folder", metavar="FOLDER", type=path, help="folder of the data set, as in campaigns/plan")
-    _, check, features, export = actions
+    _, check, export = actions
     quiet_argument(check)
-    features.add_argument(
-        "--start", type=from_zero, metavar="T", default=0.0, help="ignore the signals before this time, s (default 0)"
-    )
-    features.add_argument(
-        "--noise", metavar="RMS", type=from_zero, default=0.0, help="add white sensor noise, m/s2 rms (default 0)"
-    )
-    features.add_argument(
-        "--processes", type=count, metavar="N", help="runs processed at the same time (default: number of cores)"
-    )
-    quiet_argument(features)
     _export_arguments(export)
 
 
@@ -134,7 +111,7 @@ def _export_arguments(sub: argparse.ArgumentParser) -> None:
 
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Run the action on a data set; 1 if the check finds an error."""
-    return {"info": _info, "check": _check, "features": _features, "export": _export}[options.action](options)
+    return {"info": _info, "check": _check, "export": _export}[options.action](options)
 
 
 def _info(options: argparse.Namespace) -> Iterator[str]:
@@ -151,17 +128,6 @@ def _check(options: argparse.Namespace) -> Printed:
         found = check_dataset(Path(options.folder), report)
     yield found.to_text()
     return int(bool(found.wrong))
-
-
-def _features(options: argparse.Namespace) -> Iterator[str]:
-    from pipelines.datasets.feature_pass import FEATURES, make_features
-    from pipelines.datasets.workers import local_workers
-    from pipelines.engine.progress import reported_count
-
-    folder = Path(options.folder)
-    with local_workers(options.processes) as workers, reported_count("runs", quiet=options.quiet) as report:
-        made, rows = make_features(folder, workers.executor, options.start, options.noise, report)
-    yield f"features of {made} runs computed now\n{folder / FEATURES}: {rows} rows"
 
 
 def _export(options: argparse.Namespace) -> Iterator[str]:

@@ -58,7 +58,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         metavar="FOLDER",
         type=path,
         help="folder for report.html: verdict, spectra with those of the first healthy recording, levels and features; "
-        "with several recordings, the folders 1, 2, ... in it",
+        "with several recordings, the trend, and the folders 1, 2, ... with their reports",
     )
     sub.add_argument(
         "--set",
@@ -85,11 +85,20 @@ def main(options: argparse.Namespace) -> Iterator[str]:
 
 
 def _recordings(options: argparse.Namespace) -> Iterator[str]:
+    from pipelines.diagnosis.trend import trend_facts, trend_grid
     from pipelines.io.errors import InputError
     from pipelines.io.json_text import json_text
     from pipelines.io.shown import shown
     from pipelines.io.user_files import writable_folder
-    from pipelines.runs.recorded import file_facts, file_words, files_grid, judge_files, recorded_parts
+    from pipelines.runs.recorded import (
+        courses_of,
+        file_facts,
+        file_words,
+        files_grid,
+        judge_files,
+        order_of,
+        recorded_parts,
+    )
 
     if options.settings:
         raise InputError(
@@ -97,13 +106,17 @@ def _recordings(options: argparse.Namespace) -> Iterator[str]:
         )
     window = tuple(options.window) if options.window else None
     target = writable_folder(options.out) if options.out else None
-    names, several = [shown(one) for one in options.records], len(options.records) > 1
+    several = len(options.records) > 1
     judged = list(judge_files(options.records, options.baseline, options.machine, window))
+    numbers, order, timed = order_of(judged)
+    judged, records = [judged[number] for number in numbers], [options.records[number] for number in numbers]
+    names, courses = [shown(one) for one in records], courses_of(judged)
     if options.json:
         facts = [file_facts(one) for one in judged]
-        yield json_text(facts if several else facts[0])
+        trend = {"order": order, "recordings": facts, "trend": trend_facts(courses, names)}
+        yield json_text(trend if several else facts[0])
     elif several:
-        yield f"{files_grid(names, judged).to_text()}\n"
+        yield f"{files_grid(names, judged).to_text()}\n{order}\n\n{trend_grid(courses).to_text()}\n"
         for name, one in zip(names, judged, strict=True):
             yield from (f"Warning: {name}: {warning}" for warning in one.recorded.warnings)
             if left := one.recorded.table.left_out if one.verdict is None else one.verdict.left_out:
@@ -113,16 +126,21 @@ def _recordings(options: argparse.Namespace) -> Iterator[str]:
     if target is None:
         return
     from pipelines.runs.recording_page import write_recording_page
+    from pipelines.runs.trend_page import write_trend_page
 
     for place, (name, one) in enumerate(zip(names, judged, strict=True), 1):
         left = () if one.verdict is None else one.verdict.outlying
         healthy = [other for other in options.baseline if shown(other) not in left][:1]
         folder = target / str(place) if several else target
         folder.mkdir(parents=True, exist_ok=True)
-        parts = recorded_parts([*healthy, options.records[place - 1]], options.machine, window)
+        parts = recorded_parts([*healthy, records[place - 1]], options.machine, window)
         written = write_recording_page(folder / "report.html", one, parts)
         if not options.json:
             yield f"report of {name}: {written}" if several else f"\nreport: {written}"
+    if several:
+        written = write_trend_page(target / "report.html", names, judged, order, timed, courses)
+        if not options.json:
+            yield f"trend: {written}"
 
 
 def _run(options: argparse.Namespace, folder: Path) -> Iterator[str]:
@@ -131,13 +149,20 @@ def _run(options: argparse.Namespace, folder: Path) -> Iterator[str]:
     from pipelines.engine.run_graph import Work
     from pipelines.io.json_text import json_text
     from pipelines.runs.diagnosed import diagnose_folder, folder_bars, judge_folder
+    from pipelines.runs.run_folder import RESPONSE, opened_run
+    from pipelines.signals.levels import level_grid, levels
     from pipelines.steps.diagnosing import words
 
     found, answered = diagnose_folder(folder, options.settings), judge_folder(folder)
     bars = folder_bars(folder, found, options.settings, Work())
+    with opened_run(folder / RESPONSE) as run:
+        measured = levels(run, found.settings.windows)
     if options.json:
         facts = bars if isinstance(bars, str) else bars.to_dict()
-        yield json_text({"verdict": answered["cases"]} | diagnosis_facts([found]) | {"error_bars": facts})
+        own = {"error_bars": facts, "levels": measured}
+        yield json_text({"verdict": answered["cases"]} | diagnosis_facts([found]) | own)
     else:
         answer = answered["words"] or f"No verdict: {answered['failure']}\n"
         yield f"{answer}\n{words([found])}\n{bars_words(bars)}"
+        if measured:
+            yield f"\n{level_grid(measured).to_text()}"

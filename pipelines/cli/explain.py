@@ -31,9 +31,9 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.engine.cache import Cache
     from pipelines.engine.step import explain
     from pipelines.scene.presets import load_asked
-    from pipelines.steps.study import plan_study
+    from pipelines.steps.run_plan import plan_run
 
-    graph = plan_study(load_asked(options)).graph
+    graph = plan_run(load_asked(options)).graph
     found = explain(graph, Cache())
     ends = graph.steps.keys() - {name for step in graph for name in step.inputs}
     first = all(status.first for status in found if status.name in ends)

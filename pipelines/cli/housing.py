@@ -102,7 +102,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Print the solids, the seats and the block, and write the picture, the page and the block."""
-    from fem.casing.imported.files import SUFFIXES
+    from fem.casing.imported.matrix_files import SUFFIXES
     from pipelines.io.errors import InputError
     from pipelines.scene.shipped_files import find_file
 
@@ -117,9 +117,9 @@ def main(options: argparse.Namespace) -> Iterator[str]:
 def _geometry(path: Path, options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.user_files import writable_folder, write_whole
     from pipelines.report.figures.film import save_figure
+    from pipelines.studies.housings.bore_picture import housing_picture
     from pipelines.studies.housings.listing import fitted, listing
     from pipelines.studies.housings.page import housing_page
-    from pipelines.studies.housings.picture import housing_picture
 
     folder = writable_folder(options.out or f"{path.stem}-housing")
     contents, fit, block, words = _surveyed(path, options)
@@ -139,7 +139,7 @@ def _geometry(path: Path, options: argparse.Namespace) -> Iterator[str]:
 def _matrices(path: Path, options: argparse.Namespace) -> Iterator[str]:
     """Print the checks of stiffness and mass matrices; if points are to be kept, write the reduced body to a file."""
     from fem.casing.imported.checks import check_foreign
-    from fem.casing.imported.files import MatrixFiles, read_body
+    from fem.casing.imported.matrix_files import MatrixFiles, read_body
     from pipelines.io.user_files import writable_folder
 
     body = read_body(

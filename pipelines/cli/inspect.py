@@ -171,8 +171,8 @@ def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, 
 
 
 def _write_casing(graph: Graph, machine: Plant, folder: Path, work: Work) -> Iterator[str]:
-    from pipelines.report.figures.callouts import casing_figure
     from pipelines.report.figures.film import save_figure
+    from pipelines.report.figures.labelled_pictures import casing_figure
     from pipelines.report.figures.views import NotRendered
     from pipelines.steps.pictures import rendered_casing
 

@@ -196,7 +196,7 @@ def _read_file(options: argparse.Namespace, windowed: bool) -> _RunUp:
     ------
     InputError : no such shaft, sensor or axis; the recording or its machine cannot be used
     """
-    from pipelines.diagnosis.comparison.part import chosen_channel
+    from pipelines.diagnosis.comparison.compared_recording import chosen_channel
     from pipelines.runs.recorded import recorded_parts
 
     part = recorded_parts([options.run], options.machine, None)[0]

@@ -30,7 +30,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Run the machine from slightly different states of rest; print what a level is worth."""
     from pipelines.scene.file import changed
-    from pipelines.studies.trade.spread import spread_table
+    from pipelines.studies.trade.starts_table import spread_table
     from pipelines.studies.trade.variants import measure
 
     loaded, work = scene_and_work(options)

@@ -15,7 +15,7 @@ import numpy as np
 from pipelines.datasets.labels import COLUMNS
 from pipelines.datasets.rows import DONE, FAILED
 from pipelines.datasets.summary import Summary, plan_texts, summarised, words
-from pipelines.datasets.varied import design_words, varied_grid
+from pipelines.datasets.variables_grid import design_words, varied_grid
 from pipelines.io.errors import SceneError
 from pipelines.io.grid import Grid
 from pipelines.io.user_files import write_whole
@@ -53,9 +53,10 @@ import pandas
 from sklearn.ensemble import RandomForestClassifier
 
 rows = pandas.read_parquet("rows.parquet").set_index("run")
-features = pandas.read_parquet("features.parquet")     # made by: gearcase dataset features .
-wide = features.pivot(index="run", columns=["sensor", "axis"]).dropna(axis="columns")
-wide.columns = ["_".join(names) for names in wide.columns]
+features = pandas.read_parquet("features.parquet")     # made by: gearcase features .
+signals = ["sensor", "axis", "component", "feature"]
+wide = features.pivot(index="run", columns=signals, values="value").dropna(axis="columns")
+wide.columns = [" ".join(names) for names in wide.columns]
 table = rows.join(wide, how="inner")
 train, test = table[table.split == "train"], table[table.split == "test"]
 model = RandomForestClassifier(random_state=0).fit(train[wide.columns], train.label)

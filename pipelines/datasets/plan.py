@@ -28,12 +28,13 @@ from pydantic import Field, model_validator
 
 from pipelines.datasets.expressions import Expression, ExpressionError
 from pipelines.datasets.labels import COLUMNS
+from pipelines.datasets.population import typical
 from pipelines.datasets.variables import ListTable, Variable
 from pipelines.io.errors import InputError, SceneError
 from pipelines.io.other_files import SCENE_KEYS
 from pipelines.io.toml_text import format_document
 from pipelines.scene.file import LoadedScene, find_source, load_scene, parse, validate
-from pipelines.scene.merge import Merged, Whole, leaves
+from pipelines.scene.merge import Merged, Whole, leaves, merge
 from pipelines.scene.presets import preset_on
 from pipelines.scene.shipped_files import anchored
 from pipelines.scene.tables.base import Number, Table
@@ -69,6 +70,10 @@ class PlanTable(Table):
     design: Annotated[
         Literal["grid", "random", "latin-hypercube", "sobol"], Field(description="how the scenes are chosen")
     ] = "sobol"
+    spread: Annotated[
+        Literal["typical"] | None,
+        Field(description="typical: also vary what differs between machines of one design, see docs/campaigns.md"),
+    ] = None
     scenes: Annotated[Integer | None, Field(ge=1, le=MOST_SCENES, description="number of scenes; not with a grid")] = (
         None
     )
@@ -219,6 +224,11 @@ def load_plan(file: str | Path) -> Plan:
     found = find_source(table.scene, source.folder)
     loaded = load_scene(found.name if found.folder is None else found.folder / f"{found.name}.toml")
     scene = preset_on(loaded, table.preset).tree if table.preset else loaded.tree
+    if table.spread:
+        variables, settings = typical(scene, table.settings)
+        settings = merge(Merged(settings), table.settings).tree
+        spread = {"variables": variables | tree.get("variables", {}), "settings": settings}
+        table, _ = validate(Merged(anchored(tree, source.folder) | spread), PlanTable, source.shown)
     return Plan(name=source.name, text=source.text, table=table, tree=_bare(scene))
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pipelines.datasets.varied import sets
+from pipelines.datasets.variables_grid import sets
 from pipelines.io.errors import SceneError
 from pipelines.scene.file import load_scene
 from pipelines.signals.motion_warnings import KINDS, LARGEST_STEP_ERROR, needed_step_us

@@ -16,7 +16,7 @@ from pipelines.datasets.layout import read_facts
 from pipelines.datasets.rows import DONE
 from pipelines.datasets.run_warnings import run_warnings
 from pipelines.datasets.store import SIGNALS
-from pipelines.datasets.varied import design_words, varied_grid
+from pipelines.datasets.variables_grid import design_words, varied_grid
 from pipelines.io.toml_text import read_toml
 
 PLAN = "plan.toml"

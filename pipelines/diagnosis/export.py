@@ -51,8 +51,9 @@ def write_csv(run: xarray.Dataset, path: Path | str) -> Path:
         for first in range(0, run.time.size, ROWS_AT_ONCE):
             last = min(first + ROWS_AT_ONCE, run.time.size)  # h5netcdf 1.3 pads slices beyond the end
             block = run.isel(time=slice(first, last))
-            table = np.column_stack([block.time.values, *(values for _, values in signal_columns(block))])
-            np.savetxt(file, table, fmt="%.9g", delimiter=",", newline="\r\n")
+            columns = [block.time.values, *(values for _, values in signal_columns(block))]
+            digits = ["%.9g" if column.dtype == np.float32 else "%.15g" for column in columns]
+            np.savetxt(file, np.column_stack(columns), fmt=digits, delimiter=",", newline="\r\n")
     return path
 
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipelines.diagnosis.cases import deviation_words
 from pipelines.diagnosis.control_diagnosis import Diagnosis
+from pipelines.diagnosis.known_damage import deviation_words
 from pipelines.io.grid import Grid
 from pipelines.signals.analysis import DiagnosisSettings
 from pipelines.signals.lines import IN_ENVELOPE, LOADS, LineTable

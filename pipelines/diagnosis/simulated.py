@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipelines.signals.analysis import channel_names, noisy_channel
-from pipelines.signals.features.recorded import feature_table
+from pipelines.signals.features.feature_table import feature_table
 from pipelines.signals.features.table import FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.signals.orders.rotation import Rotation
@@ -22,10 +22,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class FeatureSettings:
-    """Kinematics of the machine and diagnosed windows (s) by name; the whole run if there are none."""
+    """Kinematics of the machine and diagnosed windows (s) by name; the whole run if there are none.
+
+    `complete` selects all features instead of those that are evidence in a diagnosis.
+    """
 
     kinematics: Kinematics
     windows: Mapping[str, tuple[float, float]]
+    complete: bool = False
 
 
 def run_features(run: xarray.Dataset, settings: FeatureSettings, rotation: Rotation | None = None) -> FeatureTable:
@@ -39,12 +43,12 @@ def run_features(run: xarray.Dataset, settings: FeatureSettings, rotation: Rotat
 
     Raises
     ------
-    FeatureError : see `pipelines.signals.features.recorded`
+    FeatureError : see `pipelines.signals.features.feature_table`
     RotationError : see `pipelines.signals.orders.rotation_of`
     """
     if rotation is None:
         rotation = rotation_of(run, settings.kinematics)
-    return feature_table(with_stated_noise(run), settings.kinematics, rotation, settings.windows)
+    return feature_table(with_stated_noise(run), settings.kinematics, rotation, settings.windows, settings.complete)
 
 
 def window_features(run: xarray.Dataset, settings: FeatureSettings, samples: int = 1) -> dict[str, list[FeatureTable]]:
@@ -67,7 +71,8 @@ def with_stated_noise(run: xarray.Dataset, sample: int = 0) -> xarray.Dataset:
     repeatable, and differs from that of any other run.
     """
     name = "acceleration" if "acceleration" in run else "journal_acceleration"
-    stream = zlib.crc32(np.ascontiguousarray(run[name].values).tobytes()) + sample
+    stored = run[name].transpose("time", ...).values.astype(np.float32)  # as in every file of the same signals
+    stream = zlib.crc32(stored.tobytes()) + sample
     axes = [str(axis) for axis in run.axis.values]
     signal = np.stack([noisy_channel(run, sensor, axes, stream).T for sensor in channel_names(run)])
     return run.drop_vars(name).assign({name: ((*run[name].transpose(..., "time").dims[:-1], "time"), signal)})

@@ -8,6 +8,8 @@ The diagnosis does not use the known faults of a simulation. It answers two ques
 - Damaged (one-sided): the evidence of a component, the mean deviation of its features, is high. At most ALARM of
   healthy machines have such evidence for any of their components.
 
+`pipelines.diagnosis.verdict_words` words the answers.
+
 Damage of a gear repeats with its shaft, impacts of a bearing do not. But an average over N revolutions retains 1/N of
 their power, and they raise all features of gears. Let A be the power of the average, n the part of it that does not
 repeat with the shaft, and n_h the largest n of the healthy recordings. The evidence of a gear counts by
@@ -32,15 +34,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fem.storage import shown_html
 from pipelines.diagnosis.alike import alike
-from pipelines.diagnosis.baseline import check_baseline, outlying
-from pipelines.diagnosis.impacts import CLEAR, in_race_or_element
-from pipelines.diagnosis.prediction import (
+from pipelines.diagnosis.baseline_checks import check_baseline, outlying
+from pipelines.diagnosis.deviation_statistics import (
     FEWEST_FOR_P,
     LEAST_SPREAD,
     at_speed,
@@ -50,8 +51,9 @@ from pipelines.diagnosis.prediction import (
     moderated,
     probability,
 )
+from pipelines.diagnosis.impacts import CLEAR, in_race_or_element
+from pipelines.signals.features.feature_table import OF_SHAFT, OF_WHITENED
 from pipelines.signals.features.passing import SIDEBANDS
-from pipelines.signals.features.recorded import OF_SHAFT, OF_WHITENED
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 
@@ -87,6 +89,8 @@ class Finding:
     `tooth` of a gear is in mesh when an impact begins; None if its position is not known or the gear shows no increase.
     `damaged` is None if the evidence has no limit. `repeating` is False if a smaller share of the vibration repeats
     with the shaft than in some healthy recording, so that damage of another shaft can be the cause of the evidence.
+    `healthy` is the range of the evidence over its limit in the healthy recordings, each compared with the others; None
+    if they are too few.
     """
 
     component: str
@@ -95,6 +99,7 @@ class Finding:
     repeating: bool
     alike: tuple[str, ...]
     tooth: int | None
+    healthy: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -206,9 +211,12 @@ def judge(
     levels, healthy, speed, speeds, retained = _compared(recording, baseline)
     lines = _Lines(recording)
 
-    def chances(one: int, others: np.ndarray) -> tuple[float, float]:
+    def compared(one: int, others: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         accepted = at_speed(healthy[others], speeds[others], speeds[one])
-        return lines.chances(healthy[one], accepted, lines.repeating(baseline[one], retained[others]))
+        return healthy[one], accepted, lines.repeating(baseline[one], retained[others])
+
+    def chances(one: int, others: np.ndarray) -> tuple[float, float]:
+        return lines.chances(*compared(one, others))
 
     odd = [] if exact else outlying(healthy, lambda one, others: min(chances(one, others)))
     kept = np.delete(np.arange(len(healthy)), odd)
@@ -219,7 +227,15 @@ def judge(
     weight = lines.repeating(recording, retained[kept])
     different = lines.chances(levels, reference, weight)[0] if enough else None
     shares = np.array([other.repeating for other in baseline])[kept]
-    findings = _findings(lines, levels, reference, weight, shares, kinematics)
+    scatter: dict[str, list[float]] = {}
+    for one in kept[:tested]:
+        for finding in _findings(lines, *compared(one, kept[kept != one]), shares, kinematics):
+            own = scatter.setdefault(finding.component, [])
+            own.append(finding.evidence.deviation / (finding.evidence.limit or 1.0))
+    findings = tuple(
+        replace(finding, healthy=(min(own), max(own)) if (own := scatter.get(finding.component, [])) else None)
+        for finding in _findings(lines, levels, reference, weight, shares, kinematics)
+    )
     return Verdict(
         findings=findings,
         different=None if different is None else different <= DIFFERENT,

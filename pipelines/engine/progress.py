@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
 _LOG = logging.getLogger("pipelines.engine.step")
-_MOTION = re.compile(  # names of the steps of a study, as `pipelines.steps.study` composes them
+_MOTION = re.compile(  # names of the steps of a run, as `pipelines.steps.run_plan` composes them
     r"(?P<features>features )?(?P<torque>torque )?(healthy seed (?P<seeded>\d+) )?(seed (?P<seed>\d+) )?"
     r"(?P<free>error-free )?(?P<healthy>healthy )?simulate"
 )

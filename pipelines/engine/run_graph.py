@@ -128,11 +128,12 @@ class _Run:
         self._processes = processes
         self._results = {name: result for name, result in known.items() if name in self._graph.steps}
         self._errors: list[Exception] = []
+        self._news: list[Event] = []  # results of which the caller does not know
         self._verified: set[str] = set()
         # the step with the longest chain of waiting steps starts first
         self._urgency = seconds_to_the_end((step.name, step.seconds, step.inputs) for step in self._graph)
         self._awaited = self._graph.needed(step.name for step in self._graph if step.seconds >= LONG_SECONDS).steps
-        self._prepared: dict[str, Future] = {}  # by step: its preparation
+        self._prepared: dict[tuple[str, ...], Future] = {}  # by `_code` of a step: its preparation
         self._in_children: dict[str, str] = {}  # keys of the steps in child processes, by name
         self._in_thread: dict[str, str] = {}  # key of the short step in a thread, by name
         self._events: queue.SimpleQueue[tuple[Step, Future | float]] = queue.SimpleQueue()
@@ -148,6 +149,7 @@ class _Run:
                 if self._drop_damaged(ready):
                     continue
                 ready = self._start_in_children(ready, children)
+                self._announce()
                 if self._in_children:
                     self._prepare()
                 if self._in_children or (len(ready) > 1 and self._processes > 1):
@@ -159,6 +161,7 @@ class _Run:
                         if step.name not in self._results and step.inputs:
                             step.load()  # import modules while the child processes build
                     self._take_event()
+            self._announce()
         if self._errors:
             raise self._errors[0]
         return Outcome({name: self._results[name] for name in self._graph.steps})
@@ -217,12 +220,12 @@ class _Run:
         return [(step, key) for step, key in ready if step.seconds < LONG_SECONDS]
 
     def _prepare(self) -> None:
-        """Start the preparation of steps, as compiling takes longer than most steps."""
+        """Start to compile the code of later steps, once for all that call the same; most steps are shorter."""
         for step in self._graph:
-            waiting = step.name not in {*self._results, *self._prepared}
+            waiting = step.name not in self._results and _code(step) not in self._prepared
             if step.prepare and waiting and self._results.keys() >= {*step.prepare_takes}:
                 taken = [self._results[name] for name in step.prepare_takes]
-                self._prepared[step.name] = in_thread(_run_preparation, step, taken)
+                self._prepared[_code(step)] = in_thread(_run_preparation, step, taken)
 
     def _start_in_thread(self, ready: Ready) -> Ready:
         """Start one short step in a thread if no long step waits for it; the steps that are left for the main thread.
@@ -242,8 +245,8 @@ class _Run:
     def _build(self, step: Step, key: str, children: Processes) -> None:
         """Build a step in this thread."""
         self._on_event(Event(step))
-        if step.name in self._prepared:
-            wait([self._prepared[step.name]])
+        if _code(step) in self._prepared:
+            wait([self._prepared[_code(step)]])
         started = {*self._results, *self._in_children, step.name}
         if not any(other.seconds >= LONG_SECONDS for other in self._graph if other.name not in started):
             children.end_idle()
@@ -283,10 +286,20 @@ class _Run:
     def _keep(self, step: Step, result: Result) -> None:
         large = result.entry is not None and result.entry.bytes > _HELD_BYTES
         self._results[step.name] = result.stored() if large else result
-        self._on_event(Event(step, result=self._results[step.name]))
+        self._news.append(Event(step, result=self._results[step.name]))
+
+    def _announce(self) -> None:
+        """Call back with the new results, after the steps that they allow were started: the caller may take seconds."""
+        while self._news:
+            self._on_event(self._news.pop(0))
 
     def _upstream(self, step: Step) -> dict[str, Result]:
         return {name: self._results[name] for name in step.inputs}
+
+
+def _code(step: Step) -> tuple[str, ...]:
+    """The compiled code that a step calls."""
+    return *step.modules, *step.compiles
 
 
 def _run_preparation(step: Step, taken: list[Result]) -> None:

@@ -55,7 +55,7 @@ class Step:
     streams: bool = False  # `build` takes a `folder` for arrays too large for memory; None if none can be written
     reads: Mapping[str, Callable[[Any], Any]] = field(default_factory=dict)  # by parameter
     enough: str = ""  # a number in `spec`; a stored result for a larger number can also be used
-    prepare: Callable[..., None] | None = None  # ``prepare(spec, *results)``, called while other steps are built
+    prepare: Callable[..., None] | None = None  # ``prepare(spec, *results)`` compiles while other steps are built
     prepare_takes: tuple[str, ...] = ()
     compiles: Mapping[str, float] = field(default_factory=dict)  # s to compile, by prefix of the name of stored code
 

@@ -8,7 +8,7 @@ from typing import Any
 from pipelines.io.errors import InputError
 
 SCENE_KEYS = ("stages", "extends")  # a file with one of these is a scene
-_MACHINE_KEYS = ("teeth", "ratios", "speed_rpm", "rate_Hz", "tachometer")
+MACHINE_KEYS = ("teeth", "ratios", "speed_rpm", "rate_Hz", "tachometer")
 _PLAN_KEYS = ("scene", "variables", "settings", "cases")
 
 
@@ -26,7 +26,7 @@ def refuse_other_file(tree: Mapping[str, Any], name: str) -> None:
     """
     if any(key in tree for key in SCENE_KEYS):
         return
-    if any(key in tree for key in _MACHINE_KEYS):
+    if any(key in tree for key in MACHINE_KEYS):
         raise InputError(
             f"{name}: this is a machine file, and a scene is needed. Give the machine file to: gearcase diagnose "
             f"RECORD --machine {name}. For a scene: gearcase new FILE.toml"

@@ -184,7 +184,7 @@ def foreign_housing(
 ) -> ForeignHousing:
     """The housing given by imported matrices, with the sensors on it; arguments as for `housing`."""
     from fem.casing.imported.casing import ForeignHousing, file_digests
-    from fem.casing.imported.files import MatrixFiles
+    from fem.casing.imported.matrix_files import MatrixFiles
 
     nodes = {seat.name: seat.nodes for seat in table.bearings}
     names = {

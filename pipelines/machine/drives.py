@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from mbd.forces.torque_source import TorqueSource
-from mbd.parts.drive import CouplingSpec, SpeedProfile
+from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
 from pipelines.io.errors import Problem, SceneError
 from pipelines.scene.tables.motion import DriveModel, SpeedDrive, TorqueDrive
-from pipelines.scene.tables.samples import ColumnTable, pairs
+from pipelines.scene.tables.series import ColumnTable, pairs
 from pipelines.scene.tables.shafts import ShaftTable
 from pipelines.scene.tables.torques import RPM
 

@@ -17,8 +17,8 @@ from fem.gears.modifications import FlankModifications, Misalignment, PairModifi
 from fem.gears.prescribed import PrescribedDeviations
 from pipelines.machine.flanks_spec import FlanksSpec
 from pipelines.scene.tables.faults import FaultTable
-from pipelines.scene.tables.gear_details import GearTable
-from pipelines.scene.tables.gears import StageTable
+from pipelines.scene.tables.gears import GearTable
+from pipelines.scene.tables.stages import StageTable
 
 GEARS = ("pinion", "wheel")
 

@@ -10,8 +10,10 @@ from functools import cached_property
 import numpy as np
 
 from fem.elements.materials import Material
-from fem.gears.geometry import Gear, GearPair, GeometryError, Rack
+from fem.gears.gear_checks import GeometryError
+from fem.gears.geometry import Gear, GearPair
 from fem.gears.modifications import PairModifications, check_modifications
+from fem.gears.rack import Rack
 from mbd.parts.train import power_flow
 from pipelines.io.errors import Problem, SceneError
 from pipelines.machine.drives import highest_rpm, motor_places
@@ -19,10 +21,10 @@ from pipelines.machine.flanks import modifications
 from pipelines.machine.loads import load_places, load_torque
 from pipelines.scene.phases import mesh_cycles
 from pipelines.scene.scene import Scene
+from pipelines.scene.shaft_places import place_shafts, shaft_senses, stage_shafts
 from pipelines.scene.tables.forces import TorqueTable
-from pipelines.scene.tables.gear_details import GearTable
-from pipelines.scene.tables.gears import StageTable
-from pipelines.scene.train import place_shafts, shaft_senses, stage_shafts
+from pipelines.scene.tables.gears import GearTable
+from pipelines.scene.tables.stages import StageTable
 
 USUAL_BORE = 0.5  # of the root circle, if a scene gives no bore
 USUAL_BACKLASH = 80e-6  # m, if a scene gives no centre distance, allowances or backlash

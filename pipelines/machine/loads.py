@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mbd.forces.load_models import HangingLoad
+from mbd.forces.hanging_loads import HangingLoad
 from mbd.forces.torque_source import TorqueSource
 from mbd.parts.load import Load
 from pipelines.scene.tables.motion import LoadBase, LoadModel, TorqueLoad
@@ -18,18 +18,18 @@ def load_places(table: LoadModel, shaft: ShaftTable) -> tuple[float, ...]:
 
 def load_torque(table: LoadModel, shaft: int) -> float:
     """Torque (N m) of greatest magnitude with which the load resists the rotation of its shaft (number from 0)."""
-    hanging = weight(table)
+    hanging = suspended_load(table)
     return -_source(table, shaft, 0.0).largest if hanging is None else hanging.torque
 
 
-def weight(table: LoadModel) -> HangingLoad | None:
+def suspended_load(table: LoadModel) -> HangingLoad | None:
     """The suspended load on the ropes of the drums; None for a torque."""
     return table.made() if isinstance(table, LoadBase) else None
 
 
 def hanging_load(table: LoadModel, shaft: int, places: tuple[float, ...]) -> Load | None:
     """The load on drums at ``places`` (y, m) of a shaft (number from 0); None for a torque."""
-    hanging = weight(table)
+    hanging = suspended_load(table)
     return None if hanging is None else hanging.load(f"shaft_{shaft + 1}", places)
 
 

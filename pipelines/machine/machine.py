@@ -15,7 +15,8 @@ from fem.casing.geometry.dimensions import HousingError
 from fem.contact.frame import ModelError
 from fem.contact.models.mesh_model import LawSpec
 from fem.contact.models.registry import loaded_model
-from fem.gears.geometry import Gear, GearPair, GeometryError
+from fem.gears.gear_checks import GeometryError
+from fem.gears.geometry import Gear, GearPair
 from fem.gears.prescribed import PrescribedDeviations
 from mbd.parts.channels import further_channels
 from mbd.parts.checks import MachineError
@@ -28,14 +29,14 @@ from pipelines.machine.casing import casing
 from pipelines.machine.drives import motor_couplings, motor_torques, speed_profile
 from pipelines.machine.flanks import GEARS, Fault, damaged_teeth, flanks_spec, prescribed_deviations, tooth_faults
 from pipelines.machine.layout import TrainLayout, lay_out
-from pipelines.machine.loads import hanging_load, load_places, torque_load, weight
+from pipelines.machine.loads import hanging_load, load_places, suspended_load, torque_load
 from pipelines.machine.parts import GearMesh, GearTeeth, MachineParts, Recorded
 from pipelines.machine.plant import Drivetrain, Plant, labels
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import shaft_faults
-from pipelines.scene.tables.gears import DeviationTable, StageTable
 from pipelines.scene.tables.losses import FilmModel
 from pipelines.scene.tables.motion import LoadBase, SpeedDrive
+from pipelines.scene.tables.stages import DeviationTable, StageTable
 
 REFUSALS = (MachineError, GeometryError, ModelError, HousingError, InputError)
 
@@ -95,7 +96,7 @@ def drivetrain(scene: Scene, layout: TrainLayout, problems: Problems) -> Drivetr
             for number, (pair, modifications) in enumerate(zip(layout.pairs, layout.modifications, strict=True), 1)
         ),
         machine=machine_parts(scene, layout, faults, problems),
-        hoist=weight(scene.load),
+        hoist=suspended_load(scene.load),
         rolling=() if problems else rolling_bearings(scene),
         faults=faults,
         spalls=tuple(bearing_faults(scene).values()),

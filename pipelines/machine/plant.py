@@ -13,7 +13,7 @@ from typing import Any
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.models.casing import CasingModel, Structure
 from fem.contact.models.mesh_model import LawSpec
-from mbd.forces.load_models import HangingLoad
+from mbd.forces.hanging_loads import HangingLoad
 from mbd.integrators.settings import MotionSettings
 from pipelines.machine.bearings import BearingFault, RollingBearing
 from pipelines.machine.flanks import Fault

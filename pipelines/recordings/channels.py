@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from datetime import datetime
 from typing import Any
 
 import numpy as np
@@ -13,7 +15,9 @@ from pipelines.io.shown import shown
 
 LEAST_VALUES = 2  # fewer values are a setting, not a signal
 _NAME = re.compile(r"(?P<name>.*?)\s*[\[(](?P<units>[^\[\]()]*)[\])]\s*")
-_EXPORTED = re.compile(r"acceleration (?P<sensor>\S+) (?P<axis>[xyz])")
+_EXPORTED = re.compile(r"(?:journal_)?acceleration (?P<sensor>\S+) (?P<axis>[xyz])")
+SHAFT_ANGLE = "shaft_angle "  # start of the name of an exported angle, before the name of the shaft
+_MOMENT = re.compile(r"(\d{4})[-/](\d\d)[-/](\d\d)\D{1,12}(\d\d?):(\d\d):(\d\d)")
 _RATES = (  # without "rate", which can be the speed of a shaft
     "fs", "fshz", "sr", "ratehz", "samplerate", "samplingrate", "samplefreq", "samplingfreq", "samplefrequency",
     "samplingfrequency",
@@ -52,10 +56,23 @@ class RecordedChannel:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RecordedContents:
-    """The channels of a file, in its order, and the function that closes it."""
+    """The channels of a file, in its order, the function that closes it, and texts that may state when it begins."""
 
     channels: tuple[RecordedChannel, ...]
     close: Callable[[], None] = lambda: None
+    texts: str = ""
+
+    @property
+    def begin(self) -> str:
+        """The first date with a time of day in the texts, in the form of ISO 8601; "" if there is none.
+
+        Other texts than 2026-11-27T12:00:00 can be between the two, as in the head of a LabVIEW measurement file.
+        """
+        if found := _MOMENT.search(self.texts):
+            year, month, day, hour, minute, second = map(int, found.groups())
+            with contextlib.suppress(ValueError):  # a month 13
+                return datetime(year, month, day, hour, minute, second).isoformat()
+        return ""
 
     def names(self) -> str:
         """Names of the channels, for messages."""

@@ -82,7 +82,8 @@ def open_channels(path: Path, text: Path | None = None) -> RecordedContents:
             scratch.write(block.tobytes())
         scratch.flush()
         values = np.memmap(scratch, dtype=float, mode="r").reshape(-1, columns)
-        return RecordedContents(channels=tuple(_channels(values, layout)), close=scratch.close)
+        above = "\n".join(head[: layout.first + 1])
+        return RecordedContents(channels=tuple(_channels(values, layout)), close=scratch.close, texts=above)
     except BaseException:
         scratch.close()
         raise
@@ -122,7 +123,8 @@ def _blocks(path: Path, text: Path, encoding: str, layout: ColumnLayout) -> Iter
                     lines, delimiter=layout.separator, ndmin=2, comments=None, quotechar='"', converters=converters
                 )
             except ValueError as error:
-                raise _damaged(path, block, layout) or InputError(f"{shown(path)}: {error}.") from error
+                what = str(error).partition(" at row")[0]  # of the block, not of the file
+                raise _damaged(path, block, layout) or InputError(f"{shown(path)}: {what}. Correct it.") from error
             if values.shape[1] != len(layout.names):
                 raise _damaged(path, block, layout) or InputError(
                     f"{shown(path)}: the number of columns changes. Give each line the same number."
@@ -209,9 +211,10 @@ def _layout(head: list[str], path: Path) -> ColumnLayout:
                 break
     if not any(line.strip() for line in head):
         raise InputError(f"{shown(path)}: is empty. Give a file with columns of numbers.")
+    where = f"none of its first {len(head)} lines" if len(head) > 1 else "no line"
     raise InputError(
-        f"{shown(path)}: none of its first {len(head)} lines holds numbers alone. Give columns of numbers that are "
-        "separated by tabulators, semicolons, commas or blanks."
+        f"{shown(path)}: {where} holds numbers alone. Give columns of numbers that are separated by tabulators, "
+        "semicolons, commas or blanks."
     )
 
 

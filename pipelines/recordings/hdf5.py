@@ -36,7 +36,8 @@ def open_channels(path: Path) -> RecordedContents:
             )
     file = h5py.File(path, "r")
     try:
-        return RecordedContents(channels=tuple(_channels(file)), close=file.close)
+        texts = " ".join(_text(value) for value in file.attrs.values())
+        return RecordedContents(channels=tuple(_channels(file)), close=file.close, texts=texts)
     except BaseException:
         file.close()
         raise

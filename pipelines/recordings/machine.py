@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from pipelines.io.errors import InputError, Problem, SceneError
-from pipelines.io.other_files import SCENE_KEYS
+from pipelines.io.other_files import MACHINE_KEYS, SCENE_KEYS
 from pipelines.io.shown import shown
 from pipelines.recordings.machine_table import BearingTable, MachineTable
 from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
@@ -48,6 +48,12 @@ def read_machine(source: str | Path) -> MeasuredMachine:
     found = find_source(source)
     tree = parse(found)
     if found.folder is None or any(key in tree for key in SCENE_KEYS):
+        if measured := ", ".join(key for key in MACHINE_KEYS if key in tree):
+            raise InputError(
+                f"{found.shown}: {measured} can only be in a machine file, {' and '.join(SCENE_KEYS)} only in a scene. "
+                "For a machine file replace stages by teeth = [[25, 62]], a pair of numbers for each stage. For a "
+                f"scene delete {measured}."
+            )
         return _of_scene(source)
     table, _ = validate(Merged(tree), MachineTable, found.shown)
     shafts, problems = _shafts(table)

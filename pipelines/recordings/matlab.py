@@ -10,7 +10,7 @@ import numpy as np
 
 from pipelines.recordings import hdf5
 from pipelines.recordings.channels import RecordedChannel, RecordedContents, of_array
-from pipelines.recordings.numpy_files import named_arrays
+from pipelines.recordings.numpy_files import named_arrays, texts
 
 _WIDTH = 8  # bytes of a number
 _PACKED = 2  # a file with compressed structures takes at least this many times its size
@@ -37,7 +37,8 @@ def open_channels(path: Path) -> RecordedContents:
     from scipy.io import loadmat
 
     content = {name: value for name, value in loadmat(path, simplify_cells=True).items() if not name.startswith("__")}
-    return RecordedContents(channels=(*_exported(content), *named_arrays(dict(_arrays(content)))))
+    arrays = dict(_arrays(content))
+    return RecordedContents(channels=(*_exported(content), *named_arrays(arrays)), texts=texts(arrays))
 
 
 def _arrays(content: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, np.ndarray]]:

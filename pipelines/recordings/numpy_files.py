@@ -29,7 +29,12 @@ def open_npz(path: Path) -> RecordedContents:
     """The channels of all its arrays; one number that is called fs, sample_rate or the like is the sampling rate."""
     with np.load(path, allow_pickle=False) as archive:
         arrays = {name: archive[name] for name in archive.files}
-    return RecordedContents(channels=named_arrays(arrays))
+    return RecordedContents(channels=named_arrays(arrays), texts=texts(arrays))
+
+
+def texts(arrays: dict[str, np.ndarray]) -> str:
+    """The texts among named arrays."""
+    return " ".join(str(value) for value in arrays.values() if value.dtype.kind == "U" and value.size == 1)
 
 
 def named_arrays(arrays: dict[str, np.ndarray]) -> tuple[RecordedChannel, ...]:

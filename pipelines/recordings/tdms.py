@@ -47,7 +47,9 @@ def open_channels(path: Path) -> RecordedContents:
         for channel in group.channels():
             name = f"{group.name}/{channel.name}" if several else channel.name
             found.append(_channel(name, channel))
-    return RecordedContents(channels=tuple(found))
+    channels = (channel for group in file.groups() for channel in group.channels())
+    texts = " ".join(str(channel.properties.get("wf_start_time", "")) for channel in channels)
+    return RecordedContents(channels=tuple(found), texts=texts)
 
 
 @contextlib.contextmanager

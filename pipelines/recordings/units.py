@@ -1,4 +1,4 @@
-"""Units of acceleration that a recording may come in, and how they become m/s2."""
+"""Units of the channels of a recording: accelerations, voltages and times, and their factors to SI."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _SPELLINGS = {
 
 
 def plain_units(text: str) -> str:
-    """Units as this room spells them: "m/s^2", "m/s**2", "m/s\u00b2" are all m/s2. What is not known stays as it is."""
+    """Units as gearcase writes them: "m/s^2", "m/s**2", "m/s\u00b2" are all m/s2. What is not known stays as it is."""
     plain = text.strip().replace("\u00b2", "2").replace("**", "").replace("^", "").replace(" ", "")
     if plain.lower() in _SPELLINGS:
         return _SPELLINGS[plain.lower()]

@@ -31,7 +31,8 @@ def open_channels(path: Path) -> RecordedContents:
     channels = [_channel(name, record) for name, record in zip(names, records, strict=True)]
     times = [record.x for record in records if record.x is not None]
     found = [*array_channels("time", times[0], units="s"), *channels] if times else channels
-    return RecordedContents(channels=tuple(found))
+    texts = " ".join(line for record in records for line in record.head.lines)
+    return RecordedContents(channels=tuple(found), texts=texts)
 
 
 def _channel(name: str, record: UniversalFunction) -> RecordedChannel:

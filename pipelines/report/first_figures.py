@@ -11,7 +11,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pipelines.report.figures.plots import FAULTY, HEALTHY, MARK, dress, fixed_figure, legend, plain, plain_symbols
+from pipelines.report.figures.colours import FAULTY, HEALTHY
+from pipelines.report.figures.plots import MARK, dress, fixed_figure, legend, plain, plain_symbols
 
 SIZE = (2.9, 5.0)  # height and width, inches
 LETTERS = 8.5  # points

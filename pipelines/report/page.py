@@ -10,7 +10,7 @@ from importlib.resources import files
 from matplotlib.figure import Figure
 
 from pipelines.io.grid import Grid
-from pipelines.report.svg import svg
+from pipelines.report.figure_svg import svg
 
 WIDEST = 10  # columns of a table that a sheet of paper holds
 

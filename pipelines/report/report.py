@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipelines.diagnosis.cases import Case, Damage, cases_grid
+from pipelines.diagnosis.known_damage import Case, Damage, cases_grid
 from pipelines.diagnosis.line_words import criterion, directions
-from pipelines.diagnosis.words import note
+from pipelines.diagnosis.verdict_words import note
 from pipelines.engine.progress import step_words
 from pipelines.io.grid import Grid, cell, grid, turned
 from pipelines.report import page, spectra

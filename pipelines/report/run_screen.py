@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipelines.diagnosis import words
-from pipelines.diagnosis.cases import Case, Damage, any_found, sentences
+from pipelines.diagnosis import verdict_words
 from pipelines.diagnosis.control_diagnosis import Diagnosis
+from pipelines.diagnosis.known_damage import Case, Damage, any_found, sentences
 from pipelines.diagnosis.verdict import Finding, Verdict, decibels
 from pipelines.io.grid import grid
 from pipelines.machine.kinematics import kinematics_of
 from pipelines.machine.plant import Plant
 from pipelines.report import page
+from pipelines.report.chart_data import ENVELOPE_ORDERS, streams
 from pipelines.report.first_figures import average_figure, envelope_figure
-from pipelines.report.zoom_data import ENVELOPE_ORDERS, streams
 from pipelines.scene.tables.analysis import LookedFor
 from pipelines.signals.analysis import DiagnosisSettings, analyse, noisy_signal
 from pipelines.signals.features.average import FEWEST_TURNS, average
@@ -109,7 +109,7 @@ def _ranking(ranking: Sequence[tuple[str, float, str, str]], note: str) -> list[
     if not ranking:
         return []
     rows = [
-        {"component": component, "increase dB": decibels(increase), words.STRENGTH: strength, "remark": remark}
+        {"component": component, "increase dB": decibels(increase), verdict_words.STRENGTH: strength, "remark": remark}
         for component, increase, strength, remark in ranking
     ]
     more = rows[RANKED_AT_ONCE:]
@@ -124,11 +124,11 @@ def _ranked(finding: Finding, first: bool) -> tuple[str, float, str, str]:
     """A row of the ranking. Only the first has its tooth: the impact is elsewhere in the averages of other gears."""
     remarks = [f"the impact begins at tooth {finding.tooth}"] if first and finding.tooth is not None else []
     remarks += [f"same orders as {', '.join(finding.alike)}"] if finding.alike else []
-    return finding.component, finding.evidence.increase, words.strength(finding.evidence), "; ".join(remarks)
+    return finding.component, finding.evidence.increase, verdict_words.strength(finding.evidence), "; ".join(remarks)
 
 
 def _ranking_note(verdict: Verdict) -> str:
-    texts = [words.note(verdict)]
+    texts = [verdict_words.note(verdict)]
     if any(finding.alike for finding in verdict.findings):
         texts.append("Components with equal orders, or integer multiples of them, cannot be distinguished.")
     return " ".join(texts)

@@ -10,6 +10,7 @@ from pipelines.diagnosis.line_words import case_name, directions, lines_grid, se
 from pipelines.diagnosis.uncertainty.line_bars import LineBars
 from pipelines.diagnosis.uncertainty.words import bars_grid
 from pipelines.report import page
+from pipelines.report.chart_data import channels, views
 from pipelines.report.figures.plots import waveform_figure
 from pipelines.report.figures.spectrum_plots import (
     comparison_figure,
@@ -19,10 +20,10 @@ from pipelines.report.figures.spectrum_plots import (
     single_spectrum_figure,
     spectrum_figure,
 )
-from pipelines.report.zoom import charts
-from pipelines.report.zoom_data import channels, views
+from pipelines.report.interactive_charts import charts
 from pipelines.signals.analysis import Analysis, DiagnosisSettings, analyse, channel_names
 from pipelines.signals.levels import contact_sentence, level_grid
+from pipelines.signals.levels import levels as measured_levels
 from pipelines.signals.lines import LOADS
 
 if TYPE_CHECKING:
@@ -77,10 +78,8 @@ def levels(runs: Runs, windows: Windows) -> list[str]:
     run = next(iter(runs.values()), None)
     if run is None:
         return []
-    found, contact = level_grid(run, windows), contact_sentence(run)
-    parts = [] if found is None else [page.table(found)]
-    if found is not None:
-        parts.append(page.note("Resultant: root sum square of the axes of a sensor."))
+    found, contact = measured_levels(run, windows), contact_sentence(run)
+    parts = [page.table(level_grid(found))] if found else []
     return parts + ([page.paragraph(contact)] if contact else [])
 
 

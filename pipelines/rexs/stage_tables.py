@@ -11,8 +11,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from fem.gears.body import THINNEST_RIM
+from fem.gears.gear_checks import GeometryError
 from fem.gears.geometry import Gear as Body
-from fem.gears.geometry import GearPair, GeometryError, Rack
+from fem.gears.geometry import GearPair
+from fem.gears.rack import Rack
 from pipelines.machine.layout import USUAL_BACKLASH
 from pipelines.rexs.document import RexsError
 from pipelines.rexs.gear_unit import GearUnit, Note, RexsGear, RexsShaft, RexsStage

@@ -55,15 +55,15 @@ def check_scene(loaded: LoadedScene) -> Checked:
     SceneError, InputError : everything that does not fit
     """
     from pipelines.machine.checks.cost import estimate
-    from pipelines.steps.study import plan_study, scene_warnings
+    from pipelines.steps.run_plan import plan_run, scene_warnings
 
-    study = plan_study(loaded)
+    plan = plan_run(loaded)
     return Checked(
-        plant=study.plant,
-        facts=study.plant.facts,
+        plant=plan.plant,
+        facts=plan.plant.facts,
         control=loaded.scene.control or "none",
-        cost=estimate(tuple(study.machines.values())),
-        warnings=scene_warnings(loaded, study),
+        cost=estimate(tuple(plan.machines.values())),
+        warnings=scene_warnings(loaded, plan),
     )
 
 

@@ -76,7 +76,7 @@ def judge_folder(folder: Path) -> dict[str, Any]:
     folder : of a run that `diagnose_folder` can read
     """
     from pipelines.diagnosis.control_diagnosis import deviation_name
-    from pipelines.diagnosis.prediction import FEWEST_FOR_P
+    from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
     from pipelines.diagnosis.simulated import FeatureSettings
     from pipelines.machine.kinematics import kinematics_of
     from pipelines.machine.machine import make_drivetrain

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.contact.contact_pressure import contact_pressure
-from fem.contact.evaluation.curves import StiffnessCurve, loaded_approach
 from fem.contact.evaluation.evaluator import LawEvaluator
+from fem.contact.evaluation.stiffness_curve import StiffnessCurve, loaded_approach
 from fem.contact.faults.changed_law import modified_law
 from fem.gears.modifications import LARGEST_PART, Misalignment, PairModifications, Relief, relief_lengths
 from pipelines.io.errors import InputError

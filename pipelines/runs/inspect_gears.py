@@ -78,7 +78,7 @@ class InspectedStage:
 
     def write_overview(self, path: Path) -> Path:
         """Write a picture of the pair, the damaged tooth enlarged, and the stiffness."""
-        from pipelines.report.figures.callouts import gear_figure
+        from pipelines.report.figures.labelled_pictures import gear_figure
         from pipelines.report.figures.render import render_gears, render_tooth
         from pipelines.steps.pictures import gear_names, stiffness_plots
 

@@ -1,8 +1,9 @@
-"""Stress of loaded teeth for `gearcase inspect --stress`, and the mesh file of `--mesh`."""
+"""Stress of loaded teeth for `gearcase inspect --stress`: root stresses, and the mesh file of `--mesh`."""
 
 from __future__ import annotations
 
 import argparse
+import math
 import warnings
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -13,10 +14,12 @@ from pipelines.io.user_files import writable_file
 if TYPE_CHECKING:
     from fem.contact.models.mesh_model import LawSpec
     from fem.contact.models.solid import Solid
+    from fem.gears.geometry import GearPair
     from pipelines.engine.run_graph import Work
     from pipelines.engine.step import Graph, Step
     from pipelines.machine.plant import Plant
     from pipelines.report.figures.stress_pictures import StressView
+    from pipelines.report.figures.views import Teeth
 
 CRACK = "cracked-tooth"
 _NOTE = "the crack is not in the finite elements: the stress is that of an uncracked tooth"
@@ -52,7 +55,6 @@ def loaded_teeth(
     from pipelines.report.figures.stress_pictures import (
         FORMATS,
         StressView,
-        root_stresses,
         teeth_in_mesh,
         write_teeth,
     )
@@ -102,6 +104,35 @@ def loaded_teeth(
     return rows, view
 
 
+def root_stresses(pair: GearPair, teeth: Teeth) -> list[dict[str, Any]]:
+    """The largest von Mises stress (MPa) on the fillets of the loaded sides of each gear, and its place.
+
+    Places within 0.3 modules of a contact line are left out, because the smoothed contact stress reaches them. A row
+    has the number of the tooth pair, the diameter (mm) and the face coordinate of the law from mid face (mm).
+    """
+    import numpy as np
+
+    from pipelines.report.figures.stress_pictures import SMOOTHED
+
+    lines, rows = teeth.line_points[np.isfinite(teeth.line_load)], []
+    places = teeth.points[teeth.root]
+    away = np.linalg.norm(places[:, None] - lines, axis=2).min(axis=1) > SMOOTHED * pair.pinion.normal_module
+    for number, gear in enumerate(("pinion", "wheel"), 1):
+        stress = np.where(away & (teeth.root_gear == number), teeth.von_mises[teeth.root], -1.0)
+        at = int(stress.argmax())
+        x, y, z = places[at] - [(number - 1) * pair.axis_distance, 0.0, 0.0]
+        rows.append(
+            {
+                "gear": gear,
+                "tooth pair": int(teeth.root_pair[at]),
+                "root stress MPa": float(stress[at]) / 1e6,
+                "diameter mm": 2000.0 * math.hypot(x, y),
+                "y mm": 1000.0 * float(z),
+            }
+        )
+    return rows
+
+
 def stress_model(law: LawSpec) -> Solid:
     """The model `solid` with the options of a law, or with its defaults if the law has another model."""
     from fem.contact.models.solid import Solid
@@ -116,7 +147,7 @@ def _stress_steps(machine: Plant, stage: int, index: int, force: float) -> list[
 
     from fem.contact.models.mesh_model import LawSpec
     from pipelines.engine.step import Step
-    from pipelines.machine.assembly import mesh_faults
+    from pipelines.machine.tooth_terms import mesh_faults
     from pipelines.steps import stress
 
     modified, model = machine.flanks[stage - 1], stress_model(machine.laws[stage - 1])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from datetime import datetime, timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,11 +20,13 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray
 
-    from pipelines.diagnosis.comparison.part import ComparedPart
+    from pipelines.diagnosis.comparison.compared_recording import ComparedRecording
     from pipelines.diagnosis.impacts import Impacts
+    from pipelines.diagnosis.trend import Course
     from pipelines.diagnosis.verdict import Verdict
     from pipelines.recordings.machine import MeasuredMachine
     from pipelines.signals.features.table import FeatureTable
+    from pipelines.signals.levels import ChannelLevel
     from pipelines.signals.orders.kinematics import Kinematics
     from pipelines.signals.orders.rotation import Rotation
 
@@ -34,10 +37,15 @@ Windows = Mapping[str, tuple[float, float]]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RecordedFile:
-    """A recorded file: its features, the relative uncertainty of its speed, its rotation in words, and warnings."""
+    """A recorded file: features, levels, relative uncertainty of its speed, its rotation in words, and warnings.
+
+    `begin` is the date and time at which its first window begins, None if the file does not state it.
+    """
 
     name: str
+    begin: datetime | None = None
     table: FeatureTable
+    levels: tuple[ChannelLevel, ...]
     error: float
     turning: str
     warnings: tuple[str, ...]
@@ -45,11 +53,12 @@ class RecordedFile:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class JudgedFile:
-    """A file with its features, and the verdict if healthy recordings were given."""
+    """A file with its features; the verdict and the accepted healthy recordings, if such were given."""
 
     recorded: RecordedFile
     kinematics: Kinematics
     verdict: Verdict | None
+    healthy: tuple[RecordedFile, ...] = ()
 
     @property
     def impacts(self) -> tuple[Impacts, ...]:
@@ -97,20 +106,21 @@ def judge_files(
         own = replace(own, table=tables[0], turning=own.turning + other)
         verdict = _judged(tables, known.kinematics, names, f"{shown(path)}: ") if others else None
         own = replace(own, warnings=(*own.warnings, *other_speeds(own, dict(zip(names, others, strict=True)))))
-        yield JudgedFile(recorded=own, kinematics=known.kinematics, verdict=verdict)
+        kept = tuple(one for name, one in zip(names, others, strict=True) if verdict and name not in verdict.outlying)
+        yield JudgedFile(recorded=own, kinematics=known.kinematics, verdict=verdict, healthy=kept)
 
 
 def recorded_parts(
     sources: Sequence[str | Path], machine: str | Path | None, window: tuple[float, float] | None
-) -> list[ComparedPart]:
+) -> list[ComparedRecording]:
     """Recordings with their rotation, for figures; `machine` and `window` as in `judge_files`, for the last recording.
 
     Raises
     ------
     InputError : a file or the machine cannot be used
     """
-    from pipelines.diagnosis.comparison.part import part_of
-    from pipelines.recordings.recording import read_recording
+    from pipelines.diagnosis.comparison.compared_recording import compared_recording
+    from pipelines.recordings.read_recording import read_recording
 
     last, asked = recording_and_window(sources[-1])
     known, windows = machine_of(last, machine)
@@ -119,7 +129,9 @@ def recorded_parts(
     for source in sources:
         file, asked = recording_and_window(source)
         with read_recording(file, known) as recording:
-            parts.append(part_of(shown(source), recording, known.kinematics, asked_windows(source, asked, chosen)))
+            parts.append(
+                compared_recording(shown(source), recording, known.kinematics, asked_windows(source, asked, chosen))
+            )
     return parts
 
 
@@ -145,7 +157,7 @@ def judge_recordings(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset
     InputError : a recording has no rotation or no features, or the recordings cannot be compared
     """
     from pipelines.diagnosis.simulated import FeatureSettings, run_features
-    from pipelines.signals.features.recorded import FeatureError
+    from pipelines.signals.features.feature_table import FeatureError
     from pipelines.signals.orders.rotation import RotationError
 
     settings = FeatureSettings(kinematics=kinematics, windows={})
@@ -163,7 +175,7 @@ def _judged(
     tables: Sequence[FeatureTable], kinematics: Kinematics, names: Sequence[str] = (), where: str = ""
 ) -> Verdict:
     """The verdict on the first table against the others, with their names; InputError that begins with a place."""
-    from pipelines.diagnosis.baseline import BaselineError
+    from pipelines.diagnosis.baseline_checks import BaselineError
     from pipelines.diagnosis.verdict import judge
     from pipelines.signals.features.table import with_common_components
 
@@ -236,29 +248,37 @@ def machine_of(path: Path, machine: str | Path | None) -> tuple[MeasuredMachine,
     return read_machine(given), windows or None
 
 
-def read_features(path: Path, machine: MeasuredMachine, windows: Windows | None) -> RecordedFile:
+def read_features(
+    path: Path, machine: MeasuredMachine, windows: Windows | None, noise: float | None = None
+) -> RecordedFile:
     """The features of a recorded file.
 
     Parameters
     ----------
     path : of the recording
     machine : of the recording
-    windows : to evaluate; the whole recording if None
+    windows : to evaluate, to the end of the recording where the end is infinite; the whole recording if None
+    noise : rms (m/s2) of the noise that is added, for all features; None: that which a run states, for a diagnosis
 
     Raises
     ------
     InputError : the file cannot be read, its rotation is not found, or there are too few revolutions
     """
     from pipelines.diagnosis.simulated import FeatureSettings, run_features
-    from pipelines.recordings.recording import read_recording
-    from pipelines.signals.features.recorded import FeatureError
+    from pipelines.recordings.read_recording import read_recording
+    from pipelines.signals.features.feature_table import FeatureError
+    from pipelines.signals.levels import levels
     from pipelines.signals.orders.rotation import RotationError
     from pipelines.signals.orders.rotation_of import rotation_of
 
-    settings = FeatureSettings(kinematics=machine.kinematics, windows=windows or {})
     with read_recording(path, machine) as recording:
         warnings, time = tuple(stored_warnings(recording.attrs).values()), recording.time.values
-        for name, (start, end) in (windows or {}).items():
+        windows = {
+            name: (start, min(end, time[-1] if end == math.inf else end))
+            for name, (start, end) in (windows or {}).items()
+        }
+        settings = FeatureSettings(kinematics=machine.kinematics, windows=windows, complete=noise is not None)
+        for name, (start, end) in windows.items():
             if start >= end:
                 raise InputError(
                     f"{shown(path)}: {name} from {start:g} to {end:g} s must end after its start. Set a "
@@ -271,11 +291,24 @@ def read_features(path: Path, machine: MeasuredMachine, windows: Windows | None)
                 )
         try:
             rotation = rotation_of(recording, machine.kinematics)
+            if noise is not None:  # without seed and load, so that it depends on the signals only
+                recording = recording.drop_attrs(deep=False).assign_attrs(sensor_noise_m_s2=noise)
             table = run_features(recording, settings, rotation)
+            spans = windows or {"whole": (float(time[0]), float(time[-1]))}
+            found, begin = levels(recording, spans), recording.attrs.get("begin")
         except (FeatureError, RotationError) as error:
             raise InputError(f"{shown(path)}: {error}") from error
     turning = _turning(rotation, time, machine.kinematics, windows)
-    return RecordedFile(name=path.name, table=table, error=rotation.error, turning=turning, warnings=warnings)
+    before = timedelta(seconds=min(start for start, _ in spans.values()) - float(time[0]))
+    return RecordedFile(
+        name=path.name,
+        begin=datetime.fromisoformat(begin) + before if begin else None,
+        table=table,
+        levels=found,
+        error=rotation.error,
+        turning=turning,
+        warnings=warnings,
+    )
 
 
 def _turning(rotation: Rotation, time: np.ndarray, kinematics: Kinematics, windows: Windows | None) -> str:
@@ -302,14 +335,16 @@ def _turning(rotation: Rotation, time: np.ndarray, kinematics: Kinematics, windo
 def file_words(found: JudgedFile) -> str:
     """Verdict and speed as text; without healthy recordings the features."""
     from pipelines.diagnosis.impacts import impact_words
-    from pipelines.diagnosis.words import text
+    from pipelines.diagnosis.verdict_words import text
+    from pipelines.signals.levels import level_grid
 
     parts = [found.recorded.turning, *(f"Warning: {warning}" for warning in found.recorded.warnings)]
+    levels = [f"{level_grid(found.recorded.levels).to_text()}\n"] if found.recorded.levels else []
     if found.verdict is not None:
         answer, _, tables = text(found.verdict).partition("\n\n")
-        return "\n\n".join([answer, *parts, tables])
+        return "\n\n".join([answer, *parts, tables.rstrip(), *levels])
     parts = [impact_words(found.impacts), *parts]
-    parts.append(features_grid(found.recorded.table).to_text())
+    parts += [features_grid(found.recorded.table).to_text(), *levels]
     if found.recorded.table.left_out:
         parts.append(f"Left out: {'; '.join(found.recorded.table.left_out)}.")
     return "\n\n".join(parts) + "\n"
@@ -318,10 +353,10 @@ def file_words(found: JudgedFile) -> str:
 def files_grid(names: Sequence[str], found: Sequence[JudgedFile]) -> Grid:
     """Table of recordings that were judged in the same way: name, speed, level, answer and strongest evidence."""
     from pipelines.diagnosis.impacts import CLEAR
-    from pipelines.diagnosis.words import STRENGTH, answer, strength
+    from pipelines.diagnosis.verdict_words import STRENGTH, answer, strength
     from pipelines.signals.features.table import WHOLE
 
-    rows = []
+    rows: list[dict[str, str]] = []
     for name, one in zip(names, found, strict=True):
         table = one.recorded.table
         rms = mean_features(table)[table.lines.index((WHOLE, "rms"))]
@@ -340,25 +375,54 @@ def files_grid(names: Sequence[str], found: Sequence[JudgedFile]) -> Grid:
             "rms m/s2": f"{rms:.3g}",
         }
         named = zip(("answer", "strongest evidence", evidence), result, strict=True)
-        rows.append({"recording": name, **known, **dict(named)})
+        moment = {} if one.recorded.begin is None else {"begins": f"{one.recorded.begin:%Y-%m-%d %H:%M:%S}"}
+        rows.append({"": str(len(rows) + 1), "recording": name, **moment, **known, **dict(named)})
     return grid(f"{len(rows)} recordings", rows)
+
+
+def order_of(found: Sequence[JudgedFile]) -> tuple[list[int], str, bool]:
+    """Numbers of recordings, from 0, in the order of a trend, this order in words, and whether it is that of time.
+
+    It is that of time if all files state different times, else that in which they were given.
+    """
+    begins = [one.recorded.begin for one in found]
+    known = [one for one in begins if one is not None]
+    if len(set(known)) == len(begins):
+        return sorted(range(len(begins)), key=known.__getitem__), "In the order of the times in the files.", True
+    lack = len(begins) - len(known)
+    reason = f"{lack} of {len(begins)} do not state when they begin" if lack else "some begin at the same time"
+    return list(range(len(begins))), f"In the order in which they were given, because {reason}.", False
+
+
+def courses_of(found: Sequence[JudgedFile]) -> list[Course]:
+    """The trend of recordings in their order: evidence of every component, and levels of every channel."""
+    from pipelines.diagnosis.trend import evidence_courses, impact_courses, level_courses
+
+    verdicts = [one.verdict for one in found if one.verdict is not None]
+    first = evidence_courses(verdicts) if verdicts else impact_courses([one.impacts for one in found])
+    healthy = [one.levels for one in found[0].healthy]
+    return [*first, *level_courses([one.recorded.levels for one in found], healthy)]
 
 
 def file_facts(found: JudgedFile) -> dict[str, Any]:
     """The verdict (None without healthy recordings), and every feature as the mean over the channels."""
+    from pipelines.signals.features.definitions import BY_NAME
+
     table = found.recorded.table
     features = [
-        {"component": component, "feature": feature, "value": float(value)}
+        {"component": component, "feature": feature, "unit": BY_NAME[feature].unit, "value": float(value)}
         for (component, feature), value in zip(table.lines, mean_features(table), strict=True)
     ]
     return {
         "recording": found.recorded.name,
+        "begin": None if found.recorded.begin is None else found.recorded.begin.isoformat(),
         "turning": found.recorded.turning,
         "speed_rpm": 60 * float(table.speed[0]),
         "speed_uncertainty_percent": 100 * found.recorded.error,
         "warnings": found.recorded.warnings,
         "verdict": found.verdict,
         "impacts": found.impacts,
+        "levels": found.recorded.levels,
         "features": features,
         "left_out": table.left_out,
     }
@@ -373,12 +437,12 @@ def mean_features(table: FeatureTable) -> np.ndarray:
 
 def features_grid(table: FeatureTable) -> Grid:
     """Table with a row for each component and feature, as the mean over the channels."""
-    from pipelines.diagnosis.words import NAMES
+    from pipelines.signals.features.definitions import BY_NAME
 
     rows = [
         {
             "component": component,
-            "feature": NAMES.get(feature, feature),
+            "feature": BY_NAME[feature].words,
             "value": f"{mean:.3g}",
             "dB": f"{20 * math.log10(mean):.1f}",
         }

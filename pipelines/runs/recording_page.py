@@ -5,10 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from pipelines.diagnosis import words
+from pipelines.diagnosis import verdict_words
+from pipelines.diagnosis.comparison.compared_recording import (
+    Channel,
+    ComparedRecording,
+    brought_together,
+    chosen_channel,
+)
 from pipelines.diagnosis.comparison.curves import curves
 from pipelines.diagnosis.comparison.features import features_of
-from pipelines.diagnosis.comparison.part import Channel, ComparedPart, brought_together, chosen_channel
 from pipelines.diagnosis.comparison.words import LETTERS, recordings_grid
 from pipelines.diagnosis.impacts import impact_words
 from pipelines.io.user_files import write_whole
@@ -21,13 +26,16 @@ _CAPTIONS = {  # by the beginning of the name of a figure
     "orders": "Order spectra. Dashed: mesh orders.",
     "sidebands": "Order spectra around a mesh order. Dashed: sidebands at multiples of the shaft speeds.",
     "envelope": "Order spectra of the squared envelope. Dashed: shafts, and pass frequencies of bearings.",
+    "cepstrum": "Real cepstra (Randall 2011): sidebands or harmonics at the distance of a shaft give lines at 1, 2, 3 "
+    "turns of it (dashed). Damage of a tooth raises their sum for the shaft of its gear. Pitch deviations cause them, "
+    "too, so compare only recordings of the same machine.",
     "average": "Time-synchronous averages over a revolution.",
     "rms": "Root mean square of every sensor.",
 }
 _BEHIND = " Grey: the healthy recording."
 
 
-def write_recording_page(path: Path, judged: JudgedFile, recorded: Sequence[ComparedPart]) -> Path:
+def write_recording_page(path: Path, judged: JudgedFile, recorded: Sequence[ComparedRecording]) -> Path:
     """Write the page as one HTML file with all figures inside; returns the path.
 
     Parameters
@@ -41,7 +49,7 @@ def write_recording_page(path: Path, judged: JudgedFile, recorded: Sequence[Comp
     FeatureError : too few revolutions for spectra
     """
     verdict, own, title = judged.verdict, judged.recorded, f"Diagnosis of {recorded[-1].name}"
-    answer = (impact_words(judged.impacts),) if verdict is None else words.sentences(verdict)
+    answer = (impact_words(judged.impacts),) if verdict is None else verdict_words.sentences(verdict)
     damaged = any(one.clear for one in judged.impacts) or None if verdict is None else verdict.damaged
     style = "open" if damaged is None else "fault" if damaged else "none"
     sentences = "".join(map(page.paragraph, answer))
@@ -52,18 +60,17 @@ def write_recording_page(path: Path, judged: JudgedFile, recorded: Sequence[Comp
         page.paragraph(own.turning),
     ]
     if verdict is not None:
-        body.append(page.table(words.ranking_grid(verdict)) + page.note(words.note(verdict)))
+        body.append(page.table(verdict_words.ranking_grid(verdict)) + page.note(verdict_words.note(verdict)))
     body.append(page.section("Spectra and averages", _figures(judged, recorded), opened=True))
-    levels = level_grid(recorded[-1].dataset(), recorded[-1].spans)
-    if levels is not None:
-        body.append(page.section("Levels", [page.table(levels)]))
+    if own.levels:
+        body.append(page.section("Levels", [page.table(level_grid(own.levels))]))
     body.append(page.section("Features", [page.table(features_grid(own.table))]))
     body.append(page.section("Recordings", [page.table(recordings_grid(recorded))]))
     write_whole(path, page.document(title, body))
     return path
 
 
-def _figures(judged: JudgedFile, recorded: Sequence[ComparedPart]) -> list[str]:
+def _figures(judged: JudgedFile, recorded: Sequence[ComparedRecording]) -> list[str]:
     parts = brought_together(recorded)
     features = features_of(parts)
     drawn = curves(parts, _channel(judged, parts[-1]), _shaft(judged, features.tables[-1].component))
@@ -75,7 +82,7 @@ def _figures(judged: JudgedFile, recorded: Sequence[ComparedPart]) -> list[str]:
     ]
 
 
-def _channel(judged: JudgedFile, part: ComparedPart) -> Channel:
+def _channel(judged: JudgedFile, part: ComparedRecording) -> Channel:
     """That of the strongest evidence, else the one with the highest rms."""
     if judged.verdict is not None or judged.impacts:
         shown = judged.impacts[0] if judged.verdict is None else judged.verdict.first.evidence

@@ -30,7 +30,7 @@ from pipelines.runs.claims import claimed
 from pipelines.scene.file import LoadedScene, control_differences
 from pipelines.signals.motion_warnings import log_warnings
 from pipelines.steps.results import BARS, DIAGNOSIS, REPORT, VERDICT, result_steps
-from pipelines.steps.study import Study, plan_study, scene_warnings
+from pipelines.steps.run_plan import RunPlan, plan_run, scene_warnings
 
 _LOG = logging.getLogger(__name__)
 _WRITERS = ("h5py", "h5netcdf", "xarray")  # of the signals
@@ -64,7 +64,7 @@ def run_scene(
     ----------
     loaded : the scene
     out : folder of the results instead of ./runs/<scene>/<time>
-    with_control, both_loads, seeds, baseline : as `plan_study`
+    with_control, both_loads, seeds, baseline : as `plan_run`
     with_report : write diagnosis and report; without them only the signals
     work : how the steps are built
 
@@ -74,20 +74,20 @@ def run_scene(
     WorkError : a step failed; where that was the diagnosis or the report, the folder with the signals is named
     """
     work = work or Work()
-    study = plan_study(
+    plan = plan_run(
         loaded,
         with_control=with_control,
         both_loads=both_loads and with_report,
         seeds=seeds,
         baseline=baseline if with_report else 0,
     )
-    graph = Graph([*study.graph, *(result_steps(loaded, study) if with_report else [])])
-    requested = graph.steps if with_report else study.motions
+    graph = Graph([*plan.graph, *(result_steps(loaded, plan) if with_report else [])])
+    requested = graph.steps if with_report else plan.motions
     failure: Exception | None = None
     with claimed(loaded.name, out) as claim, run_folder.logged_to(claim.folder / "log.jsonl"):
-        for text in scene_warnings(loaded, study):
+        for text in scene_warnings(loaded, plan):
             _LOG.warning("%s", text)
-        written = _Files(claim.folder, loaded, study)
+        written = _Files(claim.folder, loaded, plan)
         try:
             work.build(graph, requested, written.add)
         except Exception as error:
@@ -126,11 +126,11 @@ class _Files:
     Parameters
     ----------
     folder : that exists
-    loaded, study : the scene, and what is run of it
+    loaded, plan : the scene, and what is run of it
     """
 
-    def __init__(self, folder: Path, loaded: LoadedScene, study: Study) -> None:
-        self._folder, self._loaded, self._study = folder, loaded, study
+    def __init__(self, folder: Path, loaded: LoadedScene, plan: RunPlan) -> None:
+        self._folder, self._loaded, self._plan = folder, loaded, plan
         self._results: dict[str, Result] = {}
         self._words: dict[str, str] = {}
         self.signals = False  # whether they are written
@@ -149,7 +149,7 @@ class _Files:
     def add(self, step: Step, result: Result) -> None:
         """Write what can be written with one more result."""
         self._results[step.name] = result
-        if not self.signals and all(name in self._results for name in self._study.motions):
+        if not self.signals and all(name in self._results for name in self._plan.motions):
             self._write_signals()
             self.signals = True
         if step.name == VERDICT:
@@ -163,22 +163,22 @@ class _Files:
 
     def _write_signals(self) -> None:
         """What a diagnosis can be repeated from: the scene, its response and that of its control."""
-        loaded, study, results = self._loaded, self._study, self._results
-        log_warnings(results[name].load() for name in study.motions)
+        loaded, plan, results = self._loaded, self._plan, self._results
+        log_warnings(results[name].load() for name in plan.motions)
         if "casing" in results:
             from pipelines.steps.casing import misread_sensors
 
-            positions = {sensor.name: sensor.position for sensor in study.plant.sensors}
+            positions = {sensor.name: sensor.position for sensor in plan.plant.sensors}
             for words in misread_sensors(results["casing"].load(), positions):
                 _LOG.warning("%s", words)
         (self._folder / run_folder.ASKED).write_text(loaded.asked(), encoding="utf-8")
-        own_control = study.control is not None and not control_differences(loaded, study.control)
+        own_control = plan.control is not None and not control_differences(loaded, plan.control)
         resolved = loaded.resolved(own_control=own_control)
         (self._folder / run_folder.RESOLVED).write_text(resolved, encoding="utf-8")
-        needed = study.graph.needed(study.motions).steps
-        facts = _facts(loaded.name, study.plant, Outcome({name: results[name] for name in needed}))
+        needed = plan.graph.needed(plan.motions).steps
+        facts = _facts(loaded.name, plan.plant, Outcome({name: results[name] for name in needed}))
         write_whole(self._folder / run_folder.RUN, json_text(facts))
-        case = study.cases[0]
+        case = plan.cases[0]
         _write_response(self._folder / run_folder.RESPONSE, results[case.own.step].load(), case.own.plant, facts)
         if (control := case.control) is not None:
             _write_response(self._folder / run_folder.CONTROL, results[control.step].load(), control.plant, facts)
@@ -206,8 +206,8 @@ class _Files:
     def _write_report(self, found: Mapping[str, Any]) -> None:
         from pipelines.report.report import write_report
 
-        facts = _facts(self._loaded.name, self._study.plant, self.outcome)
-        write_report(self._folder / run_folder.REPORT, self._study.plant.title, found["body"], facts)
+        facts = _facts(self._loaded.name, self._plan.plant, self.outcome)
+        write_report(self._folder / run_folder.REPORT, self._plan.plant.title, found["body"], facts)
         write_whole(self._folder / run_folder.RUN, json_text(facts))
         self.left_out += found["left_out"]
 

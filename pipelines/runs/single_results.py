@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from fem.casing.reduced.body import MODES_OVER_BAND
 from fem.storage import shown_html
 from pipelines.io.errors import InputError
-from pipelines.steps.study import plan_study
+from pipelines.steps.run_plan import plan_run
 
 if TYPE_CHECKING:
     import numpy as np
@@ -124,8 +124,8 @@ def mode_shapes(modes: CasingModes, natural: NaturalModes, numbers: Sequence[int
 
 def scene_graph(loaded: LoadedScene) -> tuple[Graph, Plant]:
     """The steps of a scene without its control, and its machine in SI."""
-    study = plan_study(loaded, with_control=False, both_loads=False)
-    return study.graph, study.plant
+    plan = plan_run(loaded, with_control=False, both_loads=False)
+    return plan.graph, plan.plant
 
 
 def build_pairs(loaded: LoadedScene, work: Work) -> tuple[PairLaws, ...]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from pipelines.io.errors import InputError, Problem, SceneError, SceneWarning
 from pipelines.io.other_files import refuse_other_file
-from pipelines.io.shown import nearest_name, shown
+from pipelines.io.shown import nearest_name, shown, shown_value
 from pipelines.io.toml_text import TomlError, format_document, read_toml
 from pipelines.io.user_files import checked_path, folder_name, read_text, sibling_names
 from pipelines.scene.limits import LONGEST_CHAIN, MOST_BYTES, over_limits
@@ -247,7 +247,11 @@ def read_tree(source: Source, seen: tuple[str, ...] = ()) -> Merged:
             [Problem("extends", "must be the name of one scene", 'Write it in quotes, as in extends = "bench"')],
         )
     chain = (*seen, identity(source))
-    below = find_source(base, source.folder)
+    try:
+        below = find_source(base, source.folder)
+    except InputError as error:
+        message = str(error).removeprefix(f"{shown(base)}: ")
+        raise SceneError(source.shown, [Problem("extends", message, "Or delete extends.", shown_value(base))]) from None
     if identity(below) in chain:
         circle = " -> ".join(Path(one).name for one in (*chain, identity(below)))
         raise InputError(f"{source.shown}: extends forms a circle ({shown(circle)}). Delete one of these extends.")

@@ -14,7 +14,7 @@ from fem.gears.prescribed import FLANKS, MeasuredFlanks
 from pipelines.io.errors import SceneError
 from pipelines.io.shown import number_of, shown
 from pipelines.io.user_files import read_text
-from pipelines.scene.tables.samples import reading, refused
+from pipelines.scene.tables.series import reading, refused
 
 if TYPE_CHECKING:
     import xarray

@@ -23,8 +23,8 @@ from collections.abc import Iterator, Sequence
 
 from fem.gears.geometry import GearPair
 from pipelines.io.errors import Problem
-from pipelines.scene.tables.gears import StageTable
-from pipelines.scene.train import stage_shafts
+from pipelines.scene.shaft_places import stage_shafts
+from pipelines.scene.tables.stages import StageTable
 
 LOOP = 0.01  # mesh cycles, tolerance of a closed loop, since directions are given with few digits
 GIVEN = 1e-3  # mesh cycles, tolerance of a given phase

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from pipelines.scene.file import LoadedScene
     from pipelines.scene.scene import Scene
     from pipelines.scene.tables.casing import ElasticBase
-    from pipelines.scene.tables.gears import StageTable
+    from pipelines.scene.tables.stages import StageTable
 
 Settings = dict[str, object]
 
@@ -170,7 +170,7 @@ def _casing_mesh(scene: Scene, casing: ElasticBase, level: Level) -> Settings:
 
 def _bosses_separate(stages: Sequence[StageTable], boss_diameters: Sequence[float]) -> bool:
     """True if the bosses of each pair are separate in the projection on x or z, as hexahedra need."""
-    from pipelines.scene.train import stage_shafts
+    from pipelines.scene.shaft_places import stage_shafts
 
     for stage, (pinion, wheel) in zip(stages, stage_shafts(stages), strict=True):
         helix, direction = stage.si.helix_angle, stage.si.direction

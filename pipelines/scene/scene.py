@@ -13,6 +13,7 @@ from pydantic import Field, model_validator
 from mbd.forces.bearing_models import LinearBearings
 from mbd.parts.losses import NoLosses
 from pipelines.io.shown import shown_value
+from pipelines.scene.shaft_places import stage_shafts
 from pipelines.scene.tables.analysis import DiagnosisTable
 from pipelines.scene.tables.base import Table
 from pipelines.scene.tables.bearings import BearingModel
@@ -24,12 +25,11 @@ from pipelines.scene.tables.casing import (
 from pipelines.scene.tables.derived import table
 from pipelines.scene.tables.faults import AnyFaultTable, BearingSpallTable, FaultBase, FaultTable
 from pipelines.scene.tables.forces import ForceModel, PlacedTable
-from pipelines.scene.tables.gears import DeviationTable, StageTable
 from pipelines.scene.tables.housing import HousingBase
 from pipelines.scene.tables.losses import FilmModel, LossModel, NoFilm
 from pipelines.scene.tables.motion import DriveModel, LoadModel, SimulationTable
 from pipelines.scene.tables.shafts import CouplingTable, DiskTable, ProbeTable, ShaftModelTable, ShaftTable
-from pipelines.scene.train import stage_shafts
+from pipelines.scene.tables.stages import DeviationTable, StageTable
 
 
 class Scene(Table):

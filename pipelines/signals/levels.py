@@ -1,4 +1,4 @@
-"""Levels of a run: acceleration and velocity at every sensor, and the loss of contact of the flanks.
+"""Levels of a run or recording: acceleration and velocity of every channel; loss of contact of the flanks.
 
 Velocity is the root mean square in the band 10 to 1000 Hz, the broad-band measure of ISO 20816-1 for housings. The
 acceleration of a window without run-up is integrated in the frequency domain.
@@ -11,7 +11,8 @@ ISO 20816-1:2016, 4.2 (broad-band velocity, 10 Hz to 1000 Hz).
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,6 +24,17 @@ if TYPE_CHECKING:
 
 BAND = (10.0, 1000.0)  # Hz
 OPEN = ":microseconds_open"  # follows the name of a mesh in the name of a counter
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChannelLevel:
+    """Root mean square of the acceleration (m/s2) and of the velocity in BAND (m/s) of a channel in a window."""
+
+    sensor: str
+    axis: str
+    window: str
+    acceleration: float
+    velocity: float
 
 
 def band_velocity(acceleration: np.ndarray, rate: float) -> np.ndarray:
@@ -40,35 +52,40 @@ def band_velocity(acceleration: np.ndarray, rate: float) -> np.ndarray:
     return np.sqrt(2.0 * parts.sum(axis=0) / count**2 / 0.375)
 
 
-def level_grid(run: xarray.Dataset, windows: Mapping[str, tuple[float, float]]) -> Grid | None:
-    """Table of the levels of each sensor and window: largest axis and resultant; None without sensors.
+def levels(run: xarray.Dataset, windows: Mapping[str, tuple[float, float]]) -> tuple[ChannelLevel, ...]:
+    """Levels of all channels with a signal in each window (s); empty without sensors.
 
     Without windows the second half of the run is evaluated.
     """
     if "acceleration" not in run:
-        return None
+        return ()
     time = run.time.values
     rate = 1.0 / float(time[1] - time[0])
     spans = dict(windows) or {"second half": (float(time[len(time) // 2]), float(time[-1]))}
-    rows = []
+    found = []
     for name, (start, end) in spans.items():
         part = run.acceleration.sel(time=slice(start, end)).transpose("time", "sensor", "axis")
         if part.sizes["time"] < 16:
             continue
         values = part.values.astype(float)
-        velocity, acceleration = 1000 * band_velocity(values, rate), values.std(axis=0)
-        for i, sensor in enumerate(part.sensor.values):
-            top = int(velocity[i].argmax())
-            rows.append(
-                {
-                    "sensor": sensor,
-                    "window": name,
-                    "acceleration, resultant m/s²": f"{np.linalg.norm(acceleration[i]):.3g}",
-                    "velocity, largest axis mm/s": f"{velocity[i, top]:.3g} ({part.axis.values[top]})",
-                    "velocity, resultant mm/s": f"{np.linalg.norm(velocity[i]):.3g}",
-                }
-            )
-    return grid("RMS levels of this run; velocity from 10 to 1000 Hz (ISO 20816-1)", rows)
+        both = np.stack([values.std(axis=0), band_velocity(values, rate)], axis=-1)  # NaN for an axis without signal
+        found += [
+            ChannelLevel(sensor=str(sensor), axis=str(axis), window=name, acceleration=acceleration, velocity=velocity)
+            for sensor, rows in zip(part.sensor.values, both.tolist(), strict=True)
+            for axis, (acceleration, velocity) in zip(part.axis.values, rows, strict=True)
+            if np.isfinite(velocity)
+        ]
+    return tuple(found)
+
+
+def level_grid(found: Sequence[ChannelLevel]) -> Grid:
+    """Table of the levels: a row for each sensor and window, columns for its axes."""
+    rows: dict[tuple[str, str], dict[str, str]] = {}
+    for one in found:
+        row = rows.setdefault((one.sensor, one.window), {"sensor": one.sensor, "window": one.window})
+        row[f"acceleration {one.axis} m/s²"] = f"{one.acceleration:.3g}"
+        row[f"velocity {one.axis} mm/s"] = f"{1000 * one.velocity:.3g}"
+    return grid("RMS levels; velocity from 10 to 1000 Hz (ISO 20816-1)", rows.values())
 
 
 def contact_sentence(run: xarray.Dataset) -> str:

@@ -61,7 +61,7 @@ def needed_step_us(error: float, step: float, rate: float) -> str:
     step : s
     rate : output samples per second, Hz
     """
-    from mbd.output.step_check import ORDER
+    from mbd.output.step_error import ORDER
 
     every = math.ceil((error / LARGEST_STEP_ERROR) ** (1.0 / ORDER) / (rate * step))
     exact = 1e6 / (rate * every)

@@ -1,4 +1,4 @@
-"""Step `diagnose`: comparison of all cases of a study with their controls, as files and as text."""
+"""Step `diagnose`: comparison of all cases of a run with their controls, as files and as text."""
 
 from __future__ import annotations
 

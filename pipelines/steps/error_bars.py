@@ -73,7 +73,7 @@ def machine_bars(
     laws, body, modes, coarser : as in `build`
     """
     from mbd.parts.checks import EquilibriumError, MachineError
-    from pipelines.diagnosis.uncertainty.made import BarsError, line_bars
+    from pipelines.diagnosis.uncertainty.sampled_bars import BarsError, line_bars
     from pipelines.diagnosis.uncertainty.uncertain import uncertain
     from pipelines.machine.assembly import assemble_machine, assemble_system
 

@@ -5,7 +5,7 @@
     casing mesh -> casing modes -> casing   as planned by the model of the casing, see `fem.casing.models.stage`
     simulate                                with missing teeth, deviations, drive and load
 
-Machines that are simulated together (`pipelines.steps.study`) share equal steps.
+Machines that are simulated together (`pipelines.steps.run_plan`) share equal steps.
 """
 
 from __future__ import annotations

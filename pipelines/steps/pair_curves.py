@@ -10,9 +10,10 @@ import numpy as np
 
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import PairModifications
-from pipelines.machine.assembly import Laws, mesh_faults
+from pipelines.machine.assembly import Laws
 from pipelines.machine.flanks import Fault, first_tooth_fault
 from pipelines.machine.flanks_spec import FlanksSpec
+from pipelines.machine.tooth_terms import mesh_faults
 from pipelines.steps.laws import build_modified
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
     import xarray
 
-    from fem.contact.evaluation.curves import StiffnessCurve
+    from fem.contact.evaluation.stiffness_curve import StiffnessCurve
     from fem.contact.law import MeshLaw
     from pipelines.machine.plant import Plant
 
@@ -113,7 +114,7 @@ class PairLaws(PairState):
         force : along the line of action, N; by default that of the scene
         tilt : of the gears in the plane of action along the face coordinate of the law, rad; None: force at mid face
         """
-        from fem.contact.evaluation.curves import stiffness_curve
+        from fem.contact.evaluation.stiffness_curve import stiffness_curve
 
         return stiffness_curve(
             self.law(faulty=faulty, modified=modified),

@@ -94,7 +94,7 @@ def build_curves(
     laws, unmodified : laws of each pair with modifications and faults, and without
     """
     from pipelines.report import page
-    from pipelines.report.figures.callouts import gear_figure
+    from pipelines.report.figures.labelled_pictures import gear_figure
 
     states = zip(pairs, laws, unmodified, strict=True)
     curves = stiffness_plots([state.with_laws(own, healthy) for state, own, healthy in states])
@@ -118,7 +118,7 @@ def stiffness(curves: Sequence[StiffnessPlot]) -> str:
 def build_casing(sensors: Sequence[Sensor], *, mesh: CasingMesh) -> str | Unkept:
     """The picture of the casing with its key points as an element of the page, or why there is none."""
     from pipelines.report import page
-    from pipelines.report.figures.callouts import casing_figure
+    from pipelines.report.figures.labelled_pictures import casing_figure
 
     try:
         picture = rendered_casing(mesh, sensors)

@@ -1,4 +1,4 @@
-"""The steps that follow the motions of a study: features, verdict, diagnosis, error bars, pictures and the report."""
+"""The steps that follow the motions of a run: features, verdict, diagnosis, error bars, pictures and the report."""
 
 from __future__ import annotations
 
@@ -11,33 +11,34 @@ from pipelines.steps.pictures import CASING, CURVES, picture_steps
 
 if TYPE_CHECKING:
     from pipelines.scene.file import LoadedScene
-    from pipelines.steps.study import Study
+    from pipelines.steps.run_plan import RunPlan
 
 _NUMERIC = ("numpy", "scipy")
+_FEATURES = 1.4e-6  # s per recorded value and sample of noise, next to another process
 VERDICT, DIAGNOSIS, BARS, REPORT = "verdict", "diagnose", "error bars", "report"
 
 
-def result_steps(loaded: LoadedScene, study: Study) -> list[Step]:
-    """All of them that apply to the study of a loaded scene, in order."""
-    steps = [*picture_steps(study.plant, study.graph.steps), *verdict_steps(study)]
-    compared = diagnosis_step(study)
-    steps += [compared, bars_step(study)] if compared else []
-    return [*steps, _report_step(loaded, study, {step.name: step for step in [*study.graph, *steps]})]
+def result_steps(loaded: LoadedScene, plan: RunPlan) -> list[Step]:
+    """All of them that apply to the run of a loaded scene, in order."""
+    steps = [*picture_steps(plan.plant, plan.graph.steps), *verdict_steps(plan)]
+    compared = diagnosis_step(plan)
+    steps += [compared, bars_step(plan)] if compared else []
+    return [*steps, _report_step(loaded, plan, {step.name: step for step in [*plan.graph, *steps]})]
 
 
-def verdict_steps(study: Study) -> list[Step]:
+def verdict_steps(plan: RunPlan) -> list[Step]:
     """Features of the motions and of the healthy ones, then the verdict; none without a healthy motion.
 
     With a baseline the scene's own motion is compared with it, else every case with its control.
     """
     from pipelines.diagnosis.control_diagnosis import deviation_name
-    from pipelines.diagnosis.prediction import FEWEST_FOR_P
+    from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
     from pipelines.diagnosis.simulated import FeatureSettings
     from pipelines.machine.kinematics import kinematics_of
 
-    machine, exact = study.plant, not study.baseline
-    cases = study.cases if exact else study.cases[:1]
-    healthy = [*study.baseline]
+    machine, exact = plan.plant, not plan.baseline
+    cases = plan.cases if exact else plan.cases[:1]
+    healthy = [*plan.baseline]
     if exact:  # a scene without faults is its own control
         healthy = [one.control for one in cases if one.control is not None and one.control.step != one.own.step]
     if not healthy or not machine.looked_for.possible:
@@ -52,7 +53,7 @@ def verdict_steps(study: Study) -> list[Step]:
             spec={"settings": settings, "labels": one.plant.labels, "samples": samples},
             takes={"motion": one.step},
             libraries=_NUMERIC,
-            seconds=0.5 * samples,
+            seconds=_FEATURES * samples * len(one.plant.sensors) * one.plant.motion.n_samples,
         )
         for one, samples in [
             *((case.own, 1) for case in cases),
@@ -73,10 +74,10 @@ def verdict_steps(study: Study) -> list[Step]:
     return [*made.values(), judging]
 
 
-def diagnosis_step(study: Study) -> Step | None:
+def diagnosis_step(plan: RunPlan) -> Step | None:
     """All cases against their controls; None without a control, a fault to look for, windows or sensors."""
     cases, motions, labels = [], [], []
-    for number, case in enumerate(study.cases):
+    for number, case in enumerate(plan.cases):
         settings = case.own.plant.diagnosis
         if settings is None or case.control is None:
             return None
@@ -93,18 +94,18 @@ def diagnosis_step(study: Study) -> Step | None:
     )
 
 
-def bars_step(study: Study) -> Step:
-    """The error bars of the lines of the first case of a study that has a control."""
-    case, laws = study.cases[0], study.plant.law_names
+def bars_step(plan: RunPlan) -> Step:
+    """The error bars of the lines of the first case of a run that has a control."""
+    case, laws = plan.cases[0], plan.plant.law_names
     assert case.control is not None, "a diagnosis has one"
     return Step(
         name=BARS,
         kind="error-bars",
         build=bars.build,
         spec={"machine": case.own.plant, "healthy": case.control.plant},
-        takes={"motion": case.own.step, "control": case.control.step, "laws": laws, **casing_taken(study.graph)},
+        takes={"motion": case.own.step, "control": case.control.step, "laws": laws, **casing_taken(plan.graph)},
         libraries=_NUMERIC,
-        seconds=2.5,  # short, so that it is built in parallel with the motions of other cases
+        seconds=1.5,  # short, so that it is built in parallel with the motions of other cases
     )
 
 
@@ -114,10 +115,10 @@ def casing_taken(graph: Graph) -> dict[str, str | tuple[str, ...]]:
     return {"body": "casing", **({"modes": "casing modes", "coarser": coarser} if coarser else {})}
 
 
-def _report_step(loaded: LoadedScene, study: Study, known: dict[str, Step]) -> Step:
-    from pipelines.steps.study import scene_warnings
+def _report_step(loaded: LoadedScene, plan: RunPlan, known: dict[str, Step]) -> Step:
+    from pipelines.steps.run_plan import scene_warnings
 
-    machine, compared = study.plant, known.get(DIAGNOSIS)
+    machine, compared = plan.plant, known.get(DIAGNOSIS)
     kinds = [*(fault.kind for fault in machine.faults), *("bearing-spall" for _ in machine.spalls)]
     kinds += [*(fault.kind for fault in machine.shaft_faults), "healthy"]
     optional = {
@@ -131,10 +132,10 @@ def _report_step(loaded: LoadedScene, study: Study, known: dict[str, Step]) -> S
             "machine": machine,
             **(compared.spec if compared else {"cases": (), "labels": (machine.labels,)}),
             "responses": (kinds[0].replace("-", " "), "healthy")[: 2 if compared else 1],
-            "warnings": scene_warnings(loaded, study),
+            "warnings": scene_warnings(loaded, plan),
         },
         takes={
-            "motions": compared.takes["motions"] if compared else (study.cases[0].own.step,),
+            "motions": compared.takes["motions"] if compared else (plan.cases[0].own.step,),
             "curves": CURVES,
             "body": "casing",
             **{key: name for key, name in optional.items() if name in known},

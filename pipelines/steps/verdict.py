@@ -1,4 +1,4 @@
-"""Step `verdict`: what is damaged, from the features of the runs of a study and of healthy ones."""
+"""Step `verdict`: what is damaged, from the features of the motions of a run and of healthy ones."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from pipelines.diagnosis.cases import Damage
+    from pipelines.diagnosis.known_damage import Damage
     from pipelines.machine.plant import Drivetrain
     from pipelines.signals.orders.kinematics import Kinematics
 
@@ -31,8 +31,8 @@ def build(
     exact : whether the healthy runs are the exact controls of the cases
     own, healthy : results of steps `features`: of every case, and of its control, or of all healthy machines
     """
-    from pipelines.diagnosis.baseline import BaselineError
-    from pipelines.diagnosis.cases import Case, text
+    from pipelines.diagnosis.baseline_checks import BaselineError
+    from pipelines.diagnosis.known_damage import Case, text
     from pipelines.diagnosis.verdict import judge
 
     failure = next((one["failure"] for one in (*own, *healthy) if one["failure"]), "")
@@ -53,7 +53,7 @@ def build(
 
 def known_damages(machine: Drivetrain) -> tuple[Damage, ...]:
     """What the scene damages: component, tooth (None where it has none) and words."""
-    from pipelines.diagnosis.cases import Damage
+    from pipelines.diagnosis.known_damage import Damage
 
     teeth = [(f"stage {fault.stage} {fault.gear}", fault.tooth) for fault in machine.faults]
     spalls = [(f"{fault.bearing} {STRIKES[fault.spall.on]}", None) for fault in machine.spalls]

@@ -14,7 +14,7 @@ import numpy as np
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
 from pipelines.scene.file import LoadedScene, find_source, read_tree
-from pipelines.steps.study import plan_study
+from pipelines.steps.run_plan import plan_run
 
 EXTREMES = (
     *(0, -1, 1, 1e-300, 1e-12, -1e-12, 1e-3, 1e3, 1e6, 1e12, 1e300, -1e300),
@@ -70,7 +70,7 @@ def mutated(tree: dict[str, Any], draw: random.Random) -> tuple[dict[str, Any], 
 
 def simulated(loaded: LoadedScene, cache: Path) -> Any:
     """The trajectory of a scene."""
-    graph = plan_study(loaded, with_control=False, both_loads=False).graph
+    graph = plan_run(loaded, with_control=False, both_loads=False).graph
     return run_graph(graph, Cache(cache), ["simulate"], processes=1).value("simulate")
 
 

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from benchmarks.gear_pairs import gear_pair
-from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import LawEvaluator
+from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.frame import ModelError
 from fem.contact.models.energy import Energy
 from fem.contact.models.iso import Iso

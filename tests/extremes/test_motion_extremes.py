@@ -11,8 +11,8 @@ from benchmarks.motion import mesh_mode_frequency
 from mbd.integrators.settings import Settings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import EquilibriumError, MachineError, StepError
-from mbd.parts.drive import SpeedProfile
 from mbd.parts.losses import Coulomb, Efficiency
+from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 

@@ -108,7 +108,8 @@ def _cylinder(surface: Surface, name: str, locator: ByCylinder) -> np.ndarray:
     if not parts:
         raise MeshError(
             f"{name}: no cylinder of diameter {1000 * locator.diameter:.6g} mm about the axis {locator.axis} through "
-            f"{in_mm(through)}; {cylinders_like(surface, axis, through)}. Correct through_mm or diameter_mm"
+            f"{in_mm(through)}; {cylinders_like(surface, axis, through)}. Correct "
+            "through_mm, diameter_mm, axis, or axes and unit of the file"
         )
     along = [offset[part] @ axis for part in parts]
     return parts[int(np.argmin([max(a.min(), -a.max(), 0.0) for a in along]))]

@@ -17,7 +17,15 @@ _SHOWN = 3
 
 
 def cylinders_like(surface: Surface, axis: np.ndarray, through: np.ndarray) -> str:
-    """The cylinders along `axis` nearest to a point, as text."""
+    """The cylinders along `axis` nearest to a point, as text; if there is none, those along x, y and z."""
+    if found := _cylinders(surface, axis, through):
+        return f"the nearest cylinders along it: {found}"
+    others = [(name, _cylinders(surface, along, through)) for name, along in zip("xyz", np.eye(3), strict=True)]
+    words = [f"along {name}: {found}" for name, found in others if found] or ["nor one along x, y or z"]
+    return f"there is no cylinder along this axis, {', '.join(words)}"
+
+
+def _cylinders(surface: Surface, axis: np.ndarray, through: np.ndarray) -> str:
     across = np.linalg.svd(axis[None])[2][1:]  # two directions perpendicular to the axis
     found = []
     for part in _smooth_pieces(surface, axis):
@@ -28,11 +36,8 @@ def cylinders_like(surface: Surface, axis: np.ndarray, through: np.ndarray) -> s
         centre, radius = fitted
         place = centre @ across + axis * 0.5 * float((corners @ axis).min() + (corners @ axis).max())
         found.append((float(np.linalg.norm(place - through)), radius, place))
-    if not found:
-        return "no cylinder along this axis was found at all; check the axis and the unit"
     found.sort(key=lambda one: one[0])
-    words = [f"diameter {2000 * radius:.5g} mm at {in_mm(place)}" for _, radius, place in found[:_SHOWN]]
-    return f"the nearest cylinders along it: {'; '.join(words)}"
+    return "; ".join(f"diameter {2000 * radius:.5g} mm at {in_mm(place)}" for _, radius, place in found[:_SHOWN])
 
 
 def fitted_circle(points: np.ndarray) -> tuple[np.ndarray, float] | None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Literal
 
+from fem.casing.models.body_stages import Recovery
 from fem.casing.models.casing import Structure
 from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.models.holding import CasingReduction
-from fem.casing.models.recovery import Recovery
 from fem.casing.parts.names import MODES_OVER_BAND
 from fem.options import option
 

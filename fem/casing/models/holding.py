@@ -11,7 +11,7 @@ from fem.casing.models.stage import CasingError, PlannedStage, Stage
 
 if TYPE_CHECKING:
     from fem.casing.mesh.mesh import CasingMesh
-    from fem.casing.models.recovery import Recovery
+    from fem.casing.models.body_stages import Recovery
     from fem.casing.parts.bolted_joint import BoltedJoint
     from fem.casing.parts.names import Attachment, Ground
     from fem.casing.parts.regions import Region

@@ -37,7 +37,7 @@ class Meshing(Stage):
 
     def coarser(self) -> Iterator[CoarserMeshing]:
         """Stages of meshes with larger elements, for the error estimate of this one."""
-        from fem.casing.uncertainty.laws import RATIOS
+        from fem.casing.uncertainty.limits_by_element import RATIOS
 
         return (CoarserMeshing(**{**vars(self), "sizes": self.sizes.times(ratio)}) for ratio in RATIOS)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
+from fem.casing.models.body_stages import BearingsOnGround
 from fem.casing.models.casing import CasingModel, Structure
-from fem.casing.models.recovery import BearingsOnGround
 from fem.casing.models.stage import BODY, PlannedStage
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal
 
+from fem.casing.models.body_stages import RigidRecovery
 from fem.casing.models.casing import HousingCasing, Structure
-from fem.casing.models.recovery import RigidRecovery
 from fem.casing.models.stage import BODY, MESH, PlannedStage
 from fem.options import option
 

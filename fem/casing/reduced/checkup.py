@@ -8,6 +8,8 @@ After grounding (for a casing on mounts: on the reference springs, which are sti
 gravity, definiteness, block forms of the reduced matrices, the static response of the interface against the full model,
 modal effective masses, optionally the frequencies of the full grounded model.
 
+`fem.casing.reduced.sturm_count` has verified that no mode is missing.
+
 The list follows the practice of NASTRAN-based Craig-Bampton checks (Young, Primer on the Craig-Bampton method, 2000).
 """
 
@@ -21,8 +23,8 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from fem.casing.reduced.grounded import GroundedCasing
+from fem.casing.reduced.reduced_modes import on_springs, undamped_modes
 from fem.casing.reduced.reduction import Reduction, largest_entry
-from fem.casing.reduced.truncation import on_springs, undamped_modes
 from fem.elements.solids import mass_properties, rigid_body_modes
 from fem.numerics.places import unknowns_of
 from fem.numerics.threads import side_by_side

@@ -25,7 +25,8 @@ import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
 from fem.casing.reduced.lanczos import block_lanczos
-from fem.casing.reduced.reduction import Interface, Reduction, held_interface, largest_entry, reduce_and_count
+from fem.casing.reduced.reduction import Interface, Reduction, held_interface, largest_entry
+from fem.casing.reduced.sturm_count import reduce_and_count
 from fem.numerics.linear_solver import Factor, Solver
 from fem.numerics.memory import give_back
 from fem.numerics.places import unknowns_of

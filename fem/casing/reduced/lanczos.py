@@ -5,6 +5,7 @@
 P is a symmetric (pseudo-)inverse of the stiffness. A block of right-hand sides costs a fraction of single ones. Every
 new block is orthogonalised twice against all earlier ones, so that no spurious copies of eigenvalues appear. The basis
 grows until every eigenvalue above the limit has converged; the number of modes need not be known in advance.
+`fem.casing.reduced.sturm_count` verifies it.
 
 Reference: Grimes, Lewis & Simon (1994), SIAM J. Matrix Anal. Appl. 15(1), 228-272.
 """
@@ -20,7 +21,7 @@ import scipy.sparse as sp
 from fem.numerics import blas
 from fem.numerics.threads import side_by_side
 
-_TOLERANCE = 1e-7  # residual of a Ritz pair over its theta; the error of theta is about its square
+_TOLERANCE = 1e-5  # residual of a Ritz pair over its theta: bound of the error of theta, which is about its square
 _LARGEST_BASIS = 3000  # vectors
 _CHUNK = 8  # blocks that share one array
 _NOTHING = 1e-11  # share removed by reorthogonalisation below which its product with M is not computed

@@ -1,7 +1,7 @@
 """CasingModes: the stored result of a casing reduction, and the inexpensive step from it to a ReducedBody.
 
 Sensors are recovered from the basis on the nodes. Mount springs are added to the coordinates of the feet. Damping
-follows from the modes of the grounded reduced body. `fem.casing.reduced.truncation` selects fewer modes. A change of
+follows from the modes of the grounded reduced body. `fem.casing.reduced.fewer_modes` selects fewer modes. A change of
 any of these needs no factorisation or eigensolution of the mesh.
 """
 
@@ -19,9 +19,10 @@ from fem.casing.parts.names import MOUNTS, DampingRatio
 from fem.casing.reduced.attachment import nearest_surface_point
 from fem.casing.reduced.body import BEARING_AXES, ReducedBody
 from fem.casing.reduced.damping import energy_shares, modal_damping
+from fem.casing.reduced.fewer_modes import ModeSet, fewest_modes, kept
 from fem.casing.reduced.grounded import GROUND_AXES, GroundedCasing
+from fem.casing.reduced.reduced_modes import mode_names, on_springs, undamped_modes
 from fem.casing.reduced.reduction import Reduction, ReductionError
-from fem.casing.reduced.truncation import ModeSet, fewest_modes, kept, mode_names, on_springs, undamped_modes
 from fem.elements.solids import mass_properties
 from fem.storage.records import Record, array, integer, names, scalar, text
 

@@ -2,8 +2,8 @@
 
 Displacement elements are too stiff. The lowest modes on coarser meshes, with elements 1.3 and 1.7 times as large, are
 paired by their shapes. They give the extrapolated frequency and uncertainty band of every mode
-(`fem.casing.uncertainty.laws`). For cubic elements the modes of quadratic ones on the same mesh are used
-(`fem.casing.uncertainty.cubic_limits`).
+(`fem.casing.uncertainty.limits_by_element`). For cubic elements the modes of quadratic ones on the same mesh are used
+(`fem.casing.uncertainty.cubic_limits`). The formula is in `fem.casing.uncertainty.frequency_limits`.
 
 The error of thin walls and sharp edges is nearly the same for all modes. One factor, from the mean relative difference
 m of frequencies and extrapolated frequencies, therefore corrects all of the stiffness: K = (1 - m)^2 K(h); mass and
@@ -24,11 +24,11 @@ from fem.casing.reduced.body import MODES_OVER_BAND
 from fem.casing.reduced.grounded import AssembledCasing, GroundedCasing
 from fem.casing.reduced.halves import lowest
 from fem.casing.reduced.modes import CasingModes
+from fem.casing.reduced.reduced_modes import undamped_modes
 from fem.casing.reduced.reduction import Reduction, reduce_body
-from fem.casing.reduced.truncation import undamped_modes
 from fem.casing.uncertainty.cubic_limits import cubic_limits
 from fem.casing.uncertainty.frequency_limits import LEAST_MODES, FrequencyLimits, LimitError
-from fem.casing.uncertainty.laws import law_of
+from fem.casing.uncertainty.limits_by_element import extrapolation_of
 from fem.casing.uncertainty.pairing import counterparts, sample_nodes
 from fem.elements.solid_elements import SOLIDS
 from fem.numerics.places import unknowns_of
@@ -174,7 +174,7 @@ def limits_from(
         if same_mesh:
             limits = cubic_limits(*rows, corners=SOLIDS[coarser[0].element].corners)
         else:
-            limits = law_of(coarser[0].element)((1.0, *ratios), np.array(rows))
+            limits = extrapolation_of(coarser[0].element)((1.0, *ratios), np.array(rows))
     except LimitError as error:
         raise ExtrapolationError(f"casing: {error}; or leave casing.extrapolated out") from error
     changes = np.nanmean(np.array(rows[1:]) / frequencies, axis=1) - 1.0

@@ -1,7 +1,7 @@
 """Inverse problem: the element size for a target error of the natural frequencies, predicted from a coarse mesh.
 
 One part of the bands decreases with the order of the error, the other is constant
-(`fem.casing.uncertainty.laws`). The prediction is that of the median band.
+(`fem.casing.uncertainty.limits_by_element`). The prediction is that of the median band.
 """
 
 from __future__ import annotations

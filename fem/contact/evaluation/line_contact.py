@@ -1,8 +1,9 @@
 """Line contact of one tooth pair in one slice, compiled: C f + A f (B - ln f) = x, and the logarithm it needs.
 
-C tooth and body compliance, A and B the Hertz line contact, f line load (N/m), x approach (m). The Hertz term stops
-growing at ln f = B - 1, where the contact is as wide as the depth that B counts to; above it is held constant, so that
-x(f) rises for every f > 0 and is concave. With D = B - ln f and t = min(1, exp(D - 1)), t < 1 beyond that range,
+C tooth and body compliance, A and B the Hertz line contact (`fem.contact.wheels.hertz_terms`), f line load (N/m), x
+approach (m). The Hertz term stops growing at ln f = B - 1, where the contact is as wide as the depth that B counts to;
+above it is held constant, so that x(f) rises for every f > 0 and is concave. With D = B - ln f and
+t = min(1, exp(D - 1)), t < 1 beyond that range,
 
     approach            A f (max(D, 1) + t - 1)
     its derivative      A max(D - 1, 0)
@@ -49,7 +50,7 @@ def compliance_of(compliance, slope, depth):
 
 
 @inner(**INLINE)
-def exceeded(depth):
+def hertz_validity(depth):
     """t: 1 within the range of the Hertz term."""
     return math.exp(depth - 1.0) if depth < 1.0 else 1.0
 
@@ -72,7 +73,7 @@ def single_load(x, compliance, slope, offset, part):
     for _ in range(60):
         depth = offset - log
         s = part_of(f, per_whole, even)
-        rest = x + rise * spared(even, s) - f * (compliance + slope * hertz_depth(depth, exceeded(depth)))
+        rest = x + rise * spared(even, s) - f * (compliance + slope * hertz_depth(depth, hertz_validity(depth)))
         stiff = compliance_of(compliance, slope, depth) + rise * per_whole * spared_compliance(even, s)
         step = rest / (stiff * f)
         if abs(step) <= CLOSE:

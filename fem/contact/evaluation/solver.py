@@ -69,7 +69,7 @@ from fem.contact.evaluation.contacts import (
 from fem.contact.evaluation.law_tables import LANES, LARGEST_NEAR, SHIFT, WIDTH, Y, blocks_of, unpacked
 from fem.contact.evaluation.line_contact import (
     SERIES,
-    exceeded,
+    hertz_validity,
     log_of_growth,
     logarithm,
     rough_log,
@@ -319,7 +319,7 @@ def _advance(slope, face, block, rows, r, bits):
     if deepest > 0.0 and slope > 0.0:
         for a in range(rows):
             for s in range(LANES):
-                r[block, a, BEYOND, s] = exceeded(r[block, a, OFFSET, s] - r[block, a, LOG, s])
+                r[block, a, BEYOND, s] = hertz_validity(r[block, a, OFFSET, s] - r[block, a, LOG, s])
     return force, 0.5 * bend, total
 
 
@@ -395,7 +395,7 @@ def _descend(slope, block, s, rows, r):
                 f, log = single_load(x, r[block, a, SOFTNESS, s], slope, r[block, a, OFFSET, s], part)
             on = f > 0.0
             r[block, a, LOAD, s], r[block, a, LOG, s], r[block, a, ON, s] = f if on else 1.0, log, 1.0 if on else 0.0
-            r[block, a, BEYOND, s] = exceeded(r[block, a, OFFSET, s] - log) if on and slope > 0.0 else 1.0
+            r[block, a, BEYOND, s] = hertz_validity(r[block, a, OFFSET, s] - log) if on and slope > 0.0 else 1.0
             change, largest = max(change, abs(f - before)), max(largest, f)
         if change <= 1e-13 * largest:
             break

@@ -13,9 +13,9 @@ import numpy as np
 from fem.contact.faults.tooth_fault import END, ToothFault, from_end, lost_share
 from fem.contact.law import MeshLaw
 from fem.gears.gear import Gear
+from fem.gears.gear_checks import require
 from fem.gears.geometry import GearPair
 from fem.gears.path import path_points
-from fem.gears.rack import require
 from fem.options import option
 
 
@@ -68,6 +68,6 @@ class ChippedTooth(ToothFault):
         return added
 
     def movement(self, pair: GearPair, approach: float, *, alone: bool) -> float:
-        """Movement from the lost share of the contact line."""
+        """Movement from the lost share of the contact line, as if the chip were as deep as the tooth."""
         lost = lost_share(pair) * self.extent / pair.face_width
         return approach * lost / (1 - lost)

@@ -15,8 +15,8 @@ from fem.contact.faults.tooth_fault import END, ToothFault, from_end
 from fem.contact.frame import law_points
 from fem.contact.law import MeshLaw
 from fem.gears.gear import Gear
+from fem.gears.gear_checks import require
 from fem.gears.geometry import GearPair
-from fem.gears.rack import require
 from fem.options import option
 
 if TYPE_CHECKING:

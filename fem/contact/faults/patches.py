@@ -24,9 +24,9 @@ from fem.contact.faults.face_parts import FaceParts, gap_on_slices
 from fem.contact.faults.tooth_fault import ToothFault
 from fem.contact.law import MeshLaw
 from fem.gears.gear import Gear
+from fem.gears.gear_checks import require
 from fem.gears.geometry import GearPair
 from fem.gears.path import edge_gap, path_points
-from fem.gears.rack import require
 from fem.options import option
 
 DEEPEST = 0.5  # modules

@@ -17,8 +17,8 @@ import numpy as np
 from fem.contact.faults.patches import DEEPEST, FlankDamage, Patch, arc_at, radius_at
 from fem.contact.faults.tooth_fault import lost_share
 from fem.gears.gear import Gear
+from fem.gears.gear_checks import require
 from fem.gears.geometry import GearPair
-from fem.gears.rack import require
 from fem.options import option
 
 DENSEST = 0.3  # share of the area: limit for discs placed in sequence

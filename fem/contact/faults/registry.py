@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fem.contact.faults.tooth_fault import ToothFault
-from fem.gears.rack import GeometryError
+from fem.gears.gear_checks import GeometryError
 from fem.named_classes import named_class
 
 FAULTS = {

@@ -12,8 +12,8 @@ import numpy as np
 
 from fem.contact.law import MeshLaw
 from fem.gears.gear import Gear
+from fem.gears.gear_checks import GeometryError
 from fem.gears.geometry import GearPair
-from fem.gears.rack import GeometryError
 from fem.options import check_options
 
 if TYPE_CHECKING:

@@ -12,9 +12,9 @@ from fem.contact.faults.face_parts import FaceParts, gap_on_slices
 from fem.contact.faults.tooth_fault import END, ToothFault, from_end
 from fem.contact.law import MeshLaw
 from fem.gears.gear import Gear
+from fem.gears.gear_checks import require
 from fem.gears.geometry import GearPair
 from fem.gears.path import path_points
-from fem.gears.rack import require
 from fem.options import option
 
 DEEPEST = 0.2  # modules

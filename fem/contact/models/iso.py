@@ -37,6 +37,7 @@ from fem.gears.path import bridging_window, path_points, slice_fraction
 COEFFICIENTS = (0.04723, 0.15551, 0.25791, -0.00635, -0.11654, -0.00193, -0.24188, 0.00529, 0.00182)
 MEAN_FACTOR = 0.8  # C_M: correction of the theoretical stiffness by measurements
 LOW_LINE_LOAD = 100e3  # N/m; below it the stiffness decreases with the load
+LEAST_LOAD_FACTOR = 0.9  # a lower one is a warning; a smaller reduction is within the deviation from `plane`, 10 %
 MAX_HELIX = math.radians(30.0)
 _PER_MM_UM = 1e9  # N/(mm um) in N/m2
 
@@ -115,10 +116,14 @@ class Iso(MeshModel):
         elastic = 2.0 * e1 * e2 / (e1 + e2) / STEEL.elastic_modulus
         rack = 0.5 * (rack_factor(p) + rack_factor(w))
         single = MEAN_FACTOR * body * rack * math.cos(p.helix_angle) * elastic / flexibility * _PER_MM_UM
-        if self.line_load is not None and self.line_load < LOW_LINE_LOAD:
-            single *= (self.line_load / LOW_LINE_LOAD) ** 0.25
+        single *= self.load_factor
         mean = single * (0.75 * pair.transverse_contact_ratio + 0.25)
         return IsoStiffness(single=single, mean=mean, mean_for_distribution=0.85 * mean)
+
+    @property
+    def load_factor(self) -> float:
+        """Factor of c' at the line load, 1 from 100 N/mm."""
+        return 1.0 if self.line_load is None else min(1.0, (self.line_load / LOW_LINE_LOAD) ** 0.25)
 
     def laws(self, pair: GearPair) -> tuple[MeshLaw, MeshLaw]:
         """The laws of drive and coast flank; mean of dF/d delta over a pitch = c_gamma_alpha b."""
@@ -147,12 +152,12 @@ class Iso(MeshModel):
         return drive, coast
 
     def warnings(self, modifications: PairModifications) -> Iterator[str]:
-        """Warnings: low-load reduction, if any; relief, as its effect on load sharing is not modelled."""
-        if self.line_load is not None and self.line_load < LOW_LINE_LOAD:
+        """Warnings: large low-load reduction; relief, as its effect on load sharing is not modelled."""
+        if self.load_factor < LEAST_LOAD_FACTOR:
             yield (
-                f"the line load of {self.line_load / 1000:.1f} N/mm is below {LOW_LINE_LOAD / 1000:g} N/mm, so that "
-                "the "
-                "model iso applies the low-load reduction of ISO 6336-1"
+                f"the line load of {(self.line_load or 0) / 1000:.1f} N/mm is low: the model iso reduces the stiffness "
+                f"by {100 * (1 - self.load_factor):.0f} % after ISO 6336-1. Increase the load, or set mesh.model = "
+                '"plane" or "solid"'
             )
         if modifications.pinion.tip_relief or modifications.wheel.tip_relief:
             yield (

@@ -41,6 +41,7 @@ from scipy.optimize import least_squares
 from fem.contact.frame import flank_frame, window_fraction
 from fem.contact.law import MeshLaw
 from fem.contact.wheels.compliance import ContactCompliance
+from fem.contact.wheels.hertz_terms import contact_radius
 from fem.contact.wheels.plane_section import PlaneSection
 from fem.gears.geometry import GearPair
 
@@ -71,7 +72,7 @@ def condense(
     """
     path = plane.path(pair)
     slope, cosine = record.contact_slope, math.cos(pair.base_helix_angle)
-    radius = plane.contact_radius(pair, path) / cosine
+    radius = contact_radius(pair, path) / cosine
     terms = fit_terms(record, path.xi)
     frame = flank_frame(pair, flank, slices or record.face.size)
     terms["skew_compliance"] *= frame["cycle_sign"] * pair.pinion.hand_sign  # fitted along zeta, which may be -y

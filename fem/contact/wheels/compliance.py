@@ -4,7 +4,7 @@ The face is divided into slices. Slice s of tooth pair p has the line load f ove
 
     x_i = sum_j C_ij F_j + A f_i (B_i - ln f_i),     F_j = w_j f_j,     i, j = (pair, slice),
 
-with A, B the Hertz line contact of `fem.contact.models.plane`, measured to the depth d. C follows from the rings in
+with A, B of `fem.contact.wheels.hertz_terms`, measured to the depth d. C follows from the rings in
 space: G_ij is the displacement of one patch (an ellipse of half-width w_p across, a slice along the face) by a unit
 force on another. The section of that mesh is coarse. Its error is corrected in each slice by that in plane deformation,
 where a fine mesh is inexpensive,
@@ -33,6 +33,7 @@ from dataclasses import dataclass
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from fem.contact.wheels.hertz_terms import contact_terms
 from fem.contact.wheels.plane_section import PlaneSection
 from fem.contact.wheels.ring import flank_compliance
 from fem.contact.wheels.solid_ring import SolidFlank, solid_flank
@@ -194,7 +195,7 @@ def contact_compliance(
     out = np.zeros((positions, len(numbers), slices, len(numbers), slices))
     _add_ring(out, at, pinion, 1)
     _add_ring(out, at, wheel, -1)
-    slope, offset = plane.contact_terms(pair, at.path)
+    slope, offset = contact_terms(pair, at.path)
     _, fine = plane.own_compliance(pair, at.path, plane.rings(pair, 1))
     out[at.cycle, at.pair, at.slice, at.pair, at.slice] += (fine - pinion.plane - wheel.plane) / width
     gap, offsets = np.full(out.shape[:3], np.inf), np.zeros(out.shape[:3])

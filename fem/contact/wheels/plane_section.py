@@ -9,7 +9,7 @@ elliptical pressure of resultant f gives
     u(x) = u(0) - K f x^2 / a^2,   K = 2 (1 - nu^2) / (pi E),   mean u = u(0) - K f / 4,   du(0) / d ln a = -K f,
 
 so that each body approaches by f (G_ii + K (1/4 + ln(w/a))). With a^2 = 4 f R / (pi E*), 1/E* = sum (1 - nu^2)/E and
-A = 1/(pi E*) the sum over both bodies is
+A = 1/(pi E*) the sum over both bodies (A and B in `fem.contact.wheels.hertz_terms`) is
 
     x = C f + A f (B - ln f),   C = G_ii + G_ii' + 2 A ln(w/d),   B = 1/2 + ln(d^2 pi E* / (4 R)).
 
@@ -33,6 +33,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.contact.frame import ModelError
+from fem.contact.wheels.hertz_terms import contact_terms
 from fem.gears.geometry import GearPair
 from fem.gears.path import PathPoints, bridging_window, path_points
 from fem.options import check_options, option
@@ -42,7 +43,6 @@ if TYPE_CHECKING:
     from fem.contact.wheels.ring import FlankCompliance
 
 EDGE_GAP = 0.05  # m_n: largest no-load gap for tip-edge contact; must exceed the largest delta
-TIP_ROUNDING = 0.05  # m_n: radius of tip edges that the gear leaves open, for contact beyond the path of contact
 POSITIONS: Any = {"ge": 16, "le": 1024, "text": "mesh positions per base pitch at which stiffness is tabulated"}
 
 
@@ -83,21 +83,13 @@ class PlaneSection:
             # pair p + n has tooth -n of the pinion and tooth +n of the wheel, counted towards the loaded flank
             for weight, ring, tooth in zip(weights, rings, (-n, n), strict=True):
                 between[n - 1] += np.einsum("pi,ij,pj->p", weight[behind], ring.matrix[tooth], weight)
-        slope, offset = self.contact_terms(pair, path)
+        slope, offset = contact_terms(pair, path)
         return {
             "compliance": own,
             "neighbour_compliance": between,
             "contact_slope": slope,
             "contact_offset": offset,
         }
-
-    def contact_terms(self, pair: GearPair, path: PathPoints) -> tuple[float, np.ndarray]:
-        """A (m2/N) and B (position,) of the Hertz term."""
-        depth, cosine = pair.pinion.normal_module, math.cos(pair.base_helix_angle)
-        materials = (pair.pinion_material, pair.wheel_material)
-        reduced = 1.0 / sum(1.0 / material.plane_strain_modulus for material in materials)
-        radius = self.contact_radius(pair, path) / cosine
-        return 1.0 / (math.pi * reduced * cosine), 0.5 + np.log(depth**2 * math.pi * reduced / (4 * radius))
 
     def own_compliance(
         self, pair: GearPair, path: PathPoints, rings: tuple[FlankCompliance, FlankCompliance]
@@ -130,15 +122,3 @@ class PlaneSection:
                 count("gear_meshes")
                 out.append(flank_compliance(mesh, material.elastic_modulus, material.poisson_ratio, reach))
         return out[0], out[1]
-
-    def contact_radius(self, pair: GearPair, path: PathPoints) -> np.ndarray:
-        """Transverse radius of relative curvature (position,), m.
-
-        Beyond the path a tip edge is in contact. Over a tenth of a pitch, in which edge contact develops, the radius
-        changes to that of the rounded edge (of the gear, or TIP_ROUNDING), linearly in its logarithm.
-        """
-        beyond = np.maximum(pair.xi_start - path.xi, path.xi - pair.xi_end).clip(0.0)
-        usual = TIP_ROUNDING * pair.pinion.normal_module
-        edge = np.where(path.xi < 0.0, pair.wheel.tip_rounding or usual, pair.pinion.tip_rounding or usual)
-        share = np.minimum(beyond / 0.1, 1.0)
-        return path.relative_radius ** (1.0 - share) * np.minimum(edge, path.relative_radius) ** share

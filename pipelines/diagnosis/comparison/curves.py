@@ -7,7 +7,8 @@ References
 ----------
 Fyfe & Munck (1997), Mech. Syst. Signal Process. 11(2), 187-205 (order spectra); Welch (1967), IEEE Trans. Audio
 Electroacoust. 15(2), 70-73 (averaged spectra); Ho & Randall (2000), Mech. Syst. Signal Process. 14(5), 763-788
-(spectrum of the squared envelope).
+(spectrum of the squared envelope); Randall (2011), Vibration-based Condition Monitoring, Wiley, and Randall
+(2017), Mech. Syst. Signal Process. 97, 3-19 (cepstrum).
 """
 
 from __future__ import annotations
@@ -15,15 +16,17 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from pipelines.diagnosis.comparison.part import Channel, ComparedPart
-from pipelines.signals.features.recorded import FeatureError, envelope_band
-from pipelines.signals.orders.band import banded
+from pipelines.diagnosis.comparison.compared_recording import Channel, ComparedRecording
+from pipelines.signals.features.feature_table import FeatureError, envelope_band
 from pipelines.signals.orders.revolutions import HIGHEST, revolutions
+from pipelines.signals.orders.whitening import banded
 
 MOST_TURNS = 64  # in a block; a finer resolution would not be visible in a figure
+RAHMONICS = 3  # of each shaft
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -46,13 +49,38 @@ class Curves:
     average: np.ndarray
     turned: tuple[bool, ...]
 
+    @cached_property
+    def cepstrum(self) -> np.ndarray:
+        """Real cepstra (recording, quefrency): inverse Fourier transform of the natural logarithm of the spectrum.
 
-def curves(parts: Sequence[ComparedPart], channel: Channel, shaft: str) -> Curves:
+        Lines at equal distances, such as the sidebands of a shaft, become one line at the period of the shaft, and
+        lines at multiples of it (rahmonics). The step of the quefrency is 1/(2 orders[-1]) turns of the first shaft.
+        """
+        found = np.fft.irfft(np.log(np.maximum(self.spectrum, np.finfo(np.float32).tiny)), axis=-1)
+        return found[:, : found.shape[1] // 2]
+
+    @property
+    def quefrency(self) -> np.ndarray:
+        """Quefrencies (quefrency,) of the cepstra, turns of the first shaft."""
+        return np.arange(self.cepstrum.shape[1]) / (2.0 * self.orders[-1])
+
+    def rahmonics(self, ratio: float) -> np.ndarray:
+        """Sum (recording,) of the cepstra at 1, 2 and 3 turns of a shaft, each the highest of three samples.
+
+        NaN if the blocks are too short. `ratio` is the number of turns of the shaft per turn of the first one.
+        """
+        places = np.rint(np.arange(1, RAHMONICS + 1) / ratio * 2.0 * self.orders[-1]).astype(int)
+        if places[-1] + 1 >= self.cepstrum.shape[1]:
+            return np.full(len(self.cepstrum), np.nan)
+        return self.cepstrum[:, places[:, None] + np.arange(-1, 2)].max(axis=-1).sum(axis=-1)
+
+
+def curves(parts: Sequence[ComparedRecording], channel: Channel, shaft: str) -> Curves:
     """The curves of recordings with the same channels and rate.
 
     Parameters
     ----------
-    parts : as `pipelines.diagnosis.comparison.part.brought_together` gives them
+    parts : as `pipelines.diagnosis.comparison.compared_recording.brought_together` gives them
     channel : sensor and axis
     shaft : whose turns are averaged
 
@@ -95,13 +123,13 @@ def curves(parts: Sequence[ComparedPart], channel: Channel, shaft: str) -> Curve
     )
 
 
-def _guard(part: ComparedPart) -> float:
+def _guard(part: ComparedRecording) -> float:
     """Lower end of the range of the envelope, in orders of the first shaft."""
     frequency = part.windows[0].frequency
     return envelope_band(part.kinematics, part.time, frequency)[0] / frequency
 
 
-def _turns(part: ComparedPart, row: int, ratio: float, places: int) -> np.ndarray:
+def _turns(part: ComparedRecording, row: int, ratio: float, places: int) -> np.ndarray:
     """Values (turn, place) of a channel over the complete turns of a shaft in the first window."""
     span = (part.windows[0].start, part.windows[0].end)
     return revolutions(part.acceleration[row], part.time, part.rotation, ratio, places, [span])

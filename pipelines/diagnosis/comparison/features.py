@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipelines.diagnosis.comparison.part import ComparedPart
+from pipelines.diagnosis.comparison.compared_recording import ComparedRecording
 from pipelines.diagnosis.verdict import counted
-from pipelines.signals.features.recorded import feature_table
+from pipelines.signals.features.feature_table import FeatureError, feature_table
 from pipelines.signals.features.table import WHOLE, FeatureTable, confirmed
 from pipelines.signals.orders.kinematics import Kinematics
 
@@ -48,23 +48,28 @@ class Features:
         return np.array([table.value[:, table.feature.index("rms")] for table in self.tables])
 
 
-def features_of(parts: Sequence[ComparedPart]) -> Features:
+def features_of(parts: Sequence[ComparedRecording]) -> Features:
     """The features of recordings with the same channels and rate.
 
     Raises
     ------
-    FeatureError : all shafts make too few turns, see `pipelines.signals.features.recorded`
+    FeatureError : all shafts make too few turns, see `pipelines.signals.features.feature_table`
     """
-    tables = tuple(
-        confirmed([feature_table(part.dataset(), part.kinematics, part.rotation, part.spans) for part in parts])
-    )
+    tables = confirmed([_table(part) for part in parts])
     lines = tuple(dict.fromkeys(line for table in tables for line in table.lines))
     level = np.full((len(parts), len(lines)), np.nan)
     for row, table in zip(level, tables, strict=True):
         positive = np.all(table.value > 0.0, axis=0)
         for line, one, known in zip(table.lines, table.levels, positive, strict=True):
             row[lines.index(line)] = one if known else np.nan
-    return Features(tables=tables, lines=lines, level=level)
+    return Features(tables=tuple(tables), lines=lines, level=level)
+
+
+def _table(part: ComparedRecording) -> FeatureTable:
+    try:
+        return feature_table(part.dataset(), part.kinematics, part.rotation, part.spans)
+    except FeatureError as error:
+        raise FeatureError(f"{part.name}: {error}") from error
 
 
 def most_different_shaft(found: Features, kinematics: Kinematics, among: Sequence[str]) -> str:

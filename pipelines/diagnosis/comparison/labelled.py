@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pipelines.diagnosis.comparison.compared_recording import brought_together, compared_recording
 from pipelines.diagnosis.comparison.features import features_of
-from pipelines.diagnosis.comparison.part import brought_together, part_of
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
-from pipelines.signals.features.recorded import FeatureError
+from pipelines.signals.features.feature_table import FeatureError
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.signals.orders.rotation import RotationError
 
@@ -39,7 +39,7 @@ def labelled_comparison(recordings: Mapping[str, xarray.Dataset], kinematics: Ki
     parts = []
     for name, recording in recordings.items():
         try:
-            parts.append(part_of(name, recording, kinematics))
+            parts.append(compared_recording(name, recording, kinematics))
         except (FeatureError, RotationError) as error:
             raise InputError(f"{shown(name)}: {error}") from error
     try:

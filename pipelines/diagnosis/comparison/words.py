@@ -8,18 +8,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pipelines.diagnosis.comparison.compared_recording import ComparedRecording
 from pipelines.diagnosis.comparison.features import Features
-from pipelines.diagnosis.comparison.part import ComparedPart
-from pipelines.diagnosis.words import NAMES
 from pipelines.io.grid import Grid
+from pipelines.signals.features.definitions import BY_NAME
 from pipelines.signals.orders.revolutions import HIGHEST
 
 LETTERS = "ABCDEFGHIJ"  # names of the recordings in tables and figures; no more recordings are compared
-IN_SIGNAL_UNITS = ("rms", "order_1", "order_2", "tsa_rms", "difference_rms")  # the others are ratios
-UNITS = "m/s2"
 
 
-def recordings_grid(parts: Sequence[ComparedPart]) -> Grid:
+def recordings_grid(parts: Sequence[ComparedRecording]) -> Grid:
     """Table of all windows of the recordings with their speeds; `parts` before resampling."""
     rows = []
     for letter, part in zip(LETTERS, parts, strict=False):
@@ -48,8 +46,8 @@ def features_grid(found: Features) -> Grid:
     rows = tuple(
         (
             component,
-            NAMES.get(feature, feature),
-            unit_of(feature),
+            BY_NAME[feature].words,
+            BY_NAME[feature].unit,
             *(_cell(value, ".3g") for value in values),
             *(_cell(one, "+.1f") for one in differences[1:]),
         )
@@ -70,16 +68,11 @@ def features_csv(found: Features) -> str:
     writer.writerow(["component", "feature", "unit", *letters, *(f"{letter} - A dB" for letter in letters[1:])])
     for (component, feature), values, differences in zip(found.lines, found.value.T, found.difference.T, strict=True):
         numbers = [f"{one:.9g}" if np.isfinite(one) else "" for one in (*values, *differences[1:])]
-        writer.writerow([component, feature, unit_of(feature), *numbers])
+        writer.writerow([component, feature, BY_NAME[feature].unit, *numbers])
     return text.getvalue()
 
 
-def unit_of(feature: str) -> str:
-    """Unit of a feature."""
-    return UNITS if feature in IN_SIGNAL_UNITS else "1"
-
-
-def remarks(recorded: Sequence[ComparedPart], parts: Sequence[ComparedPart], found: Features) -> list[str]:
+def remarks(recorded: Sequence[ComparedRecording], parts: Sequence[ComparedRecording], found: Features) -> list[str]:
     """Remarks: warnings, changes that made the recordings comparable, and omitted components.
 
     `recorded` are the original parts, `parts` those with common channels and sampling rate.
@@ -109,7 +102,7 @@ def remarks(recorded: Sequence[ComparedPart], parts: Sequence[ComparedPart], fou
     return lines
 
 
-def _train(part: ComparedPart) -> tuple[object, ...]:
+def _train(part: ComparedRecording) -> tuple[object, ...]:
     """Shafts and numbers of teeth, which determine the orders."""
     gears = tuple((gear.name, gear.shaft, gear.teeth) for gear in part.kinematics.gears)
     return (tuple((shaft.name, round(shaft.ratio, 9)) for shaft in part.kinematics.shafts), gears)

@@ -10,6 +10,7 @@ import numpy as np
 
 from fem.storage import shown_html
 
+SAMPLES = 200  # of each uncertainty
 LOW, HIGH = 5.0, 95.0  # per cent of the samples
 
 

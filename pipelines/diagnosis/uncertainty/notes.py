@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from pipelines.diagnosis.uncertainty.line_bars import SAMPLES
+
 LEFT_OUT = (
     "Not in the error bars: the error of the mesh law, which gearcase converge --over gear-mesh and --over slices "
     "estimate; the effect of the deviations, which gearcase run --seeds shows; modes above the band of the "
@@ -28,13 +30,13 @@ def notes(missed: Sequence[str], remedy: str, damping_spread: float) -> tuple[st
         )
     else:
         found.append(
-            "Numerical uncertainty: 5 to 95 % of 200 samples. Each sample changes the natural frequencies of the "
-            "casing within their uncertainty bands, and adds an error of the time step."
+            f"Numerical uncertainty: 5 to 95 % of {SAMPLES} samples. Each sample changes the natural frequencies of "
+            "the casing within their uncertainty bands, and adds an error of the time step."
         )
     found.append(
-        "Uncertain damping: 5 to 95 % of 200 samples. Each sample multiplies all damping ratios of the casing by one "
-        f"factor, in 90 % of the samples between {1 / (1 + damping_spread):.2g} and {1 + damping_spread:.2g}. This "
-        "range is an assumption; diagnosis.damping_spread sets it."
+        f"Uncertain damping: 5 to 95 % of {SAMPLES} samples. Each sample multiplies all damping ratios of the casing "
+        f"by one factor, in 90 % of the samples between {1 / (1 + damping_spread):.2g} and {1 + damping_spread:.2g}. "
+        "This range is an assumption; diagnosis.damping_spread sets it."
     )
     found.append(LEFT_OUT)
     if missed:

@@ -135,12 +135,12 @@ def _body(gear: RevolvedBody) -> tuple[int, float, float, float]:
     return gear.shaft, round(gear.radius, 9), round(gear.start, 9), round(gear.end, 9)
 
 
-def _wall_clashes(scene: Scene, train: Drivetrain, housing: Dimensions) -> Iterator[Problem]:
+def _wall_clashes(scene: Scene, layout: TrainLayout, housing: Dimensions) -> Iterator[Problem]:
     (left, front, floor), (right, back, cover) = (corner.tolist() for corner in housing.cavity)
     if left >= right or front >= back or floor >= cover:
         return  # the walls fill the box, which the checks of the housing report
-    for body in gears(scene, train.layout):
-        x, z = train.layout.axes[body.shaft]
+    for body in gears(scene, layout):
+        x, z = layout.axes[body.shaft]
         rooms = {
             "left end wall": x - body.radius - left,
             "right end wall": right - x - body.radius,
@@ -157,15 +157,6 @@ def _wall_clashes(scene: Scene, train: Drivetrain, housing: Dimensions) -> Itera
                     f"the {body.name} {reach} the inner face of the {name} of the housing",
                     f"{_WAYS_OUT[name]}, or move the gear",
                 )
-    for number, (bore, (_, y, _)) in enumerate(zip(housing.bores, train.bearing_points, strict=True), 1):
-        low, high = housing.bore_span(bore)
-        if not low - 1e-9 <= y <= high + 1e-9:
-            inner, outer = (1000 * end for end in sorted((low, high), key=abs))
-            yield Problem(
-                f"shafts.{(number + 1) // 2}.bearing_positions_mm",
-                f"bearing {number} at y = {1000 * y:g} mm is outside its boss, y = {inner:+g} to {outer:+g} mm",
-                "Move the bearing into the boss, or correct casing.housing.boss_length_mm or width_mm",
-            )
 
 
 def find_collisions(scene: Scene, train: Drivetrain) -> list[Problem]:
@@ -174,7 +165,7 @@ def find_collisions(scene: Scene, train: Drivetrain) -> list[Problem]:
     problems = [*_mates(bodies, layout), *_clashes(bodies, shafts(scene), layout)]
     if isinstance(scene.housing, HousingBase):
         housing = dimensions(scene.housing, layout)
-        problems += [*_clashes(bodies, bosses(housing), layout), *_wall_clashes(scene, train, housing)]
+        problems += [*_clashes(bodies, bosses(housing), layout), *_wall_clashes(scene, layout, housing)]
         problems += _far_sensors(scene, housing)
     return problems
 

@@ -159,6 +159,12 @@ def _drive(scene: Scene, layout: TrainLayout) -> Iterator[str]:
 
 
 def _record(scene: Scene, layout: TrainLayout) -> Iterator[str]:
+    interval = 1e6 / scene.simulation.output_rate_Hz
+    if scene.simulation.step_us > interval + 1e-6:
+        yield (
+            f"simulation.step_us = {scene.simulation.step_us:g} is above the sampling interval, so that the time step "
+            f"is {interval:.6g} us. Set {interval:.6g} or less, or reduce simulation.output_rate_Hz"
+        )
     for number, facts in enumerate(layout.stages, 1):
         if scene.simulation.output_rate_Hz < 2 * HARMONICS * facts.mesh_frequency:
             yield (

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 from fem.gears.deviations import GRADES, pitch_tolerance
 from fem.gears.flank_deviations import flank_tolerance
+from fem.gears.gear_checks import GeometryError
 from fem.gears.prescribed import PrescribedDeviations, check_prescribed
-from fem.gears.rack import GeometryError
 from pipelines.io.errors import Problem
 from pipelines.machine.flanks import GEARS, Fault
 from pipelines.machine.layout import TrainLayout
@@ -142,8 +142,9 @@ def _hidden(scene: Scene, layout: TrainLayout, number: int, fault: Fault) -> Ite
         return
     tolerance = pitch_tolerance(getattr(pair, fault.gear), scene.deviations.iso_grade).single
     if change < tolerance:
+        basis = "estimate from extent_mm, for any depth_mm" if fault.kind == "chipped-tooth" else "estimate"
         yield (
             f"faults.{number}: the {fault.kind} changes the transmission error by up to {abs(change) * 1e6:.3g} um "
-            f"(estimate); pitch deviations of class {scene.deviations.iso_grade} change it by up to "
+            f"({basis}); pitch deviations of class {scene.deviations.iso_grade} change it by up to "
             f"{tolerance * 1e6:.3g} um and may hide the fault. Raise the load, or reduce deviations.iso_grade"
         )

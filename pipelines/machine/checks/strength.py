@@ -1,5 +1,6 @@
 """Strength of teeth, gear bodies and shafts: flank pressure, tooth deflection, bursting, torsion.
 
+There is no nominal root stress: `pipelines.runs.inspect_stress` computes root stresses by finite elements.
 Pressure of the flanks at the pitch point, without load factors:
 
     sigma_H0 = Z_H Z_E Z_eps Z_beta sqrt(F_t / (d_1 b) (u + 1) / u)
@@ -125,7 +126,7 @@ def _overloaded_teeth(number: int, pair: GearPair, facts: StageFacts) -> Iterato
     key, modulus = "elastic_modulus_GPa", pair.pinion_material.elastic_modulus / 1e9
     remedy = (
         f"Reduce the load, raise face_width_mm or module_mm, or correct gear_material.{key}. {other_unit(key, modulus)}"
-    )
+    ).rstrip()
     softness = STEEL.elastic_modulus / pair.pinion_material.elastic_modulus
     give = facts.line_load / TYPICAL_STIFFNESS * softness
     if not pressure <= STATIC_STRENGTH:

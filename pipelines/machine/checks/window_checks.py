@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from mbd.parts.drive import SpeedProfile
+from mbd.parts.speed_drive import SpeedProfile
 from pipelines.io.errors import Problem
 from pipelines.machine.plant import Drivetrain
 from pipelines.scene.scene import Scene

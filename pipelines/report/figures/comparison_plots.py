@@ -9,10 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
-from pipelines.diagnosis.comparison.curves import Curves
+from pipelines.diagnosis.comparison.compared_recording import ComparedRecording
+from pipelines.diagnosis.comparison.curves import RAHMONICS, Curves
 from pipelines.diagnosis.comparison.features import Features
-from pipelines.diagnosis.comparison.part import ComparedPart
-from pipelines.report.figures.plots import FIRST, LETTER, MARK, SECOND, WIDTH, dress, new_figure, plain
+from pipelines.report.figures.plots import FIRST, LETTER, MARK, SECOND, WIDTH, dress, fixed_figure, new_figure, plain
 from pipelines.report.figures.spectrum_plots import DECADES
 from pipelines.signals.orders.kinematics import Kinematics
 
@@ -24,7 +24,7 @@ BEHIND = "#c9c9c9"  # the first recording, behind the others
 
 
 def comparison_figures(
-    found: Curves, features: Features, parts: Sequence[ComparedPart], names: Sequence[str]
+    found: Curves, features: Features, parts: Sequence[ComparedRecording], names: Sequence[str]
 ) -> dict[str, Figure]:
     """All figures of a comparison by name.
 
@@ -41,6 +41,7 @@ def comparison_figures(
             if order < found.orders[-1]
         },
         "envelope-orders": envelopes_figure(found, names, kinematics),
+        "cepstrum": cepstra_figure(found, names, kinematics),
         "average": averages_figure(found, names),
         "rms": rms_figure(features.rms, features.tables[0].sensor, names),
     }
@@ -94,6 +95,34 @@ def envelopes_figure(found: Curves, names: Sequence[str], kinematics: Kinematics
         f"Envelope order spectra at {' '.join(found.channel)}, of the orders {low:.4g} to {high:.4g}, {_blocks(found)}"
     )
     return _panels(found.orders, found.envelope, names, title, "share of the mean", (0.0, top), marks | passes)
+
+
+def cepstra_figure(found: Curves, names: Sequence[str], kinematics: Kinematics) -> Figure:
+    """Real cepstra from half a turn of the fastest shaft on, with the rahmonics of the shafts marked and summed."""
+    title = plain(f"Real cepstra at {' '.join(found.channel)}, {_blocks(found)}")
+    figure = fixed_figure(1.2 + 1.7 * len(names), title=title, rows=len(names), down=0.45)
+    panels = figure.subplots(len(names), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+    ratios = {shaft.name: shaft.ratio for shaft in kinematics.shafts}
+    sums = {name: found.rahmonics(ratio) for name, ratio in ratios.items()}
+    end = min(float(found.quefrency[-1]), (RAHMONICS + 0.5) / min(ratios.values()))
+    span = (0.5 / max(ratios.values()), end)
+    shown = (found.quefrency > span[0]) & (found.quefrency <= end)
+    marks = {
+        f"{'' if n == 1 else n} {plain(name)}".strip(): n / ratio
+        for name, ratio in ratios.items()
+        for n in range(1, RAHMONICS + 1)
+    }
+    for number, (axes, name, row) in enumerate(zip(panels, names, found.cepstrum, strict=True)):
+        if number:
+            axes.plot(found.quefrency[shown], found.cepstrum[0][shown], color=BEHIND, lw=0.9)
+        axes.plot(found.quefrency[shown], row[shown], color=SECOND if number else FIRST, lw=0.8)
+        _mark(axes, {label: place for label, place in marks.items() if place <= end}, span, named=not number)
+        known = [f"{shaft} {own[number]:.2f}" for shaft, own in sums.items() if np.isfinite(own[number])]
+        last = number == len(names) - 1
+        summed = f"; sum of {RAHMONICS} rahmonics: {', '.join(known)}" if known else ""
+        dress(axes, plain(name + summed), "quefrency, turns of the first shaft" if last else "", "cepstrum")
+    panels[0].set_xlim(*span)
+    return figure
 
 
 def averages_figure(found: Curves, names: Sequence[str]) -> Figure:

@@ -21,8 +21,8 @@ from fem.contact.faults.tooth_fault import ToothFault
 from fem.contact.law import MeshLaw
 from fem.gears.geometry import GearPair
 from fem.gears.sector import root_chord
+from pipelines.report.figures.damaged_tooth import DrawnTooth, ToothSection, cut_down, stations, surface_of
 from pipelines.report.figures.solids import swept
-from pipelines.report.figures.tooth_shape import DrawnTooth, ToothSection, cut_down, stations, surface_of
 
 DRAWN_DEPTH = 0.12  # modules: depth of wear in the picture
 _ROUND = (1.0, 2.0, 5.0)

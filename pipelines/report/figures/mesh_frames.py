@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.contact.contact_pressure import contact_pressure
-from fem.contact.evaluation.curves import StiffnessCurve, stiffness_curve
 from fem.contact.evaluation.evaluator import LawEvaluator
+from fem.contact.evaluation.stiffness_curve import StiffnessCurve, stiffness_curve
 from fem.contact.law import MeshLaw
 from fem.gears.geometry import GearPair
 from pipelines.report.figures.views import PairStates

@@ -18,11 +18,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from pipelines.io.user_files import write_whole
-from pipelines.report.figures.callouts import corner_axes, show
-from pipelines.report.figures.colours import GONE, LOAD_COLOURS, PAIR_COLOURS, PINION, WHEEL
+from pipelines.report.figures.colours import FAULTY, GONE, HEALTHY, LOAD_COLOURS, PAIR_COLOURS, PINION, WHEEL
 from pipelines.report.figures.film import film_page, png, save_figure, write_gif
+from pipelines.report.figures.labelled_pictures import corner_axes, show
 from pipelines.report.figures.mesh_frames import MeshFrames, MeshView
-from pipelines.report.figures.plots import FAULTY, HEALTHY, dress, legend, new_figure, plain
+from pipelines.report.figures.plots import dress, legend, new_figure, plain
 from pipelines.report.figures.render import render_mesh
 from pipelines.report.figures.views import Picture
 

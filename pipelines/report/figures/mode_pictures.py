@@ -15,8 +15,8 @@ from matplotlib.figure import Figure
 
 from fem.elements.facets import drawn_triangles
 from pipelines.io.user_files import write_whole
-from pipelines.report.figures.callouts import draw_axes, show
 from pipelines.report.figures.film import film_page, png, write_gif
+from pipelines.report.figures.labelled_pictures import draw_axes, show
 from pipelines.report.figures.plots import LETTER, new_figure, plain
 from pipelines.report.figures.render import render_mode
 from pipelines.report.figures.views import Picture

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.contact.contact_pressure import contact_pressure
-from fem.contact.evaluation.curves import stiffness_curve
 from fem.contact.evaluation.evaluator import LawEvaluator
+from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.faults.tooth_fault import ToothFault
 from fem.contact.law import MeshLaw
 from fem.gears.geometry import GearPair

@@ -15,13 +15,13 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation
 
 from fem.contact.evaluation.mesh_cycle import ORDERS, order_amplitudes
+from pipelines.report.figures.colours import FAULTY, HEALTHY
 from pipelines.signals.analysis import channel
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
 
-FAULTY, HEALTHY = "#c23b22", "#2a6f97"
 FIRST, SECOND = "#2a6f97", "#e08e0b"
 MARK, GRID = "#6b6b6b", "#dddddd"
 WIDTH = 10.0  # inches

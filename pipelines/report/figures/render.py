@@ -20,10 +20,10 @@ import numpy as np
 from fem.processes.child import command, environment
 from pipelines.io.errors import InputError
 from pipelines.report.figures import render_failures
+from pipelines.report.figures.damaged_tooth import DrawnTooth, turned_in
 from pipelines.report.figures.mesh_frames import MeshFrames, MeshView
 from pipelines.report.figures.scene_frame import placed, turned_away
 from pipelines.report.figures.solids import gear_surface, prism_surface, without_tooth
-from pipelines.report.figures.tooth_shape import DrawnTooth, turned_in
 from pipelines.report.figures.views import GearPairView, NotRendered, Picture, Teeth
 
 log = logging.getLogger(__name__)
@@ -33,7 +33,7 @@ UP = (0.0, 0.0, 1.0)
 FROM_FRONT = (-0.55, -1.0, 0.75)  # from the casing to the camera
 AXES_PLACES = ("origin", "x", "y", "z")  # reserved names
 TIMEOUT = 900.0  # s, for a renderer that hangs; a software renderer on a busy machine takes minutes
-RENDERER = "pipelines.report.figures.view"
+RENDERER = "pipelines.report.figures.renderer"
 
 
 def kind_of(point: str) -> str:

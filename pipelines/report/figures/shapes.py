@@ -16,8 +16,8 @@ from fem.gears.profile import half_tooth_profile
 from pipelines.machine.flanks import Fault, first_tooth_fault
 from pipelines.machine.plant import Plant
 from pipelines.report.figures.damage import drawn_tooth
+from pipelines.report.figures.damaged_tooth import DrawnTooth
 from pipelines.report.figures.scene_frame import scene_frame
-from pipelines.report.figures.tooth_shape import DrawnTooth
 from pipelines.report.figures.views import GearPairView, GearView
 
 VISIBLE = 1 / 7  # of a turn before it meshes, where the other gear does not hide a damaged tooth

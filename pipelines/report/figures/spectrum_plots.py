@@ -11,10 +11,9 @@ from matplotlib.ticker import FuncFormatter, NullLocator
 
 from pipelines.diagnosis.control_diagnosis import Diagnosis, DiagnosisSettings
 from pipelines.diagnosis.uncertainty.line_bars import LineBar
+from pipelines.report.figures.colours import FAULTY, HEALTHY
 from pipelines.report.figures.plots import (
-    FAULTY,
     FIRST,
-    HEALTHY,
     LETTER,
     MARK,
     SECOND,

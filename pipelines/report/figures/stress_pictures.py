@@ -1,4 +1,4 @@
-"""Pictures and files of the stress in loaded teeth: von Mises stress on both gears in mesh, healthy over faulty."""
+"""Pictures and mesh files of the von Mises stress in loaded teeth, both gears in mesh, healthy over faulty."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -20,9 +19,9 @@ from fem.contact.models.solid_stress import LoadedTeeth
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from pipelines.io.user_files import whole_file
-from pipelines.report.figures.callouts import corner_axes, show
 from pipelines.report.figures.colours import CONTACT, GONE, STRESS_COLOURS
 from pipelines.report.figures.film import save_figure
+from pipelines.report.figures.labelled_pictures import corner_axes, show
 from pipelines.report.figures.mesh_frames import contact_places
 from pipelines.report.figures.plots import new_figure, plain
 from pipelines.report.figures.render import render_stress
@@ -80,31 +79,6 @@ def teeth_in_mesh(pair: GearPair, found: LoadedTeeth) -> Teeth:
         line_points=contact_places(pair, found.xi, found.hand * found.face),
         line_load=np.where(found.line_load > 0.0, found.line_load, np.nan),
     )
-
-
-def root_stresses(pair: GearPair, teeth: Teeth) -> list[dict[str, Any]]:
-    """The largest von Mises stress (MPa) on the fillets of the loaded sides of each gear, and its place.
-
-    Places within 0.3 modules of a contact line are left out, because the smoothed contact stress reaches them. A row
-    has the number of the tooth pair, the diameter (mm) and the face coordinate of the law from mid face (mm).
-    """
-    lines, rows = teeth.line_points[np.isfinite(teeth.line_load)], []
-    places = teeth.points[teeth.root]
-    away = np.linalg.norm(places[:, None] - lines, axis=2).min(axis=1) > SMOOTHED * pair.pinion.normal_module
-    for number, gear in enumerate(("pinion", "wheel"), 1):
-        stress = np.where(away & (teeth.root_gear == number), teeth.von_mises[teeth.root], -1.0)
-        at = int(stress.argmax())
-        x, y, z = places[at] - [(number - 1) * pair.axis_distance, 0.0, 0.0]
-        rows.append(
-            {
-                "gear": gear,
-                "tooth pair": int(teeth.root_pair[at]),
-                "root stress MPa": float(stress[at]) / 1e6,
-                "diameter mm": 2000.0 * math.hypot(x, y),
-                "y mm": 1000.0 * float(z),
-            }
-        )
-    return rows
 
 
 def write_teeth(teeth: Teeth, path: Path, frame: np.ndarray) -> None:

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pipelines.report.figures.damaged_tooth import DrawnTooth
 from pipelines.report.figures.scene_frame import scene_frame
-from pipelines.report.figures.tooth_shape import DrawnTooth
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

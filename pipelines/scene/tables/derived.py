@@ -15,7 +15,7 @@ from pydantic import Field, create_model, model_validator
 
 from fem.options import Option, inlined, key_suffix, options_of
 from pipelines.scene.tables.base import Flag, Number, Table, Whole
-from pipelines.scene.tables.samples import Samples, check_pairs, pairs
+from pipelines.scene.tables.series import Samples, check_pairs, pairs
 
 _STRICT = {float: Number, int: Whole, bool: Flag}
 

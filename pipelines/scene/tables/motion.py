@@ -1,4 +1,4 @@
-"""Tables of what moves the machine: drive, load, and the time integration."""
+"""Tables of drive, load and time integration; `mbd.integrators.settings` has the keys of [simulation]."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from mbd.forces.hanging_loads import LOADS, StaticTorqueLoad, load_model
 from mbd.forces.induction_motor import InductionMotor
-from mbd.forces.load_models import LOADS, StaticTorqueLoad, load_model
 from mbd.forces.speed_controller import SpeedController
 from mbd.integrators.settings import MotionSettings
 from pipelines.scene.tables.base import Number, Table, Whole
 from pipelines.scene.tables.derived import DerivedTable, choice, table
-from pipelines.scene.tables.samples import ColumnTable, Samples, check_pairs
+from pipelines.scene.tables.series import ColumnTable, Samples, check_pairs
 from pipelines.scene.tables.torques import SomewhereTable, TorqueCurve
 
 Motors = Annotated[Literal[1, 2], Field(description="2: one motor at each end of the shaft; 1: one motor")]

@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 from mbd.forces.torque_source import Rotor, TorqueSource
 from pipelines.scene.tables.base import Number, Table, Whole
 from pipelines.scene.tables.derived import table
-from pipelines.scene.tables.samples import Samples, check_pairs, pairs
+from pipelines.scene.tables.series import Samples, check_pairs, pairs
 
 RPM = 2 * math.pi / 60
 

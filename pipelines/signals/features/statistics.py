@@ -1,9 +1,4 @@
-"""Statistics of a signal over time that vibration monitoring uses, per channel.
-
-References
-----------
-ISO 13373-1:2002, 5 (rms, peak, crest factor); Dyer & Stewart (1978), J. Mech. Des. 100(2), 229-235 (kurtosis).
-"""
+"""Statistics of a signal over time that vibration monitoring uses, per channel."""
 
 from __future__ import annotations
 
@@ -11,23 +6,13 @@ import numpy as np
 
 
 def statistics(signal: np.ndarray) -> dict[str, np.ndarray]:
-    """Features (...,) of signals (..., time), in the unit of the signal or without one.
-
-    With x the samples, m their mean and < > the mean over time:
-
-    mean           m
-    rms            sqrt <x^2>
-    peak           max |x|
-    crest_factor   peak / rms
-    kurtosis       <(x - m)^4> / <(x - m)^2>^2, 3 for Gaussian noise
-    skewness       <(x - m)^3> / <(x - m)^2>^(3/2)
+    """The features of the whole machine (...,) of signals (..., time), see `definitions`.
 
     Ratios of a signal that is constant are NaN.
     """
     x = np.asarray(signal, dtype=float)
     rms, peak = root_mean_square(x), np.abs(x).max(axis=-1)
     return {
-        "mean": x.mean(axis=-1),
         "rms": rms,
         "peak": peak,
         "crest_factor": _ratio(peak, rms),

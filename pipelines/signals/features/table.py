@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.storage.records import Record, array, names
+from pipelines.signals.features.definitions import BY_NAME, reference_value
 from pipelines.signals.orders.speed_evidence import NO_SIDEBANDS
 
 if TYPE_CHECKING:
@@ -65,6 +66,24 @@ class FeatureTable(Record):
     def tooth_of(self, gear: str) -> int | None:
         """The tooth of a gear that is in mesh when an impact begins; None if its position is not known."""
         return int(self.tooth[self.gear.index(gear)]) if gear in self.gear else None
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """A row for each channel and line as columns: names, value in its unit, and level (dB) over its reference.
+
+        A feature that is not above 0 has no level (NaN).
+        """
+        count, rms = len(self.lines), self.value[:, self.lines.index((WHOLE, "rms"))]
+        references = [[reference_value(name, one) for name in self.feature] for one in rms]
+        level = np.full(self.value.shape, np.nan)
+        np.log10(self.value / references, out=level, where=self.value > 0.0)
+        named = {"component": self.component, "feature": self.feature, "unit": [BY_NAME[i].unit for i in self.feature]}
+        return {
+            "sensor": np.repeat(self.sensor, count),
+            "axis": np.repeat(self.axis, count),
+            **{name: np.tile(values, len(rms)) for name, values in named.items()},
+            "value": self.value.ravel(),
+            "level_dB": 20.0 * level.ravel(),
+        }
 
     def labelled(self) -> xarray.DataArray:
         """The values as an array over sensor, axis, component and feature; missing values are NaN."""

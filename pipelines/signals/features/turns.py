@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipelines.signals.orders.revolutions import HIGHEST, revolutions
+from pipelines.signals.orders.revolutions import HIGHEST, revolutions, within
 from pipelines.signals.orders.rotation import Rotation
 
 COLUMNS = 1.25  # places per recorded sample; with fewer, the filter affects orders below HIGHEST of the rate
+_ROUNDING = 1e-7  # of the samples per turn
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -60,15 +61,16 @@ def cut_turns(
     """
     from scipy.fft import next_fast_len
 
-    first, last = np.searchsorted(time, window[0]), np.searchsorted(time, window[1], side="right")
-    if last - first < 2:
+    part = within(time, window)
+    if part.stop - part.start < 2:
         return None
-    angle = float(rotation.angle[last - 1] - rotation.angle[first])
+    angle = float(rotation.angle[part.stop - 1] - rotation.angle[part.start])
     turned = abs(angle) * ratio / (2.0 * math.pi)
-    frequency = turned / float(time[last - 1] - time[first])
+    frequency = turned / float(time[part.stop - 1] - time[part.start])
     if turned < 1.0:
         return None
     rate = (len(time) - 1) / float(time[-1] - time[0])
-    places = next_fast_len(math.ceil(COLUMNS * rate / frequency), real=True)
+    per_turn = rate / frequency * (1.0 - _ROUNDING)  # a rounded time or angle must not give another whole number
+    places = next_fast_len(math.ceil(COLUMNS * per_turn), real=True)
     values = revolutions(signal, time, rotation, ratio, places, [window])
-    return Turns(values=values, frequency=frequency, orders=int(HIGHEST * rate / frequency), backwards=angle < 0.0)
+    return Turns(values=values, frequency=frequency, orders=int(HIGHEST * per_turn), backwards=angle < 0.0)

@@ -78,7 +78,7 @@ def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) ->
         missing = "its nominal speed" if kinematics.gears else "the teeth of its gears"
         raise RotationError(
             f"no angle, no tachometer, and {missing} unknown: the speed cannot be found in the vibration. Record a "
-            f"tachometer, give {missing} in the machine file, or set speed with its uncertainty."
+            f"tachometer, or give a machine file with {missing}, or with speed and its uncertainty."
         )
     nominal = kinematics.frequency
     stage, mesh = max(kinematics.mesh_orders().items(), key=lambda item: item[1])
@@ -104,8 +104,8 @@ def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) ->
     unsteady = (
         "the speed cannot be found from the mesh vibration, for one of three reasons: no line at a mesh order of "
         f"stage {stage} has a steady phase, shaft 1 does not turn at {60.0 * nominal:.5g} rpm within "
-        f"{100 * RANGE:g} %, or its speed changes by more than {change:.3g} Hz per second. In the machine file, "
-        "correct speed_rpm or set speed with its uncertainty. Or record a tachometer, or cut the recording to a "
+        f"{100 * RANGE:g} %, or its speed changes by more than {change:.3g} Hz per second. Give a machine file "
+        "with another speed_rpm, or with speed and its uncertainty. Or record a tachometer, or cut the recording to a "
         "part at steady speed."
     )
     angle, _, _ = _tracked(signals, angle, orders, size, unsteady, most=1)

@@ -17,9 +17,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipelines.signals.orders.band import banded
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.signals.orders.revolutions import HIGHEST
+from pipelines.signals.orders.whitening import banded
 
 MULTIPLES = 10  # of each shaft
 FEWEST_TURNS = 8  # of a shaft whose multiples count

@@ -24,6 +24,7 @@ from pipelines.signals.orders.rotation import Rotation
 HIGHEST = 0.45  # of the sampling rate, highest frequency in use; filters of recorders attenuate above
 LEAST_SPEED = 0.05  # of the highest speed; a slower shaft is considered at rest or reversing
 _TURN_TOLERANCE = 1e-9  # turns, for rounding at the ends of a window
+_STEP_TOLERANCE = 1e-5  # of a sampling step, for the same
 
 
 def revolutions(
@@ -62,9 +63,9 @@ def revolutions(
     angle = ratio * rotation.angle
     found = []
     for start, end in [(float(time[0]), float(time[-1]))] if windows is None else windows:
-        first, last = np.searchsorted(time, start), np.searchsorted(time, end, side="right")
-        for stretch in moving_stretches(angle[first:last]):
-            found.append(_positions(angle, slice(first + stretch.start, first + stretch.stop), per_turn))
+        part = within(time, (start, end))
+        for stretch in moving_stretches(angle[part]):
+            found.append(_positions(angle, slice(part.start + stretch.start, part.start + stretch.stop), per_turn))
     out = np.empty((*values.shape[:-1], sum(len(position) for position, _ in found), per_turn))
     row = 0
     for position, cutoff in found:
@@ -74,6 +75,13 @@ def revolutions(
             *values.shape[:-1], *position.shape
         )
     return out
+
+
+def within(time: np.ndarray, window: tuple[float, float]) -> slice:
+    """Samples of a window (s) with its ends; `time` (time,) may be rounded, as in a text file."""
+    rounding = _STEP_TOLERANCE * float(time[-1] - time[0]) / max(len(time) - 1, 1)
+    first, last = np.searchsorted(time, window[0] - rounding), np.searchsorted(time, window[1] + rounding, side="right")
+    return slice(int(first), int(last))
 
 
 def moving_stretches(angle: np.ndarray) -> list[slice]:

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipelines.diagnosis.prediction import LEAST_SPREAD
+from pipelines.diagnosis.deviation_statistics import LEAST_SPREAD
 from pipelines.diagnosis.verdict import ALARM, damage_p
 from pipelines.signals.features.table import FeatureTable
 from pipelines.studies.detect.probability import Machines, Share, share

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pipelines.datasets.plan import Plan, plan_on
-from pipelines.diagnosis.prediction import FEWEST_FOR_P
+from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
 from pipelines.machine.plant import Plant

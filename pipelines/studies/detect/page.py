@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from pipelines.diagnosis.verdict import ALARM
-from pipelines.diagnosis.words import NAMES
 from pipelines.io.grid import Grid, grid
 from pipelines.io.shown import number_of
+from pipelines.signals.features.definitions import BY_NAME
 from pipelines.studies.detect.probability import Detection, Share
 from pipelines.studies.detect.study import Detectability, DetectionPoint
 
@@ -96,7 +96,7 @@ def channel_grid(found: Detectability) -> Grid:
             "sensor": one.sensor,
             "axis": one.axis,
             "d'": f"{one.index:.1f}",
-            "by": f"{one.component} {NAMES.get(one.feature, one.feature)}",
+            "by": f"{one.component} {BY_NAME[one.feature].words}",
             "detected": words(one.detected),
         }
         for rank, one in enumerate(found.channels, 1)

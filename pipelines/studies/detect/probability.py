@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from pipelines.diagnosis.prediction import clopper_pearson
+from pipelines.diagnosis.deviation_statistics import clopper_pearson
 from pipelines.diagnosis.verdict import ALARM, damage_p, judge
 from pipelines.signals.features.table import FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics

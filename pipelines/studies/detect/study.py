@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from pipelines.datasets.feature_tables import make_tables, table_job
 from pipelines.datasets.plan import Plan
 from pipelines.datasets.rows import DONE, read_rows
 from pipelines.datasets.scenes import scene_of
-from pipelines.diagnosis.prediction import FEWEST_FOR_P
+from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
 from pipelines.diagnosis.simulated import FeatureSettings
 from pipelines.io.errors import InputError
 from pipelines.machine.kinematics import kinematics_of
@@ -23,7 +24,6 @@ from pipelines.studies.detect.channels import DetectionChannel, channels
 from pipelines.studies.detect.design import HEALTHY, SPECIMEN, STATE, Design
 from pipelines.studies.detect.over import Over
 from pipelines.studies.detect.probability import Damage, Detection, Machines, detection
-from pipelines.studies.detect.tables import make_tables, table_job
 
 Values = tuple[Any, ...]  # of the varied keys, in their order
 

@@ -9,7 +9,7 @@ from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph
 from pipelines.scene.file import LoadedScene
 from pipelines.steps.results import bars_step, casing_taken
-from pipelines.steps.study import plan_study
+from pipelines.steps.run_plan import plan_run
 
 
 def known_lines(loaded: LoadedScene, work: Work) -> str:
@@ -22,16 +22,16 @@ def known_lines(loaded: LoadedScene, work: Work) -> str:
     SceneError, InputError : the scene or its control cannot be run, or there is not enough disk space for its signals
     WorkError : a step failed
     """
-    study = plan_study(loaded, both_loads=False)
-    if study.control is None or study.plant.diagnosis is None:
+    plan = plan_run(loaded, both_loads=False)
+    if plan.control is None or plan.plant.diagnosis is None:
         return ""
-    if len(casing_taken(study.graph)) == 1:
+    if len(casing_taken(plan.graph)) == 1:
         return (
             "The uncertainty of the detected spectral lines by the casing mesh is not estimated. Set "
             "casing.extrapolated = true for it."
         )
-    step = bars_step(study)
-    bars = work.build(Graph([*study.graph, step]), [step.name]).value(step.name)
+    step = bars_step(plan)
+    bars = work.build(Graph([*plan.graph, step]), [step.name]).value(step.name)
     return widths(bars) if isinstance(bars, LineBars) else bars
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fem.casing.uncertainty.laws import Law
+from fem.casing.uncertainty.limits_by_element import Extrapolation
 from fem.storage import shown_html
 from pipelines.engine.run_graph import Work
 from pipelines.scene.file import LoadedScene, changed
@@ -74,10 +74,10 @@ def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> Refinement
     sizes = [1 / f for f in fineness]
     unpaired: dict[str, float] = {}
     if chosen.probe == "modes":
-        from fem.casing.uncertainty.laws import law_of
+        from fem.casing.uncertainty.limits_by_element import extrapolation_of
 
         unpaired = unpaired_modes(levels)
-        quantities = modes_of_common_order(sizes, levels, law_of(getattr(loaded.scene.casing, "element", "")))
+        quantities = modes_of_common_order(sizes, levels, extrapolation_of(getattr(loaded.scene.casing, "element", "")))
     else:
         columns: dict[str, Sequence[float]] = {
             value.name: [level.by_probe[chosen.probe][number].value for level in levels]
@@ -116,7 +116,9 @@ def unpaired_modes(levels: Sequence[Measured]) -> dict[str, float]:
     return {v.name: float(mac) for v, mac in zip(levels[0].values, closest, strict=True) if mac < 1.0}
 
 
-def modes_of_common_order(sizes: Sequence[float], levels: Sequence[Measured], law: Law) -> dict[str, Convergence]:
+def modes_of_common_order(
+    sizes: Sequence[float], levels: Sequence[Measured], limits: Extrapolation
+) -> dict[str, Convergence]:
     """Modes of the finest level that have counterparts on all others; limits and bands from the three finest levels.
 
     The band of a value is its distance from the limit and the band of the limit.
@@ -133,7 +135,7 @@ def modes_of_common_order(sizes: Sequence[float], levels: Sequence[Measured], la
         [np.array([v.value for v in level.values])[of[kept]] for level, of in zip(levels, number, strict=True)]
     )
     try:
-        found = law(sizes[:3], frequencies[:3])
+        found = limits(sizes[:3], frequencies[:3])
     except LimitError as error:
         raise ConvergenceError(str(error)) from error
     names = [v.name for v, whole in zip(levels[0].values, kept, strict=True) if whole]

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from fem.storage import shown_html
 from pipelines.engine.run_graph import Work
-from pipelines.io.errors import SceneError
+from pipelines.io.errors import InputError, SceneError
+from pipelines.machine.layout import lay_out
 from pipelines.scene.file import LoadedScene, changed
 from pipelines.studies.trade.choices import PRESET, Choice, choices
 from pipelines.studies.trade.known_lines import known_lines
@@ -82,8 +83,14 @@ def trade(loaded: LoadedScene, work: Work) -> Tradeoff:
 
     Raises
     ------
+    InputError : the machine has no load, about which it could be linearised
     WorkError : a step failed
     """
+    if not any(lay_out(loaded.scene, loaded.name).resisting_torques):
+        raise InputError(
+            f"{loaded.name}: tradeoff compares natural frequencies, which need a load. Set one, such as --set "
+            "load.torque_N_m=50."
+        )
     found, scenes, refused = _variants(loaded)
     costs = step_costs(scenes.values(), work)
     first, best = next(iter(scenes.items()))

@@ -12,7 +12,7 @@ from pipelines.machine.plant import Plant
 from pipelines.scene.file import LoadedScene, changed
 from pipelines.signals.motion_warnings import log_warnings
 from pipelines.steps.graph import plant_steps
-from pipelines.steps.study import add_steps
+from pipelines.steps.run_plan import add_steps
 from pipelines.studies.trade.probes import PROBES, Value
 
 SHORT_SECONDS = (0.01, 0.02, 0.06)  # of motion: to compile a time loop, and to see what a step costs

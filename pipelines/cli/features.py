@@ -1,0 +1,67 @@
+"""`gearcase features`: the features of recordings, runs or a data set as a table."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+from pipelines.cli.command_line import MACHINE_HELP, quiet_argument
+from pipelines.io.argument_types import count, from_zero, path
+
+HELP = """\
+Compute the features of recordings, finished runs or a data set: a row for each channel, component and feature, with
+value, unit and level. Names and definitions are the same for all. Without --out the table is printed as CSV; that of a
+data set is written to features.parquet in its folder. Takes seconds, for a data set minutes."""
+EXAMPLE = """\
+gearcase features bench
+recording,sensor,axis,component,feature,unit,value,level_dB
+...
+bench,motor_side,x,stage 1 pinion,fm4,1,...
+..."""
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """Add the arguments: sources, machine, window, noise and file."""
+    sub.add_argument(
+        "sources",
+        metavar="PATH",
+        type=path,
+        nargs="+",
+        help="recording, folder of recordings, run (also with a window, as in bench@0.5:2.5), or folder of a data set",
+    )
+    sub.add_argument("--machine", metavar="FILE", type=path, help=MACHINE_HELP)
+    sub.add_argument(
+        "--start", type=from_zero, metavar="T", default=0.0, help="ignore the signals before this time, s (default 0)"
+    )
+    sub.add_argument(
+        "--end", type=from_zero, metavar="T", default=math.inf, help="and after this one, s (default: their end)"
+    )
+    sub.add_argument(
+        "--noise", metavar="RMS", type=from_zero, default=0.0, help="add white sensor noise, m/s2 rms (default 0)"
+    )
+    sub.add_argument("--out", metavar="FILE", type=path, help="file to write, which ends in .parquet or .csv")
+    sub.add_argument(
+        "--processes", type=count, metavar="N", help="signals processed at the same time (default: number of cores)"
+    )
+    quiet_argument(sub)
+
+
+def main(options: argparse.Namespace) -> Iterator[str]:
+    """Write or print the table."""
+    from pipelines.datasets.features import ENDINGS, FEATURES, FeatureSource, write_features
+    from pipelines.datasets.workers import local_workers
+    from pipelines.engine.progress import reported_count
+    from pipelines.io.user_files import writable_file
+
+    found = FeatureSource(options.sources, options.machine, options.start, options.end, options.noise)
+    kept = found.folder / FEATURES if found.folder else None
+    target = writable_file(options.out, endings=ENDINGS) if options.out else kept
+    with local_workers(options.processes) as workers, reported_count("signals", quiet=options.quiet) as report:
+        frames = found.frames(workers.executor, report)
+        if target is not None:
+            yield f"{target}: {write_features(Path(target), frames)} rows"
+        else:
+            for number, frame in enumerate(frames):
+                yield frame.to_csv(index=False, header=not number, float_format="%.9g", lineterminator="\n")

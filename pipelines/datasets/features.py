@@ -1,0 +1,193 @@
+"""Features of recordings, runs and data sets as one tidy table: a row for each signal, channel, component and feature.
+
+Those of a data set are computed from its stored signals, with a row in `feature_rows` for each run. It holds the
+checksums of the signals and the version of the code, so that only missing and outdated features are computed.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pipelines.datasets.feature_tables import stored_table, table_job
+from pipelines.datasets.layout import FACTS, read_facts
+from pipelines.datasets.plan import stored_plan
+from pipelines.datasets.reading import VIBRATION
+from pipelines.datasets.rows import DONE, compute_rows, numbers, read_rows, row_path
+from pipelines.datasets.scenes import scene_of
+from pipelines.diagnosis.simulated import FeatureSettings
+from pipelines.io.errors import InputError
+from pipelines.io.shown import shown
+from pipelines.io.user_files import whole_file
+from pipelines.machine.bearings import rolling_bearings
+from pipelines.machine.kinematics import kinematics_of
+from pipelines.machine.layout import lay_out
+from pipelines.recordings.formats import BY_ENDING
+from pipelines.runs.recorded import asked_windows, machine_of, read_features, recording_and_window
+from pipelines.runs.run_folder import RESPONSE
+
+if TYPE_CHECKING:
+    import pandas
+
+_LOG = logging.getLogger(__name__)
+FEATURE_ROWS = "feature_rows"
+FEATURES = "features.parquet"
+ENDINGS = (".parquet", ".csv")
+Window = tuple[float, float]
+Progress = Callable[[int, int], None]
+
+
+class FeatureSource:
+    """Features of recordings and runs, or of one data set.
+
+    Parameters
+    ----------
+    sources : files, runs, folders of files, or the folder of one data set
+    machine : its description or scene; that of the run or data set if None
+    start, end : of the part to evaluate, s; an infinite end is that of the signal
+    noise : rms (m/s2) of added white noise, which depends only on the signals
+
+    Raises
+    ------
+    InputError : a data set is not given alone, or is damaged; a folder has no recording
+    """
+
+    def __init__(
+        self, sources: Sequence[str | Path], machine: str | Path | None, start: float, end: float, noise: float
+    ) -> None:
+        self.failures: dict[str, str] = {}
+        self._sources, self._machine, self._noise = sources, machine, noise
+        self._windows = {"the window": (start, end)} if (start, end) != (0.0, math.inf) else {}
+        kept = [Path(one) for one in sources if (Path(one) / FACTS).is_file()]
+        if kept and (len(sources) > 1 or machine is not None):
+            raise InputError(f"{shown(kept[0])}: a data set has its own machine. Give it alone, without --machine.")
+        self.folder = kept[0] if kept else None
+
+    def frames(self, executor: Executor, on_progress: Progress) -> Iterator[pandas.DataFrame]:
+        """The rows of every signal; a signal without features is added to `failures`, with the reason, and logged.
+
+        Raises
+        ------
+        InputError : no signal has features; the message states the reason for the first one
+        """
+        found = False
+        for key, name, columns, failure in self._computed(executor, on_progress):
+            if failure:
+                self.failures[str(name)] = failure
+                _LOG.warning("%s has no features. %s", shown(str(name)), failure)
+                continue
+            yield _frame(key, name, columns)
+            found = True
+        if not found:
+            raise InputError(next(iter(self.failures.values()), "There is no finished run. Repeat the campaign."))
+
+    def _computed(
+        self, executor: Executor, on_progress: Progress
+    ) -> Iterator[tuple[str, str | int, Mapping[str, Any], str]]:
+        if self.folder is not None:
+            for row in _dataset_rows(self.folder, self._windows, self._noise, executor, on_progress):
+                table = stored_table(row["table"])
+                yield "run", row["run"], {} if table is None else table.columns(), row["failure"]
+            return
+        files = [file for one in self._sources for file in _files(one)]
+        compute = partial(_of_recording, machine=self._machine, windows=self._windows, noise=self._noise)
+        done = map(compute, files) if len(files) == 1 else executor.map(compute, files)
+        for number, (file, (columns, failure)) in enumerate(zip(files, done, strict=True), 1):
+            on_progress(number, len(files))
+            yield "recording", str(file), columns, failure
+
+
+def write_features(path: Path, frames: Iterable[pandas.DataFrame]) -> int:
+    """Write a table as Parquet or CSV by the ending of the path, completely or not at all; its number of rows.
+
+    Raises
+    ------
+    OSError : it cannot be written
+    """
+    import pyarrow as pa
+    import pyarrow.csv
+    import pyarrow.parquet
+
+    count, writer = 0, None
+    kind = pa.csv.CSVWriter if path.suffix.lower() == ".csv" else pa.parquet.ParquetWriter
+    with whole_file(path) as aside:
+        try:
+            for frame in frames:
+                table = pa.Table.from_pandas(frame, preserve_index=False).replace_schema_metadata()
+                writer = writer or kind(aside, table.schema)
+                writer.write_table(table)
+                count += len(frame)
+        finally:
+            if writer is not None:
+                writer.close()
+    return count
+
+
+def _files(source: str | Path) -> list[str | Path]:
+    """The recordings of a folder by name; a file, run or scene by itself."""
+    folder = Path(source)
+    if not folder.is_dir() or (folder / RESPONSE).is_file():
+        return [source]
+    files: list[str | Path] = sorted(one for one in folder.iterdir() if one.suffix.lower() in BY_ENDING)
+    if not files:
+        raise InputError(
+            f"{shown(folder)}: holds no recording, no finished run and no data set. Give a folder with files that end "
+            f"in {', '.join(BY_ENDING)}."
+        )
+    return files
+
+
+def _of_recording(
+    source: str | Path, machine: str | Path | None, windows: Mapping[str, Window], noise: float
+) -> tuple[Mapping[str, Any], str]:
+    """Columns of the features of a recording or run, or the reason why it has none."""
+    try:
+        path, asked = recording_and_window(source)
+        known, of_scene = machine_of(path, machine)
+        chosen = asked_windows(source, asked, of_scene) if asked else windows
+        return read_features(path, known, chosen, noise).table.columns(), ""
+    except InputError as error:
+        return {}, str(error)
+
+
+def _dataset_rows(
+    folder: Path, windows: Mapping[str, Window], noise: float, executor: Executor, on_progress: Progress
+) -> Iterator[dict[str, Any]]:
+    """Rows of the features of all finished runs, in their order; missing and outdated ones are computed."""
+    facts = read_facts(folder)
+    stored = [one["name"] for one in facts["layout"]["signals"]]
+    if not set(VIBRATION) & set(stored):
+        raise InputError(
+            f"{shown(folder)}: the data set holds no accelerations, only {', '.join(stored)}. Add them to `signals` "
+            "of the plan."
+        )
+    length = facts["layout"]["samples"] / facts["layout"]["rate"]
+    for start, end in windows.values():
+        if not 0.0 <= start < min(end, length) or length * (1.0 + 1e-9) < end < math.inf:
+            raise InputError(
+                f"from {start:g} to {end:g} s: the runs last {length:g} s. Set a start and a later end within it."
+            )
+    windows = {name: (start, min(end, length)) for name, (start, end) in windows.items()}
+    plan = stored_plan(facts)
+    jobs = []
+    for row in read_rows(folder):
+        if row["status"] == DONE:
+            scene = scene_of(plan, row["values"]).scene
+            kinematics = kinematics_of(lay_out(scene, plan.name), rolling_bearings(scene))
+            settings = FeatureSettings(kinematics=kinematics, windows=windows, complete=True)
+            jobs.append(table_job(folder, row["run"], settings, noise, row["checksums"], FEATURE_ROWS))
+    for run in numbers(folder, FEATURE_ROWS) - {job.run for job in jobs}:
+        row_path(folder, run, FEATURE_ROWS).unlink(missing_ok=True)
+    compute_rows(jobs, executor, on_progress)
+    yield from read_rows(folder, FEATURE_ROWS)
+
+
+def _frame(key: str, name: str | int, columns: Mapping[str, Any]) -> pandas.DataFrame:
+    import pandas as pd
+
+    return pd.DataFrame({key: name, **columns})

@@ -1,0 +1,136 @@
+"""Known damage in several cases: in how many of them the diagnosis finds it, and its evidence.
+
+`sentences` words the first sentence of a report if damage is known, else `pipelines.diagnosis.verdict_words`.
+
+A case is a window of a run with a load and a set of deviations. The diagnosis does not use the known damage. Damage is
+found if the damaged component exceeds its limit and no undamaged component has stronger evidence. Two equal bearings on
+one shaft have the same pass orders, thus the same evidence, and both are found.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from pipelines.diagnosis import verdict_words
+from pipelines.diagnosis.verdict import Finding, Verdict, decibels
+from pipelines.io.grid import Grid
+from pipelines.signals.lines import LOADS
+
+
+@dataclass(frozen=True, kw_only=True)
+class Damage:
+    """A component that is known to be damaged, with its `tooth` (None if it has none) and a description."""
+
+    component: str
+    tooth: int | None
+    words: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """The verdict on a window; `deviations` are "off" or "seed <n>"."""
+
+    load: str
+    deviations: str
+    window: str
+    verdict: Verdict
+
+    @property
+    def name(self) -> str:
+        """Window, load and deviations as text."""
+        return f"{self.window}, {LOADS.get(self.load, self.load)}, {deviation_words(self.deviations)}"
+
+
+def deviation_words(deviations: str) -> str:
+    """Text for deviations: "error-free gears" or "deviations of seed <n>"."""
+    return "error-free gears" if deviations == "off" else f"deviations of {deviations}"
+
+
+def found(case: Case, damage: Damage, damages: Sequence[Damage]) -> Finding | None:
+    """The finding of a damaged component if the diagnosis finds it, None otherwise.
+
+    `damages` are all known damages. Their components may have stronger evidence.
+    """
+    others = {other.component for other in damages} - {damage.component}
+    ranked = [one for one in case.verdict.findings if one.component not in others]
+    strongest = verdict_words.ratio(ranked[0].evidence)
+    own = (one for one in ranked if one.component == damage.component and one.damaged)
+    return next((one for one in own if verdict_words.ratio(one.evidence) == strongest), None)
+
+
+def _tied(verdict: Verdict, one: Finding) -> list[str]:
+    """Components with the same orders and the same evidence as a finding."""
+    others = (other for other in verdict.findings if other.component in one.alike)
+    return [
+        other.component for other in others if verdict_words.ratio(other.evidence) == verdict_words.ratio(one.evidence)
+    ]
+
+
+def any_found(cases: Sequence[Case], damages: Sequence[Damage]) -> bool | None:
+    """Whether a known damage, or any damage if none is known, is found in any case; None without a decision."""
+    if all(case.verdict.damaged is None for case in cases):
+        return None
+    if not damages:
+        return any(case.verdict.damaged for case in cases)
+    return any(found(case, damage, damages) is not None for case in cases for damage in damages)
+
+
+def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
+    """Sentences on how many cases each damage is found in, with its weakest evidence; the verdict if none is known."""
+    if not damages:
+        count = sum(bool(case.verdict.damaged) for case in cases)
+        answer = f"Damage is found in {count or 'none'} of {len(cases)} case{'s' if len(cases) > 1 else ''}."
+        return [*([answer] if len(cases) > 1 else []), *verdict_words.sentences(cases[0].verdict)]
+    answers, evidence = [], []
+    for damage in damages:
+        findings = [(case, one) for case in cases if (one := found(case, damage, damages)) is not None]
+        answer = f"found in {len(findings)} of {len(cases)} cases"
+        if len(cases) == 1:
+            answer = "found" if findings else "not found"
+        answers.append(f"{damage.words[0].upper()}{damage.words[1:]}: {answer}.")
+        if findings:
+            case, one = min(findings, key=lambda pair: verdict_words.ratio(pair[1].evidence))
+            weakest = "Weakest evidence" if len(findings) > 1 else "Evidence"
+            evidence.append(f"{weakest} ({case.name}): {verdict_words.standing(one.evidence)}.")
+            evidence += [f"{other} has the same evidence." for other in _tied(case.verdict, one)]
+        if damage.tooth is not None and findings:
+            highest = sum(one.tooth == damage.tooth for _, one in findings)
+            where = "" if highest == len(cases) == 1 else f" in {highest} of {len(findings)}"
+            evidence.append(f"The impact begins at tooth {damage.tooth}{where}.")
+    return [" ".join(answers), *evidence, *verdict_words.compared(cases[0].verdict)]
+
+
+def cases_grid(cases: Sequence[Case], damages: Sequence[Damage]) -> Grid:
+    """Table with one row for each case and damage: evidence of the damaged component, its rank, and the tooth."""
+    rows = []
+    for case in cases:
+        order = [one.component for one in case.verdict.findings]
+        for damage in damages:
+            start = (LOADS.get(case.load, case.load), case.deviations, case.window, damage.component)
+            if damage.component not in order:
+                rows.append((*start, "no features", *[""] * 5))
+                continue
+            place = order.index(damage.component)
+            one = case.verdict.findings[place]
+            answer = "found" if found(case, damage, damages) is not None else "not found"
+            channel = f"{one.evidence.sensor} {one.evidence.axis}"
+            tooth = "" if one.tooth is None else str(one.tooth)
+            strength = verdict_words.strength(one.evidence)
+            rows.append((*start, answer, decibels(one.evidence.increase), strength, channel, str(place + 1), tooth))
+    known = ("load", "deviations", "window", "damaged", "answer")
+    head = (*known, "increase dB", verdict_words.STRENGTH, "channel", "rank", "tooth")
+    return Grid(title="Known damage, not used for the diagnosis", headers=head, rows=tuple(rows))
+
+
+def text(cases: Sequence[Case], damages: Sequence[Damage]) -> str:
+    """Sentences and tables for the terminal."""
+    first = cases[0]
+    parts = [" ".join(sentences(cases, damages))]
+    parts += [cases_grid(cases, damages).to_text().rstrip()] if damages else []
+    parts += [
+        f"{first.name}:",
+        verdict_words.ranking_grid(first.verdict).to_text().rstrip(),
+        verdict_words.note(first.verdict),
+    ]
+    return "\n\n".join(parts) + "\n"

@@ -1,0 +1,145 @@
+"""A verdict as text: sentences and tables; `headline` is the first sentence of a report without known damage."""
+
+from __future__ import annotations
+
+from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
+from pipelines.diagnosis.impacts import CLEAR
+from pipelines.diagnosis.verdict import ALARM, DIFFERENT, Evidence, Finding, Verdict, decibels
+from pipelines.io.grid import Grid
+from pipelines.signals.features.definitions import BY_NAME
+
+STRENGTH = "evidence / limit"  # heading
+EVIDENCE = (
+    "Increase: mean of a group of features of a component at the channel of its strongest evidence. A component is "
+    f"damaged if {STRENGTH} is 1 or more, a bearing also if it causes clear impacts; such a bearing ranks first."
+)
+NO_LIMIT = "Increase: mean of a group of features of a component at the channel where it is highest."
+_NAMED = 3  # features that differ
+
+
+def headline(verdict: Verdict) -> str:
+    """The answer in one sentence."""
+    named = " or ".join([f"{verdict.first.component}{_tooth(verdict.first)}", *verdict.candidates])
+    if verdict.damaged is None:
+        return f"Strongest evidence: {named}."
+    if verdict.damaged:
+        return f"Damaged: {named}."
+    if verdict.different:
+        return "Different from the healthy recordings, but no single component is damaged."
+    return "No damage: no component exceeds its limit."
+
+
+def answer(verdict: Verdict) -> str:
+    """The answer in two words at most; "-" without limits."""
+    if verdict.damaged is None:
+        return "-"
+    return "damaged" if verdict.damaged else "different" if verdict.different else "no damage"
+
+
+def sentences(verdict: Verdict) -> tuple[str, ...]:
+    """Sentences: answer, evidence, reference, rates of false answers, and omitted components."""
+    found = [headline(verdict)]
+    if verdict.damaged is not False:
+        found.append(f"Evidence: {standing(verdict.first.evidence)}.")
+        alike = [one for one in verdict.findings if one.component in verdict.first.alike]
+        found += [f"{one.component} has the same orders: {standing(one.evidence)}." for one in alike]
+    if verdict.changes:
+        named = [
+            f"{BY_NAME[one.feature].words} of {one.component} at {one.sensor} {one.axis} ({decibels(one.increase)} dB)"
+            for one in verdict.changes[:_NAMED]
+        ]
+        more = len(verdict.changes) - len(named)
+        found.append(f"Features that differ: {', '.join(named)}{f' and {more} more' if more else ''}.")
+    found += compared(verdict)
+    if verdict.left_out:
+        cause = "Damage there can raise the evidence of other components."
+        if verdict.candidates and verdict.damaged is not False:
+            cause = (
+                "Damage there can be the cause, since a smaller share of the vibration repeats with "
+                f"{verdict.first.component} than in some healthy recording."
+            )
+        found.append(f"Left out: {'; '.join(verdict.left_out)}. {cause}")
+    return tuple(found)
+
+
+def standing(evidence: Evidence) -> str:
+    """Text with the evidence of a component and its limit."""
+    count = len(evidence.features)
+    what = BY_NAME[evidence.features[0]].words if count == 1 else f"mean of {count} features"
+    text = f"{what} at {evidence.sensor} {evidence.axis} is {decibels(evidence.increase)} dB"
+    if evidence.limit is not None:
+        text += f", {evidence.deviation:.1f} standard deviations (limit {evidence.limit:.1f})"
+    if evidence.impacts is not None:
+        text += f", and {evidence.impacts:.0f} dB over the envelope spectrum around it (limit {CLEAR:g} dB)"
+    return text
+
+
+def compared(verdict: Verdict) -> list[str]:
+    """Sentences on the reference of the comparison and on the rates of false answers."""
+    if verdict.exact:
+        return [
+            "The reference is the same simulation without the fault, so that every increase is an effect of the fault. "
+            f"The limits follow from the scatter of {verdict.healthy} samples of the sensor noise. Add --baseline 8 to "
+            "compare with healthy machines of other deviations."
+        ]
+    many = f"Compared with {verdict.healthy} healthy recording{'s' if verdict.healthy > 1 else ''}."
+    found = [many]
+    found += ["Their levels depend on the speed and are taken at that of this recording."] if verdict.at_speed else []
+    if verdict.outlying:
+        names = ", ".join(verdict.outlying)
+        found.append(f"Left out because they differ from the other healthy recordings: {names}. Check them.")
+    if verdict.damaged is None:
+        return [*found, f"Give {FEWEST_FOR_P} or more for limits."]
+    found.append(
+        f"At these limits at most {100 * ALARM:g} % of healthy machines are called damaged and {100 * DIFFERENT:g} % "
+        "different."
+    )
+    if verdict.tested:
+        counts = (verdict.false_alarms, verdict.false_differences)
+        rates = (f"{100 * low:.2g} to {100 * high:.2g} %" for low, high in map(verdict.interval, counts))
+        found.append(
+            f"Of the {verdict.tested} healthy recordings, each compared with the others, {counts[0]} are called "
+            f"damaged and {counts[1]} different. With 95 % confidence these rates are {' and '.join(rates)}."
+        )
+    return found
+
+
+def ranking_grid(verdict: Verdict) -> Grid:
+    """Table of all components, the strongest evidence first."""
+    rows = tuple(
+        (
+            one.component,
+            decibels(one.evidence.increase),
+            strength(one.evidence),
+            f"{one.evidence.sensor} {one.evidence.axis}",
+            "" if one.tooth is None else str(one.tooth),
+            ", ".join(one.alike),
+        )
+        for one in verdict.findings
+    )
+    headers = ("component", "increase dB", STRENGTH, "channel", "tooth", "same orders as")
+    return Grid(title="Components by their evidence", headers=headers, rows=rows)
+
+
+def text(verdict: Verdict) -> str:
+    """Sentences and table for the terminal."""
+    return "\n\n".join([" ".join(sentences(verdict)), ranking_grid(verdict).to_text().rstrip(), note(verdict)]) + "\n"
+
+
+def note(verdict: Verdict) -> str:
+    """Explanation of the columns of the ranking."""
+    return NO_LIMIT if verdict.damaged is None else EVIDENCE
+
+
+def ratio(evidence: Evidence) -> float:
+    """Evidence divided by its limit, or by 1 without a limit."""
+    return evidence.deviation / (evidence.limit or 1.0)
+
+
+def strength(evidence: Evidence) -> str:
+    """Evidence divided by its limit, as text; "-" without a limit."""
+    return "-" if evidence.limit is None else f"{ratio(evidence):.2f}"
+
+
+def _tooth(finding: Finding) -> str:
+    return "" if finding.tooth is None else f", tooth {finding.tooth} (+- 1)"

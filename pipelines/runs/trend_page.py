@@ -1,0 +1,45 @@
+"""Page of a trend over recordings: their answers, evidence and levels over the recordings, and links to their pages."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Sequence
+from itertools import groupby
+from pathlib import Path
+
+from pipelines.diagnosis.trend import LEVELS, Course, trend_grid
+from pipelines.io.user_files import write_whole
+from pipelines.report import page
+from pipelines.report.figures.trend_plots import trend_figure
+from pipelines.runs.recorded import JudgedFile, files_grid
+
+_CAPTION = (
+    " of every recording. Dashed: limit. Shaded: range of the healthy recordings. Red: the limit is reached; the title "
+    "gives the number of the first such recording."
+)
+
+
+def write_trend_page(
+    path: Path, names: Sequence[str], judged: Sequence[JudgedFile], order: str, timed: bool, courses: Sequence[Course]
+) -> Path:
+    """Write the page as one HTML file with its figures inside; returns the path.
+
+    Parameters
+    ----------
+    path : of the file; the page of recording 1 is 1/report.html in its folder
+    names, judged : of the recordings, in the order of the trend
+    order, timed : this order in words, and whether it is that of time
+    courses : from `pipelines.runs.recorded.courses_of`
+    """
+    title = f"Trend over {len(judged)} recordings"
+    begins = [one.recorded.begin for one in judged if one.recorded.begin is not None] if timed else None
+    links = ", ".join(
+        f'<a href="{number}/report.html">{number} {html.escape(name)}</a>' for number, name in enumerate(names, 1)
+    )
+    body = [page.heading(title, 1), page.paragraph(order), page.table(files_grid(names, judged)), f"<p>{links}</p>"]
+    for unit, group in groupby(courses, key=lambda one: one.unit):
+        what = LEVELS.get(unit, unit.capitalize())
+        body.append(page.section(what, [page.picture(trend_figure(list(group), begins), what + _CAPTION)], opened=True))
+    body.append(page.section("Values", [page.table(trend_grid(courses))]))
+    write_whole(path, page.document(title, body))
+    return path
