@@ -10,7 +10,7 @@ from pipelines.io.argument_types import count, from_zero, positive
 
 HELP = """\
 Search for the best flank modifications of a stage. Print the best candidates, evaluated with values as they are
-manufactured, and the settings of the best compromise. A repeated search continues where it ended."""
+manufactured, and the settings of the best design for each objective. A repeated search continues where it ended."""
 EXAMPLE = """\
 gearcase design bench --vary both.tip_relief.amount_um=0:30:2 --vary both.tip_relief.length_mm=0.5:4:0.5
 ...
@@ -60,12 +60,20 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--misalignment", metavar="UM", type=from_zero, default=0.0, help="largest misalignment of the samples, um"
     )
     sub.add_argument("--seed", metavar="N", type=count, default=1, help="seed of search and deviations (default 1)")
+    sub.add_argument(
+        "--evaluations",
+        metavar="N",
+        type=count,
+        default=2000,
+        help="number of candidates up to which all are evaluated; with more a genetic algorithm searches, which needs "
+        "pip install 'gearcase[design]' (default 2000)",
+    )
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Search; print the table and the settings of the compromise."""
     from pipelines.io.grid import grid
-    from pipelines.studies.design.study import DesignOptions, design_study
+    from pipelines.studies.design.study import COMPROMISE, DesignOptions, design_study
 
     loaded, work = scene_and_work(options)
     found = design_study(
@@ -79,9 +87,21 @@ def main(options: argparse.Namespace) -> Iterator[str]:
             samples=options.samples,
             misalignment_um=options.misalignment,
             seed=options.seed,
+            evaluations=options.evaluations,
         ),
         work,
     )
     yield grid(found.title, found.rows()).to_text()
-    yield f"{len(found.designs.index)} candidates; compromise of the objectives: {found.chosen}"
-    yield found.block()
+    yield f"{len(found.designs.index)} candidates. The table was computed with more positions of the mesh cycle."
+    best = found.best()
+    if COMPROMISE in best:
+        yield (
+            "Compromise: the design of the Pareto front nearest to the best value of every objective, each divided by "
+            "its range on the front; it is better than the unmodified pair in every objective."
+        )
+    elif len(best) > 1:
+        yield "There is no compromise that is better than the unmodified pair in every objective."
+    for purpose, name in best.items():
+        yield f"{purpose if purpose == COMPROMISE else f'least {purpose}'}: design {name}\n{found.settings(name)}"
+        if edges := found.edges(name):
+            yield f"Design {name} is at the edge of the range of {', '.join(edges)}. Extend the range with --vary."

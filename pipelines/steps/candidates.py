@@ -15,9 +15,9 @@ from fem.contact.faults.changed_law import modified_law
 from fem.contact.law import MeshLaw
 from fem.contact.teeth import LawError, checked_terms
 from fem.gears.deviations import RandomDeviations
+from fem.gears.gear_checks import GeometryError
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import PairModifications
-from fem.gears.rack import GeometryError
 from pipelines.machine.assembly import clearances
 from pipelines.machine.parts import GearTeeth
 
@@ -26,37 +26,32 @@ from pipelines.machine.parts import GearTeeth
 class Conditions:
     """Loads and deviations under which candidates are compared.
 
-    forces, tilts : (load,) N along the line of action, ascending, and rad in the face coordinate of the law
+    forces : (load,) N along the line of action, ascending
     positions : in a mesh cycle
     samples : seeds of the deviations; the nominal pair is evaluated as well
     grade : ISO 1328-1 tolerance class of the samples
     misalignment : half width (m over the face) of their uniform distribution of misalignments
-    each_tooth : the transmission error is the mean over all teeth of the pinion with their own deviations, instead of
-        that of the mean tooth
     loaded : the quantities at the greatest force are computed, too
     """
 
     pair: GearPair
     forces: tuple[float, ...]
-    tilts: tuple[float, ...]
     positions: int = 32
     samples: tuple[int, ...] = ()
     grade: int = 5
     misalignment: float = 0.0
-    each_tooth: bool = False
     loaded: tuple[str, ...] = ()
 
     def cycles(self, law: MeshLaw) -> Iterator[MeshCycle]:
-        """The nominal pair, then each sample."""
-        forces, tilts = np.array(self.forces), np.array(self.tilts)
-        yield mesh_cycle(self.pair, law, forces, tilts, self.positions)
+        """The nominal pair, then each sample with the mean of the deviations of its teeth."""
+        forces = np.array(self.forces)
+        yield mesh_cycle(self.pair, law, forces, 0.0, self.positions)
         for seed in self.samples:
             tilt = self.misalignment * np.random.default_rng([seed, 6336]).uniform(-1.0, 1.0) / self.pair.face_width
-            pinion, wheel = sampled_teeth(self.pair, self.grade, seed)
-            if not self.each_tooth:
-                pinion, wheel = (np.broadcast_to(terms.mean(axis=0), terms.shape) for terms in (pinion, wheel))
-            teeth = self.pair.pinion.teeth if self.each_tooth else 1
-            yield mesh_cycle(self.pair, law, forces, tilts + tilt, self.positions, pinion, wheel, teeth)
+            teeth = (
+                np.broadcast_to(terms.mean(axis=0), terms.shape) for terms in sampled_teeth(self.pair, self.grade, seed)
+            )
+            yield mesh_cycle(self.pair, law, forces, tilt, self.positions, *teeth)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +10,6 @@ import numpy as np
 from fem.gears.modifications import PairModifications
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError
-from pipelines.runs.gear_numbers import machine_states
 from pipelines.runs.single_results import scene_graph
 from pipelines.scene.file import LoadedScene
 from pipelines.steps.candidates import CandidateResults, Conditions
@@ -23,21 +21,20 @@ if TYPE_CHECKING:
     from pipelines.machine.plant import Plant
 
 LOADS = (0.25, 0.5, 0.75, 1.0)  # of the torque of the scene
+COMPROMISE = "compromise"
 SHOWN = 8  # candidates of the front in tables
 
 
 @dataclass(frozen=True, kw_only=True)
 class DesignOptions:
-    """What the user asks for; `torques` are N m on the pinion, `tilt` is in um over the face or "machine"."""
+    """What the user asks for; `torques` are N m on the pinion."""
 
     stage: int = 1
     vary: tuple[str, ...] = ()
     minimize: tuple[str, ...] = ("te",)
     limits: tuple[str, ...] = ()
     torques: tuple[float, ...] = ()
-    tilt: float | str = 0.0
     samples: int = 0
-    grade: int | None = None  # without it: that of the scene
     misalignment_um: float = 0.0
     seed: int = 1
     evaluations: int = 2000
@@ -59,7 +56,6 @@ class DesignStudy:
     candidates: tuple[int | None, ...]
     modifications: tuple[PairModifications, ...]
     chosen: str
-    conditions: Conditions
     results: CandidateResults
 
     @property
@@ -79,11 +75,35 @@ class DesignStudy:
             for number, (name, at) in enumerate(zip(self.names, self.candidates, strict=True))
         ]
 
-    def block(self) -> str:
-        """The compromise as settings of the command line, one for each key."""
-        variables = self.designs.task.variables
-        settings = variables.settings(self.designs.values(self.designs.compromise))
-        return "\n".join(f"--set {key}={value}" for key, value in settings.items())
+    def settings(self, name: str) -> str:
+        """A candidate as settings of the command line."""
+        designs = self.designs
+        values = designs.values(self.candidates[self.names.index(name)] or 0)
+        return " ".join(f"--set {key}={value}" for key, value in designs.task.variables.settings(values).items())
+
+    def best(self) -> dict[str, str]:
+        """Name of the best candidate of each objective, and of the compromise if it beats the unmodified pair in all.
+
+        The values are those of the fine mesh cycle, as in the table.
+        """
+        values = np.stack([one.of(self.results) for one in self.designs.task.objectives], axis=1)
+        first = self.names.index("A")
+        found = {
+            one.label: self.names[first + int(column.argmin())]
+            for one, column in zip(self.designs.task.objectives, values[first:].T, strict=True)
+        }
+        better = (values[self.names.index(self.chosen)] < values[0]).all()
+        return found | ({COMPROMISE: self.chosen} if better and len(found) > 1 else {})
+
+    def edges(self, name: str) -> list[str]:
+        """Keys of a candidate at an end of their range; 0 is no edge, for it is no modification."""
+        designs = self.designs
+        values = designs.values(self.candidates[self.names.index(name)] or 0)
+        return [
+            over.key
+            for over, value in zip(designs.task.variables.given, values, strict=True)
+            if value and value in (min(over.values), max(over.values))
+        ]
 
 
 def design_study(loaded: LoadedScene, options: DesignOptions, work: Work) -> DesignStudy:
@@ -94,7 +114,7 @@ def design_study(loaded: LoadedScene, options: DesignOptions, work: Work) -> Des
     SceneError, InputError : the scene or an option cannot be used, or nothing meets the limits
     """
     graph, machine = scene_graph(loaded)
-    task = _task(loaded, machine, options, work)
+    task = _task(loaded, machine, options)
     evaluate = Evaluations(task, graph, machine.sound_law_names[options.stage - 1], work)
     designs = search(evaluate, task, quiet=work.quiet)
     given = machine.layout.modifications[options.stage - 1]
@@ -114,21 +134,22 @@ def design_study(loaded: LoadedScene, options: DesignOptions, work: Work) -> Des
         candidates=tuple(at for at, _ in known.values()),
         modifications=tuple(one for _, one in known.values()),
         chosen=chr(ord("A") + shown.index(designs.compromise)),
-        conditions=fine,
         results=evaluate.results([one for _, one in known.values()], fine),
     )
 
 
 def _shown(designs: Designs) -> list[int]:
-    """At most `SHOWN` candidates of the front, spread along it, both ends and the compromise among them."""
+    """About `SHOWN` candidates of the front: spread along it, the best of each objective, the compromise."""
     front = designs.front.tolist()
     if len(front) <= SHOWN:
         return front
-    at = np.unique([*np.linspace(0, len(front) - 1, SHOWN - 1).round().astype(int), front.index(designs.compromise)])
+    best = designs.objectives[designs.front].argmin(axis=0)
+    spread = np.linspace(0, len(front) - 1, max(SHOWN - 1 - best.size, 1)).round().astype(int)
+    at = np.unique([*spread, *best, front.index(designs.compromise)])
     return [front[i] for i in at]
 
 
-def _task(loaded: LoadedScene, machine: Plant, options: DesignOptions, work: Work) -> DesignTask:
+def _task(loaded: LoadedScene, machine: Plant, options: DesignOptions) -> DesignTask:
     count = len(machine.layout.pairs)
     if not 1 <= options.stage <= count:
         raise InputError(f"--stage {options.stage}: the scene has {count} stages. Set a number from 1 to {count}.")
@@ -137,13 +158,7 @@ def _task(loaded: LoadedScene, machine: Plant, options: DesignOptions, work: Wor
     radius, scene_force = pair.pinion.base_radius, machine.facts.stages[number].shown_force
     torques = tuple(sorted(set(options.torques))) or tuple(share * scene_force * radius for share in LOADS)
     forces = tuple(torque / radius for torque in torques)
-    if options.tilt == "machine":
-        state = machine_states(loaded, work)[number]
-        tilts: Sequence[float] = [float(state.tilt or 0.0) * force / state.force for force in forces]
-    else:
-        tilts = [sense * float(options.tilt) * 1e-6 / pair.face_width] * len(forces)
     sampled = options.samples > 0
-    deviations = loaded.scene.deviations
     return DesignTask(
         variables=Variables(loaded, options.stage, sense, tuple(map(parse_vary, options.vary))),
         objectives=tuple(parse_quantity(text, sampled=sampled) for text in dict.fromkeys(options.minimize)),
@@ -151,9 +166,8 @@ def _task(loaded: LoadedScene, machine: Plant, options: DesignOptions, work: Wor
         conditions=Conditions(
             pair=pair,
             forces=forces,
-            tilts=tuple(tilts),
             samples=tuple(range(options.seed, options.seed + options.samples)),
-            grade=options.grade or deviations.iso_grade,
+            grade=loaded.scene.deviations.iso_grade,
             misalignment=1e-6 * options.misalignment_um,
         ),
         torques=torques,

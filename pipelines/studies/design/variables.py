@@ -15,7 +15,7 @@ from pipelines.machine.flanks import GEARS, modifications
 from pipelines.scene.file import LoadedScene, changed
 from pipelines.scene.tables.derived import key_of
 from pipelines.scene.tables.gear_details import GearTable
-from pipelines.scene.tables.gears import StageTable
+from pipelines.scene.tables.stages import StageTable
 from pipelines.studies.detect.over import Over, parse_over
 
 BOTH = "both"
