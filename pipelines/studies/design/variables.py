@@ -14,7 +14,7 @@ from pipelines.io.shown import nearest_name, shown
 from pipelines.machine.flanks import GEARS, modifications
 from pipelines.scene.file import LoadedScene, changed
 from pipelines.scene.tables.derived import key_of
-from pipelines.scene.tables.gear_details import GearTable
+from pipelines.scene.tables.gears import GearTable
 from pipelines.scene.tables.stages import StageTable
 from pipelines.studies.detect.over import Over, parse_over
 
