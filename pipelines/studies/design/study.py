@@ -96,13 +96,15 @@ class DesignStudy:
         return found | ({COMPROMISE: self.chosen} if better and len(found) > 1 else {})
 
     def edges(self, name: str) -> list[str]:
-        """Keys of a candidate at an end of their range; 0 is no edge, for it is no modification."""
+        """Keys of a candidate at an end of their range, except 0 and the length of a relief without amount."""
         designs = self.designs
         values = designs.values(self.candidates[self.names.index(name)] or 0)
+        pairs = list(zip(designs.task.variables.given, values, strict=True))
+        absent = {over.key.replace("amount_um", "length_mm") for over, value in pairs if not value}
         return [
             over.key
-            for over, value in zip(designs.task.variables.given, values, strict=True)
-            if value and value in (min(over.values), max(over.values))
+            for over, value in pairs
+            if value and over.key not in absent and value in (min(over.values), max(over.values))
         ]
 
 
