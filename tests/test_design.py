@@ -1,6 +1,5 @@
 """Search for flank modifications: evaluated as made, equal to a direct solution, deterministic, limits, messages."""
 
-import json
 import sys
 from dataclasses import replace
 
@@ -78,17 +77,11 @@ def test_a_value_outside_its_range_is_a_problem_of_the_scene():
         found(vary=("both.tip_relief.amount_um=0:5000:100", VARY[1]))
 
 
-def test_the_printed_settings_give_the_printed_transmission_error_with_gearcase_gears(capsys):
+def test_a_best_value_at_the_edge_of_its_range_is_stated_with_the_remedy(capsys):
     vary = [word for text in VARY for word in ("--vary", text)]
     assert main(["design", "bench", *vary, "--torque", "60"]) == 0
     out = capsys.readouterr().out
-    least = next(line for line in out.splitlines() if line.startswith("A ")).split()[1]
     assert "Design A is at the edge of the range of both.tip_relief.length_mm. Extend the range with --vary." in out
-    settings = next(line for line in out.splitlines() if line.startswith("--set")).split()
-    assert main(["gears", "bench", *settings, "--torque", "60", "--json"]) == 0
-    pairs = json.loads(capsys.readouterr().out)
-    rows = [row for rows in pairs.values() if isinstance(rows, list) for row in rows if row.get("state") == "healthy"]
-    assert rows[0]["TE p-p um"] == pytest.approx(float(least), rel=0.03)  # 128 positions, extrema not refined
 
 
 def test_a_compromise_is_offered_only_if_it_beats_the_unmodified_pair_in_every_objective():
