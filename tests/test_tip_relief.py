@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import gearcase
+from fem.contact.evaluation.mesh_cycle import order_amplitudes
 from fem.gears.modifications import relief_lengths
 from pipelines.cli.gears import notes
 from pipelines.machine.layout import lay_out
-from pipelines.report.figures.plots import orders
 from pipelines.runs.gear_numbers import MeshState, gear_curves, gear_rows, relief_errors, transmission_errors
 from pipelines.scene.file import load_scene
 
@@ -114,7 +114,7 @@ def test_one_load_beyond_the_table_of_the_law_has_one_warning(caplog):
 def test_orders_are_the_amplitudes_of_the_waves():
     c = np.arange(256) / 256
     error = 5.0 + 2.0 * np.cos(2 * np.pi * c + 0.4) + 0.5 * np.sin(6 * np.pi * c)
-    assert orders(error) == pytest.approx([2.0, 0.0, 0.5, 0, 0, 0, 0, 0], abs=1e-12)
+    assert order_amplitudes(error) == pytest.approx([2.0, 0.0, 0.5, 0, 0, 0, 0, 0], abs=1e-12)
 
 
 def test_a_pair_without_modifications_has_one_curve_and_no_row_for_it():
