@@ -33,3 +33,13 @@ def contact_pressure(
     materials = (pair.pinion_material, pair.wheel_material)
     compliance = sum((1 - m.poisson_ratio**2) / m.elastic_modulus for m in materials)
     return np.sqrt(np.maximum(loads, 0.0) * curvature / (np.pi * compliance))
+
+
+def flank_pressure(pair: GearPair, law: MeshLaw, cycle: np.ndarray, pairs: np.ndarray, loads: np.ndarray) -> np.ndarray:
+    """`contact_pressure` (position, n, slice) on the active flanks, and 0 beyond them.
+
+    Contact of a tip edge beyond the active flank has no Hertzian pressure: the curvature of the flank ends there.
+    """
+    xi = cycle[:, None, None] - pairs[..., None] + law.cycle_shift
+    active = (xi >= pair.xi_start) & (xi <= pair.xi_end)
+    return np.where(active, contact_pressure(pair, law, cycle, pairs, loads), 0.0)

@@ -10,16 +10,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.contact.evaluation.mesh_cycle import ORDERS, MeshCycle, mesh_cycle, order_amplitudes
+from fem.contact.evaluation.evaluator import LawEvaluator, Teeth
+from fem.contact.evaluation.mesh_cycle import ORDERS, mesh_cycle, order_amplitudes
 from fem.contact.faults.changed_law import modified_law
 from fem.contact.law import MeshLaw
-from fem.contact.teeth import LawError, checked_terms
-from fem.gears.deviations import RandomDeviations
+from fem.contact.teeth import LawError, tooth_terms
+from fem.gears.flank_deviations import sample_flank_deviations
 from fem.gears.gear_checks import GeometryError
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import PairModifications
-from pipelines.machine.assembly import clearances
-from pipelines.machine.parts import GearTeeth
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,42 +41,35 @@ class Conditions:
     misalignment: float = 0.0
     loaded: tuple[str, ...] = ()
 
-    def cycles(self, law: MeshLaw) -> Iterator[MeshCycle]:
-        """The nominal pair, then each sample with the mean of the deviations of its teeth."""
-        forces = np.array(self.forces)
-        yield mesh_cycle(self.pair, law, forces, 0.0, self.positions)
+    def states(self) -> Iterator[tuple[float, tuple[Teeth, Teeth]]]:
+        """Tilt (rad) and teeth of the nominal pair, then those of each sample."""
+        yield 0.0, (None, None)
         for seed in self.samples:
             tilt = self.misalignment * np.random.default_rng([seed, 6336]).uniform(-1.0, 1.0) / self.pair.face_width
-            teeth = (
-                np.broadcast_to(terms.mean(axis=0), terms.shape) for terms in sampled_teeth(self.pair, self.grade, seed)
-            )
-            yield mesh_cycle(self.pair, law, forces, tilt, self.positions, *teeth)
+            yield tilt, _mean_teeth(self.pair, self.grade, seed)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CandidateResults:
     """Arrays over (candidate, sample, ...), SI; sample 0 is the nominal pair. NaN: the candidate is not possible."""
 
+    error: np.ndarray  # (candidate, load, position), m, of the nominal pair
     peak_to_peak: np.ndarray  # (candidate, sample, load), m
     orders: np.ndarray  # (candidate, sample, load, order), m
     loaded: dict[str, np.ndarray]  # (candidate, sample) by name, at the greatest force
 
 
-def sampled_teeth(pair: GearPair, grade: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """Terms (tooth, 6) of the teeth of pinion and wheel with random deviations of pitch, profile and helix."""
-    gears = [
-        GearTeeth(
-            deviations=RandomDeviations(grade=grade, seed=1000 * seed + number, include=("pitch", "profile", "helix")),
-            prescribed=None,
-            clearances=(),
-            damaged=(),
-        )
-        for number in range(2)
-    ]
-    found = clearances(pair, *gears)
-    return tuple(  # type: ignore[return-value]
-        checked_terms(name, getattr(pair, name).teeth, found[f"drive_clearance_{name}"]) for name in ("pinion", "wheel")
-    )
+def _mean_teeth(pair: GearPair, grade: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Terms (tooth, 6) of pinion and wheel: the mean of the profile and helix deviations on all teeth.
+
+    Pitch deviations have a mean of zero.
+    """
+    found = []
+    for number, name in enumerate(("pinion", "wheel")):
+        drive = sample_flank_deviations(pair, name, grade, 1000 * seed + number, profile=True, helix=True)["drive"]
+        terms = tooth_terms(getattr(pair, name).teeth, **drive)
+        found.append(np.broadcast_to(terms.mean(axis=0), terms.shape))
+    return found[0], found[1]
 
 
 def build(
@@ -91,17 +83,22 @@ def build(
     laws : of the pair without modifications
     """
     shape = len(candidates), 1 + len(conditions.samples)
+    error = np.full((len(candidates), len(conditions.forces), conditions.positions), np.nan)
     ranges = np.full((*shape, len(conditions.forces)), np.nan)
     orders = np.full((*ranges.shape, ORDERS), np.nan)
     loaded = {name: np.full(shape, np.nan) for name in conditions.loaded}
+    pair, forces, states = conditions.pair, np.array(conditions.forces), list(conditions.states())
     for number, modifications in enumerate(candidates):
         try:
-            law = modified_law(laws[0], conditions.pair, modifications)
-            for sample, cycle in enumerate(conditions.cycles(law)):
+            evaluator = LawEvaluator(modified_law(laws[0], pair, modifications))
+            for sample, (tilt, teeth) in enumerate(states):
+                cycle = mesh_cycle(pair, evaluator, forces, tilt, conditions.positions, teeth)
+                if not sample:
+                    error[number] = cycle.error
                 ranges[number, sample] = np.ptp(cycle.error, axis=1)
                 orders[number, sample] = order_amplitudes(cycle.error)
                 for name, values in loaded.items():
                     values[number, sample] = getattr(cycle, name)()
         except (GeometryError, LawError):  # reliefs that overlap, or a force that is not reached
             ranges[number] = orders[number] = np.nan
-    return CandidateResults(peak_to_peak=ranges, orders=orders, loaded=loaded)
+    return CandidateResults(error=error, peak_to_peak=ranges, orders=orders, loaded=loaded)

@@ -162,22 +162,19 @@ class LawEvaluator:
         ----------
         force : N, > 0, a number or (m,), ascending
         cycle : 1, a number or (n,)
-        psi : rad, a number or (n,), or (n, m) with forces (m,)
+        psi : rad, a number or (n,)
         pinion, wheel : see `Teeth`
 
         Raises
         ------
         LawError : no pair can touch, or the force is not reached within the gaps that the law knows
         """
-        forces, tilts = np.atleast_1d(np.asarray(force, dtype=float)), np.asarray(psi, dtype=float)
-        c = np.atleast_1d(np.asarray(cycle, dtype=float))
-        c = np.broadcast_to(c, np.broadcast_shapes(c.shape, tilts.shape[:1])).copy()
-        tilts = np.broadcast_to(tilts[:, None] if tilts.ndim == 1 else tilts, (c.size, forces.size)).copy()
-        found = np.empty(tilts.shape)
-        approach_many(self.packed, forces, c, tilts, *self.teeth(pinion, wheel), np.empty(NEAR_ROOM), found)
-        if not np.isfinite(found).all():
-            self.no_load(c, tilts[:, 0], pinion, wheel)
-            row, column = np.argwhere(~np.isfinite(found))[0]
+        forces, teeth = np.atleast_1d(np.asarray(force, dtype=float)), self.teeth(pinion, wheel)
+        c, tilt = (np.array(v, dtype=float) for v in np.broadcast_arrays(np.atleast_1d(cycle), psi))
+        found = np.empty((c.size, forces.size))
+        approach_many(self.packed, forces, c, tilt, *teeth, self.no_load(c, tilt, *teeth), found)
+        if np.isnan(found).any():
+            row, column = np.argwhere(np.isnan(found))[0]
             raise LawError(
                 f"mesh law {self.law.model!r}: F = {forces[column]:.6g} N is not reached at cycle {c[row]:.6g}: the "
                 "deflection is beyond the tip-edge gaps that the law contains. Reduce the force"

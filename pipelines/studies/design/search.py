@@ -23,6 +23,7 @@ from pipelines.engine.progress import reported_count
 from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph, Step
 from pipelines.io.errors import InputError
+from pipelines.io.shown import duration
 from pipelines.steps import candidates
 from pipelines.steps.candidates import CandidateResults, Conditions
 from pipelines.studies.design.quantities import LOADED, Limit, Quantity
@@ -30,7 +31,6 @@ from pipelines.studies.design.variables import Variables
 
 POPULATION = 48
 SECONDS = 15e-6  # of one static contact problem
-FINE = 128  # positions of the mesh cycle for the front
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,7 +39,6 @@ class DesignTask:
 
     objectives, limits : that are minimised, and that must be met
     torques : N m on the pinion, ascending
-    samples : number of pairs with deviations
     seed : of search and deviations
     evaluations : number of candidates at most
     """
@@ -106,9 +105,13 @@ class Evaluations:
         )
         self.known: dict[tuple[int, ...], tuple[np.ndarray, np.ndarray]] = {}
 
+    @staticmethod
+    def seconds(conditions: Conditions) -> float:
+        """Estimated time of a candidate."""
+        return SECONDS * conditions.positions * len(conditions.forces) * (1 + len(conditions.samples))
+
     def results(self, found: Sequence[PairModifications], conditions: Conditions) -> CandidateResults:
         """Results of modifications."""
-        problems = len(found) * conditions.positions * len(conditions.forces) * (1 + len(conditions.samples))
         step = Step(
             name="candidates",
             kind="candidates",
@@ -116,7 +119,7 @@ class Evaluations:
             spec={"conditions": conditions, "candidates": tuple(found)},
             takes={"laws": self._law},
             libraries=("numpy", "scipy", "numba"),
-            seconds=SECONDS * problems,
+            seconds=len(found) * self.seconds(conditions),
         )
         return self._work.build(Graph([*self._graph, step]), ["candidates"]).value("candidates")
 
@@ -152,6 +155,8 @@ def search(evaluate: Evaluations, task: DesignTask, *, quiet: bool) -> Designs:
     sizes = task.variables.sizes
     total = math.prod(sizes)
     with reported_count("candidates", quiet=quiet) as report:
+        most = min(total, task.evaluations)
+        report.line(f"{most} candidates, about {duration(most * evaluate.seconds(evaluate.conditions))}")
         if total <= task.evaluations:
             every = np.stack(np.unravel_index(np.arange(total), sizes), axis=1)
             for start in range(0, total, POPULATION):

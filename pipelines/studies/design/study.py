@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.gears.modifications import PairModifications
+from fem.contact.evaluation.evaluator import LawEvaluator
+from fem.contact.law import MeshLaw
+from fem.gears.geometry import GearPair
+from fem.gears.modifications import LARGEST_PART, PairModifications, relief_lengths
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError
 from pipelines.runs.single_results import scene_graph
 from pipelines.scene.file import LoadedScene
 from pipelines.steps.candidates import CandidateResults, Conditions
 from pipelines.studies.design.quantities import Quantity, parse_limit, parse_quantity
-from pipelines.studies.design.search import FINE, Designs, DesignTask, Evaluations, search
+from pipelines.studies.design.search import Designs, DesignTask, Evaluations, search
 from pipelines.studies.design.variables import Variables, parse_vary
 
 if TYPE_CHECKING:
@@ -23,17 +28,29 @@ if TYPE_CHECKING:
 LOADS = (0.25, 0.5, 0.75, 1.0)  # of the torque of the scene
 COMPROMISE = "compromise"
 SHOWN = 8  # candidates of the front in tables
+FINE = 256  # positions of the mesh cycle for them, as in `gearcase gears --plot`
+MOST_AMOUNTS, MOST_LENGTHS = 40, 20  # of the reliefs that are compared if nothing is varied
 
 
 @dataclass(frozen=True, kw_only=True)
 class DesignOptions:
-    """What the user asks for; `torques` are N m on the pinion."""
+    """What is searched.
+
+    stage : number of the stage, from 1
+    vary : modifications with their values, as ``both.tip_relief.amount_um=0:40:4``; none: tip reliefs of both gears
+    minimize, limits : objectives and limits, as ``te``, ``pressure <= 1200``
+    torques : N m on the pinion; none: 25, 50, 75 and 100 % of that of the scene
+    samples : number of pairs with random deviations
+    misalignment_um : largest misalignment of the samples over the face width
+    seed : of search and deviations
+    evaluations : number of candidates up to which all are evaluated
+    """
 
     stage: int = 1
-    vary: tuple[str, ...] = ()
-    minimize: tuple[str, ...] = ("te",)
-    limits: tuple[str, ...] = ()
-    torques: tuple[float, ...] = ()
+    vary: Sequence[str] = ()
+    minimize: Sequence[str] = ("te",)
+    limits: Sequence[str] = ()
+    torques: Sequence[float] = ()
     samples: int = 0
     misalignment_um: float = 0.0
     seed: int = 1
@@ -42,11 +59,12 @@ class DesignOptions:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class DesignStudy:
-    """The front of a stage, and its best candidates.
+    """The Pareto front of a stage, and its best candidates.
 
-    names : of the candidates that tables and figures show: "unmodified", "scene" if that is modified, "A", "B", ...
-    modifications : of each
-    chosen : name of the compromise
+    title : scene, stage, teeth
+    designs : all candidates
+    names : of the candidates in tables and figures: "unmodified", "scene" if that is modified, "A", "B", ...
+    candidates : of each its number in `designs`, None for the first ones
     results : of each, with `FINE` positions in the mesh cycle
     """
 
@@ -54,8 +72,6 @@ class DesignStudy:
     designs: Designs
     names: tuple[str, ...]
     candidates: tuple[int | None, ...]
-    modifications: tuple[PairModifications, ...]
-    chosen: str
     results: CandidateResults
 
     @property
@@ -65,7 +81,7 @@ class DesignStudy:
         return tuple(dict.fromkeys([*task.objectives, *(limit.quantity for limit in task.limits)]))
 
     def rows(self) -> list[dict[str, Any]]:
-        """A row for each shown candidate."""
+        """A row for each named candidate: its values and quantities."""
         columns = [(one.label, one.of(self.results)) for one in self.quantities]
         keys = self.designs.task.variables.names
         return [
@@ -75,11 +91,9 @@ class DesignStudy:
             for number, (name, at) in enumerate(zip(self.names, self.candidates, strict=True))
         ]
 
-    def settings(self, name: str) -> str:
-        """A candidate as settings of the command line."""
-        designs = self.designs
-        values = designs.values(self.candidates[self.names.index(name)] or 0)
-        return " ".join(f"--set {key}={value}" for key, value in designs.task.variables.settings(values).items())
+    def settings(self, name: str) -> dict[str, Any]:
+        """Keys of the scene with the values of the candidate "A", "B", ..."""
+        return self.designs.task.variables.settings(self._values(name))
 
     def best(self) -> dict[str, str]:
         """Name of the best candidate of each objective, and of the compromise if it beats the unmodified pair in all.
@@ -92,20 +106,30 @@ class DesignStudy:
             one.label: self.names[first + int(column.argmin())]
             for one, column in zip(self.designs.task.objectives, values[first:].T, strict=True)
         }
-        better = (values[self.names.index(self.chosen)] < values[0]).all()
-        return found | ({COMPROMISE: self.chosen} if better and len(found) > 1 else {})
+        at = self.candidates.index(self.designs.compromise)
+        better = (values[at] < values[0]).all()
+        return found | ({COMPROMISE: self.names[at]} if better and len(found) > 1 else {})
+
+    @property
+    def recommended(self) -> str:
+        """Name of the compromise, or else of the best candidate of the first objective."""
+        found = self.best()
+        return found.get(COMPROMISE) or next(iter(found.values()))
 
     def edges(self, name: str) -> list[str]:
         """Keys of a candidate at an end of their range, except 0 and the length of a relief without amount."""
-        designs = self.designs
-        values = designs.values(self.candidates[self.names.index(name)] or 0)
-        pairs = list(zip(designs.task.variables.given, values, strict=True))
+        pairs = list(zip(self.designs.task.variables.given, self._values(name), strict=True))
         absent = {over.key.replace("amount_um", "length_mm") for over, value in pairs if not value}
         return [
             over.key
             for over, value in pairs
             if value and over.key not in absent and value in (min(over.values), max(over.values))
         ]
+
+    def _values(self, name: str) -> list[Any]:
+        at = self.candidates[self.names.index(name)]
+        assert at is not None  # a candidate of the search
+        return self.designs.values(at)
 
 
 def design_study(loaded: LoadedScene, options: DesignOptions, work: Work) -> DesignStudy:
@@ -116,27 +140,26 @@ def design_study(loaded: LoadedScene, options: DesignOptions, work: Work) -> Des
     SceneError, InputError : the scene or an option cannot be used, or nothing meets the limits
     """
     graph, machine = scene_graph(loaded)
-    task = _task(loaded, machine, options)
-    evaluate = Evaluations(task, graph, machine.sound_law_names[options.stage - 1], work)
+    number = _checked_stage(loaded, options)
+    law = machine.sound_law_names[number]
+    laws: tuple[MeshLaw, MeshLaw] = work.build(graph.needed([law]), [law]).value(law)
+    task = _task(loaded, machine, options, laws[0])
+    evaluate = Evaluations(task, graph, law, work)
     designs = search(evaluate, task, quiet=work.quiet)
-    given = machine.layout.modifications[options.stage - 1]
+    given = machine.layout.modifications[number]
     involute = PairModifications(misalignment=given.misalignment)
     known: dict[str, tuple[int | None, PairModifications]] = {"unmodified": (None, involute)}
     if given != involute:
         known["scene"] = None, given
-    shown = _shown(designs)
-    for number, at in enumerate(shown):
-        known[chr(ord("A") + number)] = at, task.variables.modifications(designs.values(at))
-    fine = replace(evaluate.conditions, positions=FINE)
-    pair, names = task.conditions.pair, tuple(known)
+    for letter, at in enumerate(_shown(designs), ord("A")):
+        known[chr(letter)] = at, task.variables.modifications(designs.values(at))
+    pair = task.conditions.pair
     return DesignStudy(
         title=f"{loaded.scene.title}: stage {options.stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth",
         designs=designs,
-        names=names,
+        names=tuple(known),
         candidates=tuple(at for at, _ in known.values()),
-        modifications=tuple(one for _, one in known.values()),
-        chosen=chr(ord("A") + shown.index(designs.compromise)),
-        results=evaluate.results([one for _, one in known.values()], fine),
+        results=evaluate.results([one for _, one in known.values()], replace(evaluate.conditions, positions=FINE)),
     )
 
 
@@ -151,18 +174,29 @@ def _shown(designs: Designs) -> list[int]:
     return [front[i] for i in at]
 
 
-def _task(loaded: LoadedScene, machine: Plant, options: DesignOptions) -> DesignTask:
-    count = len(machine.layout.pairs)
-    if not 1 <= options.stage <= count:
-        raise InputError(f"--stage {options.stage}: the scene has {count} stages. Set a number from 1 to {count}.")
-    number = options.stage - 1
+def _checked_stage(loaded: LoadedScene, options: DesignOptions) -> int:
+    stages = loaded.scene.stages
+    if not 1 <= options.stage <= len(stages):
+        raise InputError(
+            f"--stage {options.stage}: the scene has {len(stages)} stages. Set a number from 1 to {len(stages)}."
+        )
+    if stages[options.stage - 1].mesh.model == "iso":
+        raise InputError(
+            f'stages.{options.stage}.mesh.model = "iso": this model does not contain the effect of modifications on '
+            'load sharing. Set "plane" or "solid".'
+        )
+    return options.stage - 1
+
+
+def _task(loaded: LoadedScene, machine: Plant, options: DesignOptions, law: MeshLaw) -> DesignTask:
+    number, sampled = options.stage - 1, options.samples > 0
     pair, sense = machine.flanks[number].pair, machine.layout.pinion_senses[number]
     radius, scene_force = pair.pinion.base_radius, machine.facts.stages[number].shown_force
     torques = tuple(sorted(set(options.torques))) or tuple(share * scene_force * radius for share in LOADS)
     forces = tuple(torque / radius for torque in torques)
-    sampled = options.samples > 0
+    vary = options.vary or _tip_reliefs(pair, law, forces[-1])
     return DesignTask(
-        variables=Variables(loaded, options.stage, sense, tuple(map(parse_vary, options.vary))),
+        variables=Variables(loaded, options.stage, sense, tuple(map(parse_vary, vary))),
         objectives=tuple(parse_quantity(text, sampled=sampled) for text in dict.fromkeys(options.minimize)),
         limits=tuple(parse_limit(text, sampled=sampled) for text in options.limits),
         conditions=Conditions(
@@ -175,4 +209,31 @@ def _task(loaded: LoadedScene, machine: Plant, options: DesignOptions) -> Design
         torques=torques,
         seed=options.seed,
         evaluations=options.evaluations,
+    )
+
+
+def _tip_reliefs(pair: GearPair, law: MeshLaw, force: float) -> tuple[str, str]:
+    """Linear tip reliefs, equal on both gears, in manufacturing steps.
+
+    The amounts end at the largest deflection of the teeth without modifications, the effective tip relief C_eff of
+    ISO/TS 6336-22 with the computed stiffness, and at the limit of the key. The lengths are those from the short to the
+    long relief, see `relief_lengths`.
+
+    Raises
+    ------
+    InputError : no length is usual
+    """
+    lengths = relief_lengths(pair)
+    if lengths is None:
+        raise InputError(
+            f"design: no length of a tip relief is usual for the contact ratio {pair.transverse_contact_ratio:.3g}, "
+            "which is not between 1 and 2. Set --vary."
+        )
+    deflection = LawEvaluator(law).approach_at(force, np.arange(FINE) / FINE).max()
+    most = min(math.ceil(1e6 * deflection), int(1e6 * LARGEST_PART * pair.pinion.normal_module))
+    short, long = (round(1e4 * length) for length in lengths)  # in steps of 0.1 mm
+    amount_step, length_step = -(-most // MOST_AMOUNTS), -(-(long - short) // MOST_LENGTHS) / 10
+    return (
+        f"both.tip_relief.amount_um=0:{most}:{amount_step}",
+        f"both.tip_relief.length_mm={short / 10}:{long / 10}:{length_step}",
     )
