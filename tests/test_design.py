@@ -1,5 +1,7 @@
 """Search for flank modifications: evaluated as made, equal to a direct solution, deterministic, limits, messages."""
 
+import html
+import json
 import sys
 from dataclasses import replace
 
@@ -13,7 +15,7 @@ from pipelines.cli.main import main
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError, SceneError
 from pipelines.runs.single_results import build_pairs
-from pipelines.scene.file import load_scene
+from pipelines.scene.file import changed, load_scene
 from pipelines.steps import candidates
 from pipelines.studies.design.study import DesignOptions, design_study
 
@@ -31,9 +33,19 @@ def test_the_best_relief_of_all_combinations_has_the_transmission_error_of_a_dir
     best = designs.objectives[:, 0].argmin()
     assert designs.front.tolist() == [best]
     pair = build_pairs(load_scene("bench"), Work())[0]
-    law = modified_law(pair.unmodified, pair.pair, study.modifications[-1])
+    law = modified_law(pair.unmodified, pair.pair, designs.task.variables.modifications(designs.values(best)))
     error = LawEvaluator(law).approach_at(60.0 / pair.pair.pinion.base_radius, np.arange(32) / 32)
     assert designs.objectives[best, 0] == pytest.approx(1e6 * np.ptp(error), rel=1e-9)
+
+
+def test_the_best_helix_slope_cancels_the_misalignment_of_the_axes():
+    """Skew axes open the flanks by its component cos(alpha_wt) in the plane of action; a crowning adds to it."""
+    skew = 8.0 / np.cos(build_pairs(load_scene("bench"), Work())[0].pair.working_pressure_angle)
+    scene = changed(load_scene("bench"), {"stages.1.misalignment.out_of_plane_um": float(skew)})
+    vary = ("pinion.helix_slope_um=-16:16:4", "wheel.lead_crowning_um=0:10:5")
+    study = design_study(scene, DesignOptions(vary=vary, minimize=("load-factor",)), Work())
+    (best,) = study.designs.front
+    assert study.designs.values(best) == [-8, 0]
 
 
 def test_a_search_with_fewer_evaluations_is_deterministic_and_uses_manufacturing_steps():
@@ -60,7 +72,6 @@ def test_a_limit_is_met_by_the_whole_front():
     [
         ({"vary": ("both.tip_releif.amount_um=0:9",)}, "Did you mean tip_relief"),
         ({"vary": ("both.lead_crowning_um=5:5",)}, "one value only"),
-        ({"vary": ()}, "nothing is varied"),
         ({"stage": 2}, "the scene has 1 stages"),
         ({"minimize": ("presure",)}, "Did you mean pressure"),
         ({"limits": ("te < 1",)}, "is not a limit"),
@@ -72,16 +83,39 @@ def test_a_wrong_option_is_named(options, words):
         found(**options)
 
 
+def test_a_model_without_the_effect_of_modifications_is_refused():
+    iso = changed(load_scene("bench"), {"stages.1.mesh.model": "iso"})
+    with pytest.raises(InputError, match='model = "iso": this model does not contain'):
+        design_study(iso, DesignOptions(), Work())
+
+
 def test_a_value_outside_its_range_is_a_problem_of_the_scene():
     with pytest.raises(SceneError, match="amount_um"):
         found(vary=("both.tip_relief.amount_um=0:5000:100", VARY[1]))
 
 
-def test_a_best_value_at_the_edge_of_its_range_is_stated_with_the_remedy(capsys):
+def test_the_printed_settings_give_the_printed_transmission_error_with_gearcase_gears(capsys):
     vary = [word for text in VARY for word in ("--vary", text)]
     assert main(["design", "bench", *vary, "--torque", "60"]) == 0
     out = capsys.readouterr().out
+    least = next(line for line in out.splitlines() if line.startswith("A ")).split()[1]
     assert "Design A is at the edge of the range of both.tip_relief.length_mm. Extend the range with --vary." in out
+    settings = next(line for line in out.splitlines() if line.startswith("--set")).split()
+    assert main(["gears", "bench", *settings, "--torque", "60", "--json"]) == 0
+    (healthy,) = (row for row in json.loads(capsys.readouterr().out)["pairs"] if row["state"] == "healthy")
+    assert healthy["TE p-p um"] == pytest.approx(float(least), rel=0.01)
+
+
+def test_the_toml_of_the_page_makes_the_recommended_design(tmp_path):
+    page = tmp_path / "design.html"
+    assert main(["design", "bench", "--vary", VARY[0], "--vary", VARY[1], "--out", str(page)]) == 0
+    text = page.read_text(encoding="utf-8")
+    block = html.unescape(text.partition("<pre>")[2].partition("</pre>")[0])
+    (tmp_path / "quiet.toml").write_text(f'extends = "bench"\n\n{block}\n', encoding="utf-8")
+    study = found()
+    scene = changed(load_scene("bench"), study.settings(study.recommended))
+    assert load_scene(tmp_path / "quiet.toml").scene.stages == scene.scene.stages
+    assert text.count("<svg") == 2
 
 
 def test_a_compromise_is_offered_only_if_it_beats_the_unmodified_pair_in_every_objective():

@@ -57,7 +57,7 @@ class Variables:
     Raises
     ------
     SceneError : a value is outside the range of its key, or a key is not complete
-    InputError : a key is varied twice, there are no variables
+    InputError : a key is varied twice
     """
 
     loaded: LoadedScene
@@ -67,8 +67,6 @@ class Variables:
 
     def __post_init__(self) -> None:
         paths = [path for over in self.given for path in self._paths(over)]
-        if not paths:
-            raise InputError(f"design: nothing is varied. {_EXAMPLE}")
         twice = next((path for path in paths if paths.count(path) > 1), None)
         if twice is not None:
             raise InputError(f"--vary {twice}: is varied twice. Delete one of the two.")
