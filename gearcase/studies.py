@@ -117,9 +117,12 @@ def design(
 
     >>> import gearcase
     >>> scene = gearcase.Scene.from_file("pair")
-    >>> vary = ["both.tip_relief.amount_um=0:4:2", "both.tip_relief.length_mm=2,4"]
+    >>> vary = ["both.tip_relief.amount_um=0:8:2", "both.tip_relief.length_mm=2,3,4"]
     >>> found = gearcase.design(scene, vary, torques=[50.0])
-    >>> better = scene.changed(found.settings(found.recommended))
+    >>> unmodified, best = found.rows()
+    >>> best["te um"] < 0.7 * unmodified["te um"]
+    True
+    >>> quiet = scene.changed(found.settings(found.recommended))
     """
     options = DesignOptions(
         stage=stage,

@@ -36,9 +36,16 @@ def contact_pressure(
 
 
 def flank_pressure(pair: GearPair, law: MeshLaw, cycle: np.ndarray, pairs: np.ndarray, loads: np.ndarray) -> np.ndarray:
-    """`contact_pressure` (position, n, slice) on the active flanks, and 0 beyond them.
+    """`contact_pressure` on the active flanks, and 0 beyond them.
 
     Contact of a tip edge beyond the active flank has no Hertzian pressure: the curvature of the flank ends there.
+
+    Parameters
+    ----------
+    pair, law : the gear pair and the law of its drive flank
+    cycle : (position,) mesh cycles
+    pairs : (position, n) numbers of the pairs
+    loads : (position, n, slice) N/m
     """
     xi = cycle[:, None, None] - pairs[..., None] + law.cycle_shift
     active = (xi >= pair.xi_start) & (xi <= pair.xi_end)

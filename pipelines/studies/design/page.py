@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 _CAPTION = (
     "Left: candidates as evaluated in the search, and, filled, the unmodified pair and the best designs with more "
-    "positions in the mesh cycle. Right: transmission error of the nominal pair (lines) and of the middle 90 % of the "
-    "pairs with deviations (bands)"
+    "positions in the mesh cycle. Right: transmission error of the nominal pair and, dashed, its 90 % quantile "
+    "over the pairs with deviations"
 )
 
 
@@ -39,9 +39,9 @@ def words(found: DesignStudy) -> Iterator[str]:
         )
     elif len(best) > 1:
         yield "There is no compromise that is better than the unmodified pair in every objective."
-    for purpose, name in best.items():
+    for name, purpose in _purposes(found).items():
         settings = " ".join(f"--set {key}={value}" for key, value in found.settings(name).items())
-        yield f"{purpose if purpose == COMPROMISE else f'least {purpose}'}: design {name}\n{settings}"
+        yield f"{purpose}: design {name}\n{settings}"
         if edges := found.edges(name):
             yield f"Design {name} is at the edge of the range of {', '.join(edges)}. Extend the range with --vary."
 
@@ -139,7 +139,7 @@ def _draw_front(axes: Axes, found: DesignStudy) -> None:
     if task.limits:
         axes.plot(x[~met], y[~met], "x", ms=3, color="0.85", label="beyond a limit")
     axes.plot(x[designs.front], y[designs.front], "o", ms=6, mfc="none", color="0.3", label="Pareto front")
-    colours = _colours(found)
+    colours = {"unmodified": "black"} | {one: f"C{number}" for number, one in enumerate(_purposes(found))}
     for name, at_x, at_y in zip(found.names, x_named, y_named, strict=True):
         axes.plot(at_x, at_y, "o", ms=6, color=colours.get(name, "none"))
         axes.annotate(name, (at_x, at_y), xytext=(5, 5), textcoords="offset points", fontsize=9, annotation_clip=True)
@@ -151,22 +151,25 @@ def _draw_front(axes: Axes, found: DesignStudy) -> None:
     axes.legend(fontsize=8, frameon=False)
 
 
-def _colours(found: DesignStudy) -> dict[str, str]:
-    """Colours of the unmodified pair and of the best designs."""
-    names = dict.fromkeys(found.best().values())
-    return {"unmodified": "black"} | {name: f"C{number}" for number, name in enumerate(names)}
+def _purposes(found: DesignStudy) -> dict[str, str]:
+    """The best designs, and what they are best in."""
+    purposes: dict[str, str] = {}
+    for purpose, name in found.best().items():
+        words = purpose if purpose == COMPROMISE else f"least {purpose}"
+        purposes[name] = f"{purposes[name]}, {words}" if name in purposes else words
+    return purposes
 
 
 def _draw_loads(axes: Axes, found: DesignStudy) -> None:
-    """Peak-to-peak transmission error of the nominal pair, and the 5 to 95 % band of the samples."""
+    """Peak-to-peak transmission error of the nominal pair, and the 90 % quantile of the samples."""
     from pipelines.report.figures.plots import dress
 
     torques = np.array(found.designs.task.torques)
-    for name, colour in _colours(found).items():
-        own = 1e6 * found.results.peak_to_peak[found.names.index(name)]
-        axes.plot(torques, own[0], "o-", ms=4, color=colour, label=name)
+    for number, (name, words) in enumerate({"unmodified": "", **_purposes(found)}.items()):
+        own, colour = 1e6 * found.results.peak_to_peak[found.names.index(name)], f"C{number - 1}" if number else "black"
+        axes.plot(torques, own[0], "o-", ms=4, color=colour, label=f"{name} {words}")
         if len(own) > 1:
-            axes.fill_between(torques, *np.quantile(own[1:], (0.05, 0.95), axis=0), color=colour, alpha=0.15, lw=0)
+            axes.plot(torques, np.quantile(own[1:], 0.9, axis=0), "o--", ms=4, mfc="none", color=colour)
     dress(axes, "transmission error over the torque", "torque on the pinion, N m", "peak to peak, µm")
-    axes.set_ylim(bottom=0.0)
-    axes.legend(fontsize=8, frameon=False)
+    axes.set_ylim(0.0, 1.3 * axes.get_ylim()[1])  # room for the legend
+    axes.legend(fontsize=8, frameon=False, loc="upper left", ncols=2)

@@ -66,6 +66,14 @@ class DesignStudy:
     names : of the candidates in tables and figures: "unmodified", "scene" if that is modified, "A", "B", ...
     candidates : of each its number in `designs`, None for the first ones
     results : of each, with `FINE` positions in the mesh cycle
+
+    >>> import gearcase
+    >>> vary = ["both.tip_relief.amount_um=0:8:2", "both.tip_relief.length_mm=2,3,4"]
+    >>> found = gearcase.design(gearcase.Scene.from_file("pair"), vary, torques=[50.0])
+    >>> found.names, len(found.designs.index), found.best()
+    (('unmodified', 'A'), 15, {'te um': 'A'})
+    >>> found.settings("A")["stages.1.wheel.tip_relief.length_mm"]
+    4
     """
 
     title: str
