@@ -21,22 +21,21 @@ STATISTICS: dict[str, Callable[[np.ndarray], np.ndarray]] = {  # of (candidate, 
     "q90": lambda values: np.quantile(values[:, 1:], 0.9, axis=1),
     "worst": lambda values: values[:, 1:].max(axis=1),
 }
-LOADED = {  # at the greatest torque: name, quantity of `pipelines.steps.candidates`, its size in the unit, unit, text
-    "pressure": ("pressure", 1e6, "MPa", "largest Hertz pressure"),
-    "load-factor": ("face_load_factor", 1.0, "", "largest line load over its mean along the face"),
+LOADED = {  # at the greatest torque: name, quantity of `pipelines.steps.candidates`, its size in the unit, unit
+    "pressure": ("pressure", 1e6, "MPa"),
+    "load-factor": ("face_load_factor", 1.0, ""),
 }
-TEXTS = {
-    "te": "peak-to-peak transmission error, mean over the torques (um)",
-    "te-max": "peak-to-peak transmission error, largest over the torques (um)",
-    **{f"te{k}": f"amplitude of mesh order {k}, mean over the torques (um)" for k in range(1, ORDERS + 1)},
-    **{name: f"{text} at the greatest torque ({unit or '1'})" for name, (_, _, unit, text) in LOADED.items()},
-}
+NAMES = ("te", "te-max", *(f"te{order}" for order in range(1, ORDERS + 1)), *LOADED)
 _LIMIT = re.compile(r"\s*([\w:-]+)\s*<=\s*([-+.\w]+)\s*")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Quantity:
-    """A quantity and its statistic over the samples."""
+    """A quantity and its statistic over the samples.
+
+    te, te-max: peak-to-peak transmission error, mean and largest over the torques; te1, te2, ...: amplitude of a mesh
+    order, mean over the torques; pressure, load-factor: at the greatest torque
+    """
 
     name: str
     statistic: str
@@ -55,7 +54,7 @@ class Quantity:
     def samples(self, found: CandidateResults) -> np.ndarray:
         """Values (candidate, sample) in the unit of the label."""
         if self.name in LOADED:
-            key, size, _, _ = LOADED[self.name]
+            key, size, _ = LOADED[self.name]
             return found.loaded[key] / size
         if self.name == "te-max":
             return 1e6 * found.peak_to_peak.max(axis=2)
@@ -81,7 +80,7 @@ def parse_quantity(text: str, *, sampled: bool) -> Quantity:
     """
     name, colon, statistic = text.partition(":")
     statistic = statistic if colon else "q90" if sampled else NOMINAL
-    for word, known, what in ((name, TEXTS, "quantity"), (statistic, STATISTICS, "statistic")):
+    for word, known, what in ((name, NAMES, "quantity"), (statistic, STATISTICS, "statistic")):
         if word not in known:
             near = nearest_name(word, known)
             hint = f"Did you mean {near}? " if near else ""

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 from fem.gears.modifications import FlankModifications, PairModifications
@@ -14,8 +13,6 @@ from pipelines.io.shown import nearest_name, shown
 from pipelines.machine.flanks import GEARS, modifications
 from pipelines.scene.file import LoadedScene, changed
 from pipelines.scene.tables.derived import key_of
-from pipelines.scene.tables.gears import GearTable
-from pipelines.scene.tables.stages import StageTable
 from pipelines.studies.detect.over import Over, parse_over
 
 BOTH = "both"
@@ -71,7 +68,7 @@ class Variables:
         if twice is not None:
             raise InputError(f"--vary {twice}: is varied twice. Delete one of the two.")
         for end in (0, -1):
-            changed(self.loaded, self.settings([one.values[end] for one in self.given]))
+            self.modifications([one.values[end] for one in self.given])
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -94,31 +91,10 @@ class Variables:
 
     def modifications(self, values: Sequence[Any]) -> PairModifications:
         """The modifications of a candidate."""
-        trees = {gear: _copied(tree) for gear, tree in self._trees.items()}
-        for over, value in zip(self.given, values, strict=True):
-            for path in self._paths(over):
-                *tables, last = path.split(".")
-                tree = trees
-                for name in tables:
-                    tree = tree.setdefault(name, {})
-                tree[last] = value
-        gears = {gear: GearTable.model_validate(tree) for gear, tree in trees.items()}
-        return modifications(self._stage.model_copy(update=gears), self.sense)
-
-    @property
-    def _stage(self) -> StageTable:
-        return self.loaded.scene.stages[self.stage - 1]
-
-    @cached_property
-    def _trees(self) -> dict[str, Any]:
-        """Modifications of both gears in the scene."""
-        return {g: getattr(self._stage, g).model_dump(include=set(KEYS), exclude_none=True) for g in GEARS}
+        scene = changed(self.loaded, self.settings(values)).scene
+        return modifications(scene.stages[self.stage - 1], self.sense)
 
     @staticmethod
     def _paths(over: Over) -> list[str]:
         gear, _, rest = over.key.partition(".")
         return [f"{one}.{rest}" for one in (GEARS if gear == BOTH else (gear,))]
-
-
-def _copied(tree: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: _copied(value) if isinstance(value, Mapping) else value for key, value in tree.items()}
