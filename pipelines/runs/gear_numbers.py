@@ -168,7 +168,7 @@ def _pressures(case: _Case, curve: StiffnessCurve) -> tuple[np.ndarray, np.ndarr
     """Numbers (pair,) of the loaded pairs from that of the tooth, their shares and pressures (position, pair)."""
     pair, law = case.laws.pair, case.laws.law(faulty=case.faulty, modified=case.modified)
     state = curve.cycle, curve.transmission_error, curve.tilt
-    pairs, loads = LawEvaluator(law).near_loads(*state, *case.laws.teeth(faulty=case.faulty))
+    pairs, loads = LawEvaluator(law).line_loads(*state, *case.laws.teeth(faulty=case.faulty))
     loaded, pressure = loads.any(axis=2), np.zeros(curve.share.shape)
     greatest = flank_pressure(pair, law, curve.cycle, pairs, loads).max(axis=2)
     pressure[np.nonzero(loaded)[0], np.searchsorted(curve.pair, pairs[loaded])] = greatest[loaded]

@@ -82,25 +82,11 @@ class LawEvaluator:
         return self._respond(cycle, delta, psi, *self.teeth(pinion, wheel))
 
     def line_loads(
-        self, cycle: float, delta: float, psi: float = 0.0, pinion: Teeth = None, wheel: Teeth = None
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Numbers p (n,) of the loaded pairs and their loads (n, slice) per face width at one state, N/m.
-
-        The load is phi f, what the strain energy loses per width and gap opened there.
-
-        Parameters
-        ----------
-        cycle, delta, psi : 1, m, rad
-        pinion, wheel : see `Teeth`
-        """
-        pairs, loads = self.near_loads(cycle, delta, psi, pinion, wheel)
-        loaded = loads[0].any(axis=1)
-        return pairs[0, loaded], loads[0, loaded]
-
-    def near_loads(
         self, cycle: Values, delta: Values, psi: Values = 0.0, pinion: Teeth = None, wheel: Teeth = None
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Numbers (n, pair) of all pairs that may be near mesh at n states, and their `line_loads` (n, pair, slice).
+        """Numbers p (n, pair) of all pairs that may be near mesh at n states, and their loads (n, pair, slice), N/m.
+
+        The load is phi f, what the strain energy loses per width and gap opened there.
 
         Parameters
         ----------
@@ -126,7 +112,7 @@ class LawEvaluator:
         cycle, delta, psi : 1, m, rad
         pinion, wheel : see `Teeth`
         """
-        pairs, loads = self.near_loads(cycle, delta, psi, pinion, wheel)
+        pairs, loads = self.line_loads(cycle, delta, psi, pinion, wheel)
         return pairs[0], loads[0] @ self.law.slice_width
 
     def no_load(self, cycle: Values, psi: Values = 0.0, pinion: Teeth = None, wheel: Teeth = None) -> np.ndarray:

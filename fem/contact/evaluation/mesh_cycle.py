@@ -44,7 +44,7 @@ class MeshCycle:
         return float(along.max() * width.sum() / (along @ width))
 
     def _line_loads(self) -> tuple[np.ndarray, np.ndarray]:
-        return self.evaluator.near_loads(self.cycle, self.error[-1], self.tilt, *self.teeth)
+        return self.evaluator.line_loads(self.cycle, self.error[-1], self.tilt, *self.teeth)
 
 
 def mesh_cycle(

@@ -183,7 +183,7 @@ def _sharing(
     evaluator: LawEvaluator, c: np.ndarray, delta: np.ndarray, tilt: np.ndarray, h1: np.ndarray, h2: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Pair numbers (m,) loaded anywhere, and their forces (n, m) in N."""
-    pairs, loads = evaluator.near_loads(c, delta, tilt, h1, h2)
+    pairs, loads = evaluator.line_loads(c, delta, tilt, h1, h2)
     known = np.arange(pairs.min(), pairs.max() + 1)
     force = np.zeros((c.size, known.size))
     np.put_along_axis(force, pairs - known[0], loads @ evaluator.law.slice_width, axis=1)

@@ -78,7 +78,7 @@ def mesh_frames(
     curve, states = (
         stiffness_curve(law, load, places, clearance_pinion=pinion, clearance_wheel=wheel) for places in (whole, cycles)
     )
-    pairs, loads = LawEvaluator(law).near_loads(cycles, states.transmission_error, 0.0, pinion, wheel)
+    pairs, loads = LawEvaluator(law).line_loads(cycles, states.transmission_error, 0.0, pinion, wheel)
     own = law.cycle_sign * cycles + law.cycle_offset
     points = contact_places(pair, own[:, None, None] - pairs[..., None] + law.cycle_shift, law.face_coordinate)
     points[~loads.any(axis=2)] = np.nan

@@ -59,7 +59,7 @@ def contact_pattern(
     local = np.linspace(law.position_start - overlap, last + overlap, POSITIONS)
     cycles = tooth + local
     curve = stiffness_curve(law, force, cycles, psi=tilt, clearance_pinion=teeth[0], clearance_wheel=teeth[1])
-    pairs, loads = evaluator.near_loads(cycles, curve.transmission_error, curve.tilt, *teeth)
+    pairs, loads = evaluator.line_loads(cycles, curve.transmission_error, curve.tilt, *teeth)
     own = np.where((pairs == tooth)[..., None], loads, 0.0)
     found = contact_pressure(pair, law, cycles, pairs, own).max(axis=1)
     rolls = _flank_rolls(pair, gear)
