@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import json
+import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -69,7 +70,7 @@ def write_page(found: DesignStudy, path: Path) -> None:
     name = found.recommended
     body = [
         heading(found.title, 1),
-        table(grid("", found.rows())),
+        table(grid("", ({re.sub("[._]", " ", key): value for key, value in row.items()} for row in found.rows()))),
         paragraph(_conditions(found)),
         picture(design_figure(found), _CAPTION),
         picture(transmission_error_figure(found.title, _errors(found, name)), f"Nominal pair and design {name}"),
@@ -142,7 +143,14 @@ def _draw_front(axes: Axes, found: DesignStudy) -> None:
     colours = {"unmodified": "black"} | {one: f"C{number}" for number, one in enumerate(_purposes(found))}
     for name, at_x, at_y in zip(found.names, x_named, y_named, strict=True):
         axes.plot(at_x, at_y, "o", ms=6, color=colours.get(name, "none"))
-        axes.annotate(name, (at_x, at_y), xytext=(5, 5), textcoords="offset points", fontsize=9, annotation_clip=True)
+        axes.annotate(
+            name,
+            (at_x, at_y),
+            xytext=(5, -13 if name == "unmodified" else 5),
+            textcoords="offset points",
+            fontsize=9,
+            annotation_clip=True,
+        )
     for axis, _, values, named in list(zip("xy", *zip(*shown, strict=False), strict=False))[-len(task.objectives) :]:
         near = np.concatenate([values[designs.front], named])
         low, high = np.nanmin(near), np.nanmax(near)
