@@ -17,6 +17,7 @@ from pipelines.io.errors import InputError, SceneError
 from pipelines.runs.single_results import build_pairs
 from pipelines.scene.file import changed, load_scene
 from pipelines.steps import candidates
+from pipelines.studies.design.page import words as lines
 from pipelines.studies.design.study import DesignOptions, design_study
 
 VARY = ("both.tip_relief.amount_um=0:20:4", "both.tip_relief.length_mm=1:3:1")
@@ -67,12 +68,22 @@ def test_a_limit_is_met_by_the_whole_front():
     assert (limited.excess > 0.0).any()
 
 
+def test_a_limit_that_is_exceeded_between_the_positions_of_the_search_is_stated():
+    free = found(minimize=("te", "pressure")).designs
+    most = float(free.objectives[free.front[0], 1])
+    study = found(limits=(f"pressure <= {most!r}",))
+    assert study.rows()[-1]["pressure MPa"] > most
+    assert any(line.startswith("Design A exceeds pressure MPa <= ") for line in lines(study))
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
         ({"vary": ("both.tip_releif.amount_um=0:9",)}, "Did you mean tip_relief"),
         ({"vary": ("both.lead_crowning_um=5:5",)}, "one value only"),
         ({"stage": 2}, "the scene has 1 stages"),
+        ({"torques": (-1.0, 40.0)}, "torques = -1.0: must be a number of at least 1e-06"),
+        ({"seed": -1}, "seed = -1: must be a number of at least 0"),
         ({"minimize": ("presure",)}, "Did you mean pressure"),
         ({"limits": ("te < 1",)}, "is not a limit"),
         ({"limits": ("te <= 0",)}, "none of 18 candidates"),

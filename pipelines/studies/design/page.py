@@ -43,6 +43,8 @@ def words(found: DesignStudy) -> Iterator[str]:
     for name, purpose in _purposes(found).items():
         settings = " ".join(f"--set {key}={value}" for key, value in found.settings(name).items())
         yield f"{purpose}: design {name}\n{settings}"
+        if exceeded := found.exceeded(name):
+            yield f"Design {name} exceeds {', '.join(exceeded)} on the finer positions. Reduce the limit a little."
         if edges := found.edges(name):
             yield f"Design {name} is at the edge of the range of {', '.join(edges)}. Extend the range with --vary."
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.contact.evaluation.evaluator import LawEvaluator
+from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.law import MeshLaw
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import LARGEST_PART, PairModifications, relief_lengths
@@ -124,6 +124,14 @@ class DesignStudy:
         found = self.best()
         return found.get(COMPROMISE) or next(iter(found.values()))
 
+    def exceeded(self, name: str) -> list[str]:
+        """Limits that a candidate exceeds on the fine mesh cycle."""
+        at = self.names.index(name)
+        limits = self.designs.task.limits
+        return [
+            f"{one.quantity.label} <= {one.most:g}" for one in limits if one.quantity.of(self.results)[at] > one.most
+        ]
+
     def edges(self, name: str) -> list[str]:
         """Keys of a candidate at an end of their range, except 0 and the length of a relief without amount."""
         pairs = list(zip(self.designs.task.variables.given, self._values(name), strict=True))
@@ -148,7 +156,7 @@ def design_study(loaded: LoadedScene, options: DesignOptions, work: Work) -> Des
     SceneError, InputError : the scene or an option cannot be used, or nothing meets the limits
     """
     graph, machine = scene_graph(loaded)
-    number = _checked_stage(loaded, options)
+    number = _checked(loaded, options)
     law = machine.sound_law_names[number]
     laws: tuple[MeshLaw, MeshLaw] = work.build(graph.needed([law]), [law]).value(law)
     task = _task(loaded, machine, options, laws[0])
@@ -182,7 +190,7 @@ def _shown(designs: Designs) -> list[int]:
     return [front[i] for i in at]
 
 
-def _checked_stage(loaded: LoadedScene, options: DesignOptions) -> int:
+def _checked(loaded: LoadedScene, options: DesignOptions) -> int:
     stages = loaded.scene.stages
     if not 1 <= options.stage <= len(stages):
         raise InputError(
@@ -193,6 +201,10 @@ def _checked_stage(loaded: LoadedScene, options: DesignOptions) -> int:
             f'stages.{options.stage}.mesh.model = "iso": this model does not contain the effect of modifications on '
             'load sharing. Set "plane" or "solid".'
         )
+    least = {"samples": 0, "misalignment_um": 0, "seed": 0, "evaluations": 1}
+    for name, value in [(key, getattr(options, key)) for key in least] + [("torques", one) for one in options.torques]:
+        if not least.get(name, 1e-6) <= value < math.inf:
+            raise InputError(f"{name} = {value}: must be a number of at least {least.get(name, 1e-6):g}.")
     return options.stage - 1
 
 
@@ -202,7 +214,8 @@ def _task(loaded: LoadedScene, machine: Plant, options: DesignOptions, law: Mesh
     radius, scene_force = pair.pinion.base_radius, machine.facts.stages[number].shown_force
     torques = tuple(sorted(set(options.torques))) or tuple(share * scene_force * radius for share in LOADS)
     forces = tuple(torque / radius for torque in torques)
-    vary = options.vary or _tip_reliefs(pair, law, forces[-1])
+    deflection = stiffness_curve(law, forces[-1]).transmission_error.max()  # warns if the law ends too early
+    vary = options.vary or _tip_reliefs(pair, deflection)
     return DesignTask(
         variables=Variables(loaded, options.stage, sense, tuple(map(parse_vary, vary))),
         objectives=tuple(parse_quantity(text, sampled=sampled) for text in dict.fromkeys(options.minimize)),
@@ -220,7 +233,7 @@ def _task(loaded: LoadedScene, machine: Plant, options: DesignOptions, law: Mesh
     )
 
 
-def _tip_reliefs(pair: GearPair, law: MeshLaw, force: float) -> tuple[str, str]:
+def _tip_reliefs(pair: GearPair, deflection: float) -> tuple[str, str]:
     """Linear tip reliefs, equal on both gears, in manufacturing steps.
 
     The amounts end at the largest deflection of the teeth without modifications, the effective tip relief C_eff of
@@ -237,7 +250,6 @@ def _tip_reliefs(pair: GearPair, law: MeshLaw, force: float) -> tuple[str, str]:
             f"design: no length of a tip relief is usual for the contact ratio {pair.transverse_contact_ratio:.3g}, "
             "which is not between 1 and 2. Set --vary."
         )
-    deflection = LawEvaluator(law).approach_at(force, np.arange(FINE) / FINE).max()
     most = min(math.ceil(1e6 * deflection), int(1e6 * LARGEST_PART * pair.pinion.normal_module))
     short, long = (round(1e4 * length) for length in lengths)  # in steps of 0.1 mm
     amount_step, length_step = -(-most // MOST_AMOUNTS), -(-(long - short) // MOST_LENGTHS) / 10
