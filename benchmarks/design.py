@@ -1,8 +1,9 @@
-"""What `gearcase design` costs and finds: `python -m benchmarks.design [speed] [front] [robust] [slices] [helical]`.
+"""What `gearcase design` costs and finds: `python -m benchmarks.design [PART ...]`.
 
 speed: processor seconds of 2,000 candidates at 12 torques, model `solid` with 15 slices, 32 positions in the mesh cycle
 front: hypervolume of the fronts that are searched, divided by that of exhaustive grids with two and three variables
 robust: 90 % quantiles of peak-to-peak transmission error over pairs whose seeds the search has not seen
+sensors: rms of the acceleration of the bench without its fault, simulated with the designs that `robust` found
 slices: transmission error of the front with 15 and with 61 slices of the face
 helical: tip relief of a helical pair 23/81, for which a published study found 31 % less transmission error
 """
@@ -32,6 +33,7 @@ GRIDS = {
 }
 ROBUST = ("both.tip_relief.amount_um=0:30:2", "both.tip_relief.length_mm=1:4:0.5", "both.lead_crowning_um=0:12:2")
 FRESH = range(1001, 1201)  # seeds
+MACHINES = range(2101, 2141)  # seeds
 GRADE, MISALIGNMENT = 6, 10.0  # ISO 1328-1; um over the face width
 HELICAL: dict[str, Any] = {  # 23/81 teeth, 50 N m, helical: published; all else is assumed
     "stages.1.pinion_teeth": 23, "stages.1.wheel_teeth": 81, "stages.1.module_mm": 1.5,
@@ -94,6 +96,33 @@ def robust(scene: str = "bench", settings: Mapping[str, Any] = {}, torques: tupl
         print(f"{scene}, q90 of robust less that of {name}: {low:+.3f} to {high:+.3f} um")
 
 
+def sensors() -> None:
+    """Paired levels, with their 95 % bootstrap intervals, over machines with other deviations and misalignments."""
+    import gearcase
+
+    given = {"deviations.iso_grade": GRADE, "deviations.include": ["pitch", "profile", "helix"]}
+    bench = gearcase.Scene.from_file("bench").changed({**given, "faults": [], "simulation.end_s": 1.2})
+    found: dict[str, list[np.ndarray]] = {"unmodified": [], "nominal": [], "robust": []}
+    values = {"unmodified": (0, 1.0, 0), "nominal": (30, 2.0, 2), "robust": (4, 3.5, 4)}
+    for seed in MACHINES:
+        skew = MISALIGNMENT * np.random.default_rng([seed, 6336]).uniform(-1.0, 1.0)
+        for name, (amount, length, crowning) in values.items():
+            change: dict[str, Any] = {"deviations.seed": seed, "stages.1.misalignment.out_of_plane_um": skew}
+            for gear in ("pinion", "wheel"):
+                change[f"stages.1.{gear}.tip_relief"] = {"amount_um": amount, "length_mm": length}
+                change[f"stages.1.{gear}.lead_crowning_um"] = crowning
+            signal = gearcase.simulate(bench.changed(change)).acceleration.sel(time=slice(0.6, None))
+            rest = [axis for axis in signal.dims if axis != "sensor"]
+            found[name].append(np.sqrt((signal**2).mean(rest)).values)
+    levels = {name: 20 * np.log10(np.array(rms)) for name, rms in found.items()}
+    again = np.random.default_rng(1).integers(0, len(MACHINES), (10_000, len(MACHINES)))
+    for name in ("nominal", "robust"):
+        change_dB = levels[name] - levels["unmodified"]
+        low, high = np.quantile(change_dB[again].mean(axis=1), (0.025, 0.975), axis=0)
+        for number, mean in enumerate(change_dB.mean(axis=0)):
+            print(f"{name}, sensor {number + 1}: {mean:+.2f} dB ({low[number]:+.2f} to {high[number]:+.2f})")
+
+
 def slices() -> None:
     """The designs of a front, with the values of a search, on finer slices."""
     options: dict[str, Any] = {"vary": ROBUST, "minimize": ("te", "pressure")}
@@ -133,5 +162,5 @@ def helical() -> None:
 
 
 if __name__ == "__main__":
-    for name in sys.argv[1:] or ("speed", "front", "robust", "slices", "helical"):
+    for name in sys.argv[1:] or ("speed", "front", "robust", "sensors", "slices", "helical"):
         globals()[name]()
