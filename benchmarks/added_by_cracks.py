@@ -13,7 +13,7 @@ from benchmarks.cracked_teeth import CASES, case_gear, places
 from fem.contact.faults.cracked_tooth import CrackedTooth
 from fem.contact.wheels.crack_surface import CrackSurface, CrackSurfaceSpec, crack_surface, load_weights, opened
 from fem.elements.materials import STEEL
-from fem.elements.prisms import slice_means
+from fem.elements.twisted_hexahedra import slice_means
 
 RESULTS = Path(__file__).resolve().parent / "results" / "cracked-teeth.json"
 ON_CRACKED_HALF = slice(1, None, 2)  # of the six places

@@ -17,7 +17,7 @@ from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.models.static_casing import StaticCasing
 from fem.casing.reduced.body import MODES_OVER_BAND
 from fem.casing.reduced.checkup import check_up
-from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.halves import reduced_and_counted
 from fem.casing.reduced.modes import casing_modes
 from fem.elements.materials import Material
@@ -68,7 +68,7 @@ def modes(folder: Path) -> list[dict[str, Any]]:
     found, (box, iron) = kept(folder, "mesh"), casing_parts(plant)
     model = plant.casing
     assert isinstance(model, CraigBamptonCasing)
-    grounding, casing = timed(lambda: ground_casing(found, iron), repeats=1)
+    grounding, casing = timed(lambda: assembled_casing(found, iron).held(), repeats=1)
     limit = MODES_OVER_BAND * model.band
     reducing, (reduction, counted) = timed(
         lambda: reduced_and_counted(casing.interface, lambda: (casing.K_free, casing.M_free), highest=limit), repeats=1

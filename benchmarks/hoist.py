@@ -3,16 +3,27 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
-from mbd.forces.rope import Rope
+from mbd.forces.rope import Rope, RopeLoad
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.machine import STANDARD_GRAVITY, Machine
 from mbd.parts.shafts import Disk, Section, ShaftSpec
 from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
 
-MASS, RADIUS, LENGTH, EA, FALLS = 1000.0, 0.1, 5.0, 3.57e6, 8
+MASS, RADIUS, LENGTH, FALLS = 1000.0, 0.1, 5.0, 8
+LOAD = RopeLoad(
+    container_mass=MASS,
+    drum_radius=RADIUS,
+    drum_mass=10.0,
+    drum_inertia=0.05,
+    rope_falls=FALLS,
+    rope_length=LENGTH,
+    rope_damping_ratio=0.0,
+)
+EA = LOAD.axial_stiffness
 OMEGA = math.sqrt(FALLS * EA / LENGTH / MASS)  # rad/s
 WEIGHT = MASS * STANDARD_GRAVITY
 
@@ -46,13 +57,7 @@ def hoist(
     load = Rope(
         shaft="shaft_1",
         drums=(-0.02, 0.02),
-        container_mass=MASS,
-        drum_radius=RADIUS,
-        falls=FALLS,
-        axial_stiffness=EA,
-        length=LENGTH,
-        reeving=2.0,
-        damping_ratio=damping,
+        hoist=replace(LOAD, rope_damping_ratio=damping),
         follow_length=follow,
     )
     return Machine(

@@ -16,7 +16,7 @@ from collections import Counter
 from pathlib import Path
 
 from pipelines.diagnosis.impacts import impacts
-from pipelines.diagnosis.verdict import judge
+from pipelines.diagnosis.judge import judge
 from pipelines.diagnosis.verdict_words import headline, standing
 from pipelines.runs.recorded import machine_of, read_features
 from pipelines.signals.features.table import with_common_components

@@ -12,7 +12,7 @@ from benchmarks.clock import timed
 from benchmarks.rig import casing_body, kept, moving, read, stage_law, system
 from mbd.integrators.base import Integrator
 from mbd.integrators.methods import make_integrator
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.output.trajectory import Trajectory
 from mbd.system.system import System
@@ -38,7 +38,7 @@ def mesh_mode_frequency(system: System, share: float = 0.1) -> float:
 
 def run(machine: System, end: float, step: float = STEP, method: str = "exponential") -> Trajectory:
     """One run from equilibrium."""
-    return simulate(machine, Settings(end=end, step=step, integrator=method))
+    return simulate(machine, MotionSettings(end=end, step=step, integrator=method))
 
 
 def rig(folder: Path, **settings: Any) -> System:

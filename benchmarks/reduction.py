@@ -65,7 +65,7 @@ def measure(element_size: float, band: float, solver: str) -> dict[str, Any]:
     from fem.casing.models.craig_bampton import CraigBamptonCasing
     from fem.casing.reduced.body import MODES_OVER_BAND
     from fem.casing.reduced.checkup import check_up
-    from fem.casing.reduced.grounded import ground_casing
+    from fem.casing.reduced.grounded import assembled_casing
     from fem.casing.reduced.halves import reduced_and_counted
     from fem.casing.reduced.modes import casing_modes
 
@@ -86,7 +86,7 @@ def measure(element_size: float, band: float, solver: str) -> dict[str, Any]:
         mesh = step("geometry and mesh", lambda: mesh_geometry(box, sizes))
         casing = step(
             "assembly, factorisation, constraint modes",
-            lambda: ground_casing(mesh, iron, solver=solver),  # type: ignore[arg-type]
+            lambda: assembled_casing(mesh, iron).held(solver),  # type: ignore[arg-type]
         )
         reduction, counted = step(
             "fixed-interface modes and their count, inertia correction",

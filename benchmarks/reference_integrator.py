@@ -2,9 +2,9 @@
 
 (p, p')' = (p', Phi^T (f + B^T lambda - M R phi'') - C p' - omega^2 p) with the error controlled to ``rtol`` = 1e-9; a
 free frame (`mbd.system.rolling_frame`) adds its angle and speed to the state.
-Made to measure the fixed-step methods, thousands of times slower than they are: use it for milliseconds. Whoever
-imports this file can name it as the integrator "reference" of `mbd.integrators.settings.Settings`. DOP853 needs a step
-below 2/omega_max, Radau does not but factorises; the solver restarts where the motor acceleration jumps.
+Made to measure the fixed-step methods, thousands of times slower than they are: use it for milliseconds. It is the
+integrator "reference" of `ReferenceSettings`. DOP853 needs a step below 2/omega_max, Radau does not but factorises; the
+solver restarts where the motor acceleration jumps.
 
 References
 ----------
@@ -14,6 +14,7 @@ Hairer, Norsett & Wanner (1993), Solving Ordinary Differential Equations I, sect
 from __future__ import annotations
 
 import copy
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -22,6 +23,7 @@ from mbd.elements.newton import solve_rows, work_between
 from mbd.elements.table import Instant, instant
 from mbd.integrators.base import TOLERANCE, Block, Flow, uniform_clock
 from mbd.integrators.methods import METHODS
+from mbd.integrators.settings import MotionSettings
 from mbd.parts.checks import StepError
 from mbd.system.statics import State
 from mbd.system.system import System
@@ -29,6 +31,13 @@ from mbd.system.system import System
 RTOL = 1e-9
 ATOL = 1e-13  # mass-normalised coordinates
 METHODS["reference"] = (__name__, "Reference")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReferenceSettings(MotionSettings):
+    """Settings with any integrator of METHODS; a scene may not select the reference."""
+
+    integrator: str = "reference"  # type: ignore[assignment]
 
 
 class Reference:

@@ -26,20 +26,20 @@ if TYPE_CHECKING:
     from gearcase.errors import InputError as InputError
     from gearcase.errors import SceneError as SceneError
     from gearcase.errors import WorkError as WorkError
-    from gearcase.gears import PairLaws as PairLaws
-    from gearcase.gears import laws as laws
     from gearcase.machines import LinearModes as LinearModes
     from gearcase.machines import modes as modes
     from gearcase.machines import simulate as simulate
-    from gearcase.matrices import Point as Point
-    from gearcase.matrices import ReducedMatrices as ReducedMatrices
-    from gearcase.matrices import reduce as reduce
+    from gearcase.pair_laws import PairLaws as PairLaws
+    from gearcase.pair_laws import laws as laws
     from gearcase.progress import StepProgress as StepProgress
     from gearcase.recordings import Verdict as Verdict
     from gearcase.recordings import compare as compare
     from gearcase.recordings import features as features
     from gearcase.recordings import judge as judge
     from gearcase.recordings import open_recording as open_recording
+    from gearcase.reduction import Point as Point
+    from gearcase.reduction import ReducedMatrices as ReducedMatrices
+    from gearcase.reduction import reduce as reduce
     from gearcase.results import Diagnosis as Diagnosis
     from gearcase.results import LineBars as LineBars
     from gearcase.results import diagnose as diagnose
@@ -62,11 +62,11 @@ _PLACES = {
     "casings": ("Casing", "casing"),
     "datasets": ("open_dataset", "pieces"),
     "errors": ("InputError", "SceneError", "WorkError"),
-    "gears": ("PairLaws", "laws"),
     "machines": ("LinearModes", "modes", "simulate"),
-    "matrices": ("Point", "ReducedMatrices", "reduce"),
+    "pair_laws": ("PairLaws", "laws"),
     "progress": ("StepProgress",),
     "recordings": ("Verdict", "compare", "features", "judge", "open_recording"),
+    "reduction": ("Point", "ReducedMatrices", "reduce"),
     "results": ("Diagnosis", "LineBars", "diagnose", "error_bars", "open_run", "run", "spectrum"),
     "scenes": ("Checked", "Scene", "check"),
     "studies": ("DesignStudy", "RefinementStudy", "Tradeoff", "converge", "design", "tradeoff"),

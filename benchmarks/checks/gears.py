@@ -112,7 +112,7 @@ SUBJECTS = (
               "test_involute.py::test_integer_overlap_has_a_constant_line_and_a_known_floor"),
         Check("f_pT and F_pT: z 20 class 5, z 55 class 5, z 20 class 7 (m_n 2 mm, β 12°)",
               "ISO 1328-1:2013, 5.3, by hand", "µm", (6.0, 17.0, 6.0, 19.0, 12.0, 34.0), 1e-9, _tolerances,
-              "test_deviations.py::test_tolerances_by_hand", "absolute"),
+              "test_pitch_deviations.py::test_tolerances_by_hand", "absolute"),
     )),
     Subject("Mesh stiffness, model iso", (
         Check("C_R (b_s/b 0.25, s_R/m_n 5) and C_B of the helical pair z 24/95", KISSSOFT, "", (0.898, 0.975), 1e-3,

@@ -13,7 +13,7 @@ from benchmarks.hoist import OMEGA, WEIGHT, hoist
 from fem.casing.models.no_casing import NoCasing
 from mbd.integrators import exponential, trapezoidal
 from mbd.integrators.generalised_alpha import DEFAULT_RADIUS
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.beam import shear_coefficient
 from mbd.parts.machine import STANDARD_GRAVITY
@@ -97,7 +97,7 @@ def _ramp() -> tuple[np.ndarray, np.ndarray]:
     system = assemble(
         machine, NoCasing().reduce(bearings={b.name: (0.0, b.y, 0.0) for b in machine.bearings}), ("rope:force",)
     )
-    result = simulate(system, Settings(end=0.5, output_rate=2000.0, step=5e-5))
+    result = simulate(system, MotionSettings(end=0.5, output_rate=2000.0, step=5e-5))
     return result.time, result.channel("rope:force") / WEIGHT
 
 

@@ -81,7 +81,7 @@ def _body_check(body: gear_bodies.Body) -> Check:
         tuple((1e9 * np.diag(gear_bodies.reference(body))).tolist()),
         3e-2,
         lambda: (1e9 * np.diag(gear_bodies.by_sector(body))).tolist(),
-        "test_webs.py::test_deflection_at_six_places_against_tetrahedra",
+        "test_wheel_webs.py::test_deflection_at_six_places_against_tetrahedra",
     )
 
 

@@ -22,7 +22,7 @@ from fem.casing.mesh.mesh import CasingMesh
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.mesh.source import mesh_geometry
 from fem.casing.models.elastic_casing import ElasticCasing
-from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.reduction import Reduction, reduce_body
 from fem.elements.materials import Material
 from fem.elements.solid_elements import straight_places
@@ -54,7 +54,7 @@ def straightened(mesh: CasingMesh) -> CasingMesh:
 
 def ours(mesh: CasingMesh, material: Material) -> Reduction:
     """All modes to HIGHEST with the feet held."""
-    casing = ground_casing(mesh, material, interfaces=())
+    casing = assembled_casing(mesh, material, interfaces=()).held()
     return reduce_body(casing.interface, casing.K_free, casing.M_free, highest=HIGHEST)
 
 

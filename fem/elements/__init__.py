@@ -1,1 +1,1 @@
-"""Linear elasticity: materials and the element matrices of tetrahedra, sections and prisms."""
+"""Linear elasticity: materials and the element matrices of tetrahedra, sections and twisted hexahedra."""

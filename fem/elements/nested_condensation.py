@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.elements.dissection import Box, Dissection
-from fem.elements.prisms import axial_matrices, product_stiffness
+from fem.elements.twisted_hexahedra import axial_matrices, product_stiffness
 from fem.numerics import blas
 from fem.numerics.compiled import stored
 
@@ -73,7 +73,7 @@ class Prism:
 
     elements: np.ndarray  # (elements, 9) of the section
     grid: np.ndarray  # (elements, 2), row and column of the section
-    blocks: np.ndarray  # (3, elements, 27, 27), of `fem.elements.prisms.section_blocks`
+    blocks: np.ndarray  # (3, elements, 27, 27), of `fem.elements.twisted_hexahedra.section_blocks`
     ends: np.ndarray  # axial element ends, m
     roles: np.ndarray
     ties: Ties

@@ -125,6 +125,11 @@ class Processes(Executor):
         while child := self._waiting():
             self._end(child)
 
+    @property
+    def idle(self) -> int:
+        """Number of children that wait for a call."""
+        return len(self._idle)
+
     def _waiting(self) -> subprocess.Popen | None:
         with self._lock:
             return self._idle.pop() if self._idle else None

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, fields, replace
-from typing import Any, Literal
+from dataclasses import dataclass, field
+from typing import Literal
 
 from fem.named_classes import named_class
-from fem.options import option
+from fem.options import check_options, inline, option
 from mbd.parts.bearings import BearingSpec, rigid_bearing
 from mbd.parts.checks import MachineError, Options
-from mbd.parts.rolling_catalogue import by_designation
 from mbd.parts.rolling_elements import RollingElements
 
 BEARINGS = {
@@ -32,11 +31,7 @@ class BearingModel(Options, ABC):
     """Options of a bearing; `elements` and `cage_slip` of those whose rolling elements are known."""
 
     cage_slip = 0.0
-
-    @property
-    def elements(self) -> RollingElements | None:
-        """The rolling elements; None where they are not known. MachineError if they do not fit."""
-        return None
+    elements: RollingElements | None = field(default=None, init=False)
 
     @abstractmethod
     def spec(self, name: str, at: Station, support: Support) -> BearingSpec:
@@ -97,53 +92,8 @@ class HertzBearings(BearingModel):
     """Rolling bearings: Hertz contact of every rolling element, clearance or preload, rotating cage."""
 
     model: Literal["hertz"] = "hertz"
-    designation: str | None = option(
-        None,
-        text='bearing of the built-in catalogue, e.g. "6208"; without it give kind, elements, element_diameter_mm and '
-        "pitch_diameter_mm",
-    )
-    kind: Literal["ball", "roller"] | None = option(None, text="shape of the rolling elements")
-    count: int | None = option(None, key="elements", ge=3, le=100, text="number of rolling elements")
-    diameter: float | None = option(
-        None, unit="mm", key="element_diameter_mm", gt=0, text="diameter of a ball or roller"
-    )
-    pitch_diameter: float | None = option(
-        None, unit="mm", gt=0, text="diameter of the circle through the centres of the elements"
-    )
-    contact_angle: float | None = option(
-        None,
-        unit="deg",
-        ge=-60,
-        le=60,
-        text="contact angle without load; positive: the bearing supports the shaft against +y",
-    )
-    length: float | None = option(
-        None, unit="mm", key="roller_length_mm", gt=0, text="effective contact length of a roller"
-    )
-    inner_conformity: float | None = option(
-        None, gt=0.5, le=0.6, text="groove radius of the inner race over ball diameter"
-    )
-    outer_conformity: float | None = option(
-        None, gt=0.5, le=0.6, text="groove radius of the outer race over ball diameter"
-    )
-    clearance: float = option(
-        0.0,
-        unit="um",
-        key="radial_clearance_um",
-        ge=-100,
-        le=1000,
-        text="clearance on the diameter; negative: interference",
-    )
-    preload: float = option(
-        0.0,
-        unit="um",
-        key="axial_preload_um",
-        ge=-1000,
-        le=1000,
-        text="axial displacement of the inner ring relative to the outer one at assembly",
-    )
+    elements: RollingElements = inline()
     damping_time: float = option(5e-6, unit="us", ge=0, le=1e4, text="damping divided by tangent stiffness")
-    cage_start: float = option(0.0, unit="deg", ge=-360, le=360, text="angle of the first rolling element at t = 0")
     cage_slip: float = option(
         0.0,
         ge=0,
@@ -154,30 +104,7 @@ class HertzBearings(BearingModel):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        needed = {
-            "kind": self.kind,
-            "elements": self.count,
-            "element_diameter_mm": self.diameter,
-            "pitch_diameter_mm": self.pitch_diameter,
-        }
-        given = [key for key, value in needed.items() if value is not None]
-        if self.designation is None and len(given) < len(needed):
-            missing = ", ".join(key for key in needed if key not in given)
-            raise MachineError(f"{missing}: not set. Set them, or designation for a bearing of the catalogue")
-        if self.designation is not None and given:
-            raise MachineError(
-                f'designation = "{self.designation}" already determines {", ".join(given)}. Delete one or the other'
-            )
-
-    @property
-    def elements(self) -> RollingElements:
-        """From the catalogue or as given. MachineError if they do not fit."""
-        known = {field.name for field in fields(RollingElements)}
-        values: dict[str, Any] = {name: value for name, value in vars(self).items() if name in known}
-        values = {name: value for name, value in values.items() if value is not None}
-        if self.designation is not None:
-            return replace(by_designation(self.designation), **values)
-        return RollingElements(**values)
+        check_options(self.elements, MachineError)
 
     def spec(self, name: str, at: Station, support: Support) -> BearingSpec:
         """Contacts of the rolling elements."""

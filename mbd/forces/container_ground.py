@@ -6,8 +6,6 @@ The force is F = max(0, k s + c s') for s = g - z > 0, where z contains the roll
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import ENERGY, Element, rule
 from mbd.elements.mode_words import ModeWords
@@ -31,36 +29,27 @@ def ground_rule(values, motion, answer):
         answer.lost[0], answer.lost_by_u[0, 0] = elastic, -k
 
 
-@dataclass(frozen=True, kw_only=True)
-class Ground:
-    """Ground under the container: ``level`` (m) over the place of the just taut rope, N/m, damping ratio of the
-    container on it."""
+def ground(lay: Coordinates, lift: str, mass: float, values: tuple[float, float, float, float]) -> Element:
+    """The ground under a container.
 
-    level: float
-    stiffness: float
-    damping_ratio: float = 0.1
-
-    def element(self, lay: Coordinates, lift: str, mass: float, rise: float) -> Element:
-        """The ground under a container.
-
-        Parameters
-        ----------
-        lay : coordinates of the machine
-        lift : name of the coordinate of the container, which rises along it, m
-        mass : of the container, kg
-        rise : of the container by the rolling of the train, m per radian of the motor
-        """
-        damping = 2 * self.damping_ratio * (self.stiffness * mass) ** 0.5
-        return Element(
-            kind="ground",
-            name="ground",
-            part="ground",
-            words=ModeWords("ground", "ground", always=True),
-            rule=ground_rule,
-            values=(self.stiffness, damping, self.level, rise),
-            rows=lay.own_row(lift)[None],
-            row_names=("lift",),
-            scale=(max(mass * lay.gravity, 1.0),),
-            inner_contacts=True,
-            rolls=True,
-        )
+    Parameters
+    ----------
+    lay : coordinates of the machine
+    lift : name of the coordinate of the container, which rises along it, m
+    mass : of the container, kg
+    values : stiffness (N/m), damping (N s/m), level over the place of the container on the just taut rope (m), and rise
+        of the container by the rolling of the train (m per radian of the motor)
+    """
+    return Element(
+        kind="ground",
+        name="ground",
+        part="ground",
+        words=ModeWords("ground", "ground", always=True),
+        rule=ground_rule,
+        values=values,
+        rows=lay.own_row(lift)[None],
+        row_names=("lift",),
+        scale=(max(mass * lay.gravity, 1.0),),
+        inner_contacts=True,
+        rolls=True,
+    )

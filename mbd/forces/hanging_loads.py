@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any, Literal
-
-import numpy as np
+from typing import Literal
 
 from fem.named_classes import named_class
 from fem.options import option
@@ -18,8 +15,8 @@ from mbd.parts.speed_drive import SpeedProfile
 
 LOADS = {
     "static-torque": ("mbd.forces.hanging_loads", "StaticTorqueLoad"),
-    "rope": ("mbd.forces.hanging_loads", "RopeLoad"),
-    "rope-pendulum": ("mbd.forces.hanging_loads", "RopePendulumLoad"),
+    "rope": ("mbd.forces.rope", "RopeLoad"),
+    "rope-pendulum": ("mbd.forces.pendulum", "RopePendulumLoad"),
 }
 
 
@@ -66,6 +63,16 @@ class HangingLoad(Options, ABC):
         """
         return None
 
+    def weight(self, shaft: str, drums: tuple[float, ...]) -> Load:
+        """The weight as a constant torque; arguments as for `load`."""
+        return StaticTorque(
+            shaft=shaft,
+            drums=drums,
+            torque=self.torque / len(drums),
+            direction=self.rope_direction,
+            drum_radius=self.drum_radius,
+        )
+
     @abstractmethod
     def load(self, shaft: str, drums: tuple[float, ...]) -> Load:
         """The load on drums at y (m) of a shaft. MachineError if its values do not fit together."""
@@ -79,116 +86,4 @@ class StaticTorqueLoad(HangingLoad):
 
     def load(self, shaft: str, drums: tuple[float, ...]) -> Load:
         """A constant torque."""
-        return _weight(self, shaft, drums)
-
-
-@dataclass(frozen=True, kw_only=True)
-class RopeLoad(HangingLoad):
-    """A hanging mass on an elastic rope: stiffness of the current length, tension only."""
-
-    model: Literal["rope"] = "rope"
-    rope_diameter: float = option(0.01, unit="mm", gt=0, text="nominal diameter")
-    rope_modulus: float = option(1e11, unit="GPa", gt=0, text="elastic modulus on the metallic area")
-    rope_fill_factor: float = option(0.455, gt=0, le=1, text="metallic area divided by the area of the circle")
-    rope_falls: int = option(8, ge=1, text="number of falls that carry the mass")
-    rope_length: float = option(5.0, unit="m", gt=0, text="free length at t = 0")
-    rope_damping_ratio: float = option(
-        0.02, ge=0, lt=1, text="damping ratio of the vertical vibration at the initial length"
-    )
-    ground_level: float | None = option(
-        None,
-        unit="m",
-        text="height of the ground above the position of the mass on the unstretched rope "
-        "at t = 0. If it is positive, the mass rests on the ground and the rope is "
-        "slack by this amount; without it: no ground",
-    )
-    ground_stiffness: float = option(1e7, unit="N/um", gt=0, text="stiffness of the ground")
-    ground_damping_ratio: float = option(0.1, ge=0, lt=10, text="damping ratio of the mass on the ground")
-
-    @property
-    def _fall_strength(self) -> float:
-        """Axial stiffness EA of one fall (N); A is the metallic area."""
-        return self.rope_modulus * (self.rope_fill_factor * math.pi / 4 * self.rope_diameter**2)
-
-    def rope_frequency(self) -> float | None:
-        """At the free length."""
-        return self._frequency(self.rope_length)
-
-    def rope_frequency_at(self, time: float, profile: SpeedProfile, ratio: float) -> float | None:
-        """At the length that is left."""
-        return self._frequency(self.rope_length_at(time, profile, ratio))
-
-    def _frequency(self, length: float) -> float | None:
-        """Of the mass on EA/length."""
-        if self.container_mass == 0:
-            return None
-        stiffness = self.rope_falls * self._fall_strength / length
-        return math.sqrt(stiffness / self.container_mass) / (2 * math.pi)
-
-    def rope_length_at(self, time: float, profile: SpeedProfile, ratio: float) -> float:
-        """Free length (m) at a time: that at the start less what the drums have wound. For the parameters see
-        `rope_frequency_at`."""
-        angle = float(profile.angle(np.array([time]))[0]) * ratio
-        return self.rope_length - angle * self.drum_radius / self.reeving_ratio
-
-    def load(self, shaft: str, drums: tuple[float, ...]) -> Load:
-        """The ropes with the container; without container a torque of zero."""
-        from mbd.forces.rope import Rope
-
-        return self._on_ropes(Rope, shaft, drums)
-
-    def _on_ropes(self, kind: Any, shaft: str, drums: tuple[float, ...], **others: Any) -> Load:
-        from mbd.forces.container_ground import Ground
-
-        if self.container_mass == 0:
-            return _weight(self, shaft, drums)
-        ground = None
-        if self.ground_level is not None:
-            ground = Ground(
-                level=self.ground_level, stiffness=self.ground_stiffness, damping_ratio=self.ground_damping_ratio
-            )
-        return kind(
-            shaft=shaft,
-            drums=drums,
-            container_mass=self.container_mass,
-            drum_radius=self.drum_radius,
-            falls=self.rope_falls,
-            axial_stiffness=self._fall_strength,
-            length=self.rope_length,
-            reeving=self.reeving_ratio,
-            damping_ratio=self.rope_damping_ratio,
-            direction=self.rope_direction,
-            ground=ground,
-            **others,
-        )
-
-
-@dataclass(frozen=True, kw_only=True)
-class RopePendulumLoad(RopeLoad):
-    """As rope, and the mass swings below a fixed trolley."""
-
-    model: Literal["rope-pendulum"] = "rope-pendulum"  # type: ignore[assignment]
-    sway_x: float = option(
-        0.0,
-        unit="deg",
-        gt=-60,
-        lt=60,
-        text="angle of the ropes at t = 0 in the plane of x and z, released from rest",
-    )
-    sway_y: float = option(0.0, unit="deg", gt=-60, lt=60, text="angle of the ropes at t = 0 in the plane of y and z")
-
-    def load(self, shaft: str, drums: tuple[float, ...]) -> Load:
-        """The ropes with the swinging container."""
-        from mbd.forces.pendulum import RopePendulum
-
-        return self._on_ropes(RopePendulum, shaft, drums, sway=(self.sway_x, self.sway_y))
-
-
-def _weight(load: HangingLoad, shaft: str, drums: tuple[float, ...]) -> Load:
-    return StaticTorque(
-        shaft=shaft,
-        drums=drums,
-        torque=load.torque / len(drums),
-        direction=load.rope_direction,
-        drum_radius=load.drum_radius,
-    )
+        return self.weight(shaft, drums)

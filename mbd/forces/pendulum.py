@@ -21,10 +21,11 @@ from typing import Literal
 
 import numpy as np
 
+from fem.options import option
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import BY_ANGLE, ENERGY, Element, Signal, rule
 from mbd.elements.reading import Reading
-from mbd.forces.rope import LENGTH, LIFT, LOSS, PART, STIFFNESS_TIMES_LENGTH, TRAVEL, WORDS, Rope
+from mbd.forces.rope import LENGTH, LIFT, LOSS, PART, STIFFNESS_TIMES_LENGTH, TRAVEL, WORDS, Rope, RopeLoad
 from mbd.parts.checks import MachineError
 from mbd.parts.load import ROPE_FORCE, SWAY
 
@@ -63,15 +64,35 @@ def pendulum_rule(values, motion, answer):
 
 
 @dataclass(frozen=True, kw_only=True)
-class RopePendulum(Rope):
-    """A container that swings on ropes; ``sway`` (rad) in x and y at t = 0, when it is released."""
+class RopePendulumLoad(RopeLoad):
+    """As rope, and the mass swings below a fixed trolley."""
 
-    sway: tuple[float, float] = (0.0, 0.0)
-    model: Literal["rope", "rope-pendulum"] = "rope-pendulum"
+    model: Literal["rope-pendulum"] = "rope-pendulum"  # type: ignore[assignment]
+    sway_x: float = option(
+        0.0,
+        unit="deg",
+        gt=-60,
+        lt=60,
+        text="angle of the ropes at t = 0 in the plane of x and z, released from rest",
+    )
+    sway_y: float = option(0.0, unit="deg", gt=-60, lt=60, text="angle of the ropes at t = 0 in the plane of y and z")
 
     def __post_init__(self) -> None:
-        if self.ground is not None:
+        super().__post_init__()
+        if self.ground_level is not None:
             raise MachineError("a swinging mass has no ground below it. Delete ground_level_m, or set model = 'rope'.")
+
+    def on_drums(self, shaft: str, drums: tuple[float, ...]) -> RopePendulum:
+        """The ropes with the swinging container; arguments as for `load`."""
+        return RopePendulum(shaft=shaft, drums=drums, hoist=self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RopePendulum(Rope):
+    """A container that swings on ropes, and is released at t = 0."""
+
+    hoist: RopePendulumLoad
+    model: Literal["rope", "rope-pendulum"] = "rope-pendulum"
 
     @property
     def coordinates(self) -> tuple[str, ...]:
@@ -94,25 +115,25 @@ class RopePendulum(Rope):
     @property
     def along(self) -> np.ndarray:
         """Unit vector (3,) of the ropes at t = 0, from the container."""
-        along = np.array([math.tan(self.sway[0]), math.tan(self.sway[1]), 1.0])
+        along = np.array([math.tan(self.hoist.sway_x), math.tan(self.hoist.sway_y), 1.0])
         return along / np.linalg.norm(along)
 
     def holding_force(self, lay: Coordinates) -> np.ndarray:
         """Force (n,) that holds the container at its angle until t = 0, perpendicular to the ropes."""
-        if not any(self.sway):
+        if not (self.hoist.sway_x or self.hoist.sway_y):
             return np.zeros(lay.size)
         along = self.along * [1.0, 1.0, -1.0]
-        force = self.container_mass * lay.gravity * (-along[2] * along + [0.0, 0.0, 1.0])
+        force = self.hoist.container_mass * lay.gravity * (-along[2] * along + [0.0, 0.0, 1.0])
         return force @ np.array([lay.own_row(name) for name in self.coordinates])
 
     def elements(self, lay: Coordinates) -> Iterator[Element]:
         """Ropes of every drum; the first guess is the force of the held container on drums at rest."""
         weight = self.weight_per_drum(lay.gravity)
-        stiffness, swing = self.stiffness_times_length / self.length, weight / self.length
+        stiffness, swing = self.stiffness_times_length / self.hoist.rope_length, weight / self.hoist.rope_length
         along = self.along
-        tension = self.container_mass * lay.gravity * along[2] / len(self.drums)
-        distance = self.length * (1 + tension / self.stiffness_times_length)
-        stretch, x, y = distance * along[2] - self.length, distance * along[0], distance * along[1]
+        tension = self.hoist.container_mass * lay.gravity * along[2] / len(self.drums)
+        distance = self.hoist.rope_length * (1 + tension / self.stiffness_times_length)
+        stretch, x, y = distance * along[2] - self.hoist.rope_length, distance * along[0], distance * along[1]
         sway = np.array([lay.own_row(name) for name in SWAYS])
         for i, place in enumerate(self.drums):
             yield Element(
@@ -122,7 +143,7 @@ class RopePendulum(Rope):
                 words=WORDS,
                 rule=pendulum_rule,
                 values=(
-                    self.stiffness_times_length, self.length, self.travel(lay.ratios[self.shaft]), self.loss
+                    self.stiffness_times_length, self.hoist.rope_length, self.travel(lay.ratios[self.shaft]), self.loss
                 ),
                 rows=np.vstack([self.stretch_row(lay, place), sway]),
                 row_names=("stretch", "x", "y"),

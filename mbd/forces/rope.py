@@ -18,12 +18,14 @@ from typing import Literal
 
 import numpy as np
 
+from fem.options import option
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import BY_ANGLE, ENERGY, Element, Signal, rule
 from mbd.elements.linear import Matrices, Part
 from mbd.elements.mode_words import ModeWords
 from mbd.elements.reading import Reading
-from mbd.forces.container_ground import Ground
+from mbd.forces.container_ground import ground
+from mbd.forces.hanging_loads import HangingLoad
 from mbd.parts.checks import MachineError
 from mbd.parts.load import CONTAINER, ROPE_FORCE, Load, pull_axis
 from mbd.parts.speed_drive import SpeedProfile
@@ -53,19 +55,71 @@ def rope_rule(values, motion, answer):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rope(Load):
-    """A container on ropes; ``axial_stiffness`` is EA of one rope (N), ``falls`` their number over all drums."""
+class RopeLoad(HangingLoad):
+    """A hanging mass on an elastic rope: stiffness of the current length, tension only."""
 
-    container_mass: float
-    drum_radius: float
-    falls: int
-    axial_stiffness: float
-    length: float
-    reeving: float = 2.0
-    damping_ratio: float = 0.02
+    model: Literal["rope"] = "rope"
+    rope_diameter: float = option(0.01, unit="mm", gt=0, text="nominal diameter")
+    rope_modulus: float = option(1e11, unit="GPa", gt=0, text="elastic modulus on the metallic area")
+    rope_fill_factor: float = option(0.455, gt=0, le=1, text="metallic area divided by the area of the circle")
+    rope_falls: int = option(8, ge=1, text="number of falls that carry the mass")
+    rope_length: float = option(5.0, unit="m", gt=0, text="free length at t = 0")
+    rope_damping_ratio: float = option(
+        0.02, ge=0, lt=1, text="damping ratio of the vertical vibration at the initial length"
+    )
+    ground_level: float | None = option(
+        None,
+        unit="m",
+        text="height of the ground above the position of the mass on the unstretched rope "
+        "at t = 0. If it is positive, the mass rests on the ground and the rope is "
+        "slack by this amount; without it: no ground",
+    )
+    ground_stiffness: float = option(1e7, unit="N/um", gt=0, text="stiffness of the ground")
+    ground_damping_ratio: float = option(0.1, ge=0, lt=10, text="damping ratio of the mass on the ground")
+
+    @property
+    def axial_stiffness(self) -> float:
+        """Axial stiffness EA of one fall (N); A is the metallic area."""
+        return self.rope_modulus * (self.rope_fill_factor * math.pi / 4 * self.rope_diameter**2)
+
+    def rope_frequency(self) -> float | None:
+        """At the free length."""
+        return self._frequency(self.rope_length)
+
+    def rope_frequency_at(self, time: float, profile: SpeedProfile, ratio: float) -> float | None:
+        """At the length that is left."""
+        return self._frequency(self.rope_length_at(time, profile, ratio))
+
+    def _frequency(self, length: float) -> float | None:
+        """Of the mass on EA/length."""
+        if self.container_mass == 0:
+            return None
+        stiffness = self.rope_falls * self.axial_stiffness / length
+        return math.sqrt(stiffness / self.container_mass) / (2 * math.pi)
+
+    def rope_length_at(self, time: float, profile: SpeedProfile, ratio: float) -> float:
+        """Free length (m) at a time: that at the start less what the drums have wound. For the parameters see
+        `rope_frequency_at`."""
+        angle = float(profile.angle(np.array([time]))[0]) * ratio
+        return self.rope_length - angle * self.drum_radius / self.reeving_ratio
+
+    def load(self, shaft: str, drums: tuple[float, ...]) -> Load:
+        """The ropes with the container; without container a torque of zero."""
+        if self.container_mass == 0:
+            return self.weight(shaft, drums)
+        return self.on_drums(shaft, drums)
+
+    def on_drums(self, shaft: str, drums: tuple[float, ...]) -> Rope:
+        """The ropes with the container; arguments as for `load`."""
+        return Rope(shaft=shaft, drums=drums, hoist=self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rope(Load):
+    """A container on ropes."""
+
+    hoist: RopeLoad
     follow_length: bool = True  # False: keep the stiffness of the initial length
-    direction: float | None = None  # rad from +x to +z, of the pull of the ropes on the drums
-    ground: Ground | None = None
     model: Literal["rope", "rope-pendulum"] = "rope"
 
     @property
@@ -81,26 +135,26 @@ class Rope(Load):
     @property
     def travel_per_radian(self) -> float:
         """Lift of the container per radian of the drum (m)."""
-        return self.drum_radius / self.reeving
+        return self.hoist.drum_radius / self.hoist.reeving_ratio
 
     @property
     def stiffness_times_length(self) -> float:
         """EA of all falls of one drum (N): k = this / L."""
-        return self.falls * self.axial_stiffness / len(self.drums)
+        return self.hoist.rope_falls * self.hoist.axial_stiffness / len(self.drums)
 
     @property
     def loss(self) -> float:
         """2 zeta sqrt(mass per drum): the damping of the ropes of a drum is this times the root of their stiffness."""
-        return 2 * self.damping_ratio * math.sqrt(self.container_mass / len(self.drums))
+        return 2 * self.hoist.rope_damping_ratio * math.sqrt(self.hoist.container_mass / len(self.drums))
 
     @property
     def idle(self) -> bool:
         """Whether the container rests on the ground at t = 0 with slack ropes."""
-        return self.ground is not None and self.ground.level > 0.0
+        return self.hoist.ground_level is not None and self.hoist.ground_level > 0.0
 
     def torque_on_shaft(self, gravity: float) -> float:
         """Torque (N m, lowering positive) of the hanging weight."""
-        return self.container_mass * gravity * self.travel_per_radian
+        return self.hoist.container_mass * gravity * self.travel_per_radian
 
     def rise(self, ratios: Mapping[str, float]) -> float:
         """Lift of the container (m) per motor angle."""
@@ -121,24 +175,25 @@ class Rope(Load):
             name="load",
             modes_of=PART,
             words=WORDS,
-            matrices=Matrices(mass=self.container_mass * np.eye(n)),
+            matrices=Matrices(mass=self.hoist.container_mass * np.eye(n)),
             index=np.array([int(np.argmax(lay.own_row(name))) for name in self.coordinates]),
             shape=np.eye(n),
         )
 
     def constant_force(self, lay: Coordinates) -> np.ndarray:
         """Weight of the container on its lift."""
-        return -lay.gravity * self.container_mass * lay.own_row(LIFT)
+        return -lay.gravity * self.hoist.container_mass * lay.own_row(LIFT)
 
     def stretch_row(self, lay: Coordinates, y: float) -> np.ndarray:
         """Row of the stretch of the ropes of the drum at ``y``."""
         row = self.travel_per_radian * lay.angle_row(self.shaft, y)
-        row -= lay.node_row(self.shaft, y, np.array([*pull_axis(self.direction), 0.0, 0.0, 0.0])) / self.reeving
+        pull = np.array([*pull_axis(self.hoist.rope_direction), 0.0, 0.0, 0.0])
+        row -= lay.node_row(self.shaft, y, pull) / self.hoist.reeving_ratio
         return row - lay.own_row(LIFT)
 
     def weight_per_drum(self, gravity: float) -> float:
         """Weight (N) on the ropes of a drum, at least 1 N in total: the scale of their force."""
-        return max(self.container_mass * gravity, 1.0) / len(self.drums)
+        return max(self.hoist.container_mass * gravity, 1.0) / len(self.drums)
 
     def travel(self, ratio: float) -> float:
         """Shortening (m) of the ropes per motor angle; 0 if their stiffness does not follow it."""
@@ -146,7 +201,7 @@ class Rope(Load):
 
     def elements(self, lay: Coordinates) -> Iterator[Element]:
         """The ropes of every drum, and the ground."""
-        stiffness = self.stiffness_times_length / self.length
+        stiffness = self.stiffness_times_length / self.hoist.rope_length
         travel = self.travel(lay.ratios[self.shaft])
         for i, y in enumerate(self.drums):
             yield Element(
@@ -155,7 +210,7 @@ class Rope(Load):
                 part=PART,
                 words=WORDS,
                 rule=rope_rule,
-                values=(self.stiffness_times_length, self.length, travel, self.loss),
+                values=(self.stiffness_times_length, self.hoist.rope_length, travel, self.loss),
                 rows=self.stretch_row(lay, y)[None],
                 row_names=("stretch",),
                 scale=(self.weight_per_drum(lay.gravity),),
@@ -165,8 +220,12 @@ class Rope(Load):
                 signals=(Signal(ROPE_FORCE, "N", force=(1.0,)),),
                 lets_go="rope:slack_events",
             )
-        if self.ground is not None:
-            yield self.ground.element(lay, LIFT, self.container_mass, self.rise(lay.ratios))
+        hoist = self.hoist
+        if hoist.ground_level is not None:
+            stiffness = hoist.ground_stiffness
+            damping = 2 * hoist.ground_damping_ratio * (stiffness * hoist.container_mass) ** 0.5
+            values = stiffness, damping, hoist.ground_level, self.rise(lay.ratios)
+            yield ground(lay, LIFT, hoist.container_mass, values)
 
     def readings(self, lay: Coordinates) -> dict[str, Reading]:
         """Channels of the container's motion."""
@@ -181,19 +240,19 @@ class Rope(Load):
         if not self.follow_length:
             return self
         wound = self.travel_per_radian * ratio * angle
-        if wound >= self.length:
+        if wound >= self.hoist.rope_length:
             raise MachineError(
-                f"motor angle {angle:.6g} rad: the drums have then wound {wound:.4g} m of {self.length:.4g} m of rope. "
-                "Stay below, or start with a longer rope."
+                f"motor angle {angle:.6g} rad: the drums have then wound {wound:.4g} m of "
+                f"{self.hoist.rope_length:.4g} m of rope. Stay below, or start with a longer rope."
             )
-        return replace(self, length=self.length - wound)
+        return replace(self, hoist=replace(self.hoist, rope_length=self.hoist.rope_length - wound))
 
     def check_turned(self, angle: float, time: float) -> None:
         """Raise MachineError if the drums have wound more than the length of the rope by then."""
-        if self.follow_length and self.travel_per_radian * angle >= self.length:
+        if self.follow_length and self.travel_per_radian * angle >= self.hoist.rope_length:
             raise MachineError(
-                f"rope: its {self.length:.4g} m are wound up at t = {time:.4g} s. Raise load.rope_length_m, lower the "
-                "torque of the drive, or end the run before."
+                f"rope: its {self.hoist.rope_length:.4g} m are wound up at t = {time:.4g} s. Raise load.rope_length_m, "
+                "lower the torque of the drive, or end the run before."
             )
 
     def check_run(self, profile: SpeedProfile, ratio: float, end: float) -> None:
@@ -203,9 +262,9 @@ class Rope(Load):
         corners = profile.times[(profile.times > 0.0) & (profile.times < end)]
         times = np.concatenate([np.linspace(0.0, end, 1001), corners])
         wound = self.travel_per_radian * ratio * profile.angle(times)
-        if wound.max() >= self.length:
-            when = times[wound >= self.length].min()
+        if wound.max() >= self.hoist.rope_length:
+            when = times[wound >= self.hoist.rope_length].min()
             raise MachineError(
-                f"rope: its {self.length:.4g} m are wound up at t = {when:.4g} s (by {end:.4g} s the drums would take "
-                f"{wound.max():.4g} m). Raise load.rope_length_m, or lift less."
+                f"rope: its {self.hoist.rope_length:.4g} m are wound up at t = {when:.4g} s (by {end:.4g} s the drums "
+                f"would take {wound.max():.4g} m). Raise load.rope_length_m, or lift less."
             )

@@ -279,19 +279,28 @@ def complex_modes(omega: np.ndarray, damping: np.ndarray) -> tuple[np.ndarray, n
 def _diagonalise(
     omega: np.ndarray, damping: np.ndarray
 ) -> tuple[tuple[np.ndarray, np.ndarray, np.ndarray], float, float]:
-    """What `complex_modes` returns, condition of the vectors and residual of the decomposition."""
+    """What `complex_modes` returns, condition of the vectors and residual of the decomposition.
+
+    With one of every pair, x = sum c_k Re v_k + sum c'_k Im v_k. Its real matrix takes a quarter of the time to invert.
+    """
     n = len(omega)
     matrix = np.block([[np.zeros((n, n)), np.diag(omega)], [-np.diag(omega), -damping]])
     values, vectors = linalg.eig(matrix)
+    kept = values.imag >= 0.0
+    values, vectors = values[kept], vectors[:, kept]
+    pairs = values.imag > 0.0
+    times = np.where(pairs, 2.0, 1.0)
+    inverse = np.full(vectors.T.shape, np.inf, dtype=complex)
     try:
-        inverse = np.linalg.inv(vectors)
+        rows = np.linalg.inv(np.hstack([vectors.real, vectors.imag[:, pairs]]))
     except np.linalg.LinAlgError:
-        inverse = np.full_like(vectors, np.inf)
         return (values, vectors, inverse), np.inf, np.inf
-    condition = float(np.linalg.norm(vectors) * np.linalg.norm(inverse)) / (2 * n)
-    residual = float(abs((vectors * values) @ inverse - matrix).max() / abs(matrix).max())
-    keep = values.imag >= 0.0
-    return (values[keep], vectors[:, keep], inverse[keep]), condition, residual
+    inverse[:] = rows[: len(values)]
+    inverse[pairs] = 0.5 * (inverse[pairs] - 1j * rows[len(values) :])
+    sizes = np.linalg.norm(vectors * np.sqrt(times)), np.linalg.norm(inverse * np.sqrt(times)[:, None])
+    moved = vectors * (values * times)
+    residual = float(abs(moved.real @ inverse.real - moved.imag @ inverse.imag - matrix).max() / abs(matrix).max())
+    return (values, vectors, inverse), float(sizes[0] * sizes[1]) / (2 * n), residual
 
 
 def _real_rows(rows: np.ndarray) -> np.ndarray:

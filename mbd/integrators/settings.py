@@ -15,32 +15,7 @@ else:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Settings:
-    """Length (s) and output rate (Hz) of a run; ``step`` (s) is rounded down to a whole part of the output interval.
-
-    ``integrator`` is a name of METHODS.
-    """
-
-    end: float
-    output_rate: float = 10e3
-    step: float = 33.4e-6
-    integrator: str = "exponential"
-
-    def __post_init__(self) -> None:
-        if self.end * self.output_rate < 1:
-            raise ValueError(
-                f"end_s = {self.end:g} is shorter than one sample at output_rate_Hz = {self.output_rate:g}. Set at "
-                f"least {1.0 / self.output_rate:g}, or raise output_rate_Hz"
-            )
-
-    @property
-    def n_samples(self) -> int:
-        """Samples at 0, 1/output_rate, ... before ``end``."""
-        return round(self.end * self.output_rate)
-
-
-@dataclass(frozen=True, kw_only=True)
-class MotionSettings(Settings):
+class MotionSettings:
     """Time integration and output."""
 
     end: float = option(unit="s", gt=0, le=3600, text="simulated time")
@@ -83,7 +58,16 @@ class MotionSettings(Settings):
 
     def __post_init__(self) -> None:
         check_options(self, ValueError)
-        super().__post_init__()
+        if self.end * self.output_rate < 1:
+            raise ValueError(
+                f"end_s = {self.end:g} is shorter than one sample at output_rate_Hz = {self.output_rate:g}. Set at "
+                f"least {1.0 / self.output_rate:g}, or raise output_rate_Hz"
+            )
+
+    @property
+    def n_samples(self) -> int:
+        """Samples at 0, 1/output_rate, ... before ``end``."""
+        return round(self.end * self.output_rate)
 
     @property
     def steps(self) -> float:

@@ -14,7 +14,7 @@ from fem.storage.stored_array import StoredArray
 from mbd.forces.torque_source import TorqueSource
 from mbd.integrators.base import ANGLE, LENGTH, Block, Integrator
 from mbd.integrators.methods import make_integrator
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.balance import ENERGY_ENTRIES, EnergyBalance
 from mbd.output.recorder import PASS_SHARE, Recorder
 from mbd.output.repeatability import Repeatability
@@ -33,7 +33,7 @@ Progress = Callable[[float], None]
 
 def simulate(
     system: System,
-    settings: Settings,
+    settings: MotionSettings,
     progress: Progress | None = None,
     start: State | None = None,
     file: Path | None = None,
@@ -58,7 +58,7 @@ def simulate(
 
 
 def _simulate(
-    system: System, settings: Settings, progress: Progress | None, start: State | None, file: Path | None
+    system: System, settings: MotionSettings, progress: Progress | None, start: State | None, file: Path | None
 ) -> Trajectory:
     system.machine.check_run(settings.end)
     every = max(1, math.ceil(1 / (settings.output_rate * settings.step) - 1e-9))  # steps per sample
@@ -111,7 +111,7 @@ def _feed(block: Block, first: int, recorder: Recorder, balance: EnergyBalance) 
 
 
 def _trajectory(
-    system: System, settings: Settings, step: float, recorder: Recorder, balance: EnergyBalance,
+    system: System, settings: MotionSettings, step: float, recorder: Recorder, balance: EnergyBalance,
     counters: dict[str, int], step_check: StepCheck, repeatability: Repeatability,
 ) -> Trajectory:  # fmt: skip
     rows, machine = system.channels, system.machine

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import difflib
 import math
+from typing import Any
 
 from mbd.parts.checks import MachineError
-from mbd.parts.rolling_elements import RollingElements
 
 # elements, element diameter, pitch diameter, contact angle (deg), roller length; mm
 _BALLS: dict[str, tuple[int, float, float, float]] = {
@@ -58,25 +58,23 @@ def bore_of(name: str) -> float:
     return (17 if number == 3 else 5 * number) / 1000
 
 
-def by_designation(name: str) -> RollingElements:
-    """The elements of the bearing called ``name``.
+def catalogued(name: str) -> dict[str, Any]:
+    """The fields of `mbd.parts.rolling_elements.RollingElements` of the bearing called ``name``.
 
     Raises
     ------
     MachineError : not in the catalogue, with what is
     """
-    if name in _BALLS:
-        count, diameter, pitch, angle = _BALLS[name]
-        return RollingElements(
-            kind="ball", count=count, diameter=diameter / 1000, pitch_diameter=pitch / 1000,
-            contact_angle=math.radians(angle),
-        )  # fmt: skip
-    if name in _ROLLERS:
-        count, diameter, pitch, angle, length = _ROLLERS[name]
-        return RollingElements(
-            kind="roller", count=count, diameter=diameter / 1000, pitch_diameter=pitch / 1000,
-            contact_angle=math.radians(angle), length=length / 1000,
-        )  # fmt: skip
+    if found := _BALLS.get(name) or _ROLLERS.get(name):
+        count, diameter, pitch, angle, *length = found
+        return {
+            "kind": "roller" if length else "ball",
+            "count": count,
+            "diameter": diameter / 1000,
+            "pitch_diameter": pitch / 1000,
+            "contact_angle": math.radians(angle),
+            "length": length[0] / 1000 if length else 0.0,
+        }
     wanted, known = name.replace(" ", "").upper(), designations()
     near = [one for one in known if wanted.startswith(one)]
     near += [one for one in difflib.get_close_matches(wanted, known, n=4) if one not in near]

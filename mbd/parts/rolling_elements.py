@@ -16,30 +16,77 @@ from dataclasses import dataclass
 from typing import Literal
 
 from fem.numerics.root import brentq
+from fem.options import option
 from mbd.parts.checks import MachineError, positive
+from mbd.parts.rolling_catalogue import catalogued
 
 LINE_CONSTANT = 35948.0 * 1000.0 ** (10 / 9 + 8 / 9)  # c_L in N, m
 STEEL = (206e9, 0.3)
 REFERENCE_SHARE = 0.02
+_NEEDED = {
+    "kind": "kind",
+    "count": "elements",
+    "diameter": "element_diameter_mm",
+    "pitch_diameter": "pitch_diameter_mm",
+}  # keys of a scene
 
 
 @dataclass(frozen=True, kw_only=True)
 class RollingElements:
-    """Rolling elements and races, SI. ``contact_angle`` > 0 carries the shaft towards +y, < 0 towards -y."""
+    """Rolling elements and races; those that are not given are taken from the catalogue by their ``designation``."""
 
-    kind: Literal["ball", "roller"]
-    count: int
-    diameter: float
-    pitch_diameter: float
-    contact_angle: float = 0.0
-    length: float = 0.0  # of a roller
-    inner_conformity: float = 0.52
-    outer_conformity: float = 0.52
-    clearance: float = 0.0  # diametral, radial direction
-    preload: float = 0.0  # axial shift of the inner against the outer ring by assembly
-    cage_start: float = 0.0  # rad
+    designation: str | None = option(
+        None,
+        text='bearing of the built-in catalogue, e.g. "6208"; without it give kind, elements, element_diameter_mm and '
+        "pitch_diameter_mm",
+    )
+    kind: Literal["ball", "roller"] = option(None, text="shape of the rolling elements")
+    count: int = option(None, key="elements", ge=3, le=100, text="number of rolling elements")
+    diameter: float = option(None, unit="mm", key="element_diameter_mm", gt=0, text="diameter of a ball or roller")
+    pitch_diameter: float = option(
+        None, unit="mm", gt=0, text="diameter of the circle through the centres of the elements"
+    )
+    contact_angle: float = option(
+        None,
+        unit="deg",
+        ge=-60,
+        le=60,
+        text="contact angle without load; positive: the bearing supports the shaft against +y",
+    )
+    length: float = option(None, unit="mm", key="roller_length_mm", ge=0, text="effective contact length of a roller")
+    inner_conformity: float = option(0.52, gt=0.5, le=0.6, text="groove radius of the inner race over ball diameter")
+    outer_conformity: float = option(0.52, gt=0.5, le=0.6, text="groove radius of the outer race over ball diameter")
+    clearance: float = option(
+        0.0,
+        unit="um",
+        key="radial_clearance_um",
+        ge=-100,
+        le=1000,
+        text="clearance on the diameter; negative: interference",
+    )
+    preload: float = option(
+        0.0,
+        unit="um",
+        key="axial_preload_um",
+        ge=-1000,
+        le=1000,
+        text="axial displacement of the inner ring relative to the outer one at assembly",
+    )
+    cage_start: float = option(0.0, unit="deg", ge=-360, le=360, text="angle of the first rolling element at t = 0")
 
     def __post_init__(self) -> None:
+        known = {} if self.designation is None else catalogued(self.designation)
+        for name, value in ({"contact_angle": 0.0, "length": 0.0} | known).items():
+            if getattr(self, name) is None:
+                object.__setattr__(self, name, value)
+        if missing := [key for name, key in _NEEDED.items() if getattr(self, name) is None]:
+            raise MachineError(
+                f"{', '.join(missing)}: not set. Set them, or designation for a bearing of the catalogue"
+            )
+        if given := [key for name, key in _NEEDED.items() if known and getattr(self, name) != known[name]]:
+            raise MachineError(
+                f'designation = "{self.designation}" already determines {", ".join(given)}. Delete one or the other'
+            )
         room = self.pitch_diameter * math.sin(math.pi / self.count)
         if self.diameter > room:
             raise MachineError(

@@ -22,6 +22,8 @@ line                  Hz  faulty m/s²  healthy m/s²  difference dB  over floor
 envelope f_r      10.081       0.0224       0.00656          +10.7          +28.7                  +22.8  detected
 ..."""
 
+_WIDTH = 100  # characters of a line of a table
+
 
 def arguments(sub: argparse.ArgumentParser) -> None:
     """Add the arguments: a recording or a run, its machine, and healthy recordings."""
@@ -116,11 +118,15 @@ def _recordings(options: argparse.Namespace) -> Iterator[str]:
         trend = {"order": order, "recordings": facts, "trend": trend_facts(courses, names)}
         yield json_text(trend if several else facts[0])
     elif several:
-        yield f"{files_grid(names, judged).to_text()}\n{order}\n\n{trend_grid(courses).to_text()}\n"
-        for name, one in zip(names, judged, strict=True):
-            yield from (f"Warning: {name}: {warning}" for warning in one.recorded.warnings)
-            if left := one.recorded.table.left_out if one.verdict is None else one.verdict.left_out:
-                yield f"Left out: {name}: {'; '.join(left)}."
+        yield f"{files_grid(names, judged).to_text(_WIDTH)}\n{order}\n\n{trend_grid(courses).to_text(_WIDTH)}\n"
+        notes: dict[str, list[str]] = {}  # numbers of recordings
+        for number, one in enumerate(judged, 1):
+            left = one.recorded.table.left_out if one.verdict is None else one.verdict.left_out
+            warnings = (f"Warning: {warning}" for warning in one.recorded.warnings)
+            for note in (*warnings, *([f"Left out: {'; '.join(left)}."] if left else [])):
+                notes.setdefault(note, []).append(str(number))
+        for note, own in notes.items():
+            yield note if len(own) == len(judged) else f"{note} (recordings {', '.join(own)})"
     else:
         yield file_words(judged[0])
     if target is None:

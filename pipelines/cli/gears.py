@@ -11,7 +11,7 @@ from pipelines.io.argument_types import path, picture, positive, tilt
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from pipelines.runs.gear_numbers import MeshState
+    from pipelines.runs.gear_curves import MeshState
     from pipelines.steps.pair_curves import PairLaws
 
 HELP = """\
@@ -73,7 +73,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.user_files import writable_file
     from pipelines.report.figures.film import save_figure
     from pipelines.report.figures.plots import transmission_error_figure
-    from pipelines.runs.gear_numbers import (
+    from pipelines.runs.gear_curves import (
         FORMATS,
         gear_curves,
         gear_rows,
@@ -119,10 +119,13 @@ def main(options: argparse.Namespace) -> Iterator[str]:
 
 def _states(found: PairLaws, options: argparse.Namespace) -> list[MeshState]:
     """The pair at its torques, or at the force of the scene."""
-    from pipelines.runs.gear_numbers import MeshState
+    from pipelines.machine.checks.strength import warn_of_overload
+    from pipelines.runs.gear_curves import MeshState
 
     tilt = None if options.tilt == "balanced" else found.sense * options.tilt * 1e-6 / found.pair.face_width
     radius = found.pair.pinion.base_radius
+    for torque in options.torque or ():
+        warn_of_overload(found.stage, found.pair, torque)
     forces = [found.force] if options.torque is None else [torque / radius for torque in options.torque]
     return [MeshState(force=force, tilt=tilt) for force in forces]
 

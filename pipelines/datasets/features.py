@@ -69,7 +69,8 @@ class FeatureSource:
         self.folder = kept[0] if kept else None
 
     def frames(self, executor: Executor, on_progress: Progress) -> Iterator[pandas.DataFrame]:
-        """The rows of every signal; a signal without features is added to `failures`, with the reason, and logged.
+        """The rows of every signal; a signal without features is added to `failures`, with the reason, and logged at
+        the end.
 
         Raises
         ------
@@ -79,10 +80,11 @@ class FeatureSource:
         for key, name, columns, failure in self._computed(executor, on_progress):
             if failure:
                 self.failures[str(name)] = failure
-                _LOG.warning("%s has no features. %s", shown(str(name)), failure)
                 continue
             yield _frame(key, name, columns)
             found = True
+        for name, failure in list(self.failures.items())[0 if found else 1 :]:  # the first is the error below
+            _LOG.warning("%s has no features. %s", shown(name), failure)
         if not found:
             raise InputError(next(iter(self.failures.values()), "There is no finished run. Repeat the campaign."))
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from fem.storage import shown_html
 from pipelines.signals.analysis import DiagnosisError, DiagnosisSettings, analyse, noise_of, sampling
-from pipelines.signals.lines import IN_ENVELOPE, LineTable, joined, level
+from pipelines.signals.line_table import IN_ENVELOPE, LineTable, joined, level
 from pipelines.signals.measured_speed import at_measured_speed
 from pipelines.signals.shaft_lines import readable
 from pipelines.signals.spectrum import Segment, Spectrum

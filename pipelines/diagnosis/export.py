@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipelines.io.universal_file import QUANTITIES, Function, write_function
-from pipelines.signals.lines import joined
+from pipelines.signals.line_table import joined
 
 if TYPE_CHECKING:
     import xarray

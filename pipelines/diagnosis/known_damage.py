@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pipelines.diagnosis import verdict_words
 from pipelines.diagnosis.verdict import Finding, Verdict, decibels
 from pipelines.io.grid import Grid
-from pipelines.signals.lines import LOADS
+from pipelines.signals.line_table import LOADS
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,17 +54,15 @@ def found(case: Case, damage: Damage, damages: Sequence[Damage]) -> Finding | No
     """
     others = {other.component for other in damages} - {damage.component}
     ranked = [one for one in case.verdict.findings if one.component not in others]
-    strongest = verdict_words.ratio(ranked[0].evidence)
+    strongest = ranked[0].evidence.ratio
     own = (one for one in ranked if one.component == damage.component and one.damaged)
-    return next((one for one in own if verdict_words.ratio(one.evidence) == strongest), None)
+    return next((one for one in own if one.evidence.ratio == strongest), None)
 
 
 def _tied(verdict: Verdict, one: Finding) -> list[str]:
     """Components with the same orders and the same evidence as a finding."""
     others = (other for other in verdict.findings if other.component in one.alike)
-    return [
-        other.component for other in others if verdict_words.ratio(other.evidence) == verdict_words.ratio(one.evidence)
-    ]
+    return [other.component for other in others if other.evidence.ratio == one.evidence.ratio]
 
 
 def any_found(cases: Sequence[Case], damages: Sequence[Damage]) -> bool | None:
@@ -90,7 +88,7 @@ def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
             answer = "found" if findings else "not found"
         answers.append(f"{damage.words[0].upper()}{damage.words[1:]}: {answer}.")
         if findings:
-            case, one = min(findings, key=lambda pair: verdict_words.ratio(pair[1].evidence))
+            case, one = min(findings, key=lambda pair: pair[1].evidence.ratio)
             weakest = "Weakest evidence" if len(findings) > 1 else "Evidence"
             evidence.append(f"{weakest} ({case.name}): {verdict_words.standing(one.evidence)}.")
             evidence += [f"{other} has the same evidence." for other in _tied(case.verdict, one)]

@@ -10,7 +10,7 @@ from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.known_damage import deviation_words
 from pipelines.io.grid import Grid
 from pipelines.signals.analysis import DiagnosisSettings
-from pipelines.signals.lines import IN_ENVELOPE, LOADS, LineTable
+from pipelines.signals.line_table import IN_ENVELOPE, LOADS, LineTable
 
 EQUAL = 1.0  # dB; modulations this close are called equal
 

@@ -17,7 +17,7 @@ import numpy as np
 from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P, LEAST_SPREAD, limit, moderated
 from pipelines.diagnosis.impacts import CLEAR, Impacts
 from pipelines.diagnosis.verdict import DIFFERENT, Verdict
-from pipelines.diagnosis.verdict_words import STRENGTH, ratio
+from pipelines.diagnosis.verdict_words import STRENGTH
 from pipelines.io.grid import Grid
 from pipelines.signals.levels import ChannelLevel
 
@@ -53,7 +53,7 @@ def evidence_courses(verdicts: Sequence[Verdict]) -> list[Course]:
     courses = []
     for name in dict.fromkeys(name for findings in reversed(found) for name in findings):
         own = [findings.get(name) for findings in found]
-        values = [math.nan if one is None else ratio(one.evidence) for one in own]
+        values = [math.nan if one is None else one.evidence.ratio for one in own]
         ranges = [one.healthy for one in own if one is not None]
         above = np.array([one is not None and bool(one.damaged) for one in own])
         unit, bound = (STRENGTH, 1.0) if known else ("increase dB", None)
@@ -112,13 +112,13 @@ def trend_grid(courses: Sequence[Course]) -> Grid:
             one.unit,
             "-" if one.healthy is None else " to ".join(_cell(end, one.unit) for end in one.healthy),
             "-" if one.limit is None else _cell(one.limit, one.unit),
-            *("-" if math.isnan(value) else _cell(value, one.unit) for value in one.values),
             "-" if one.first is None else str(one.first),
+            *("-" if math.isnan(value) else _cell(value, one.unit) for value in one.values),
         )
         for one in courses
     )
     numbers = [str(number) for one in courses[:1] for number in range(1, len(one.values) + 1)]
-    headers = ("component or channel", "unit", "healthy", "limit", *numbers, "first above")
+    headers = ("component or channel", "unit", "healthy", "limit", "first above", *numbers)
     return Grid(title="Trend over the recordings 1, 2, ...", headers=headers, rows=rows)
 
 

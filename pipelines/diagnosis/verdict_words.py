@@ -131,14 +131,9 @@ def note(verdict: Verdict) -> str:
     return NO_LIMIT if verdict.damaged is None else EVIDENCE
 
 
-def ratio(evidence: Evidence) -> float:
-    """Evidence divided by its limit, or by 1 without a limit."""
-    return evidence.deviation / (evidence.limit or 1.0)
-
-
 def strength(evidence: Evidence) -> str:
     """Evidence divided by its limit, as text; "-" without a limit."""
-    return "-" if evidence.limit is None else f"{ratio(evidence):.2f}"
+    return "-" if evidence.limit is None else f"{evidence.ratio:.2f}"
 
 
 def _tooth(finding: Finding) -> str:

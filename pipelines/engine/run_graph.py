@@ -22,6 +22,7 @@ from pipelines.engine.step import Graph, Step, StepRecord, seconds_to_the_end, s
 from pipelines.io.errors import WorkError
 
 _LOG = logging.getLogger(__name__)
+_WORTH_SENDING = 0.3  # s, shortest step that a waiting child builds
 _HELD_BYTES = 16e6  # a larger result is not kept in memory, but read from the cache when it is needed
 
 Ready = list[tuple[Step, str]]  # steps that can be built, with their keys
@@ -204,10 +205,16 @@ class _Run:
         return dropped
 
     def _start_in_children(self, ready: Ready, children: Processes) -> Ready:
-        """Start long steps in child processes if two can run at the same time; the steps to build here."""
+        """Start long steps in child processes if two can run at the same time; the steps to build here.
+
+        If children wait while a short step is built in the thread, they build other short steps.
+        """
         long = [(step, key) for step, key in ready if step.seconds >= LONG_SECONDS]
-        alone = len({key for _, key in long}) < 2 and not (long and self._in_children)
-        if self._processes < 2 or alone:
+        if not long and self._in_thread and not self._in_children and children.idle:
+            long = [(step, key) for step, key in ready if step.seconds >= _WORTH_SENDING]
+        elif len({key for _, key in long}) < 2 and not (long and self._in_children):
+            return ready
+        if self._processes < 2:
             return ready
         for step, key in sorted(long, key=lambda one: -self._urgency[one[0].name]):
             if len(self._in_children) < self._processes and key not in self._in_children.values():
@@ -217,7 +224,7 @@ class _Run:
                 job = pickle.dumps((step, key, upstream, self._cache.folder))
                 put = functools.partial(self._put, step)
                 children.listened(put, _build_in_child, job).add_done_callback(put)
-        return [(step, key) for step, key in ready if step.seconds < LONG_SECONDS]
+        return [one for one in ready if one not in long]
 
     def _prepare(self) -> None:
         """Start to compile the code of later steps, once for all that call the same; most steps are shorter."""

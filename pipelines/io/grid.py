@@ -31,17 +31,23 @@ class Grid:
         columns = [[row[i] for row in self.rows if row[i] not in ("", "-")] for i in range(len(self.headers))]
         return tuple(bool(cells) and all(cell.lstrip("+-−")[:1].isdigit() for cell in cells) for cells in columns)
 
-    def to_text(self) -> str:
-        """Aligned columns for a log or a text file."""
+    def to_text(self, width: int | None = None) -> str:
+        """Aligned columns for a log or a text file. Those beyond a width follow below, after the first column again."""
         widths = [max(len(row[i]) for row in (self.headers, *self.rows)) for i in range(len(self.headers))]
         right = self.numeric()
+        parts = [[0]]
+        for column in range(1, len(widths)):
+            if width and sum(widths[i] + 2 for i in parts[-1]) + widths[column] > width and parts[-1] != [0]:
+                parts.append([0])
+            parts[-1].append(column)
 
-        def line(cells: tuple[str, ...]) -> str:
-            padded = (c.rjust(w) if r else c.ljust(w) for c, w, r in zip(cells, widths, right, strict=True))
+        def line(cells: Sequence[str], part: Sequence[int]) -> str:
+            padded = (cells[i].rjust(widths[i]) if right[i] else cells[i].ljust(widths[i]) for i in part)
             return "  ".join(padded).rstrip()
 
-        rule = "  ".join("-" * width for width in widths)
-        return "\n".join([self.title, line(self.headers), rule, *(line(row) for row in self.rows)])
+        rule = ["-" * width for width in widths]
+        shown = ("\n".join(line(cells, part) for cells in (self.headers, rule, *self.rows)) for part in parts)
+        return self.title + "\n" + "\n\n".join(shown)
 
     def to_markdown(self) -> str:
         """A Markdown table; rows that are set off are bold."""

@@ -7,7 +7,7 @@ import numpy as np
 from mbd.forces.torque_source import TorqueSource
 from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
 from pipelines.io.errors import Problem, SceneError
-from pipelines.scene.tables.motion import DriveModel, SpeedDrive, TorqueDrive
+from pipelines.scene.tables.drive_and_load import DriveModel, SpeedDrive, TorqueDrive
 from pipelines.scene.tables.series import ColumnTable, pairs
 from pipelines.scene.tables.shafts import ShaftTable
 from pipelines.scene.tables.torques import RPM

@@ -5,7 +5,7 @@ from __future__ import annotations
 from mbd.forces.hanging_loads import HangingLoad
 from mbd.forces.torque_source import TorqueSource
 from mbd.parts.load import Load
-from pipelines.scene.tables.motion import LoadBase, LoadModel, TorqueLoad
+from pipelines.scene.tables.drive_and_load import LoadBase, LoadModel, TorqueLoad
 from pipelines.scene.tables.shafts import ShaftTable
 
 

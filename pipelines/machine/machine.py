@@ -34,8 +34,8 @@ from pipelines.machine.parts import GearMesh, GearTeeth, MachineParts, Recorded
 from pipelines.machine.plant import Drivetrain, Plant, labels
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import shaft_faults
+from pipelines.scene.tables.drive_and_load import LoadBase, SpeedDrive
 from pipelines.scene.tables.losses import FilmModel
-from pipelines.scene.tables.motion import LoadBase, SpeedDrive
 from pipelines.scene.tables.stages import DeviationTable, StageTable
 
 REFUSALS = (MachineError, GeometryError, ModelError, HousingError, InputError)

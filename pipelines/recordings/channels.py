@@ -6,7 +6,7 @@ import contextlib
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import date, datetime
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,9 @@ LEAST_VALUES = 2  # fewer values are a setting, not a signal
 _NAME = re.compile(r"(?P<name>.*?)\s*[\[(](?P<units>[^\[\]()]*)[\])]\s*")
 _EXPORTED = re.compile(r"(?:journal_)?acceleration (?P<sensor>\S+) (?P<axis>[xyz])")
 SHAFT_ANGLE = "shaft_angle "  # start of the name of an exported angle, before the name of the shaft
-_MOMENT = re.compile(r"(\d{4})[-/](\d\d)[-/](\d\d)\D{1,12}(\d\d?):(\d\d):(\d\d)")
+DATE = r"\d{4}[-/]\d\d[-/]\d\d|\d\d?[-/][A-Za-z]{3}[-/]\d\d(?:\d\d)?"  # 2017-06-25, 2017/06/25, 25-Jun-17, 25-Jun-2017
+_MOMENT = re.compile(rf"(?<!\d)({DATE})\D{{1,12}}(\d\d?:\d\d:\d\d)")
+_MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
 _RATES = (  # without "rate", which can be the speed of a shaft
     "fs", "fshz", "sr", "ratehz", "samplerate", "samplingrate", "samplefreq", "samplingfreq", "samplefrequency",
     "samplingfrequency",
@@ -64,19 +66,32 @@ class RecordedContents:
 
     @property
     def begin(self) -> str:
-        """The first date with a time of day in the texts, in the form of ISO 8601; "" if there is none.
+        """The first date (`DATE`) with a time of day in the texts, in the form of ISO 8601; "" if there is none.
 
         Other texts than 2026-11-27T12:00:00 can be between the two, as in the head of a LabVIEW measurement file.
         """
         if found := _MOMENT.search(self.texts):
-            year, month, day, hour, minute, second = map(int, found.groups())
             with contextlib.suppress(ValueError):  # a month 13
-                return datetime(year, month, day, hour, minute, second).isoformat()
+                return datetime.fromisoformat(f"{date_of(found[1])}T{found[2]:0>8}").isoformat()
         return ""
 
     def names(self) -> str:
         """Names of the channels, for messages."""
         return ", ".join(shown(channel.name, 60) for channel in self.channels[:20]) or "none"
+
+
+def date_of(text: str) -> date:
+    """The date of a text of the form `DATE`; a year of two digits is between 1970 and 2069.
+
+    Raises
+    ------
+    ValueError : no such day or month
+    """
+    first, month, last = re.split("[-/]", text)
+    if month.isdigit():
+        return date(int(first), int(month), int(last))
+    year = int(last) if len(last) > 2 else 1970 + (int(last) - 70) % 100
+    return date(year, _MONTHS.index(month.lower()) + 1, int(first))
 
 
 def of_array(name: str, values: np.ndarray, **facts: Any) -> RecordedChannel:

@@ -2,7 +2,7 @@
 
 Separators are tabulator, semicolon, comma or blanks; the decimal mark is a point or, unless the separator is a
 comma, a comma. The first line whose cells are all numbers begins the data; names and units are searched above it.
-If there is none, columns may also contain time stamps (ISO 8601 date and time, or hh:mm:ss) or text.
+If there is none, columns may also contain time stamps (date and time, or hh:mm:ss) or text.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ import re
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from datetime import date
 from pathlib import Path
 from typing import Any
 
@@ -23,8 +22,10 @@ import numpy as np
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
 from pipelines.recordings.channels import (
+    DATE,
     RecordedChannel,
     RecordedContents,
+    date_of,
     distinct,
     exported_place,
     name_and_units,
@@ -34,7 +35,7 @@ from pipelines.recordings.channels import (
 _LINES = 50_000  # read at once
 _HEAD = 100  # lines within which the data must begin
 _COUNTER = "sample"
-_STAMP = re.compile(r"(?:(\d{4}-\d\d-\d\d)[T ])?(\d\d?):(\d\d):(\d\d(?:[.,]\d+)?)(?:Z|[+-]\d\d:?\d\d)?")
+_STAMP = re.compile(rf"(?:({DATE})[T ])?(\d\d?):(\d\d):(\d\d(?:[.,]\d+)?)(?:Z|[+-]\d\d:?\d\d)?")
 _REMARKS = ("#", "%")  # first characters of comment lines
 NUMBER, STAMP, TEXT = "number", "stamp", "text"  # kinds of columns
 _DIALECTS = (("\t", "."), ("\t", ","), (";", "."), (";", ","), (",", "."), (None, "."), (None, ","))
@@ -152,7 +153,7 @@ def _seconds() -> Callable[[str], float]:
         found = _STAMP.fullmatch(cell.strip())
         if found is None:
             raise ValueError(f"{cell} is no time stamp")
-        day = date.fromisoformat(found[1]).toordinal() if found[1] else 0
+        day = date_of(found[1]).toordinal() if found[1] else 0
         time = 60.0 * (60 * int(found[2]) + int(found[3])) + float(found[4].replace(",", "."))
         if not first:
             first.append((day, time))
@@ -284,7 +285,7 @@ def _is_number(cell: str, decimal: str) -> bool:
         float(cell.strip().replace(",", ".") if decimal == "," else cell)
     except ValueError:
         return False
-    return "_" not in cell
+    return cell.isascii() and "_" not in cell
 
 
 def _encoding(path: Path) -> str:

@@ -48,6 +48,11 @@ def read_machine(source: str | Path) -> MeasuredMachine:
     found = find_source(source)
     tree = parse(found)
     if found.folder is None or any(key in tree for key in SCENE_KEYS):
+        if tree.keys() == {"stages"}:
+            raise InputError(
+                f"{found.shown}: holds stages alone. For a machine file replace them by teeth = [[25, 62]], a pair of "
+                "numbers for each stage, and set speed_rpm. For a scene set its other tables, or extends."
+            )
         if measured := ", ".join(key for key in MACHINE_KEYS if key in tree):
             raise InputError(
                 f"{found.shown}: {measured} can only be in a machine file, {' and '.join(SCENE_KEYS)} only in a scene. "

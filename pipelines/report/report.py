@@ -62,10 +62,33 @@ def write_report(path: Path | str, title: str, body: str, facts: Mapping[str, An
 
 def report_body(
     title: str,
+    sections: Sequence[str],
     *,
     first: Sequence[str] = (),
     cases: Sequence[Case] = (),
     damages: Sequence[Damage] = (),
+    diagnoses: Sequence[Diagnosis] = (),
+    cautions: Sequence[str] = (),
+) -> str:
+    """The page without its cost: the answer on the first screen, the signals, then all other sections, folded.
+
+    Parameters
+    ----------
+    title, first : heading, and parts of the first screen
+    sections : by `report_sections`
+    cases, damages : verdicts, and known damage
+    diagnoses : comparisons that are shown in full
+    cautions : warnings of the motions
+    """
+    signals, *others = sections
+    decided = _decided(cases, damages, diagnoses)
+    warned = [page.paragraph(f"Warning: {text}", "caution") for text in cautions]
+    before = [page.section("How it was decided", decided, opened=False)] if decided else []
+    return "\n".join(filter(None, [page.heading(title, 1), *warned, *first, signals, *before, *others]))
+
+
+def report_sections(
+    *,
     summary: Mapping[str, Any] | None = None,
     diagnoses: Sequence[Diagnosis] = (),
     seeds: Sequence[Diagnosis] = (),
@@ -83,18 +106,15 @@ def report_body(
     axis: str = "z",
     settings: DiagnosisSettings | None = None,
     energy: Rows = (),
-    cautions: Sequence[str] = (),
     warnings: Sequence[str] = (),
-) -> str:
-    """The page without its cost: the answer on the first screen, then the signals, then all other sections, folded.
+) -> list[str]:
+    """The sections that do not depend on the verdict, the signals first, "" for one that does not apply to the run.
 
-    Sections that do not apply to the run are omitted. Tables are rows of named cells (the keys are the headers);
+    Tables are rows of named cells (the keys are the headers);
     numbers have four digits. Pictures and stiffness are elements of the page, see `pipelines.steps.pictures`.
 
     Parameters
     ----------
-    title, first : heading, and parts of the first screen
-    cases, damages : verdicts, and known damage
     summary : properties of the run by name
     diagnoses, seeds : comparisons that are shown in full, and those of further deviations, for the summary
     error : uncertainty of the lines of the first diagnosis, or the reason why there is none
@@ -103,12 +123,11 @@ def report_body(
     runs, windows : responses by name, that of the scene first; the windows of the diagnosis
     sensor, axis : channel that is shown
     settings : of the diagnosis, for a run without control
-    energy, cautions, warnings : energy balance, warnings of the motions and of the scene
+    energy, warnings : energy balance, and warnings of the scene
     """
     runs, windows = runs or {}, windows or {}
     sections = [
         ("Signals and spectra", spectra.signals(runs, windows, (sensor, axis), diagnoses, settings)),
-        ("How it was decided", _decided(cases, damages, diagnoses)),
         ("Levels", spectra.levels(runs, windows)),
         ("Healthy and faulty", spectra.healthy_faulty(diagnoses, error)),
         ("Error bars", spectra.error_bars(error)),
@@ -124,11 +143,7 @@ def report_body(
         ("Speed", _drive(runs, windows)),
         ("Energy balance", _noted(energy, ENERGY)),
     ]
-    body = [page.heading(title, 1)]
-    body += [page.paragraph(f"Warning: {text}", "caution") for text in cautions]
-    body += first
-    body += [page.section(name, parts, opened=name == sections[0][0]) for name, parts in sections if parts]
-    return "\n".join(body)
+    return [page.section(name, parts, opened=name == sections[0][0]) if parts else "" for name, parts in sections]
 
 
 def _decided(cases: Sequence[Case], damages: Sequence[Damage], diagnoses: Sequence[Diagnosis]) -> list[str]:

@@ -24,7 +24,7 @@ from pipelines.report.interactive_charts import charts
 from pipelines.signals.analysis import Analysis, DiagnosisSettings, analyse, channel_names
 from pipelines.signals.levels import contact_sentence, level_grid
 from pipelines.signals.levels import levels as measured_levels
-from pipelines.signals.lines import LOADS
+from pipelines.signals.line_table import LOADS
 
 if TYPE_CHECKING:
     import xarray

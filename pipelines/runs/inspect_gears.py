@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
+from fem.contact.evaluation.contact_pattern import contact_pattern, damaged_part
 from fem.contact.faults.cracked_tooth import CrackedTooth
 from pipelines.machine.plant import Plant
 from pipelines.report.figures.damage import crack_depth
 from pipelines.report.figures.film import save_figure
 from pipelines.report.figures.mesh_frames import MeshView, mesh_frames
-from pipelines.report.figures.pattern import contact_pattern, damaged_part
 from pipelines.report.figures.pattern_pictures import pattern_figure
 from pipelines.report.figures.shapes import PlacedPair, placed_pair, shown_cycle, stage_view
 from pipelines.steps.pair_curves import PairLaws
@@ -117,7 +117,9 @@ class InspectedStage:
             patterns,
             load=f"load {found.force:.4g} N, model {found.drive.model}",
             gear=gear,
-            damaged=damaged_part(pair, found.healthy, gear, placed.damage),
+            damaged=damaged_part(
+                pair, found.healthy, gear, [fault.gap(found.healthy, pair, gear) for fault in placed.damage]
+            ),
             crack=(float(cracks[0][0]), float(cracks[0][-1])) if cracks else None,
             pitch_diameter=2 * radius,
             face_width=pair.face_width,

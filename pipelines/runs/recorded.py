@@ -176,7 +176,7 @@ def _judged(
 ) -> Verdict:
     """The verdict on the first table against the others, with their names; InputError that begins with a place."""
     from pipelines.diagnosis.baseline_checks import BaselineError
-    from pipelines.diagnosis.verdict import judge
+    from pipelines.diagnosis.judge import judge
     from pipelines.signals.features.table import with_common_components
 
     own, *healthy = with_common_components(tables)
@@ -376,7 +376,7 @@ def files_grid(names: Sequence[str], found: Sequence[JudgedFile]) -> Grid:
         }
         named = zip(("answer", "strongest evidence", evidence), result, strict=True)
         moment = {} if one.recorded.begin is None else {"begins": f"{one.recorded.begin:%Y-%m-%d %H:%M:%S}"}
-        rows.append({"": str(len(rows) + 1), "recording": name, **moment, **known, **dict(named)})
+        rows.append({"": str(len(rows) + 1), "recording": name, **dict(named), **moment, **known})
     return grid(f"{len(rows)} recordings", rows)
 
 

@@ -170,8 +170,9 @@ def control_of(loaded: LoadedScene) -> LoadedScene | None:
     try:
         source = find_source(control, loaded.source.folder)
     except InputError as error:
+        reason = str(error).removeprefix(f"{shown(control)}: ").rstrip(".")
         raise InputError(
-            f'control = "{shown(control)}": {str(error).rstrip(".")}. Or set control = "{WITHOUT_FAULTS}".'
+            f'{loaded.source.shown}: control = "{shown(control)}": {reason}. Or set control = "{WITHOUT_FAULTS}".'
         ) from error
     settings = without_shaft_faults(loaded.settings, loaded.scene)
     settings = {key: value for key, value in settings.items() if key not in _OWN_KEYS}

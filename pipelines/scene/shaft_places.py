@@ -33,16 +33,15 @@ class _Step:
     path: str
     first: int
     second: int
-    x: float
-    z: float
-    sense: int
-    speed: float
+    change: ShaftAxis  # of the second shaft relative to the first
 
     def back(self) -> _Step:
-        return _Step(self.path, self.second, self.first, -self.x, -self.z, self.sense, 1 / self.speed)
+        one = self.change
+        return _Step(self.path, self.second, self.first, ShaftAxis(-one.x, -one.z, one.sense, 1 / one.speed))
 
     def to(self, place: ShaftAxis) -> ShaftAxis:
-        return ShaftAxis(place.x + self.x, place.z + self.z, place.sense * self.sense, place.speed * self.speed)
+        one = self.change
+        return ShaftAxis(place.x + one.x, place.z + one.z, place.sense * one.sense, place.speed * one.speed)
 
 
 def stage_shafts(stages: Sequence[StageTable]) -> list[tuple[int, int]]:
@@ -119,13 +118,14 @@ def _stage_steps(stages: Sequence[StageTable], distances: Sequence[float]) -> It
     for number, (stage, shafts, distance) in enumerate(zip(stages, stage_shafts(stages), distances, strict=True), 1):
         angle, ratio = stage.si.direction, stage.wheel_teeth / stage.pinion_teeth
         x, z = distance * math.cos(angle), distance * math.sin(angle)
-        yield _Step(f"stages.{number}", *shafts, x, z, -1, 1 / ratio)
+        yield _Step(f"stages.{number}", *shafts, ShaftAxis(x, z, -1, 1 / ratio))
 
 
 def _coupling_steps(couplings: Sequence[CouplingTable]) -> Iterator[_Step]:
     for number, table in enumerate(couplings, 1):
         if table.turns_both:
-            yield _Step(f"couplings.{number}", table.shafts[0] - 1, table.shafts[1] - 1, 0.0, 0.0, 1, 1.0)
+            one, other = table.shafts
+            yield _Step(f"couplings.{number}", one - 1, other - 1, ShaftAxis(0.0, 0.0, 1, 1.0))
 
 
 def _loop(step: _Step, place: ShaftAxis, known: ShaftAxis, shaft: int) -> list[Problem]:

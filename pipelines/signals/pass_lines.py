@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pipelines.signals.lines import LineTable
+from pipelines.signals.line_table import LineTable
 
 HARMONICS = 3
 SIDEBANDS = 2  # to each side

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.numerics.interpolation import HALF_WIDTH, interpolated
+from fem.numerics.sinc_interpolation import HALF_WIDTH, interpolated
 from fem.storage.records import Record, array, integer, scalar, text
 
 WINDOWS = ("hann", "boxcar")

@@ -57,7 +57,7 @@ def plant_steps(machine: Plant) -> list[Step]:
 
 
 def _law_steps(machine: Plant) -> list[Step]:
-    from pipelines.steps import laws
+    from pipelines.steps import flanks
 
     steps = []
     names = zip(machine.law_names, machine.sound_law_names, strict=True)
@@ -81,7 +81,7 @@ def _law_steps(machine: Plant) -> list[Step]:
                 Step(
                     name=name,
                     kind="flanks",
-                    build=laws.build_modified,
+                    build=flanks.build_modified,
                     spec=added,
                     takes={"unmodified": unmodified, "surfaces": tuple(step.name for step in surfaces)},
                     libraries=("numpy", "scipy"),

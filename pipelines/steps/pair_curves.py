@@ -14,7 +14,7 @@ from pipelines.machine.assembly import Laws
 from pipelines.machine.flanks import Fault, first_tooth_fault
 from pipelines.machine.flanks_spec import FlanksSpec
 from pipelines.machine.tooth_terms import mesh_faults
-from pipelines.steps.laws import build_modified
+from pipelines.steps.flanks import build_modified
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -176,7 +176,7 @@ class PairLaws(PairState):
         """
         import xarray
 
-        from pipelines.report.figures.pattern import contact_pattern
+        from fem.contact.evaluation.contact_pattern import contact_pattern
 
         found = contact_pattern(
             self.faults if faulty else "healthy",

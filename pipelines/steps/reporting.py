@@ -1,4 +1,7 @@
-"""Step `report`: the page of a run without its computing cost, made from the results of other steps."""
+"""Steps `report sections` and `report`: the page of a run without its computing cost, from the results of other steps.
+
+The sections that do not depend on the verdict are a separate step, which is built while features are computed.
+"""
 
 from __future__ import annotations
 
@@ -35,11 +38,55 @@ if TYPE_CHECKING:
     from pipelines.signals.analysis import DiagnosisSettings
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ReportSpec:
+    """Machine of a run; its cases and labels as in `pipelines.steps.diagnosing.build`, without a diagnosis only the
+    labels of the scene; names of the runs in the report, first that of the scene."""
+
+    machine: Plant
+    cases: Sequence[CaseSpec]
+    labels: Sequence[Mapping[str, Any]]
+    responses: Sequence[str]
+
+
 def build(
-    machine: Plant,
-    cases: Sequence[CaseSpec],
-    labels: Sequence[Mapping[str, Any]],
-    responses: Sequence[str],
+    spec: ReportSpec,
+    *,
+    motions: Sequence[Trajectory],
+    sections: Mapping[str, Any],
+    diagnosis: Mapping[str, Any] | None = None,
+    verdict: Mapping[str, Any] | None = None,
+) -> dict[str, Any] | Unkept:
+    """The body of the page, and the reasons for missing pictures; it is stored only if no picture is missing.
+
+    Parameters
+    ----------
+    spec : of the run
+    motions : those of the labels
+    sections, diagnosis, verdict : results of the steps `report sections`, `diagnose` and `verdict`
+    """
+    from pipelines.report.report import report_body
+    from pipelines.report.run_screen import first_screen
+
+    machine = spec.machine
+    every, found, settings, failure = _diagnosed(spec, motions, diagnosis)
+    judged, damages = verdict["cases"] if verdict else (), known_damages(machine)
+    failure = failure or (verdict["failure"] if verdict else "")
+    with _collector_paused():
+        page = report_body(
+            machine.title,
+            sections["sections"],
+            first=first_screen(machine, settings, found, every[: len(spec.responses)], failure, judged, damages),
+            cases=judged,
+            damages=damages,
+            diagnoses=_in_full(spec, found),
+            cautions=gathered(stored_warnings(response.attrs) for response in every),
+        )
+    return _kept_if_complete({"body": page, "left_out": sections["left_out"]})
+
+
+def sections(
+    spec: ReportSpec,
     warnings: Sequence[str],
     *,
     motions: Sequence[Trajectory],
@@ -48,44 +95,29 @@ def build(
     casing: str | LeftOut | None = None,
     modes: CasingSummary | None = None,
     diagnosis: Mapping[str, Any] | None = None,
-    verdict: Mapping[str, Any] | None = None,
     error_bars: LineBars | str = "",
 ) -> dict[str, Any] | Unkept:
-    """The body of the page, and the reasons for missing pictures; it is stored only if no picture is missing.
+    """The sections without the verdict, and the reasons for missing pictures; stored only if no picture is missing.
 
     Parameters
     ----------
-    machine : of the run
-    cases, labels : as in `pipelines.steps.diagnosing.build`; only the labels of the scene without a diagnosis
-    responses : names of the runs in the report, first that of the scene
+    spec : of the run
     warnings : on the scene
     motions : those of the labels
     curves, casing : elements of the page, see `pipelines.steps.pictures`
     body, modes : the reduced casing, and the summary of its modes
-    diagnosis, verdict, error_bars : results of the steps `diagnose`, `verdict` and `error bars`
+    diagnosis, error_bars : results of the steps `diagnose` and `error bars`
     """
     from pipelines.report.figures.views import LeftOut
-    from pipelines.report.report import report_body
-    from pipelines.report.run_screen import first_screen
-    from pipelines.signals.response import make_response
+    from pipelines.report.report import report_sections
 
-    every = list(map(make_response, motions, labels))
-    failure = diagnosis["failure"] if diagnosis else ""
-    found = [] if failure else diagnoses(cases, every)
-    monitored = machine.looked_for
-    settings, failure = _settings(machine, found, every[0], failure)
-    runs = dict(zip(responses, every, strict=False))
-    judged, damages = verdict["cases"] if verdict else (), known_damages(machine)
-    failure = failure or (verdict["failure"] if verdict else "")
+    machine, monitored = spec.machine, spec.machine.looked_for
+    every, found, settings, _ = _diagnosed(spec, motions, diagnosis)
     with _collector_paused():
-        page = report_body(
-            machine.title,
-            first=first_screen(machine, settings, found, list(runs.values()), failure, judged, damages),
-            cases=judged,
-            damages=damages,
+        made = report_sections(
             summary=_summary(machine),
-            diagnoses=[d for d, case in zip(found, cases, strict=False) if case.full],
-            seeds=[d for d, case in zip(found, cases, strict=False) if not case.full],
+            diagnoses=_in_full(spec, found),
+            seeds=[d for d, case in zip(found, spec.cases, strict=False) if not case.full],
             error=error_bars if found else "",
             gears=gear_rows(machine),
             rolling=rolling_rows(machine),
@@ -94,18 +126,25 @@ def build(
             stiffness=curves["stiffness"],
             casing_picture=casing,
             casing_rows=_casing_rows(body, modes),
-            runs=runs,
+            runs=dict(zip(spec.responses, every, strict=False)),
             windows=dict(monitored.windows),
             sensor=monitored.sensor or "",
             axis=monitored.axis,
             settings=settings,
             energy=energy_rows(every[0]),
-            cautions=gathered(stored_warnings(response.attrs) for response in every),
             warnings=(*warnings, *misread_sensors(body, {one.name: one.position for one in machine.sensors})),
         )
     left_out = [p.reason for p in (curves["gears"], casing) if isinstance(p, LeftOut)]
-    made = {"body": page, "left_out": left_out}
-    return Unkept(made) if left_out else made
+    return _kept_if_complete({"sections": made, "left_out": left_out})
+
+
+def _kept_if_complete(made: dict[str, Any]) -> dict[str, Any] | Unkept:
+    return Unkept(made) if made["left_out"] else made
+
+
+def _in_full(spec: ReportSpec, found: Sequence[Diagnosis]) -> list[Diagnosis]:
+    """The diagnoses that are shown in full."""
+    return [d for d, case in zip(found, spec.cases, strict=False) if case.full]
 
 
 @contextlib.contextmanager
@@ -120,22 +159,24 @@ def _collector_paused() -> Iterator[None]:
             gc.enable()
 
 
-def _settings(
-    machine: Plant, found: Sequence[Diagnosis], run: xarray.Dataset, failure: str
-) -> tuple[DiagnosisSettings | None, str]:
-    """Windows and lines at the speed of the run, or None and the reason."""
+def _diagnosed(
+    spec: ReportSpec, motions: Sequence[Trajectory], diagnosis: Mapping[str, Any] | None
+) -> tuple[list[xarray.Dataset], list[Diagnosis], DiagnosisSettings | None, str]:
+    """Responses, diagnoses, windows and lines at the speed of the run, or None and the reason."""
     from pipelines.signals.analysis import DiagnosisError
     from pipelines.signals.measured_speed import at_measured_speed
+    from pipelines.signals.response import make_response
 
-    if found:
-        return found[0].settings, failure
-    settings = None if failure else machine.diagnosis
-    if settings is None or settings.speed_is_known:
-        return settings, failure
-    try:
-        return at_measured_speed(settings, [run]), failure
-    except DiagnosisError as error:
-        return None, str(error)
+    every = list(map(make_response, motions, spec.labels))
+    failure = diagnosis["failure"] if diagnosis else ""
+    found = [] if failure else diagnoses(spec.cases, every)
+    settings = found[0].settings if found else None if failure else spec.machine.diagnosis
+    if not found and settings is not None and not settings.speed_is_known:
+        try:
+            settings = at_measured_speed(settings, every[:1])
+        except DiagnosisError as error:
+            settings, failure = None, str(error)
+    return every, found, settings, failure
 
 
 def _summary(machine: Plant) -> dict[str, Any]:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 _NUMERIC = ("numpy", "scipy")
 _FEATURES = 1.4e-6  # s per recorded value and sample of noise, next to another process
-VERDICT, DIAGNOSIS, BARS, REPORT = "verdict", "diagnose", "error bars", "report"
+VERDICT, DIAGNOSIS, BARS, SECTIONS, REPORT = "verdict", "diagnose", "error bars", "report sections", "report"
 
 
 def result_steps(loaded: LoadedScene, plan: RunPlan) -> list[Step]:
@@ -23,7 +23,7 @@ def result_steps(loaded: LoadedScene, plan: RunPlan) -> list[Step]:
     steps = [*picture_steps(plan.plant, plan.graph.steps), *verdict_steps(plan)]
     compared = diagnosis_step(plan)
     steps += [compared, bars_step(plan)] if compared else []
-    return [*steps, _report_step(loaded, plan, {step.name: step for step in [*plan.graph, *steps]})]
+    return [*steps, *_report_steps(loaded, plan, {step.name: step for step in [*plan.graph, *steps]})]
 
 
 def verdict_steps(plan: RunPlan) -> list[Step]:
@@ -115,32 +115,47 @@ def casing_taken(graph: Graph) -> dict[str, str | tuple[str, ...]]:
     return {"body": "casing", **({"modes": "casing modes", "coarser": coarser} if coarser else {})}
 
 
-def _report_step(loaded: LoadedScene, plan: RunPlan, known: dict[str, Step]) -> Step:
+def _report_steps(loaded: LoadedScene, plan: RunPlan, known: dict[str, Step]) -> list[Step]:
+    """The sections of the report that do not depend on the verdict, and the report."""
     from pipelines.steps.run_plan import scene_warnings
 
     machine, compared = plan.plant, known.get(DIAGNOSIS)
     kinds = [*(fault.kind for fault in machine.faults), *("bearing-spall" for _ in machine.spalls)]
     kinds += [*(fault.kind for fault in machine.shaft_faults), "healthy"]
-    optional = {
-        "casing": CASING, "modes": "casing modes", "diagnosis": DIAGNOSIS, "verdict": VERDICT, "error_bars": BARS,
-    }  # fmt: skip
-    return Step(
-        name=REPORT,
-        kind="report",
-        build=reporting.build,
-        spec={
-            "machine": machine,
-            **(compared.spec if compared else {"cases": (), "labels": (machine.labels,)}),
-            "responses": (kinds[0].replace("-", " "), "healthy")[: 2 if compared else 1],
-            "warnings": scene_warnings(loaded, plan),
-        },
+    optional = {"casing": CASING, "modes": "casing modes", "diagnosis": DIAGNOSIS, "error_bars": BARS}
+    spec = reporting.ReportSpec(
+        machine=machine,
+        responses=(kinds[0].replace("-", " "), "healthy")[: 2 if compared else 1],
+        **(compared.spec if compared else {"cases": (), "labels": (machine.labels,)}),
+    )
+    motions = compared.takes["motions"] if compared else (plan.cases[0].own.step,)
+    sections = Step(
+        name=SECTIONS,
+        kind="report-sections",
+        build=reporting.sections,
+        spec={"spec": spec, "warnings": scene_warnings(loaded, plan)},
         takes={
-            "motions": compared.takes["motions"] if compared else (plan.cases[0].own.step,),
+            "motions": motions,
             "curves": CURVES,
             "body": "casing",
             **{key: name for key, name in optional.items() if name in known},
         },
         reads={"modes": reporting.casing_summary},
         libraries=("numpy", "matplotlib"),
-        seconds=1.5,
+        seconds=1.2,
     )
+    optional = {"diagnosis": DIAGNOSIS, "verdict": VERDICT}
+    report = Step(
+        name=REPORT,
+        kind="report",
+        build=reporting.build,
+        spec={"spec": spec},
+        takes={
+            "motions": motions,
+            "sections": SECTIONS,
+            **{key: name for key, name in optional.items() if name in known},
+        },
+        libraries=("numpy", "matplotlib"),
+        seconds=0.3,
+    )
+    return [sections, report]

@@ -19,7 +19,7 @@ from pipelines.machine.checks.validity import checked_plant
 from pipelines.machine.plant import Plant, fault_labels
 from pipelines.scene.file import LoadedScene, control_differences, control_of
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.motion import LoadModel, StaticTorqueTable
+from pipelines.scene.tables.drive_and_load import LoadModel, StaticTorqueTable
 from pipelines.scene.tables.stages import DeviationTable
 from pipelines.steps.graph import plant_steps
 

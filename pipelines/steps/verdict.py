@@ -32,8 +32,8 @@ def build(
     own, healthy : results of steps `features`: of every case, and of its control, or of all healthy machines
     """
     from pipelines.diagnosis.baseline_checks import BaselineError
+    from pipelines.diagnosis.judge import judge
     from pipelines.diagnosis.known_damage import Case, text
-    from pipelines.diagnosis.verdict import judge
 
     failure = next((one["failure"] for one in (*own, *healthy) if one["failure"]), "")
     found = []

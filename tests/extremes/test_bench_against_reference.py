@@ -7,8 +7,7 @@ reference is SciPy's DOP853 at a relative tolerance of 1e-9; it shares the assem
 import numpy as np
 import pytest
 
-import benchmarks.reference_integrator  # noqa: F401 - registers it
-from mbd.integrators.settings import Settings
+from benchmarks.reference_integrator import ReferenceSettings
 from mbd.output.simulate import simulate
 from pipelines.engine.run_graph import Work
 from pipelines.machine.assembly import assemble_machine, assemble_system
@@ -42,7 +41,7 @@ def system():
 def test_accelerations_agree_within_half_a_per_cent(system):
     found = {}
     for method, step in (("exponential", 5e-6), ("reference", 1e-5)):
-        run = simulate(system, Settings(end=WINDOW, output_rate=20e3, step=step, integrator=method))
+        run = simulate(system, ReferenceSettings(end=WINDOW, output_rate=20e3, step=step, integrator=method))
         found[method] = run
     losses = found["exponential"].counter("mesh_1:contact_losses")
     assert losses > 0

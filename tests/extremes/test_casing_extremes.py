@@ -12,7 +12,7 @@ from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.models.casing import Structure
 from fem.casing.models.static_casing import StaticCasing
 from fem.casing.reduced.accuracy import reduced_response
-from fem.casing.reduced.grounded import ground_casing
+from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.modes import casing_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.casing.reduced.rigid import housing_mass, rigid_from_mesh
@@ -36,7 +36,7 @@ def material(E=110e9, nu=0.26, density=7200.0):
 
 
 def reduced(mesh, iron, highest):
-    casing = ground_casing(mesh, iron)
+    casing = assembled_casing(mesh, iron).held()
     return casing_modes(
         casing,
         reduce_body(casing.interface, casing.K_free, casing.M_free, highest=highest),
@@ -75,7 +75,7 @@ def test_a_stiff_housing_tends_to_the_rigid_model(mesh):
     exact = acceleration * reduced_response(rigid, loads, ["sensor_1"], at)
     moduli, errors = (1e11, 1e13, 1e15), []
     for E in moduli:
-        casing = ground_casing(mesh, material(E=E), ground="springs")
+        casing = assembled_casing(mesh, material(E=E), ground="springs").held()
         highest = 2500.0 * (E / 110e9) ** 0.5
         reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, highest=highest)
         modes = casing_modes(casing, reduction, model="craig-bampton", band_limit=highest)

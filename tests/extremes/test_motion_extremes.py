@@ -8,7 +8,7 @@ import pytest
 from mbd_rigs import no_casing, rigid_casing, train
 
 from benchmarks.motion import mesh_mode_frequency
-from mbd.integrators.settings import Settings
+from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.checks import EquilibriumError, MachineError, StepError
 from mbd.parts.losses import Coulomb, Efficiency
@@ -38,7 +38,7 @@ def runs(machine, casing=None, step=5e-6, end=0.05, total=1e-6, parts=PARTS, rat
     """Run it; finite and closed: to ``total`` of all work of the sources, every part to 1 % of what it dissipates (of
     its peak energy if undamped), and both down to the round-off of the stored energy."""
     system = assemble(machine, rigid_casing(machine) if casing is None else casing)
-    result = simulate(system, Settings(end=end, output_rate=rate, step=step))
+    result = simulate(system, MotionSettings(end=end, output_rate=rate, step=step))
     assert np.isfinite(result.values).all()
     floor = ROUND_OFF * stored_energy(system)
     for part in result.energy_parts:
@@ -84,7 +84,7 @@ def test_twenty_times_the_container():
 
 def test_no_damping_at_all():
     machine = lifted(
-        rope={"damping_ratio": 0.0}, shaft_tau=0.0, bearing_tau=0.0, coupling_damping=0.0, stage={"tau": 0.0}
+        rope={"rope_damping_ratio": 0.0}, shaft_tau=0.0, bearing_tau=0.0, coupling_damping=0.0, stage={"tau": 0.0}
     )
     result = runs(machine, no_casing(), step=2.5e-6)
     assert result.energy("total", "dissipated") == pytest.approx(0.0, abs=1e-9)
@@ -135,11 +135,11 @@ def test_two_missing_teeth_side_by_side_in_every_mesh():
 
 @pytest.mark.parametrize("length", [0.5, 100.0])
 def test_rope_length(length):
-    runs(lifted(rope={"length": length}))
+    runs(lifted(rope={"rope_length": length}))
 
 
 def test_winding_more_rope_than_there_is_is_refused():
-    machine = lifted(rope={"length": 0.02}, profile=ramp(5.0))
+    machine = lifted(rope={"rope_length": 0.02}, profile=ramp(5.0))
     with pytest.raises(MachineError, match="wound up"):
         runs(machine)
 
@@ -169,7 +169,7 @@ def test_ten_minutes_of_motion():
             tracemalloc.reset_peak()
 
     tracemalloc.start()
-    run = simulate(system, Settings(end=600.0, output_rate=100.0, step=2e-4), progress=keep_peak)
+    run = simulate(system, MotionSettings(end=600.0, output_rate=100.0, step=2e-4), progress=keep_peak)
     peaks.append(tracemalloc.get_traced_memory()[1])
     tracemalloc.stop()
     print(f"peak memory {peaks[0] / 1e6:.1f} and {peaks[1] / 1e6:.1f} MB")

@@ -139,7 +139,6 @@ def _modes(
         mass=reduction.mass,
         stiffness=reduction.stiffness,
         coordinate_names=(*reduced.coordinate_names, *mode_names(reduction.n_fixed, len(reduction.frequencies))),
-        reference_springs=reduced.springs,
         fixed_frequencies=reduction.frequencies,
         band_limit=0.0 if limit is None else limit,
         counted=-1,

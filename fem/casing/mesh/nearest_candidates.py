@@ -1,7 +1,8 @@
 """Candidates near a key point that was not found: cylinders and flat faces of a surface, for messages.
 
-Cylinders are searched among the facets whose normals are perpendicular to the axis. Facets that share an edge of less
-than 50 degrees form a piece. A circle is fitted to the corners of each piece (Kasa's linear least squares).
+Cylinders are searched among the facets whose normals are perpendicular to the axis, to 12 degrees: on a coarse mesh the
+corners of a facet are at several places around the axis and along it. Facets that share an edge of less than 50 degrees
+form a piece. A circle is fitted to the corners of each piece (Kasa's linear least squares).
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from fem.numerics.connected import connected_parts, shared_sides
 from fem.numerics.places import in_mm
 
 _SMOOTH = np.cos(np.radians(50.0))
+_PERPENDICULAR = np.sin(np.radians(12.0))
 _SHOWN = 3
 
 
@@ -41,11 +43,12 @@ def _cylinders(surface: Surface, axis: np.ndarray, through: np.ndarray) -> str:
 
 
 def fitted_circle(points: np.ndarray) -> tuple[np.ndarray, float] | None:
-    """Centre (2,) and radius of the circle through points (n, 2); None if one deviates by more than 2 %."""
+    """Centre (2,) and radius of the circle through points (n, 2); None if one deviates by more than 2 %, or if they are
+    on a straight line."""
     system = np.column_stack([points, np.ones(len(points))])
-    solution = np.linalg.lstsq(system, (points**2).sum(axis=1), rcond=None)[0]
+    solution, _, rank, _ = np.linalg.lstsq(system, (points**2).sum(axis=1), rcond=None)
     centre, square = solution[:2] / 2, solution[2] + (solution[:2] ** 2).sum() / 4
-    if square <= 0.0:
+    if rank < 3 or square <= 0.0:
         return None
     radius = float(np.sqrt(square))
     off = np.abs(np.linalg.norm(points - centre, axis=1) - radius).max()
@@ -69,7 +72,7 @@ def planes_like(surface: Surface, normal: np.ndarray, through: np.ndarray) -> st
 def _smooth_pieces(surface: Surface, axis: np.ndarray) -> list[np.ndarray]:
     vectors = surface.area_vectors
     normal = vectors / np.linalg.norm(vectors, axis=1)[:, None]
-    facets = np.flatnonzero(np.abs(normal @ axis) < 0.05)
+    facets = np.flatnonzero(np.abs(normal @ axis) < _PERPENDICULAR)
     if not len(facets):
         return []
     one, two = (sides // 3 for sides in shared_sides(surface.triangles[facets]))

@@ -74,15 +74,17 @@ class CasingReduction(Stage):
 
         from fem.casing.reduced.checkup import check_up
         from fem.casing.uncertainty.extrapolation import quadratic_modes
+        from fem.numerics.side_by_side import side_by_side
 
         with threadpool_limits(1):  # the expensive steps run in two parallel halves
             assembled = self.assembled(mesh)
             casing = assembled.held()
             modes, reduction = self.reduced(casing)
             casing = replace(casing, interface=casing.interface.whole)
-            found = check_up(casing, reduction)
-            del casing  # its factor
-            lower = (quadratic_modes(assembled, reduction, static=self.static),) if self.quadratic else ()
+            found, lower = side_by_side(
+                lambda: check_up(casing, reduction),
+                lambda: (quadratic_modes(assembled, reduction, static=self.static),) if self.quadratic else (),
+            )
         if found.failures:
             raise CasingError(
                 f"casing: the reduced body fails the checks {', '.join(found.failures)}. Use a finer "

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import groupby, pairwise
 
 import numpy as np
@@ -41,9 +42,7 @@ def faces_of(
         elif (found := fitted_cylinder(points, triangles[members], vectors[members])) is not None and found.hole:
             cylinders.append((found, int(solid[members[0]])))
     flats.sort(key=lambda one: -one.area)
-    named = tuple(
-        FlatFace(number=n, solid=f.solid, area=f.area, centre=f.centre, normal=f.normal) for n, f in enumerate(flats, 1)
-    )
+    named = tuple(replace(flat, number=number) for number, flat in enumerate(flats, 1))
     return tuple(_bores(cylinders)), named
 
 

@@ -31,7 +31,7 @@ from fem.elements.materials import Material
 from fem.elements.solids import rigid_body_modes
 from fem.numerics.linear_solver import Solver
 from fem.numerics.memory import give_back
-from fem.numerics.places import unknowns_of
+from fem.numerics.unknowns import unknowns_of
 
 GROUND_AXES = ("ux", "uy", "uz")
 
@@ -111,7 +111,16 @@ class AssembledCasing:
         )
 
     def held(self, solver: Solver = "auto") -> GroundedCasing:
-        """The factorised casing with the constraint modes of its interface; see `ground_casing`."""
+        """The factorised casing with the constraint modes of its interface.
+
+        Parameters
+        ----------
+        solver : see `fem.numerics.linear_solver.factorize`
+
+        Raises
+        ------
+        SingularMatrixError : a part of the mesh is not connected
+        """
         on_springs = self.ground == "springs"
         interface = interface_of(
             None if self.attachment == "rigid" else self.added,
@@ -138,41 +147,6 @@ class GroundedCasing(AssembledCasing):
         if not springs.any():
             return K
         return sp.csr_matrix(K + self.rows.T @ sp.diags_array(springs) @ self.rows)
-
-
-def ground_casing(
-    mesh: CasingMesh,
-    material: Material,
-    *,
-    interfaces: Mapping[str, Sequence[str]] | None = None,
-    forced: Sequence[ForcedPoint] = (),
-    ground: Ground = "fixed",
-    attachment: Attachment = "mean",
-    regions: Sequence[Region] = (),
-    joint: BoltedJoint | None = None,
-    solver: Solver = "auto",
-) -> GroundedCasing:
-    """Assemble a casing, clamp or free the feet, attach the points, and factorise.
-
-    Parameters
-    ----------
-    mesh, material, interfaces, forced, ground, attachment, regions, joint : those of `assembled_casing`
-    solver : see `fem.numerics.linear_solver.factorize`
-
-    Raises
-    ------
-    SingularMatrixError : a part of the mesh is not connected; or see `assembled_casing`
-    """
-    return assembled_casing(
-        mesh,
-        material,
-        interfaces=interfaces,
-        forced=forced,
-        ground=ground,
-        attachment=attachment,
-        regions=regions,
-        joint=joint,
-    ).held(solver)
 
 
 def assembled_casing(

@@ -29,8 +29,8 @@ from fem.casing.reduced.reduction import Interface, Reduction, held_interface, l
 from fem.casing.reduced.sturm_count import reduce_and_count
 from fem.numerics.linear_solver import Factor, Solver
 from fem.numerics.memory import give_back
-from fem.numerics.places import unknowns_of
 from fem.numerics.side_by_side import side_by_side
+from fem.numerics.unknowns import unknowns_of
 
 Result = TypeVar("Result")
 

@@ -43,7 +43,6 @@ class CasingModes(Record):
     mass: np.ndarray = array("coordinate", "coordinate", units="SI")
     stiffness: np.ndarray = array("coordinate", "coordinate", units="SI")
     coordinate_names: tuple[str, ...] = names("coordinate")  # interface, "mode_1", ..., "inertia_1", ...
-    reference_springs: np.ndarray = array("interface", units="N/m")  # under the feet, in the factorisation only
     fixed_frequencies: np.ndarray = array("mode", units="Hz")  # fixed-interface modes, then inertia corrections
     band_limit: float = scalar(units="Hz")  # every fixed-interface mode below it is kept
     counted: int = integer()  # fixed-interface modes below the limit (Sturm-sequence count); -1: not counted
@@ -129,7 +128,6 @@ def casing_modes(
         mass=reduction.mass,
         stiffness=reduction.stiffness,
         coordinate_names=casing.coordinate_names + mode_names(reduction.n_fixed, len(reduction.frequencies)),
-        reference_springs=casing.springs,
         fixed_frequencies=reduction.frequencies,
         band_limit=band_limit,
         counted=counted,

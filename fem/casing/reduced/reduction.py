@@ -139,15 +139,17 @@ def reduce_body(
     ReductionError : more modes requested than exist
     EigenError : the eigensolution did not converge
     """
+    from fem.numerics.sparse_product import product
+
     M = sp.csr_matrix(M)
     theta, modes = _fixed_modes(interface, K, M, highest, count)
     frequencies = 1.0 / (2.0 * math.pi * np.sqrt(theta))
     n_fixed = len(theta)
     Psi = interface.constraint
-    M_Psi = M @ Psi
+    M_Psi = product(M, Psi)
     extra = _beyond(modes, interface.inverse(M_Psi), M) if enrich and Psi.shape[1] else modes[:, :0]
     if extra.shape[1]:
-        value, vector = la.eigh(_symmetric(extra.T @ (K @ extra)))
+        value, vector = la.eigh(_symmetric(extra.T @ product(sp.csr_matrix(K), extra)))
         modes = np.hstack([modes, extra @ vector])
         frequencies = np.concatenate([frequencies, np.sqrt(value) / (2.0 * math.pi)])
     between = M_Psi.T @ modes
@@ -161,14 +163,20 @@ def _beyond(modes: np.ndarray, extra: np.ndarray, M: sp.csr_matrix) -> np.ndarra
 
     Normalised, the round-off of a vector within the span would become a spurious mode.
     """
-    whole = np.einsum("ij,ij->j", extra, M @ extra)
-    extra = extra - modes @ (modes.T @ (M @ extra))
-    extra = extra[:, np.einsum("ij,ij->j", extra, M @ extra) > _SPANNED * whole]
-    if not extra.shape[1]:
-        return extra
-    extra = extra @ m_orthonormal(extra, M @ extra)[0]
-    extra = extra - modes @ (modes.T @ (M @ extra))
-    return extra @ m_orthonormal(extra, M @ extra)[0]
+    from fem.numerics.sparse_product import product
+
+    M_extra = product(M, extra)
+    whole = np.einsum("ij,ij->j", extra, M_extra)
+    extra = extra - modes @ (modes.T @ M_extra)
+    M_extra = product(M, extra)
+    outside = np.einsum("ij,ij->j", extra, M_extra) > _SPANNED * whole
+    if not outside.any():
+        return extra[:, :0]
+    extra, M_extra = extra[:, outside], M_extra[:, outside]
+    combine = m_orthonormal(extra, M_extra)[0]
+    extra, M_extra = extra @ combine, M_extra @ combine
+    extra = extra - modes @ (modes.T @ M_extra)
+    return extra @ m_orthonormal(extra, product(M, extra))[0]
 
 
 def largest_entry(matrix: sp.csr_matrix) -> float:

@@ -31,7 +31,7 @@ from fem.casing.uncertainty.frequency_limits import LEAST_MODES, FrequencyLimits
 from fem.casing.uncertainty.limits_by_element import extrapolation_of
 from fem.casing.uncertainty.pairing import counterparts, sample_nodes
 from fem.elements.solid_elements import SOLIDS
-from fem.numerics.places import unknowns_of
+from fem.numerics.unknowns import unknowns_of
 from fem.storage.records import Record, array, integer, scalar, text
 
 MODES = 60  # lowest natural modes that are compared

@@ -19,7 +19,7 @@ import numpy as np
 from fem.contact.frame import law_points
 from fem.contact.law import MeshLaw
 from fem.contact.wheels.crack_surface import CrackSurface, load_weights, opened
-from fem.elements.prisms import slice_means
+from fem.elements.twisted_hexahedra import slice_means
 from fem.gears.geometry import GearPair
 
 MODES = 5

@@ -19,8 +19,8 @@ from fem.contact.wheels.ring import FlankCompliance, SectorReduction
 from fem.contact.wheels.solid_ring import load_size, node_frames, reduce_prism, sector_prism
 from fem.contact.wheels.webs import axial_ends, web_ends
 from fem.elements.materials import Material
-from fem.elements.prisms import slice_means, strain_matrices
 from fem.elements.sections import elasticity, gauss_grid, gauss_line, geometry, lagrange, shape_functions
+from fem.elements.twisted_hexahedra import slice_means, strain_matrices
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from fem.gears.path import path_points

@@ -30,7 +30,7 @@ from fem.contact.wheels.solid_ring import CUT, load_size, node_frames, sector_pr
 from fem.elements.nested_condensation import KEPT
 from fem.elements.sections import stiffness
 from fem.gears.sector import SectorMesh
-from fem.numerics.places import unknowns_of
+from fem.numerics.unknowns import unknowns_of
 from fem.storage.ledger import count
 
 

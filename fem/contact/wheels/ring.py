@@ -19,7 +19,7 @@ from scipy import sparse
 from fem.elements.sections import lagrange, stiffness
 from fem.gears.sector import SectorMesh
 from fem.numerics.linear_solver import SingularMatrixError, factorize
-from fem.numerics.places import unknowns_of
+from fem.numerics.unknowns import unknowns_of
 from fem.storage.ledger import count
 
 

@@ -18,7 +18,7 @@ from scipy.linalg import cho_factor, cho_solve
 from fem.contact.wheels.ring import SectorReduction, load_directions, ring_response
 from fem.contact.wheels.sector_face_functions import CUT, CutFunctions, cut_ties, webbed_ties
 from fem.elements.nested_condensation import FIXED, INNER, KEPT, TIED, Prism
-from fem.elements.prisms import section_blocks, turned_blocks
+from fem.elements.twisted_hexahedra import section_blocks, turned_blocks
 from fem.gears.sector import SectorMesh
 from fem.numerics.quadratic_grids import with_middles
 

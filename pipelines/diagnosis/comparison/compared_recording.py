@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.numerics.interpolation import interpolated
+from fem.numerics.sinc_interpolation import interpolated
 from pipelines.diagnosis.simulated import with_stated_noise
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown

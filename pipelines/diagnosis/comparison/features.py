@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipelines.diagnosis.comparison.compared_recording import ComparedRecording
-from pipelines.diagnosis.verdict import counted
+from pipelines.diagnosis.evidence import counted
 from pipelines.signals.features.feature_table import FeatureError, feature_table
 from pipelines.signals.features.table import WHOLE, FeatureTable, confirmed
 from pipelines.signals.orders.kinematics import Kinematics

@@ -44,7 +44,7 @@ class LineBar:
     """A line with its uncertainty bands; `numerical` is None if the error of the casing mesh is not known."""
 
     window: str
-    kind: str  # of `pipelines.signals.lines`
+    kind: str  # of `pipelines.signals.line_table`
     label: str
     frequency: float  # Hz
     level: float  # m/s2

@@ -28,7 +28,7 @@ from pipelines.diagnosis.uncertainty.line_changes import CutRun, envelope_change
 from pipelines.diagnosis.uncertainty.notes import notes
 from pipelines.diagnosis.uncertainty.uncertain import Uncertain
 from pipelines.signals.analysis import channel, sampling
-from pipelines.signals.lines import LineTable
+from pipelines.signals.line_table import LineTable
 from pipelines.signals.spectrum import cut
 
 if TYPE_CHECKING:

@@ -20,8 +20,8 @@ from pipelines.machine.plant import Drivetrain
 from pipelines.scene.problems import other_unit
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import shaft_faults
+from pipelines.scene.tables.drive_and_load import LoadBase
 from pipelines.scene.tables.housing import HousingBase
-from pipelines.scene.tables.motion import LoadBase
 
 HARMONICS = 5  # of the fastest mesh that a good record holds
 

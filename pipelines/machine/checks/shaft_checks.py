@@ -20,7 +20,7 @@ from pipelines.machine.loads import load_places
 from pipelines.machine.parts import MachineParts
 from pipelines.machine.plant import Plant
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.motion import LoadBase
+from pipelines.scene.tables.drive_and_load import LoadBase
 
 _AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
 _WORDS = {"uy": "move along its axis", "ry": "rotate", "rx": "tilt", "rz": "tilt"}

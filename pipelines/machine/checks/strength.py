@@ -13,6 +13,7 @@ case-carburized steel, grade ME); ISO 683-2:2016 (30CrNiMo8); DIN 743-3:2012 (42
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -23,11 +24,12 @@ from fem.elements.materials import STEEL
 from fem.gears.geometry import GearPair
 from pipelines.io.errors import Problem
 from pipelines.machine.checks.flank_checks import TYPICAL_STIFFNESS
-from pipelines.machine.layout import StageFacts, TrainLayout
+from pipelines.machine.layout import TrainLayout
 from pipelines.scene.problems import other_unit
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.motion import SpeedDrive
+from pipelines.scene.tables.drive_and_load import SpeedDrive
 
+_LOG = logging.getLogger(__name__)
 ENDURANCE = 1650e6  # Pa: sigma_H lim of the best case-carburized gear steel
 STATIC_STRENGTH = 1.6 * ENDURANCE  # Pa: the same with Z_NT of a load that occurs only a few times
 LARGEST_GIVE = 0.25  # modules, limit of small deflections of the teeth
@@ -106,7 +108,7 @@ def torsions(scene: Scene, layout: TrainLayout) -> list[Torsion]:
 def overloaded(scene: Scene, layout: TrainLayout) -> Iterator[Problem]:
     """Teeth and shafts for which no steel is strong enough at the largest load."""
     for number, (pair, facts) in enumerate(zip(layout.pairs, layout.stages, strict=True), 1):
-        yield from _overloaded_teeth(number, pair, facts)
+        yield from _overloaded_teeth(number, pair, facts.pinion_torque)
     for worst in torsions(scene, layout):
         if not worst.stress <= TORSION_STRENGTH:
             yield Problem(
@@ -120,15 +122,22 @@ def overloaded(scene: Scene, layout: TrainLayout) -> Iterator[Problem]:
             )
 
 
-def _overloaded_teeth(number: int, pair: GearPair, facts: StageFacts) -> Iterator[Problem]:
-    pressure = contact_pressure(pair, facts.pinion_torque)
-    load = f"line load {facts.line_load / 1000:.4g} N/mm"
+def warn_of_overload(number: int, pair: GearPair, pinion_torque: float) -> None:
+    """Log what no gear steel bears in a stage (from 1) under a torque (N m) that is not that of the scene."""
+    for problem in _overloaded_teeth(number, pair, pinion_torque):
+        _LOG.warning("%s", problem)
+
+
+def _overloaded_teeth(number: int, pair: GearPair, pinion_torque: float) -> Iterator[Problem]:
+    pressure = contact_pressure(pair, pinion_torque)
+    line_load = abs(pinion_torque) / pair.working_radii[0] / pair.face_width
+    load = f"line load {line_load / 1000:.4g} N/mm"
     key, modulus = "elastic_modulus_GPa", pair.pinion_material.elastic_modulus / 1e9
     remedy = (
         f"Reduce the load, raise face_width_mm or module_mm, or correct gear_material.{key}. {other_unit(key, modulus)}"
     ).rstrip()
     softness = STEEL.elastic_modulus / pair.pinion_material.elastic_modulus
-    give = facts.line_load / TYPICAL_STIFFNESS * softness
+    give = line_load / TYPICAL_STIFFNESS * softness
     if not pressure <= STATIC_STRENGTH:
         yield Problem(
             f"stages.{number}",

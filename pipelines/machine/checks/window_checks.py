@@ -11,7 +11,7 @@ from mbd.parts.speed_drive import SpeedProfile
 from pipelines.io.errors import Problem
 from pipelines.machine.plant import Drivetrain
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.motion import SpeedDrive
+from pipelines.scene.tables.drive_and_load import SpeedDrive
 from pipelines.scene.tables.torques import RPM
 from pipelines.signals.analysis import SPEED_TOLERANCE, DiagnosisError, DiagnosisSettings, envelope_band
 from pipelines.signals.spectrum import FEWEST_REVOLUTIONS, SpectrumError, whole_revolutions

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
+from fem.contact.evaluation.contact_pattern import ContactPattern
 from pipelines.report.figures.colours import GONE, LOAD_COLOURS
-from pipelines.report.figures.pattern import ContactPattern
 from pipelines.report.figures.plots import new_figure, plain
 
 

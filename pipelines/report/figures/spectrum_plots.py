@@ -23,7 +23,7 @@ from pipelines.report.figures.plots import (
     plain,
     plain_symbols,
 )
-from pipelines.signals.lines import LOADS
+from pipelines.signals.line_table import LOADS
 from pipelines.signals.pass_lines import HARMONICS, PassLines
 from pipelines.signals.spectrum import Spectrum
 

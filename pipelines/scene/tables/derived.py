@@ -100,7 +100,8 @@ def _table(made_of: type, base: type[DerivedTable] = DerivedTable, **tag: tuple[
     made = create_model(made_of.__name__ + base.use, __base__=base, __doc__=doc, **keys)
     made.made_of, made.series = made_of, _series(made_of)
     made.alone = not made.series and all(
-        "option" in f.metadata or f.default is not dataclasses.MISSING for f in dataclasses.fields(made_of)
+        {"option", "inline"} & f.metadata.keys() or f.default is not dataclasses.MISSING
+        for f in dataclasses.fields(made_of)
     )
     return made
 
@@ -122,8 +123,10 @@ def _keys(made_of: type, *, optional: bool = False) -> dict[str, tuple[Any, Any]
     for field, hint, one in _options(made_of):
         given = Field(description=one.text, min_length=one.least, max_length=one.most, pattern=one.pattern)
         annotation, default = _strict(hint, one), _given(field.default, one)
-        if field.default is dataclasses.MISSING:
-            annotation, default = (annotation | None, None) if optional else (annotation, ...)
+        if default is dataclasses.MISSING:
+            default = None if optional else ...
+        if default is None:
+            annotation = annotation | None
         keys[key_of(field.name, one)] = (Annotated[annotation, given], default)
     return keys
 

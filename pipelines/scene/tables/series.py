@@ -134,7 +134,8 @@ def _column(text: str, given: ColumnTable, path: str) -> np.ndarray:
         value = number_of(cell)
         if not math.isfinite(value):
             what = f"{shown(cell)} is not a number" if cell else "the cell is empty"
-            raise refused(f"{path}.file", f"line {rows.line_num}: {what}", "Correct or delete that line", given.file)
+            what = f"line {rows.line_num}, column {shown(given.column)}: {what}"
+            raise refused(f"{path}.file", what, "Correct or delete that line", given.file)
         values.append(value)
     if not values:
         raise refused(f"{path}.file", "the file has no values", "Write values below the header line")

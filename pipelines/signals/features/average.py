@@ -17,6 +17,8 @@ from functools import cached_property
 
 import numpy as np
 
+from pipelines.signals.features.statistics import squared_magnitude
+
 FEWEST_TURNS = 3  # for an average
 
 Meshes = Mapping[int, int]  # number of the pair -> teeth of its gear on the shaft
@@ -35,9 +37,13 @@ class Average:
     meshes: Meshes
 
     @cached_property
+    def _lines(self) -> np.ndarray:
+        return np.fft.rfft(self.values, axis=-1)
+
+    @cached_property
     def amplitudes(self) -> np.ndarray:
         """One-sided peak amplitudes (channel, order), NaN from `orders` on."""
-        lines = 2.0 * np.abs(np.fft.rfft(self.values, axis=-1)) / self.values.shape[-1]
+        lines = 2.0 * np.abs(self._lines) / self.values.shape[-1]
         lines[:, 0] /= 2.0
         lines[:, self.orders :] = np.nan
         return lines
@@ -55,10 +61,9 @@ class Average:
     @property
     def regular(self) -> np.ndarray:
         """Regular part of the average (channel, place): its mean, the first order and the mesh orders."""
-        lines = np.fft.rfft(self.values, axis=-1)
-        kept = np.zeros_like(lines)
-        orders = [order for order in {0, 1} | self._of_meshes() if order < lines.shape[1]]
-        kept[:, orders] = lines[:, orders]
+        kept = np.zeros_like(self._lines)
+        orders = [order for order in {0, 1} | self._of_meshes() if order < kept.shape[1]]
+        kept[:, orders] = self._lines[:, orders]
         return np.fft.irfft(kept, self.values.shape[-1], axis=-1)
 
     @property
@@ -71,7 +76,7 @@ class Average:
         return {n * teeth for teeth in self.meshes.values() for n in range(1, self.orders // teeth + 1)}
 
     def _without(self, orders: Iterable[int]) -> np.ndarray:
-        lines = np.fft.rfft(self.values, axis=-1)
+        lines = self._lines.copy()
         lines[:, [order for order in orders if order < lines.shape[1]]] = 0.0
         lines[:, self.orders :] = 0.0
         return np.fft.irfft(lines, self.values.shape[-1], axis=-1)
@@ -88,8 +93,9 @@ def average_power(turns: np.ndarray) -> np.ndarray:
     ----------
     turns : (channel, turn, place), real or complex, two turns or more
     """
-    lines = np.fft.fft(turns, axis=1) / turns.shape[1]
-    power = np.mean(lines.real**2 + lines.imag**2, axis=-1)
+    from scipy import fft
+
+    power = squared_magnitude(fft.fft(turns, axis=1)).mean(axis=-1) / turns.shape[1] ** 2
     return np.stack([np.median(power[:, 1:], axis=1), power[:, 0]])
 
 

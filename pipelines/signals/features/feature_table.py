@@ -12,7 +12,8 @@ missing tooth is 15 standard deviations above healthy test benches in the best o
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,7 +28,7 @@ from pipelines.signals.features.envelope_features import (
     tooth_energies,
 )
 from pipelines.signals.features.passing import pass_levels
-from pipelines.signals.features.statistics import kurtosis, statistics
+from pipelines.signals.features.statistics import kurtosis, squared_magnitude, statistics
 from pipelines.signals.features.table import WHOLE, FeatureTable
 from pipelines.signals.features.turns import Turns, cut_turns
 from pipelines.signals.orders.kinematics import GUARD_ORDER, Kinematics, Shaft
@@ -56,6 +57,17 @@ class FeatureError(ValueError):
     """A recording has no features: all shafts make too few turns, or no channel contains a signal."""
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _WindowFeatures:
+    """Features of a window; of each shaft the power and the share that repeat; marked teeth; band and speed, Hz."""
+
+    lines: Lines
+    powers: list[Lines]
+    teeth: dict[str, int]
+    band: tuple[float, float]
+    speed: float  # of the first shaft
+
+
 def feature_table(
     recording: xarray.Dataset,
     kinematics: Kinematics,
@@ -80,53 +92,16 @@ def feature_table(
     time = np.asarray(recording.time.values, dtype=float)
     sensors, axes, signal = recorded_channels(recording)
     given = dict(windows) if windows else {"the whole recording": (float(time[0]), float(time[-1]))}
-    per_window: list[Lines] = []
-    powers: list[Lines] = []  # by window and shaft
-    bands: dict[str, tuple[float, float]] = {}
-    speeds: list[float] = []
-    teeth: dict[str, int] = {}
+    _check_windows(given, time)
+    found = {}
     for name, window in given.items():
-        if window[0] >= window[1]:
-            raise FeatureError(
-                f"{name}: the window starts at {window[0]:g} s and ends at {window[1]:g} s. Set an end after the start."
-            )
-        if window[0] >= time[-1] or window[1] <= time[0]:
-            raise FeatureError(
-                f"{name}: {window[0]:g} to {window[1]:g} s is outside the recording, which lasts from {time[0]:g} to "
-                f"{time[-1]:g} s. Set a window within it."
-            )
-        inside = within(time, window)
-        known = {shaft.name for shaft in kinematics.shafts} - rotation.conditional.keys()
-        cuts = {shaft: cut_turns(signal, time, rotation, shaft.ratio, window) for shaft in kinematics.shafts}
-        turning = [(shaft, cut) for shaft, cut in cuts.items() if cut is not None and cut.count >= FEWEST_TURNS]
-        if not any(shaft.name in known for shaft, _ in turning):
-            reasons = "".join(f" {shaft}: {reason}." for shaft, reason in rotation.conditional.items())
-            known_speed = "correct teeth, set speed with its uncertainty, or record a tachometer."
-            if not known:
-                raise FeatureError(
-                    f"{name}: no shaft has a confirmed speed.{reasons} Use a longer recording, {known_speed}"
-                )
-            confirmed, remedy = "", " or one at a higher speed."
-            if rotation.conditional:
-                confirmed, remedy = " with a confirmed speed", f", {known_speed}"
-            raise FeatureError(
-                f"no shaft{confirmed} makes {FEWEST_TURNS} revolutions between {window[0]:g} and "
-                f"{min(window[1], float(time[-1])):g} s.{reasons} Set a longer window{remedy}"
-            )
-        speeds.append(turning[0][1].frequency / turning[0][0].ratio)
-        bands[name] = envelope_band(kinematics, time, speeds[-1])
-        whole = statistics(signal[:, inside])
-        found: Lines = {(WHOLE, name): value for name, value in whole.items() if complete or name in OF_SIGNAL}
-        for shaft, cut in turning:
-            lines, own, marks = _shaft_lines(cut, bands[name], shaft, kinematics, rotation, complete)
-            if rotation.error * cut.count > QUARTER:  # no averages over turns, and pass orders allow slip
-                strikes = {strike for bearing in kinematics.bearings for strike in bearing.strikes}
-                lines, marks = {line: value for line, value in lines.items() if line[0] in strikes}, {}
-            found |= lines
-            powers.append(own)
-            teeth = (marks if rotation.places_teeth(shaft.name) else {}) | teeth  # those of the first window count
-        per_window.append(found)
-    values, power = _mean(per_window), _mean(powers)
+        turning = _turning_shafts(signal, time, kinematics, rotation, name, window)
+        found[name] = _window_features(signal, time, window, turning, kinematics, rotation, complete)
+    values = _mean([one.lines for one in found.values()])
+    power = _mean([power for one in found.values() for power in one.powers])
+    teeth: dict[str, int] = {}
+    for one in found.values():
+        teeth = one.teeth | teeth  # the first window counts
     none = np.outer([0.0, 1.0, 1.0], np.ones(len(sensors)))
     retained, of_average, repeating = np.stack([power.get(line, none) for line in values], axis=-1)
     conditional = {shaft: f"{_named(shaft, kinematics)}: {reason}" for shaft, reason in rotation.conditional.items()}
@@ -142,12 +117,80 @@ def feature_table(
         conditional=tuple(conditional.get(kinematics.shaft_of(component), "") for component, _ in values),
         gear=tuple(teeth),
         tooth=np.array(list(teeth.values()), dtype=int),
-        window=tuple(bands),
-        band_low=np.array([low for low, _ in bands.values()]),
-        band_high=np.array([high for _, high in bands.values()]),
-        speed=np.array(speeds),
+        window=tuple(found),
+        band_low=np.array([one.band[0] for one in found.values()]),
+        band_high=np.array([one.band[1] for one in found.values()]),
+        speed=np.array([one.speed for one in found.values()]),
         left_out=_left_out(kinematics, rotation, time, {component for component, _ in values}, given),
     )
+
+
+def _check_windows(windows: Mapping[str, tuple[float, float]], time: np.ndarray) -> None:
+    """FeatureError for a window that ends before it starts, or is outside the recording."""
+    for name, (start, end) in windows.items():
+        if start >= end:
+            raise FeatureError(
+                f"{name}: the window starts at {start:g} s and ends at {end:g} s. Set an end after the start."
+            )
+        if start >= time[-1] or end <= time[0]:
+            raise FeatureError(
+                f"{name}: {start:g} to {end:g} s is outside the recording, which lasts from {time[0]:g} to "
+                f"{time[-1]:g} s. Set a window within it."
+            )
+
+
+def _turning_shafts(
+    signal: np.ndarray,
+    time: np.ndarray,
+    kinematics: Kinematics,
+    rotation: Rotation,
+    name: str,
+    window: tuple[float, float],
+) -> list[tuple[Shaft, Turns]]:
+    """The shafts that make enough turns in a window, with the signal in turns; FeatureError without a known speed."""
+    known = {shaft.name for shaft in kinematics.shafts} - rotation.conditional.keys()
+    cuts = {shaft: cut_turns(signal, time, rotation, shaft.ratio, window) for shaft in kinematics.shafts}
+    turning = [(shaft, cut) for shaft, cut in cuts.items() if cut is not None and cut.count >= FEWEST_TURNS]
+    if any(shaft.name in known for shaft, _ in turning):
+        return turning
+    reasons = "".join(f" {shaft}: {reason}." for shaft, reason in rotation.conditional.items())
+    known_speed = "correct teeth, set speed with its uncertainty, or record a tachometer."
+    if not known:
+        raise FeatureError(f"{name}: no shaft has a confirmed speed.{reasons} Use a longer recording, {known_speed}")
+    confirmed, remedy = "", " or one at a higher speed."
+    if rotation.conditional:
+        confirmed, remedy = " with a confirmed speed", f", {known_speed}"
+    raise FeatureError(
+        f"no shaft{confirmed} makes {FEWEST_TURNS} revolutions between {window[0]:g} and "
+        f"{min(window[1], float(time[-1])):g} s.{reasons} Set a longer window{remedy}"
+    )
+
+
+def _window_features(
+    signal: np.ndarray,
+    time: np.ndarray,
+    window: tuple[float, float],
+    turning: Sequence[tuple[Shaft, Turns]],
+    kinematics: Kinematics,
+    rotation: Rotation,
+    complete: bool,
+) -> _WindowFeatures:
+    """Features of the whole machine and of its turning shafts in a window."""
+    speed = turning[0][1].frequency / turning[0][0].ratio
+    band = envelope_band(kinematics, time, speed)
+    whole = statistics(signal[:, within(time, window)])
+    found: Lines = {(WHOLE, name): value for name, value in whole.items() if complete or name in OF_SIGNAL}
+    powers: list[Lines] = []
+    teeth: dict[str, int] = {}
+    for shaft, cut in turning:
+        lines, power, marks = _shaft_lines(cut, band, shaft, kinematics, rotation, complete)
+        if rotation.error * cut.count > QUARTER:  # no averages over turns, and pass orders allow slip
+            strikes = {strike for bearing in kinematics.bearings for strike in bearing.strikes}
+            lines, marks = {line: value for line, value in lines.items() if line[0] in strikes}, {}
+        found |= lines
+        powers.append(power)
+        teeth = (marks if rotation.places_teeth(shaft.name) else {}) | teeth
+    return _WindowFeatures(lines=found, powers=powers, teeth=teeth, band=band, speed=speed)
 
 
 def recorded_channels(recording: xarray.Dataset) -> tuple[tuple[str, ...], tuple[str, ...], np.ndarray]:
@@ -208,14 +251,14 @@ def _shaft_lines(
     width = orders / cut.values.shape[2]
     ratios = [other.ratio / shaft.ratio for other in kinematics.shafts]
     plain, white = (one.reshape(cut.values.shape) for one in banded(laid, ends, width))
-    envelope = np.abs(plain) ** 2
+    envelope = squared_magnitude(plain)
     found |= {"envelope_orders": envelope_orders(envelope), "whitened_kurtosis": kurtosis(white.mean(axis=1).real)}
     lines: Lines = {(shaft.name, name): cut.order(order) for name, order in OF_SHAFT.items()}
     if not gears:
         lines |= {(shaft.name, name): found[name] for name in OF_PLAIN_SHAFT}
     if complete:
         lines |= {(shaft.name, name): found[name] for name in OF_AVERAGE}
-    squares = envelope, np.abs(white) ** 2, np.abs(white.mean(axis=1, keepdims=True)) ** 2
+    squares = envelope, squared_magnitude(white), squared_magnitude(white.mean(axis=1, keepdims=True))
     marks = {}
     for gear in gears:
         energies = {name: tooth_energies(one, gear.teeth) for name, one in zip(CONTRASTS, squares, strict=True)}

@@ -23,6 +23,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from scipy import fft
 from scipy.ndimage import maximum_filter1d
 
 from pipelines.signals.orders.rotation import Rotation
@@ -62,7 +63,7 @@ def pass_levels(
     channels, turns, places = envelope.shape
     laid = envelope.reshape(channels, turns * places)
     window = np.hanning(turns * places + 1)[:-1]
-    lines = np.abs(np.fft.rfft((laid - laid.mean(axis=-1, keepdims=True)) * window, axis=-1))
+    lines = np.abs(fft.rfft((laid - laid.mean(axis=-1, keepdims=True)) * window, axis=-1))
     place, free = np.arange(lines.shape[1]), np.ones(lines.shape[1], dtype=bool)
     factor, error = (rotation.likely, rotation.error) if rotation else (1.0, 0.0)
     per_order = turns * factor

@@ -21,6 +21,11 @@ def statistics(signal: np.ndarray) -> dict[str, np.ndarray]:
     }
 
 
+def squared_magnitude(x: np.ndarray) -> np.ndarray:
+    """|x|^2 of complex values, without the square root in `abs`."""
+    return np.asarray(x.real**2 + x.imag**2)
+
+
 def root_mean_square(x: np.ndarray) -> np.ndarray:
     """sqrt <x^2> over the last axis."""
     return np.sqrt(np.mean(x**2, axis=-1))

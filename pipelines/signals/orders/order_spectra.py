@@ -1,8 +1,8 @@
 """Spectra of a run whose speed changes: over the orders of a shaft, or over frequency, window by window.
 
 An order is the number of cycles per revolution of a shaft. The signal is resampled to equidistant angles of the shaft
-by band-limited interpolation (`fem.numerics.interpolation`). A line that follows the shaft then remains sharp when the
-speed changes. Windows of whole revolutions overlap by half. The angle of the shaft is recorded with the response.
+by band-limited interpolation (`fem.numerics.sinc_interpolation`). A line that follows the shaft then remains sharp when
+the speed changes. Windows of whole revolutions overlap by half. The angle of the shaft is recorded with the response.
 
 References
 ----------
@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.numerics.interpolation import interpolated
+from fem.numerics.sinc_interpolation import interpolated
 from fem.storage.records import Record, array, scalar, text
 from pipelines.signals.orders.revolutions import HIGHEST, moving_stretches
 

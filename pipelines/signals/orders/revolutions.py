@@ -1,9 +1,9 @@
 """A recording resampled over whole revolutions of a shaft: values by turn and place in the turn.
 
-The signal is resampled to equidistant angles of the shaft by band-limited interpolation (`fem.numerics.interpolation`).
-The error is below 1e-5 of the signal up to 0.45 of the sampling rate. If the angle steps are wider than the samples,
-orders above 0.55 of the steps per turn are filtered out to prevent aliasing. The filter assumes a constant speed over
-its 96 steps.
+The signal is resampled to equidistant angles of the shaft by band-limited interpolation
+(`fem.numerics.sinc_interpolation`). The error is below 1e-5 of the signal up to 0.45 of the sampling rate. If the angle
+steps are wider than the samples, orders above 0.55 of the steps per turn are filtered out to prevent aliasing. The
+filter assumes a constant speed over its 96 steps.
 
 References
 ----------
@@ -18,7 +18,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fem.numerics.interpolation import HALF_WIDTH, interpolated
+from fem.numerics.sinc_interpolation import HALF_WIDTH, interpolated
 from pipelines.signals.orders.rotation import Rotation
 
 HIGHEST = 0.45  # of the sampling rate, highest frequency in use; filters of recorders attenuate above

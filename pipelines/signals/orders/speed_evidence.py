@@ -28,7 +28,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from fem.numerics.interpolation import interpolated
+from fem.numerics.sinc_interpolation import interpolated
 from pipelines.signals.orders.kinematics import Kinematics, Shaft
 
 HARMONICS = 5  # of a mesh

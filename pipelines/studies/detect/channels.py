@@ -17,7 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipelines.diagnosis.deviation_statistics import LEAST_SPREAD
-from pipelines.diagnosis.verdict import ALARM, damage_p
+from pipelines.diagnosis.judge import damage_p
+from pipelines.diagnosis.verdict import ALARM
 from pipelines.signals.features.table import FeatureTable
 from pipelines.studies.detect.probability import Machines, Share, share
 

@@ -17,7 +17,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pipelines.diagnosis.deviation_statistics import clopper_pearson
-from pipelines.diagnosis.verdict import ALARM, damage_p, judge
+from pipelines.diagnosis.judge import damage_p, judge
+from pipelines.diagnosis.verdict import ALARM
 from pipelines.signals.features.table import FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from pipelines.scene.presets import Settings
     from pipelines.scene.scene import Scene
-
-Settings = dict[str, object]
 
 
 class AxisError(ValueError):

@@ -10,11 +10,9 @@ import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from pipelines.scene.presets import PRESETS, preset_settings
+from pipelines.scene.presets import PRESETS, Settings, preset_settings
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.casing import ElasticBase
-
-Settings = dict[str, object]
 
 PRESET, REFERENCE, COMBINATION = "preset", "reference", "combination"
 MESHES: dict[str, Settings] = {

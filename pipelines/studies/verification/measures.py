@@ -32,7 +32,7 @@ from pipelines.diagnosis.control_diagnosis import STATES, diagnose
 from pipelines.diagnosis.line_words import modulation
 from pipelines.signals.analysis import DiagnosisSettings, channel, noisy_signal
 from pipelines.signals.features.statistics import root_mean_square
-from pipelines.signals.lines import LineTable
+from pipelines.signals.line_table import LineTable
 from pipelines.signals.orders.revolutions import revolutions
 from pipelines.signals.orders.rotation import Rotation
 

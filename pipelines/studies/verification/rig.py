@@ -22,8 +22,8 @@ from pipelines.signals.analysis import DiagnosisSettings
 from pipelines.signals.features.table import labelled_array
 from pipelines.signals.response import make_response
 from pipelines.studies.trade.measured_variants import build_variants
-from pipelines.studies.verification.claims import ClaimEvidence
 from pipelines.studies.verification.measures import Levels, fault_levels, load_levels
+from pipelines.studies.verification.published_claims import ClaimEvidence
 
 LOADS = ("rope", "static-torque")
 LOSSES: Mapping[str, Mapping[str, Any]] = {

@@ -1,0 +1,142 @@
+"""Usual tip reliefs, orders of the transmission error, and the one Hertz pressure of `gears` and `inspect`."""
+
+import math
+
+import numpy as np
+import pytest
+
+import gearcase
+from fem.contact.evaluation.mesh_cycle import order_amplitudes
+from fem.gears.modifications import relief_lengths
+from pipelines.machine.layout import lay_out
+from pipelines.runs.gear_curves import MeshState, gear_curves, gear_rows, transmission_errors
+from pipelines.scene.file import load_scene
+
+SPUR = {"stages.1.pinion_teeth": 23, "stages.1.wheel_teeth": 57, "stages.1.module_mm": 3.0,
+        "stages.1.face_width_mm": 25.0, "stages.1.mesh.slices": 1}  # fmt: skip
+
+
+def searched(settings, *, force, **options):
+    """The default search at one force."""
+    scene = gearcase.Scene.from_file("pair").changed(SPUR | settings)
+    radius = lay_out(scene.loaded.scene).pairs[0].pinion.base_radius
+    return gearcase.design(scene, torques=[force * radius], **options)
+
+
+def pair(**changes):
+    return gearcase.laws(gearcase.Scene.from_file("pair").changed(SPUR | changes))[0]
+
+
+@pytest.mark.parametrize("beta", [0.0, 10.0])
+@pytest.mark.parametrize("shift", [0.0, 0.3])
+def test_a_long_relief_starts_where_single_contact_ends(beta, shift):
+    """ISO 6336-3: d_en, the outer end of the contact of one tooth pair, from the tip diameter and eps_alpha."""
+    settings = SPUR | {"stages.1.helix_angle_deg": beta, "stages.1.pinion_profile_shift": shift}
+    gears = lay_out(load_scene("pair", settings).scene).pairs[0]
+    short, long = relief_lengths(gears)
+    r_a, r_b, z = gears.pinion.tip_radius, gears.pinion.base_radius, gears.pinion.teeth
+    alpha_t = math.atan(math.tan(math.radians(20)) / math.cos(math.radians(beta)))
+    pitch = math.pi * 2 * (r_b / math.cos(alpha_t)) * math.cos(alpha_t) / z
+    d_en = 2 * math.hypot(math.sqrt(r_a**2 - r_b**2) - (gears.transverse_contact_ratio - 1) * pitch, r_b)
+    start = 2 * math.hypot(r_b, gears.roll_lengths(gears.xi_end)[0] - long)
+    assert start == pytest.approx(d_en, rel=1e-9)
+    assert short == long / 2
+
+
+def test_the_lengths_of_a_textbook_pair():
+    """20/40 teeth, 20 degrees, eps_alpha = 1.636 and p_b = 2.952 modules in tables of textbooks: 1.88 modules."""
+    settings = {"stages.1.pinion_teeth": 20, "stages.1.wheel_teeth": 40, "stages.1.module_mm": 1.0}
+    _, long = relief_lengths(lay_out(load_scene("pair", settings).scene).pairs[0])
+    assert long == pytest.approx(0.636 * 2.952e-3, rel=2e-3)
+
+
+def test_teeth_with_two_or_three_pairs_in_contact_have_no_usual_length():
+    settings = SPUR | {"stages.1.rack_addendum": 1.35, "stages.1.rack_dedendum": 1.6,
+                       "stages.1.pinion_teeth": 50, "stages.1.rack_tip_radius": 0.2}  # fmt: skip
+    gears = lay_out(load_scene("pair", settings).scene).pairs[0]
+    assert gears.transverse_contact_ratio > 2
+    assert relief_lengths(gears) is None
+    with pytest.raises(gearcase.InputError, match=r"contact ratio 2\.\d+, which is not between 1 and 2. Set --vary"):
+        searched(settings, force=1000.0)
+
+
+def test_the_largest_amount_is_the_deflection_of_one_tooth_pair():
+    """C_eff = F / (b c') with c' = 15.09 N/(mm um) of a separate finite-element program at the pitch point, 50 N/mm."""
+    settings = {
+        "stages.1.pinion_teeth": 20, "stages.1.wheel_teeth": 55, "stages.1.module_mm": 2.0,
+        "stages.1.face_width_mm": 30.0, "stages.1.pinion_bore_mm": 35.0 / 1.4, "stages.1.wheel_bore_mm": 105.0 / 1.4,
+    }  # fmt: skip
+    amounts, lengths = searched(settings, force=1500.0).designs.task.variables.given
+    at_pitch_point = 1500.0 / 30.0 / 15.09
+    assert amounts.values == (0, 1, 2, 3, math.ceil(1.06 * at_pitch_point))
+    short, long = relief_lengths(lay_out(load_scene("pair", SPUR | settings).scene).pairs[0])
+    assert lengths.values[0] == pytest.approx(1e3 * short, abs=0.05)
+    assert lengths.values[-1] == pytest.approx(1e3 * long, abs=0.1)
+
+
+@pytest.mark.parametrize("helix", [0.0, 12.0])
+def test_the_best_relief_in_a_scene_has_the_transmission_error_and_the_pressure_of_its_design(helix):
+    """The full deflection of a helical pair would leave more transmission error than no relief with a short length."""
+    settings = {"stages.1.helix_angle_deg": helix, "stages.1.mesh.slices": 15 if helix else 1}
+    study = searched(settings, force=6000.0, limits=["pressure <= 5000"])
+    none, best = study.rows()
+    assert best["te um"] < 0.35 * none["te um"]
+    relieved = pair(**settings, **study.settings("A"))
+    state = MeshState(force=6000.0, tilt=0.0)
+    rows = gear_rows([relieved], gear_curves([relieved], [state]))
+    for design, row in zip((none, best), rows, strict=True):
+        assert design["te um"] == pytest.approx(row["TE p-p um"], rel=0.01)
+        assert design["pressure MPa"] == pytest.approx(row["pressure MPa"], rel=0.02)
+
+
+def test_other_modifications_of_the_scene_stay_with_the_searched_reliefs():
+    crowned = {"stages.1.pinion.profile_crowning_um": 8.0}
+    relieved = crowned | {"stages.1.pinion.tip_relief": {"amount_um": 5.0, "length_mm": 3.0}}
+    found = [searched(settings, force=6000.0).designs.objectives for settings in (crowned, relieved, {})]
+    assert np.array_equal(found[0], found[1])
+    assert not np.isclose(found[0], found[2]).any()
+
+
+def test_amounts_end_at_the_limit_of_their_key():
+    """Above 0.1 modules (0.3 mm) no relief can be set."""
+    assert searched({}, force=1e6).designs.task.variables.given[0].values[-1] == 296
+
+
+def test_one_load_beyond_the_table_of_the_law_has_one_warning(caplog):
+    found, state = pair(), MeshState(force=3e5, tilt=0.0)
+    gear_curves([found], [state])
+    transmission_errors(found, state)
+    assert len({record.getMessage() for record in caplog.records}) == 1
+
+
+def test_orders_are_the_amplitudes_of_the_waves():
+    c = np.arange(256) / 256
+    error = 5.0 + 2.0 * np.cos(2 * np.pi * c + 0.4) + 0.5 * np.sin(6 * np.pi * c)
+    assert order_amplitudes(error) == pytest.approx([2.0, 0.0, 0.5, 0, 0, 0, 0, 0], abs=1e-12)
+
+
+def test_a_pair_without_modifications_has_one_curve_and_no_row_for_it():
+    found = pair()
+    assert not found.modified
+    assert found.unmodified is not None
+    assert [row["flanks"] for row in transmission_errors(found, MeshState(force=1000.0, tilt=0.0)).rows()] == [
+        "unmodified"
+    ]
+    misaligned = pair(**{"stages.1.misalignment.out_of_plane_um": 5.0, "stages.1.mesh.slices": 3})
+    assert not misaligned.modified
+
+
+@pytest.mark.parametrize("teeth", [23, 17])
+def test_gears_and_inspect_give_one_hertz_pressure(teeth):
+    """At high load tips of 17 teeth touch beyond the active flank, where no Hertz pressure is counted."""
+    found = pair(**{"stages.1.pinion_teeth": teeth})
+    state = MeshState(force=20000.0, tilt=0.0)
+    curves = gear_curves([found], [state])
+    (row,) = gear_rows([found], curves)
+    pattern = found.pattern(force=state.force)
+    assert row["pressure MPa"] == pytest.approx(float(pattern.max()) / 1e6, rel=1e-12)
+    active = found.pair.xi_start, found.pair.xi_end
+    outside = (curves.position < active[0]) | (curves.position > active[1])
+    own = curves.pressure.sel(pair=0)[0]
+    assert float(own[outside.values].max()) == 0.0
+    assert float(own.max()) == pytest.approx(float(pattern.max()), rel=0.12)

@@ -1,0 +1,323 @@
+"""The exported free body is the casing, whatever file holds it; frequency responses are those of its modes."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import scipy.io
+import scipy.linalg as la
+import scipy.sparse as sp
+from housings import short_housing
+from scipy.sparse.linalg import LinearOperator, eigsh
+from sources import ROOT
+
+from fem.casing.imported.body import ForeignError
+from fem.casing.imported.checks import check_foreign
+from fem.casing.imported.matrix_files import MatrixFiles, read_body
+from fem.casing.mesh.mesher import mesh_housing
+from fem.casing.models.rigid_casing import RigidCasing
+from fem.casing.reduced.attachment import mean_motion_rows
+from fem.casing.reduced.grounded import assembled_casing
+from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
+from fem.casing.reduced.reduction import reduce_body
+from fem.elements.materials import CAST_IRON
+from fem.numerics.linear_solver import factorize
+from pipelines.cli.casing import casing_facts, modal_ratios
+from pipelines.cli.main import main
+from pipelines.io.errors import InputError
+from pipelines.runs.single_results import Casing
+from pipelines.steps.casing import misread_sensors
+from pipelines.studies.housings.casing_export import FORMATS, free_body, write_casing
+from pipelines.studies.housings.responses import (
+    accelerance,
+    accelerance_figure,
+    accelerances,
+    checked_names,
+    damping_words,
+    table_lines,
+)
+
+FACTOR = 0.97  # of the stiffness, as extrapolation gives one
+
+
+@pytest.fixture(scope="module")
+def full():
+    """Mesh and full model of a small casing."""
+    housing = short_housing()
+    mesh = mesh_housing(housing, element_size=0.05)
+    return housing, mesh, assembled_casing(mesh, CAST_IRON).held()
+
+
+@pytest.fixture(scope="module")
+def casing(full):
+    """The reduced casing as the command builds it."""
+    housing, mesh, grounded = full
+    reduction = reduce_body(grounded.interface, grounded.K_free, grounded.M_free, count=25)
+    modes = casing_modes(grounded, reduction, model="craig-bampton", band_limit=float(reduction.frequencies[-1]))
+    body = reduced_body(modes, sensors=housing.sensors[:2], stiffness_factor=FACTOR, damping=[(0.0, 0.01), (4e3, 0.03)])
+    return Casing(
+        body=body,
+        mesh=mesh,
+        modes=modes,
+        natural=natural_modes(modes, stiffness_factor=FACTOR),
+        participation=modes.participation,
+        checkup=None,
+        limits=None,
+        error=None,
+        records=(),
+        band=2000.0,
+    )
+
+
+def rigid(places, centre):
+    """Rigid motions (3 n, 6) of places (n, 3) about a centre, independent of the product: t + r x arm."""
+    columns = [np.tile(axis, (len(places), 1)) for axis in np.eye(3)]
+    columns += [np.cross(axis, places - centre) for axis in np.eye(3)]
+    return np.column_stack([column.ravel() for column in columns])
+
+
+def hertz(K, M, count=12):
+    return np.sqrt(np.maximum(la.eigvalsh(K, M)[:count], 0.0)) / (2 * math.pi)
+
+
+def squares(K, M, count):
+    """The lowest squares of the angular frequencies (rad^2/s^2) of a free body."""
+    shift = -((2 * math.pi * 50.0) ** 2)
+    inverse = LinearOperator(K.shape, matvec=factorize(sp.csr_matrix(K - shift * M)).solve)
+    return np.sort(eigsh(K, k=count, M=M, sigma=shift, OPinv=inverse, return_eigenvectors=False))
+
+
+def test_the_free_body_is_the_mesh_with_rigid_feet(full, casing):
+    """Frequencies of the free body, and with a spring under one bearing, which reads its absolute motion."""
+    _, mesh, grounded = full
+    found = free_body(casing)
+    feet = np.unique(np.concatenate([np.unique(mesh.patch(name)) for name in mesh.patches("ground_")]))
+    held = (3 * feet[:, None] + np.arange(3)).ravel()
+    free = np.setdiff1d(np.arange(3 * len(mesh.nodes)), held)
+    tied = np.zeros((3 * len(mesh.nodes), 6))
+    tied[held] = rigid(mesh.nodes, casing.modes.centre)[held]
+    take = sp.csr_matrix((np.ones(len(free)), (free, np.arange(len(free)))), shape=(3 * len(mesh.nodes), len(free)))
+    E = sp.csr_matrix(sp.hstack([take, sp.csr_matrix(tied)]))
+    K, M = sp.csc_matrix(FACTOR * (E.T @ grounded.K @ E)), sp.csc_matrix(E.T @ grounded.M @ E)
+    exact = squares(K, M, 10)
+    assert np.abs(exact[:6]).max() < 1e-6 * exact[6]
+    mine = la.eigvalsh(found.stiffness, found.mass)[:10]
+    assert np.abs(mine[:6]).max() < 1e-6 * mine[6]
+    assert np.sqrt(mine[6:9] / exact[6:9]) == pytest.approx(1.0, abs=2e-3)
+    row = sp.csr_matrix(mean_motion_rows(mesh.nodes, mesh.patch("bearing_2"), mesh.point("bearing_2")))[[2]] @ E
+    spring = 1e6
+    sprung = squares(sp.csc_matrix(K + spring * (row.T @ row)), M, 8)
+    place = [found.node_names.index("bearing_2") + 1, 3]
+    at = int(np.flatnonzero((found.equations == place).all(axis=1))[0])
+    stiffness = found.stiffness.copy()
+    stiffness[at, at] += spring
+    mine = la.eigvalsh(stiffness, found.mass)[:8]
+    assert math.sqrt(mine[5] / sprung[5]) == pytest.approx(1.0, abs=1e-4)
+    assert mine[5] > 1e3  # the spring carries
+
+
+def test_sensors_of_the_free_body_follow_a_rigid_motion(full, casing):
+    housing, found = full[0], free_body(casing)
+    centre, body = casing.modes.centre, casing.body
+    motion = np.zeros((len(found.mass), 6))
+    for row, (node, axis) in zip(motion, found.equations, strict=True):
+        if axis:
+            arm = found.nodes[node - 1, 1:] - centre
+            row[:] = np.vstack([rigid(arm[None], np.zeros(3)), np.hstack([np.zeros((3, 3)), np.eye(3)])])[axis - 1]
+    assert np.abs(found.stiffness @ motion).max() < 1e-9 * np.abs(found.stiffness).max()
+    assert np.trace(motion[:, :3].T @ found.mass @ motion[:, :3]) / 3 == pytest.approx(casing.modes.total_mass)
+    for sensor in housing.sensors[:2]:
+        place = body.point_positions[body.point_names.index(sensor.name)]
+        expected = np.array(sensor.axes) @ rigid(place[None], centre)
+        rows = [found.row_names.index(f"{sensor.name}:{axis}") for axis in ("ux", "uy", "uz")]
+        assert found.rows[rows] @ motion == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize(("ending", "precision"), [(".npz", 1e-9), (".mtx", 1e-9), (".op4", 1e-9), (".pch", 1e-6)])
+def test_what_is_exported_is_read_again_with_the_same_frequencies_in_its_ground(
+    casing, tmp_path, ending, precision, caplog
+):
+    if ending in (".op4", ".pch"):
+        pytest.importorskip("pyyeti")
+    written = write_casing(casing, "a casing", tmp_path / f"c{ending}")
+    assert written[0] == tmp_path / f"c{ending}"
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(path.name for path in written)
+    further = {path.name: str(path) for path in written}
+    files = MatrixFiles(
+        stiffness=str(written[0]),
+        mass=further.get("c-mass.mtx"),
+        nodes=further.get("c-nodes.csv"),  # .pch holds its nodes
+        equations=further.get("c-equations.csv"),
+    )
+    body = read_body(files)
+    unused = {".npz": ["damping", "rows"], ".op4": ["baa", "rows"], ".pch": ["baax"], ".mtx": []}[ending]
+    assert [record.args[1] for record in caplog.records] == unused
+    assert all("is not used" in record.getMessage() for record in caplog.records)
+    check = check_foreign(body)
+    assert check.wrong == ()
+    assert check.doubtful == ()
+    assert check.mass == pytest.approx(casing.modes.total_mass, rel=1e-6)
+    assert check.inertia == pytest.approx(casing.modes.inertia, rel=1e-5, abs=1e-6)
+    free = body.node != len(body.numbers)  # its last node is the ground
+    K, M = (matrix.toarray()[np.ix_(free, free)] for matrix in (body.stiffness, body.mass))
+    assert hertz(K, M) == pytest.approx(casing.frequencies[:12], rel=precision)
+
+
+def test_a_casing_on_its_ground_is_refused_with_what_can_be_imported(casing, tmp_path):
+    (written,) = write_casing(casing, "a casing", tmp_path / "c.h5")
+    with pytest.raises(ForeignError, match=r"a casing on its ground.*--export casing\.npz"):
+        read_body(MatrixFiles(stiffness=str(written)))
+
+
+def test_a_rigid_casing_is_no_free_body_of_finite_elements(full, tmp_path):
+    body = RigidCasing(mount_stiffness=1e8, damping_ratio=0.02).reduce(full[0], CAST_IRON)
+    rigid_casing = SimpleNamespace(body=body, modes=None)
+    with pytest.raises(InputError, match=r"rigid casing has no elastic modes. Set casing.model to craig-bampton"):
+        write_casing(rigid_casing, "a casing", tmp_path / "c.npz")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_accelerance_is_the_sum_over_the_modes(casing):
+    """The damping of the body is modal, so that both are equal; independent of the solution of the matrices."""
+    body = casing.body
+    found = accelerance(body, ["bearing_1:z", "sensor_1", "bearing_2:x"], casing.band, "words")
+    assert found.outputs == ("sensor_1:x", "sensor_1:y", "sensor_1:z", "bearing_2:x")
+    assert found.frequencies[-1] == casing.band
+    squares, phi = la.eigh(body.stiffness, body.mass)
+    omega_m, ratios = np.sqrt(squares), modal_ratios(body)
+    assert ratios.max() > 1.5 * ratios.min()
+    for line in (20, 700, int(np.argmax(np.abs(found.values[:, 2]))), 1999):
+        w = 2 * math.pi * found.frequencies[line]
+        for number, row in enumerate(("sensor_1:ux", "sensor_1:uy", "sensor_1:uz", "bearing_2:ux")):
+            shares = (body.row(row) @ phi) * (body.row("bearing_1:uz") @ phi)
+            summed = (-(w**2) * shares / (squares - w**2 + 2j * ratios * omega_m * w)).sum()
+            assert found.values[line, number] == pytest.approx(summed, rel=1e-8)
+
+
+def test_a_response_at_one_frequency_solves_the_equation_of_motion(casing):
+    body, hz = casing.body, 432.1
+    force, out = body.row("bearing_1:uz"), body.row("sensor_1:ux")
+    w = 2 * math.pi * hz
+    moved = la.solve(body.stiffness + 1j * w * body.damping - w**2 * body.mass, force)
+    ((found,),) = accelerances(body, out[None], force[None], np.array([hz]))[0]
+    assert found == pytest.approx(-(w**2) * (out @ moved), rel=1e-10)
+
+
+def test_all_sensors_respond_by_default_and_the_table_reads_back(casing, tmp_path):
+    words = damping_words(modal_ratios(casing.body), casing.frequencies, casing.band)
+    assert words.startswith("damping ratio of the modes 1.")
+    found = accelerance(casing.body, ["bearing_1:uz"], casing.band, words)
+    assert found.outputs == tuple(f"sensor_{n}:{axis}" for n in (1, 2) for axis in "xyz")
+    path = tmp_path / "r.csv"
+    path.write_text("".join(table_lines(found, "a casing")))
+    assert f"force at bearing_1:z; {words}" in path.read_text().splitlines()[0]
+    table = np.genfromtxt(path, delimiter=",", names=True, skip_header=2)
+    assert table["frequency"] == pytest.approx(found.frequencies)
+    back = table["sensor_2y_amplitude"] * np.exp(1j * np.radians(table["sensor_2y_phase"]))
+    assert back == pytest.approx(found.values[:, 4], rel=1e-6)
+    figure = accelerance_figure(found, "a casing")
+    assert [axes.get_title(loc="left") for axes in _all_axes(figure)] == ["sensor_1", "", "sensor_2", ""]
+    lines = _all_axes(figure)[2].get_lines()
+    assert lines[1].get_ydata() == pytest.approx(np.abs(found.values[:, 4]))
+
+
+def _all_axes(figure):
+    return [axes for box in figure.subfigs for axes in box.axes]
+
+
+@pytest.mark.parametrize(
+    ("names", "message"),
+    [
+        (["bearing_9:z"], r"bearing_9:z: no such point. Choose one of bearing_1, sensor_1"),
+        (["bearing_1"], r"bearing_1: add the axis :x, :y or :z after the name of the point, as in bearing_1:z"),
+        (["bearing_1:z", "sensor_1:q"], r"sensor_1:q: add the axis"),
+    ],
+)
+def test_names_of_a_response_are_refused_before_anything_is_built(names, message):
+    with pytest.raises(InputError, match=message):
+        checked_names(names, ["bearing_1"], ["sensor_1"])
+
+
+def test_a_casing_without_sensors_needs_a_point_that_responds(casing):
+    with pytest.raises(InputError, match=r"has no sensors\. Name a point"):
+        checked_names(["bearing_1:z"], ["bearing_1"], [])
+    checked_names(["bearing_1:z", "bearing_1:z"], ["bearing_1"], [])
+
+
+def test_the_facts_of_a_casing_hold_every_frequency(casing):
+    facts = casing_facts(casing, "mine")
+    assert facts["frequency_Hz"] == pytest.approx(casing.frequencies)
+    assert len(facts["damping_ratio"]) == len(facts["frequency_Hz"])
+    assert facts["extrapolation"] is None
+    assert facts["coordinates"] == casing.body.coordinate_names
+
+
+def test_a_sensor_is_reported_that_measures_elsewhere_or_not_along_every_axis():
+    body = SimpleNamespace(
+        point_names=("near", "far"),
+        point_positions=np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0]]),
+        row_names=("near:ux", "near:uy", "near:uz", "far:ux", "far:uy", "far:uz"),
+        rows=np.array([[1.0], [0.0], [0.0], [1.0], [1.0], [1.0]]),
+    )
+    still, distant = misread_sensors(body, {"near": (0.004, 0.0, 0.0), "far": (0.106, 0.0, 0.0)})
+    assert still.startswith("near reads 0 along y and z")
+    assert "casing-force of 0 N" in still
+    assert distant.startswith("far measures")
+    assert "6 mm from its position_mm. Correct" in distant
+
+
+def test_the_number_of_a_mode_is_a_number_or_all():
+    from pipelines.io.argument_types import mode_number
+
+    assert (mode_number("all"), mode_number("3")) == ("all", 3)
+    with pytest.raises(argparse.ArgumentTypeError, match="whole number from 1"):
+        mode_number("any")
+
+
+def page_block(language):
+    """The block of code of a language in the section of the page on exported matrices."""
+    section = (ROOT / "docs" / "housings.md").read_text(encoding="utf-8").partition("exported matrices\n")[2]
+    (text,) = re.findall(rf"^```{language}\n(.*?)^```", section, re.M | re.S)
+    return text.replace("sensor_3", "sensor_2")  # the casing of these tests has two
+
+
+def test_the_examples_of_the_page_read_the_files_and_give_the_same_response(casing, tmp_path, monkeypatch):
+    """The Python example as it is printed; the MATLAB one with the names and products that it takes."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("casing.npz", "casing.mat"):
+        write_casing(casing, "a casing", tmp_path / name)
+    body, found = casing.body, {}
+    exec(page_block("python"), found)
+    rows = (body.row("sensor_2:uz")[None], body.row("bearing_1:uz")[None])
+    exact = accelerances(body, *rows, np.array([500.0]))[0, 0, 0]
+    assert found["frequencies"] == pytest.approx(casing.frequencies, rel=1e-9)
+    assert found["response"] == pytest.approx(exact, rel=1e-7)
+    c = scipy.io.loadmat("casing.mat", simplify_cells=True)
+    text = page_block("matlab")
+    assert set(re.findall(r"\bc\.(\w+)", text)) <= c.keys()
+    out, into = (list(c["row_names"]).index(name) for name in re.findall(r"'(\w+:u\w)'", text))
+    w = 2 * math.pi * 500.0
+    dynamic = c["stiffness"] + 1j * w * c["damping"] - w**2 * c["mass"]
+    assert -(w**2) * c["rows"][out] @ la.solve(dynamic, c["rows"][into]) == pytest.approx(exact, rel=1e-9)
+
+
+def test_the_page_names_every_format_of_an_export():
+    text = (ROOT / "docs" / "housings.md").read_text(encoding="utf-8").partition("exported matrices\n")[2]
+    heads = " ".join(re.findall(r"^\| (`\.[^|]*)\|", text, re.M))
+    assert set(re.findall(r"`(\.\w+)`", heads)) == set(FORMATS)
+
+
+def test_responses_go_into_the_folder_of_out(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["casing", "minimal", "--response", "bearing_1:z", "--out", "here", "--quiet"]) == 0
+    names = [f"response-minimal-bearing_1-z{ending}" for ending in (".csv", ".png")]
+    assert [path.name for path in sorted((tmp_path / "here").iterdir())] == names
+    assert capsys.readouterr().out.splitlines()[-2:] == [f"here/{name}" for name in names]
+    assert main(["casing", "minimal", "--out", "there", "--quiet"]) == 2
+    assert "Add --response, or delete --out" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["here"]
