@@ -16,10 +16,10 @@ from fem.casing.models.craig_bampton import CraigBamptonCasing
 from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.models.static_casing import StaticCasing
 from fem.casing.reduced.body import MODES_OVER_BAND
+from fem.casing.reduced.casing_modes import casing_modes
 from fem.casing.reduced.checkup import check_up
 from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.halves import reduced_and_counted
-from fem.casing.reduced.modes import casing_modes
 from fem.elements.materials import Material
 from fem.numerics.linear_solver import cholmod_available, factorize
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.markdown import markdown
-from pipelines.datasets.population import SPREADS
+from pipelines.datasets.typical_spread import SPREADS
 from pipelines.datasets.variables_grid import distribution
 from pipelines.signals.features.definitions import DEFINITIONS
 

@@ -19,7 +19,7 @@ from benchmarks.tetrahedral_gear import Patch, Ring, Sizes, compliance
 from fem.contact.models.solid import SECTION
 from fem.contact.wheels.ring import flank_compliance
 from fem.contact.wheels.solid_ring import solid_flank
-from fem.contact.wheels.webs import axial_ends, web_ends
+from fem.contact.wheels.web_place import axial_ends, web_ends
 from fem.elements.twisted_hexahedra import slice_means
 from fem.gears.gear import Gear
 from fem.gears.profile import form_radius, roll_length

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from fem.gears.geometry import Gear, GearPair
+from fem.gears.gear import Gear
+from fem.gears.geometry import GearPair
 from fem.gears.path import slice_fraction
 
 Two = tuple[float, float]

@@ -11,7 +11,7 @@ from mbd.forces.rope import Rope, RopeLoad
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.machine import STANDARD_GRAVITY, Machine
 from mbd.parts.shafts import Disk, Section, ShaftSpec
-from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
+from mbd.parts.speed_drive import MotorCoupling, SpeedProfile
 
 MASS, RADIUS, LENGTH, FALLS = 1000.0, 0.1, 5.0, 8
 LOAD = RopeLoad(
@@ -64,7 +64,7 @@ def hoist(
         shafts=(shaft,),
         bearings=bearings,
         meshes=(),
-        couplings=(CouplingSpec(name="motor_1", shaft="shaft_1", y=0.0, stiffness=coupling),),
+        couplings=(MotorCoupling(name="motor_1", shaft="shaft_1", y=0.0, stiffness=coupling),),
         profile=SpeedProfile(times=np.array([start, start + tau]), speeds=np.array([0.0, speed * 2 / RADIUS])),
         load=load,
     )

@@ -20,7 +20,7 @@ from pipelines.datasets.scenes import sampled_scenes, scene_of
 from pipelines.datasets.worker_cache import WorkerCache
 from pipelines.engine.build_step import one_thread
 from pipelines.engine.run_graph import Work
-from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.steps.motion import moved
 
 BATCHES = (1, 3, 8, 16)

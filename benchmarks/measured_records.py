@@ -19,7 +19,7 @@ from pipelines.diagnosis.impacts import impacts
 from pipelines.diagnosis.judge import judge
 from pipelines.diagnosis.verdict_words import headline, standing
 from pipelines.runs.recorded import machine_of, read_features
-from pipelines.signals.features.table import with_common_components
+from pipelines.signals.features.feature_table import with_common_components
 
 
 def main(table: Path, alone: bool) -> None:

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg as la
 
-from fem.casing.reduced.modes import CasingModes
-from fem.casing.reduced.reduced_modes import undamped_modes
+from fem.casing.reduced.casing_modes import CasingModes
+from fem.casing.reduced.undamped_modes import undamped_modes
 from fem.casing.uncertainty.extrapolation import measured_limits
 from pipelines.engine.run_graph import Work
 from pipelines.runs.single_results import scene_graph

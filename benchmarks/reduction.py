@@ -59,15 +59,15 @@ def measure(element_size: float, band: float, solver: str) -> dict[str, Any]:
 
     from benchmarks.clock import peak_megabytes
     from benchmarks.rig import casing_parts, read
+    from fem.casing.mesh.mesh_geometry import mesh_geometry
     from fem.casing.mesh.sizes import Sizes
-    from fem.casing.mesh.source import mesh_geometry
     from fem.casing.models.casing import Structure
     from fem.casing.models.craig_bampton import CraigBamptonCasing
     from fem.casing.reduced.body import MODES_OVER_BAND
+    from fem.casing.reduced.casing_modes import casing_modes
     from fem.casing.reduced.checkup import check_up
     from fem.casing.reduced.grounded import assembled_casing
     from fem.casing.reduced.halves import reduced_and_counted
-    from fem.casing.reduced.modes import casing_modes
 
     steps: list[dict[str, Any]] = []
 

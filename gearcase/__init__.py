@@ -51,10 +51,12 @@ if TYPE_CHECKING:
     from gearcase.scenes import Scene as Scene
     from gearcase.scenes import check as check
     from gearcase.studies import DesignStudy as DesignStudy
+    from gearcase.studies import FeatureSpread as FeatureSpread
     from gearcase.studies import RefinementStudy as RefinementStudy
     from gearcase.studies import Tradeoff as Tradeoff
     from gearcase.studies import converge as converge
     from gearcase.studies import design as design
+    from gearcase.studies import spread as spread
     from gearcase.studies import tradeoff as tradeoff
 
 _PLACES = {
@@ -69,7 +71,16 @@ _PLACES = {
     "reduction": ("Point", "ReducedMatrices", "reduce"),
     "results": ("Diagnosis", "LineBars", "diagnose", "error_bars", "open_run", "run", "spectrum"),
     "scenes": ("Checked", "Scene", "check"),
-    "studies": ("DesignStudy", "RefinementStudy", "Tradeoff", "converge", "design", "tradeoff"),
+    "studies": (
+        "DesignStudy",
+        "FeatureSpread",
+        "RefinementStudy",
+        "Tradeoff",
+        "converge",
+        "design",
+        "spread",
+        "tradeoff",
+    ),  # fmt: skip
 }
 _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
 __all__ = sorted(_PLACE_OF)

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import xarray
 
 from gearcase.argument_checks import checked_by_name, checked_file, checked_recording, checked_recordings
-from pipelines.datasets.features import FeatureSource
+from pipelines.datasets.feature_source import FeatureSource
 from pipelines.datasets.workers import local_workers
-from pipelines.diagnosis.comparison.labelled import labelled_comparison
+from pipelines.diagnosis.comparison.labelled_comparison import labelled_comparison
 from pipelines.diagnosis.verdict import Verdict
 from pipelines.recordings.machine import read_machine
 from pipelines.recordings.read_recording import read_recording

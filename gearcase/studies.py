@@ -3,17 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
-from gearcase.argument_checks import refusal
+from gearcase.argument_checks import checked_file, refusal
 from gearcase.progress import ProgressFunction
 from gearcase.scenes import Scene, loaded_scene
 from pipelines.engine.run_graph import Work
+from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.studies.design.study import DesignOptions, DesignStudy, design_study
+from pipelines.studies.spread.study import FeatureSpread, run_spread, spread_plan
 from pipelines.studies.trade.axes import AXES
 from pipelines.studies.trade.refinement import RefinementStudy, refine
 from pipelines.studies.trade.tradeoff import Tradeoff, trade
 
-__all__ = ["DesignStudy", "RefinementStudy", "Tradeoff", "converge", "design", "tradeoff"]
+__all__ = [
+    "DesignStudy",
+    "FeatureSpread",
+    "RefinementStudy",
+    "Tradeoff",
+    "converge",
+    "design",
+    "spread",
+    "tradeoff",
+]
 
 
 def converge(
@@ -50,6 +62,48 @@ def converge(
     if over not in AXES:
         raise refusal("over", over, f"one of {', '.join(AXES)}", "Correct the name.")
     return refine(loaded_scene(scene), over, levels, Work(processes=processes, progress=progress))
+
+
+def spread(
+    scene: Scene,
+    over: str | Path | None = None,
+    *,
+    machines: int | None = None,
+    out: str | Path | None = None,
+    processes: int | None = None,
+) -> FeatureSpread:
+    """Simulate machines of a population, and estimate which property makes the variance of each feature.
+
+    Parameters
+    ----------
+    scene : the scene
+    over : plan of a campaign with the variables and settings of the population; the typical one by default
+    machines : their number, at least 20; that of the plan, or 100 by default
+    out : folder of the data set, ./campaigns/spread-<scene> by default; finished machines in it are not repeated
+    processes : machines computed in parallel, all cores by default
+
+    Returns
+    -------
+    `table`, a data frame with a row for each channel, component and feature: `median`, ends `low`, `high` of the 90 %
+    interval, and for each of `variables` its first-order Sobol index and `..._error`, the standard error of the index
+
+    Raises
+    ------
+    SceneError, InputError : the plan or the folder cannot be used, or too few machines have features
+    WorkError : the disk is full, or the workers have ended; finished machines are kept
+
+    >>> import gearcase
+    >>> short = gearcase.Scene.from_file("minimal").changed({"simulation.end_s": 0.35, "diagnosis.windows_s": {}})
+    >>> found = gearcase.spread(short, machines=20)
+    >>> rms = found.means().set_index("feature").loc["rms"]
+    >>> bool(rms.low < rms["median"] < rms.high), found.machines, found.variables[0]
+    (True, 20, 'spread_specimen')
+    """
+    loaded = loaded_scene(scene)
+    machine = checked_plant(loaded.scene, loaded.source.shown)
+    plan_file = None if over is None else checked_file("over", over, "the plan of a campaign")
+    plan = spread_plan(loaded, machine, plan_file, machines)
+    return run_spread(plan, Path(out or f"campaigns/{plan.name}"), machine.looked_for, processes, Work())
 
 
 def tradeoff(scene: Scene, *, processes: int | None = None, progress: ProgressFunction | None = None) -> Tradeoff:

@@ -11,12 +11,12 @@ from fem.casing.geometry.dimensions import Bore
 from fem.casing.geometry.features import Feet, Fillets, Ribs, Walls
 from fem.casing.geometry.housing import Housing
 from fem.casing.geometry.locators import ByCylinder, ByPlane
+from fem.casing.mesh.cad_file import read_step
 from fem.casing.mesh.gmsh_session import session
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
+from fem.casing.mesh.mesh_geometry import Geometry
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.mesh.solid import build_solid
-from fem.casing.mesh.source import Geometry
-from fem.casing.mesh.step_file import read_step
 from fem.casing.models.elastic_casing import ElasticCasing
 from fem.elements.materials import CAST_IRON, STEEL, Material
 from pipelines.machine.machine import make_plant

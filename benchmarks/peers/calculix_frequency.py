@@ -19,8 +19,8 @@ from benchmarks.clock import conditions, timed
 from benchmarks.peers import ccx, output
 from benchmarks.rig import casing_parts, read
 from fem.casing.mesh.mesh import CasingMesh
+from fem.casing.mesh.mesh_geometry import mesh_geometry
 from fem.casing.mesh.sizes import Sizes
-from fem.casing.mesh.source import mesh_geometry
 from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.reduction import Reduction, reduce_body

@@ -48,7 +48,8 @@ def ours() -> dict[str, dict[str, float]]:
     from fem.contact.models.energy import Energy
     from fem.contact.models.plane import Plane
     from fem.elements.materials import Material
-    from fem.gears.geometry import Gear, GearPair
+    from fem.gears.gear import Gear
+    from fem.gears.geometry import GearPair
 
     steel = Material(name="steel of ROSS", elastic_modulus=211e9, poisson_ratio=211.0 / 162.4 - 1.0, density=7810.0)
     gear = Gear(teeth=62, normal_module=0.002, face_width=0.02, bore_radius=0.0175)

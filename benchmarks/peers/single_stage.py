@@ -24,7 +24,7 @@ from mbd.parts.gear_mesh import MeshSpec
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import Machine
 from mbd.parts.shafts import Disk, Section, ShaftSpec
-from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
+from mbd.parts.speed_drive import MotorCoupling, SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import System, assemble
 
@@ -63,7 +63,7 @@ def machine() -> Machine:
         base_radius_driven=pair.wheel.base_radius, pressure_angle=pair.working_pressure_angle,
         base_helix_angle=pair.base_helix_angle, backlash=80e-6, damping_time=1.8e-6, drive=drive, coast=coast,
     )  # fmt: skip
-    coupling = CouplingSpec(name="motor_1", shaft="shaft_1", y=-0.1, stiffness=2000.0, damping=0.5)
+    coupling = MotorCoupling(name="motor_1", shaft="shaft_1", y=-0.1, stiffness=2000.0, damping=0.5)
     return Machine(
         shafts=tuple(shafts), bearings=tuple(bearings), meshes=(mesh,), couplings=(coupling,),
         profile=SpeedProfile(times=np.array([0.0]), speeds=np.array([SPEED])),

@@ -1,7 +1,4 @@
-"""A pair of external cylindrical gears on parallel axes: working geometry after ISO 21771:2007.
-
-`Rack`, `Gear` and `GeometryError` are re-exported, so that this module gives access to all gear geometry.
-"""
+"""A pair of external cylindrical gears on parallel axes: working geometry after ISO 21771:2007."""
 
 from __future__ import annotations
 
@@ -19,7 +16,6 @@ from fem.gears.gear_checks import require
 from fem.gears.profile import form_point, form_radius, generate_trochoid
 from fem.numerics.root import brentq
 
-__all__ = ["Gear", "GearPair"]
 _Places = TypeVar("_Places", float, np.ndarray)
 
 logger = logging.getLogger(__name__)

@@ -24,8 +24,9 @@ from typing import Literal
 
 import numpy as np
 
+from fem.gears.gear import Gear
 from fem.gears.gear_checks import GeometryError, require
-from fem.gears.geometry import Gear, GearPair
+from fem.gears.geometry import GearPair
 from fem.gears.path import PathPoints
 from fem.options import check_options, option
 

@@ -28,9 +28,8 @@ def bearing_model(name: str) -> type[BearingModel]:
 
 @dataclass(frozen=True, kw_only=True)
 class BearingModel(Options, ABC):
-    """Options of a bearing; `elements` and `cage_slip` of those whose rolling elements are known."""
+    """Options of a bearing; `elements` of those whose rolling elements are known."""
 
-    cage_slip = 0.0
     elements: RollingElements | None = field(default=None, init=False)
 
     @abstractmethod

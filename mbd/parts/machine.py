@@ -22,7 +22,7 @@ from mbd.parts.gear_mesh import GearedShafts, MeshSpec
 from mbd.parts.load import Excitation, Load, OutsideForce
 from mbd.parts.losses import Brake, Losses, NoLosses
 from mbd.parts.shafts import ShaftSpec
-from mbd.parts.speed_drive import CouplingSpec, Drive, SpeedProfile
+from mbd.parts.speed_drive import Drive, MotorCoupling, SpeedProfile
 from mbd.parts.train import shaft_ratios
 
 STANDARD_GRAVITY = 9.80665
@@ -39,7 +39,7 @@ class Train:
 
     shafts: tuple[ShaftSpec, ...]
     bearings: tuple[BearingSpec, ...]
-    couplings: tuple[CouplingSpec, ...] = ()
+    couplings: tuple[MotorCoupling, ...] = ()
     input_shaft: str = ""  # left out: that of the first coupling
     profile: SpeedProfile
     load: Load | None = None  # load of the drums

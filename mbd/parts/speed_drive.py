@@ -38,7 +38,7 @@ def motor_channels(motor: str) -> tuple[str, str, str]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CouplingSpec:
+class MotorCoupling:
     """A motor coupling at ``y`` of ``shaft`` (N m/rad, N m s/rad); ``name`` is the motor's, e.g. ``motor_1``."""
 
     name: str
@@ -52,7 +52,7 @@ class CouplingSpec:
 class Drive(Component):
     """All motors with their couplings: one part of the energy balance."""
 
-    couplings: tuple[CouplingSpec, ...]
+    couplings: tuple[MotorCoupling, ...]
 
     @property
     def places(self) -> tuple[Place, ...]:

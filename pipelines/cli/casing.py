@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from fem.casing.reduced.body import ReducedBody
-    from fem.casing.reduced.modes import CasingModes, NaturalModes
+    from fem.casing.reduced.casing_modes import CasingModes, NaturalModes
     from fem.casing.uncertainty.frequency_limits import FrequencyLimits
     from pipelines.runs.single_results import Casing
 

@@ -44,6 +44,8 @@ COMMANDS = {  # in the order a user needs them: name, of the module too; one lin
     "tradeoff": "measure time and accuracy of every model and setting",
     "starts": "repeat a simulation from other initial states; print mean and spread",
     "detect": "estimate the probability of detection over damage size and noise",
+    "spread": "estimate the scatter of features over a population, and its causes",
+    "calibrate": "estimate keys of a scene from recordings of a healthy machine",
     "campaign": "simulate the scenes of a plan as a labelled data set",
     "dataset": "summarise, check or export a data set",
     "verify": "check the claims of a published study against simulations",

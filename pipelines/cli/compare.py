@@ -75,7 +75,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.diagnosis.comparison.curves import curves
     from pipelines.diagnosis.comparison.features import features_of
     from pipelines.diagnosis.comparison.words import LETTERS, features_csv, features_grid, recordings_grid, remarks
-    from pipelines.signals.features.feature_table import FeatureError
+    from pipelines.signals.features.recording_features import FeatureError
 
     sources = options.recordings
     if not 2 <= len(sources) <= len(LETTERS):
@@ -103,7 +103,7 @@ def _read(sources: Sequence[str], machine: str | Path | None) -> list[ComparedRe
     """Every recording with its machine: the one that is given, its own scene, or that of the first that has one."""
     from pipelines.diagnosis.comparison.compared_recording import compared_recording
     from pipelines.recordings.read_recording import read_recording
-    from pipelines.signals.features.feature_table import FeatureError
+    from pipelines.signals.features.recording_features import FeatureError
     from pipelines.signals.orders.rotation import RotationError
 
     split = [recording_and_window(source) for source in sources]

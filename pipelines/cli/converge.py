@@ -1,4 +1,4 @@
-"""`gearcase converge`: a convergence study along one axis."""
+"""`gearcase converge`: refine one setting and estimate the discretisation error."""
 
 from __future__ import annotations
 

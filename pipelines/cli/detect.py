@@ -72,7 +72,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.errors import InputError
     from pipelines.io.json_text import json_text
     from pipelines.io.user_files import write_whole
-    from pipelines.machine.checks.validity import checked_plant
+    from pipelines.machine.checks.checked_plant import checked_plant
     from pipelines.report.figures.film import save_figure
     from pipelines.scene.presets import load_asked
     from pipelines.studies.detect.design import Design, detection_plan

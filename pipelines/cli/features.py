@@ -50,7 +50,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Write or print the table."""
-    from pipelines.datasets.features import ENDINGS, FEATURES, FeatureSource, write_features
+    from pipelines.datasets.feature_source import ENDINGS, FEATURES, FeatureSource, write_features
     from pipelines.datasets.workers import local_workers
     from pipelines.engine.progress import reported_count
     from pipelines.io.user_files import writable_file

@@ -127,7 +127,7 @@ def _stress(machine: Plant, graph: Graph, options: argparse.Namespace, work: Wor
     from pipelines.io.grid import grid
     from pipelines.io.json_text import json_text
     from pipelines.report.figures.stress_pictures import write_stress
-    from pipelines.runs.inspect_stress import loaded_teeth
+    from pipelines.runs.root_stress import loaded_teeth
 
     rows, view = loaded_teeth(machine, graph, options, work)
     files = [] if options.mesh is None else [str(options.mesh)]
@@ -150,7 +150,7 @@ def _stress(machine: Plant, graph: Graph, options: argparse.Namespace, work: Wor
 def _cycles(shown: InspectedStage, options: argparse.Namespace) -> np.ndarray:
     import numpy as np
 
-    from pipelines.report.figures.mesh_frames import passage
+    from pipelines.report.figures.tooth_mesh_frames import passage
 
     return passage(shown.laws.cycle, options.frames) if options.position is None else np.array([options.position])
 
@@ -160,7 +160,7 @@ def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, 
     import numpy as np
 
     from pipelines.engine.progress import reported_count
-    from pipelines.report.figures.mesh_pictures import write_film, write_still
+    from pipelines.report.figures.tooth_mesh_pictures import write_film, write_still
     from pipelines.steps.pair_curves import acting
 
     cycle = acting(shown.laws) if options.position is None else options.position
@@ -233,7 +233,7 @@ def _casing_mode_files(
     InputError : a number beyond the last mode
     """
     from fem.casing.reduced.body import MODES_OVER_BAND
-    from fem.casing.reduced.modes import natural_modes
+    from fem.casing.reduced.casing_modes import natural_modes
     from pipelines.io.errors import InputError
     from pipelines.report.figures.mode_pictures import ModeView, write_mode, write_modes
     from pipelines.runs.single_results import mode_shapes

@@ -1,6 +1,7 @@
 """The command `gearcase`: runs one command, and turns errors into a message and an exit code.
 
 Exit codes: 0 success, 1 the work failed, 2 the input cannot be used, 130 interrupted (SIGINT, SIGTERM).
+The commands are listed in `pipelines.cli.command_line.COMMANDS`.
 """
 
 from __future__ import annotations

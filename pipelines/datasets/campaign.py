@@ -28,9 +28,9 @@ from pipelines.engine.progress import reported_count
 from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph
 from pipelines.io.errors import InputError, SceneError, WorkError
+from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.checks.cost import cost
 from pipelines.machine.checks.cost import words as size_words
-from pipelines.machine.checks.validity import checked_plant
 from pipelines.machine.plant import Plant
 from pipelines.scene.file import LoadedScene
 from pipelines.steps.graph import plant_steps

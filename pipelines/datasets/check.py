@@ -27,7 +27,7 @@ from pipelines.datasets.store import SIGNALS, checksum, chunk_path, read_run
 from pipelines.datasets.summary import stretches
 from pipelines.io.errors import InputError, SceneError
 from pipelines.io.shown import shown
-from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.checks.checked_plant import checked_plant
 
 AGAIN = "Delete its file in rows/ and repeat the campaign."
 _MOST_SHOWN = 50

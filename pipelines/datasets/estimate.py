@@ -18,9 +18,9 @@ from pipelines.engine.step import Graph, Step
 from pipelines.engine.storage import digest
 from pipelines.io.errors import SceneError
 from pipelines.io.shown import duration
+from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.checks.cost import cost
 from pipelines.machine.checks.cost import words as size_words
-from pipelines.machine.checks.validity import checked_plant
 from pipelines.machine.plant import Plant
 from pipelines.steps.graph import plant_steps
 

@@ -20,8 +20,8 @@ from pipelines.datasets.store import read_run
 from pipelines.diagnosis.simulated import FeatureSettings, run_features
 from pipelines.engine.code_version import code_version
 from pipelines.io.errors import InputError
-from pipelines.signals.features.feature_table import FeatureError
-from pipelines.signals.features.table import FeatureTable
+from pipelines.signals.features.feature_table import FeatureTable
+from pipelines.signals.features.recording_features import FeatureError
 from pipelines.signals.orders.rotation import RotationError
 
 if TYPE_CHECKING:

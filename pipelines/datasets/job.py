@@ -27,7 +27,7 @@ from pipelines.datasets.worker_cache import WorkerCache
 from pipelines.engine.build_step import one_thread
 from pipelines.engine.cache import Cache
 from pipelines.io.errors import CacheWarning
-from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.signals.motion_warnings import motion_warnings
 from pipelines.steps.motion import moved
 

@@ -28,12 +28,12 @@ from pydantic import Field, model_validator
 
 from pipelines.datasets.expressions import Expression, ExpressionError
 from pipelines.datasets.labels import COLUMNS
-from pipelines.datasets.population import typical
+from pipelines.datasets.typical_spread import typical
 from pipelines.datasets.variables import ListTable, Variable
 from pipelines.io.errors import InputError, SceneError
 from pipelines.io.other_files import SCENE_KEYS
 from pipelines.io.toml_text import format_document
-from pipelines.scene.file import LoadedScene, find_source, load_scene, parse, validate
+from pipelines.scene.file import LoadedScene, Source, find_source, load_scene, parse, validate
 from pipelines.scene.merge import Merged, Whole, leaves, merge
 from pipelines.scene.presets import preset_on
 from pipelines.scene.shipped_files import anchored
@@ -208,6 +208,23 @@ def load_plan(file: str | Path) -> Plan:
     SceneError : with all problems of the plan, or of the scene
     InputError : a file is missing or not TOML
     """
+    source, tree = plan_tables(file)
+    table, _ = validate(Merged(tree), PlanTable, source.shown)
+    found = find_source(table.scene, source.folder)
+    loaded = load_scene(found.name if found.folder is None else found.folder / f"{found.name}.toml")
+    scene = preset_on(loaded, table.preset).tree if table.preset else loaded.tree
+    return Plan(
+        name=source.name, text=source.text, table=_populated(table, tree, scene, source.shown), tree=_bare(scene)
+    )
+
+
+def plan_tables(file: str | Path) -> tuple[Source, dict[str, Any]]:
+    """The file of a plan, and its tables, not validated.
+
+    Raises
+    ------
+    InputError : it is missing, not TOML, or a scene
+    """
     name = str(file)
     if not name.endswith(".toml"):
         raise InputError(f"{name}: the plan of a campaign must end in .toml. docs/campaigns.md shows one.")
@@ -220,16 +237,17 @@ def load_plan(file: str | Path) -> Plan:
             f"{source.shown}: this is a scene, and the plan of a campaign is needed. Write a plan that names the "
             "scene, as docs/campaigns.md shows."
         )
-    table, _ = validate(Merged(anchored(tree, source.folder)), PlanTable, source.shown)
-    found = find_source(table.scene, source.folder)
-    loaded = load_scene(found.name if found.folder is None else found.folder / f"{found.name}.toml")
-    scene = preset_on(loaded, table.preset).tree if table.preset else loaded.tree
-    if table.spread:
-        variables, settings = typical(scene, table.settings)
-        settings = merge(Merged(settings), table.settings).tree
-        spread = {"variables": variables | tree.get("variables", {}), "settings": settings}
-        table, _ = validate(Merged(anchored(tree, source.folder) | spread), PlanTable, source.shown)
-    return Plan(name=source.name, text=source.text, table=table, tree=_bare(scene))
+    return source, dict(anchored(tree, source.folder))
+
+
+def _populated(table: PlanTable, tree: Mapping[str, Any], scene: Mapping[str, Any], shown: str) -> PlanTable:
+    """A plan with the variables and settings of its population; `tree` are its tables, `shown` is its name."""
+    if not table.spread:
+        return table
+    variables, settings = typical(scene, table.settings)
+    settings = merge(Merged(settings), table.settings).tree
+    spread = {"variables": variables | tree.get("variables", {}), "settings": settings}
+    return validate(Merged({**tree, **spread}), PlanTable, shown)[0]
 
 
 def stored_plan(facts: Mapping[str, Any]) -> Plan:
@@ -257,6 +275,7 @@ def plan_on(loaded: LoadedScene, tables: Mapping[str, Any], name: str) -> Plan:
     """
     told = {"scene": loaded.name, **tables}
     table, _ = validate(Merged(told), PlanTable, f"plan {name}")
+    table = _populated(table, told, loaded.tree, f"plan {name}")
     return Plan(name=name, text=format_document(told), table=table, tree=_bare(loaded.tree))
 
 

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_TREND
-from pipelines.signals.features.table import WHOLE, FeatureTable
+from pipelines.signals.features.feature_table import WHOLE, FeatureTable
 
 OUTLYING = 0.01  # probability that a healthy recording differs so much from the accepted ones
 _SAME = 1e-6  # relative difference of features below which two files contain the same recording

@@ -33,9 +33,9 @@ from pipelines.diagnosis.deviation_statistics import (
     probability,
 )
 from pipelines.diagnosis.impacts import CLEAR, in_race_or_element
-from pipelines.signals.features.feature_table import OF_SHAFT, OF_WHITENED
+from pipelines.signals.features.feature_table import WHOLE, FeatureTable
 from pipelines.signals.features.passing import SIDEBANDS
-from pipelines.signals.features.table import WHOLE, FeatureTable
+from pipelines.signals.features.recording_features import OF_SHAFT, OF_WHITENED
 
 LEAST_ORDER = -40.0  # dB over the rms of healthy recordings; weaker orders of a shaft are no evidence
 _OVER_HEALTHY = 6.0  # dB, least level of clear impacts over every healthy recording
@@ -45,8 +45,8 @@ class HealthyReference:
     """Healthy recordings of one machine, as arrays over (recording, channel, line).
 
     `levels` (dB) contain little of weak orders of a shaft, see `counted`. `groups` are component and numbers of the
-    lines of each group. `shares` are those of the vibration that repeats with the shaft, in the mean over the channels
-    (recording, line).
+    lines of each group, `first_lines` the first of each. `shares` are those of the vibration that repeats with the
+    shaft, in the mean over the channels (recording, line).
     """
 
     def __init__(self, baseline: Sequence[FeatureTable]) -> None:
@@ -63,6 +63,7 @@ class HealthyReference:
                 kind = feature if feature in OF_SHAFT or feature == SIDEBANDS else feature in OF_WHITENED
                 groups.setdefault((component, kind), []).append(number)
         self.groups = [(component, own) for (component, _), own in groups.items()]
+        self.first_lines = [own[0] for own in groups.values()]
 
     def features(self, lines: Sequence[int]) -> tuple[str, ...]:
         """Names of the features of some lines."""
@@ -72,12 +73,11 @@ class HealthyReference:
         """The evidence of a recording, compared with `accepted` healthy ones (accepted,), numbers from 0."""
         more = np.maximum(table.retained - self._retained[accepted].max(axis=0), 0.0)
         share = np.divide(more, table.of_average, out=np.zeros_like(more), where=more > 0.0).mean(axis=0)
-        first = [own[0] for _, own in self.groups]
         return GroupEvidence(
             reference=self,
             levels=counted(table.channel_levels, self._feature, self._rms),
             healthy=at_speed(self.levels[accepted], self._speeds[accepted], float(table.speed.mean())),
-            weight=np.maximum(1.0 - 2.0 * share, 0.0)[first],
+            weight=np.maximum(1.0 - 2.0 * share, 0.0)[self.first_lines],
         )
 
 
@@ -123,15 +123,11 @@ class GroupEvidence:
     @cached_property
     def clear(self) -> np.ndarray:
         """Whether groups (channel, group) are clear impacts of a bearing that no healthy recording has."""
-        lines, feature = self.first_lines, self.reference.features(self.first_lines)
-        impacts = [in_race_or_element(name, one) for (name, _), one in zip(self.reference.groups, feature, strict=True)]
+        lines = self.reference.first_lines
+        named = zip(self.reference.groups, self.reference.features(lines), strict=True)
+        impacts = [in_race_or_element(component, feature) for (component, _), feature in named]
         over = (self.levels - self.healthy.max(axis=0))[:, lines]
         return np.asarray(np.array(impacts) & (self.levels[:, lines] >= CLEAR) & (over >= _OVER_HEALTHY))
-
-    @property
-    def first_lines(self) -> list[int]:
-        """First line of each group."""
-        return [own[0] for _, own in self.reference.groups]
 
     @cached_property
     def p(self) -> np.ndarray:

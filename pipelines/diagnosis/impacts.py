@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from pipelines.signals.features.passing import PASSING
 
 if TYPE_CHECKING:
-    from pipelines.signals.features.table import FeatureTable
+    from pipelines.signals.features.feature_table import FeatureTable
 
 CAGE = " FTF"  # end of the name of the pass order of a cage
 CLEAR = 20.0  # dB; levels at orders of healthy elements in measured recordings are up to 18 dB, see docs/diagnosis.md

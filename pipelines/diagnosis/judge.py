@@ -31,7 +31,7 @@ from pipelines.diagnosis.baseline_checks import check_baseline, outlying
 from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P, limit
 from pipelines.diagnosis.evidence import GroupEvidence, HealthyReference
 from pipelines.diagnosis.verdict import ALARM, DIFFERENT, Change, Evidence, Finding, Verdict
-from pipelines.signals.features.table import FeatureTable
+from pipelines.signals.features.feature_table import FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 
 
@@ -124,7 +124,7 @@ def _findings(
     increase = np.stack([found.rises[:, own].mean(axis=1) for _, own in groups], axis=1)
     deviation = found.of_groups[0] if found.enough else found.weight * increase + 0.0  # no minus zero
     bounds: list[float] | list[None] = found.limits(ALARM) if found.enough else [None] * len(groups)
-    level = found.levels[:, found.first_lines]
+    level = found.levels[:, found.reference.first_lines]
     rank = np.where(clear, level, deviation / np.array([bound or 1.0 for bound in bounds]))
     best: dict[str, tuple[tuple[bool, float], Finding]] = {}
     for number, (component, own) in enumerate(groups):

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipelines.signals.analysis import channel_names, noisy_channel
-from pipelines.signals.features.feature_table import feature_table
-from pipelines.signals.features.table import FeatureTable
+from pipelines.signals.features.feature_table import FeatureTable
+from pipelines.signals.features.recording_features import recording_features
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.signals.orders.rotation import Rotation
 from pipelines.signals.orders.rotation_of import rotation_of
@@ -43,12 +43,14 @@ def run_features(run: xarray.Dataset, settings: FeatureSettings, rotation: Rotat
 
     Raises
     ------
-    FeatureError : see `pipelines.signals.features.feature_table`
+    FeatureError : see `recording_features`
     RotationError : see `pipelines.signals.orders.rotation_of`
     """
     if rotation is None:
         rotation = rotation_of(run, settings.kinematics)
-    return feature_table(with_stated_noise(run), settings.kinematics, rotation, settings.windows, settings.complete)
+    return recording_features(
+        with_stated_noise(run), settings.kinematics, rotation, settings.windows, settings.complete
+    )
 
 
 def window_features(run: xarray.Dataset, settings: FeatureSettings, samples: int = 1) -> dict[str, list[FeatureTable]]:
@@ -59,7 +61,7 @@ def window_features(run: xarray.Dataset, settings: FeatureSettings, samples: int
     rotation = rotation_of(run, settings.kinematics)
     noisy = [with_stated_noise(run, sample) for sample in range(samples)]
     return {
-        name: [feature_table(one, settings.kinematics, rotation, {name: window}) for one in noisy]
+        name: [recording_features(one, settings.kinematics, rotation, {name: window}) for one in noisy]
         for name, window in settings.windows.items()
     }
 

@@ -21,8 +21,6 @@ from pipelines.engine.step import Step, StepRecord, Unkept
 from pipelines.engine.storage import StorageError, digest, reader, save_value
 from pipelines.io.errors import WorkError
 
-LONG_SECONDS = 3.0  # steps that are expected to take longer may be built in a child process
-
 
 @dataclass(frozen=True)
 class Result:

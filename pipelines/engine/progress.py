@@ -11,10 +11,10 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-from pipelines.engine.build_step import LONG_SECONDS, Event, StepRecord
+from pipelines.engine.build_step import Event, StepRecord
 from pipelines.engine.cache import Cache
 from pipelines.engine.remaining import Remaining, expected
-from pipelines.engine.step import Step
+from pipelines.engine.step import LONG_SECONDS, Step
 from pipelines.io.shown import duration
 
 if TYPE_CHECKING:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import importlib
 import logging
 import os
 import pickle
@@ -15,10 +16,10 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from fem.processes.executor import ProcessEnded, Processes, RemoteError, in_thread, listening
-from pipelines.engine.build_step import LONG_SECONDS, Event, Result, build_here, one_thread, step_record
+from pipelines.engine.build_step import Event, Result, build_here, one_thread, step_record
 from pipelines.engine.cache import Cache
 from pipelines.engine.progress import ProgressFunction, reported_steps
-from pipelines.engine.step import Graph, Step, StepRecord, seconds_to_the_end, stored
+from pipelines.engine.step import LONG_SECONDS, Graph, Step, StepRecord, seconds_to_the_end, stored
 from pipelines.io.errors import WorkError
 
 _LOG = logging.getLogger(__name__)
@@ -137,6 +138,7 @@ class _Run:
         self._prepared: dict[tuple[str, ...], Future] = {}  # by `_code` of a step: its preparation
         self._in_children: dict[str, str] = {}  # keys of the steps in child processes, by name
         self._in_thread: dict[str, str] = {}  # key of the short step in a thread, by name
+        self._imported: set[str] = set()  # modules that a waiting child process was told to import
         self._events: queue.SimpleQueue[tuple[Step, Future | float]] = queue.SimpleQueue()
 
     def outcome(self) -> Outcome:
@@ -158,9 +160,13 @@ class _Run:
                 if ready:
                     self._build(*ready[0], children)
                 elif self._in_children or self._in_thread:
-                    for step in self._graph:
-                        if step.name not in self._results and step.inputs:
-                            step.load()  # import modules while the child processes build
+                    later = [step for step in self._graph if step.name not in self._results and step.inputs]
+                    modules = {module for step in later for module in step.modules}
+                    if children.idle and not modules <= self._imported:
+                        self._imported |= modules
+                        children.submit(_import_modules, modules)
+                    for step in later:
+                        step.load()  # import modules while the child processes build
                     self._take_event()
             self._announce()
         if self._errors:
@@ -302,6 +308,11 @@ class _Run:
 
     def _upstream(self, step: Step) -> dict[str, Result]:
         return {name: self._results[name] for name in step.inputs}
+
+
+def _import_modules(modules: Iterable[str]) -> None:
+    for module in modules:
+        importlib.import_module(module)
 
 
 def _code(step: Step) -> tuple[str, ...]:

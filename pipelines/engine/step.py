@@ -21,6 +21,7 @@ from pipelines.engine.storage import class_modules, digest, flat
 from pipelines.io.toml_text import format_value
 
 FIRST = "first run"
+LONG_SECONDS = 3.0  # steps that are expected to take longer may be built in a child process
 _FACTS: dict[str, type | tuple[type, ...]] = {
     "content": str,
     "seconds": (int, float),

@@ -35,7 +35,7 @@ class Grid:
         """Aligned columns for a log or a text file. Those beyond a width follow below, after the first column again."""
         widths = [max(len(row[i]) for row in (self.headers, *self.rows)) for i in range(len(self.headers))]
         right = self.numeric()
-        parts = [[0]]
+        parts = [[0] if widths else []]
         for column in range(1, len(widths)):
             if width and sum(widths[i] + 2 for i in parts[-1]) + widths[column] > width and parts[-1] != [0]:
                 parts.append([0])

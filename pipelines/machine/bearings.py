@@ -5,7 +5,6 @@ from __future__ import annotations
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from mbd.excitations.cage_slip import CageSlip
 from mbd.excitations.spall import Spall
@@ -70,14 +69,19 @@ def bearing_points(shafts: Sequence[ShaftTable], layout: TrainLayout) -> tuple[t
 
 @dataclass(frozen=True, kw_only=True)
 class _Placed:
-    """A bearing of a scene: its shaft and number on it (from 0), y in m, its model, and the path of its table."""
+    """A bearing of a scene: its shaft and number on it (from 0), y in m, its table with its path, and its slip."""
 
     name: str
     shaft: int
     place: int
     y: float
-    model: Any
+    table: BearingModel
     path: str
+
+    @property
+    def slip(self) -> float:
+        """Random slip of the cage, relative to its speed."""
+        return getattr(self.table, "cage_slip", 0.0)
 
 
 def _placed(scene: Scene) -> list[_Placed]:
@@ -90,7 +94,7 @@ def _placed(scene: Scene) -> list[_Placed]:
                 shaft=shaft,
                 place=place,
                 y=table.si.bearing_positions[place],
-                model=bearing_table(table, scene.bearings, place).made(),
+                table=bearing_table(table, scene.bearings, place),
                 path=f"shafts.{shaft + 1}.bearings.{place + 1}" if table.bearings else "bearings",
             )
         )
@@ -99,10 +103,11 @@ def _placed(scene: Scene) -> list[_Placed]:
 
 def rolling_bearings(scene: Scene) -> tuple[RollingBearing, ...]:
     """The bearings whose rolling elements are known, in shaft order."""
+    made = ((one, one.table.made().elements) for one in _placed(scene))
     return tuple(
-        RollingBearing(name=one.name, shaft=one.shaft, elements=one.model.elements)
-        for one in _placed(scene)
-        if one.model.elements is not None
+        RollingBearing(name=one.name, shaft=one.shaft, elements=elements)
+        for one, elements in made
+        if elements is not None
     )
 
 
@@ -112,7 +117,7 @@ def bearing_faults(scene: Scene) -> dict[int, BearingFault]:
     found = {}
     for number, fault in scene.spalls.items():
         one = placed[fault.shaft - 1, fault.bearing - 1]
-        found[number] = BearingFault(bearing=one.name, shaft=one.shaft, spall=fault.made(), slip=one.model.cage_slip)
+        found[number] = BearingFault(bearing=one.name, shaft=one.shaft, spall=fault.made(), slip=one.slip)
     return found
 
 
@@ -131,11 +136,12 @@ def bearing_specs(scene: Scene, problems: Problems) -> tuple[BearingSpec, ...]:
     for one in _placed(scene):
         at = (f"shaft_{one.shaft + 1}", one.y)
         support: Support = "ground" if one.name.startswith("ground") else "casing"
-        spec: BearingSpec | None = problems.made(one.path, one.model.spec, one.name, at, support)
+        model = problems.made(one.path, one.table.made)
+        spec: BearingSpec | None = model and problems.made(one.path, model.spec, one.name, at, support)
         if spec is None:
             continue
         own = {number: fault.spall for number, fault in faults.items() if fault.bearing == one.name}
-        if not own and not one.model.cage_slip:
+        if not own and not one.slip:
             found.append(spec)
             continue
         from mbd.excitations.faulty_bearing import with_faults  # compiled code
@@ -145,8 +151,8 @@ def bearing_specs(scene: Scene, problems: Problems) -> tuple[BearingSpec, ...]:
             if problems.made(f"faults.{number}", with_faults, spec, [*spalls, spall]) is not None:
                 spalls.append(spall)
         slip = None
-        if one.model.cage_slip:
-            slip = CageSlip(share=one.model.cage_slip, seed=(scene.deviations.seed, zlib.crc32(one.name.encode())))
+        if one.slip:
+            slip = CageSlip(share=one.slip, seed=(scene.deviations.seed, zlib.crc32(one.name.encode())))
         found.append(with_faults(spec, spalls, slip))
     return tuple(found)
 

@@ -17,7 +17,7 @@ from fem.casing.geometry.features import Feet
 from fem.casing.geometry.housing import Housing
 from fem.casing.geometry.locators import Point
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
-from fem.casing.mesh.source import Geometry
+from fem.casing.mesh.mesh_geometry import Geometry
 from fem.casing.models.casing import CasingModel, Structure
 from fem.casing.models.registry import casing_class
 from mbd.parts.bearings import BEARING_AXES

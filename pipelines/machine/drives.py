@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mbd.forces.torque_source import TorqueSource
-from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
+from mbd.parts.speed_drive import MotorCoupling, SpeedProfile
 from pipelines.io.errors import Problem, SceneError
 from pipelines.scene.tables.drive_and_load import DriveModel, SpeedDrive, TorqueDrive
 from pipelines.scene.tables.series import ColumnTable, pairs
@@ -57,7 +57,7 @@ def highest_rpm(drive: DriveModel) -> float:
     return float(abs(pairs(drive, "times_s", "speeds_rpm", "drive")[1]).max())
 
 
-def motor_couplings(drive: DriveModel, shaft: int, places: tuple[float, ...]) -> tuple[CouplingSpec, ...]:
+def motor_couplings(drive: DriveModel, shaft: int, places: tuple[float, ...]) -> tuple[MotorCoupling, ...]:
     """Couplings to motors of prescribed speed; none for motors that give a torque.
 
     Parameters
@@ -69,7 +69,7 @@ def motor_couplings(drive: DriveModel, shaft: int, places: tuple[float, ...]) ->
     if not isinstance(drive, SpeedDrive):
         return ()
     return tuple(
-        CouplingSpec(
+        MotorCoupling(
             name=f"motor_{number}",
             shaft=f"shaft_{shaft + 1}",
             y=y,

@@ -10,8 +10,9 @@ from functools import cached_property
 import numpy as np
 
 from fem.elements.materials import Material
+from fem.gears.gear import Gear
 from fem.gears.gear_checks import GeometryError
-from fem.gears.geometry import Gear, GearPair
+from fem.gears.geometry import GearPair
 from fem.gears.modifications import PairModifications, check_modifications
 from fem.gears.rack import Rack
 from mbd.parts.train import power_flow

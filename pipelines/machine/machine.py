@@ -15,8 +15,9 @@ from fem.casing.geometry.dimensions import HousingError
 from fem.contact.frame import ModelError
 from fem.contact.models.mesh_model import LawSpec
 from fem.contact.models.registry import loaded_model
+from fem.gears.gear import Gear
 from fem.gears.gear_checks import GeometryError
-from fem.gears.geometry import Gear, GearPair
+from fem.gears.geometry import GearPair
 from fem.gears.prescribed import PrescribedDeviations
 from mbd.parts.channels import further_channels
 from mbd.parts.checks import MachineError
@@ -42,7 +43,7 @@ REFUSALS = (MachineError, GeometryError, ModelError, HousingError, InputError)
 
 
 def make_plant(scene: Scene, source: str = "scene") -> Plant:
-    """The machine model of a scene, without the further checks of `pipelines.machine.checks.validity.checked_plant`.
+    """The machine model of a scene, without the further checks of `checked_plant`.
 
     Raises
     ------

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from fem.gears.body import THINNEST_RIM
+from fem.gears.gear import Gear as Body
 from fem.gears.gear_checks import GeometryError
-from fem.gears.geometry import Gear as Body
 from fem.gears.geometry import GearPair
 from fem.gears.rack import Rack
 from pipelines.machine.layout import USUAL_BACKLASH

@@ -13,9 +13,9 @@ from fem.contact.faults.cracked_tooth import CrackedTooth
 from pipelines.machine.plant import Plant
 from pipelines.report.figures.damage import crack_depth
 from pipelines.report.figures.film import save_figure
-from pipelines.report.figures.mesh_frames import MeshView, mesh_frames
 from pipelines.report.figures.pattern_pictures import pattern_figure
-from pipelines.report.figures.shapes import PlacedPair, placed_pair, shown_cycle, stage_view
+from pipelines.report.figures.placed_geometry import PlacedPair, placed_pair, shown_cycle, stage_view
+from pipelines.report.figures.tooth_mesh_frames import MeshView, mesh_frames
 from pipelines.steps.pair_curves import PairLaws
 
 

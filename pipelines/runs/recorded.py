@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from pipelines.diagnosis.trend import Course
     from pipelines.diagnosis.verdict import Verdict
     from pipelines.recordings.machine import MeasuredMachine
-    from pipelines.signals.features.table import FeatureTable
+    from pipelines.signals.features.feature_table import FeatureTable
     from pipelines.signals.levels import ChannelLevel
     from pipelines.signals.orders.kinematics import Kinematics
     from pipelines.signals.orders.rotation import Rotation
@@ -87,7 +87,7 @@ def judge_files(
     ------
     InputError : a file or the machine cannot be used, or the recordings cannot be compared
     """
-    from pipelines.signals.features.table import confirmed
+    from pipelines.signals.features.feature_table import confirmed
 
     read: dict[str, list[RecordedFile]] = {}  # healthy recordings, by machine and windows
     names = [shown(one) for one in healthy]
@@ -157,7 +157,7 @@ def judge_recordings(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset
     InputError : a recording has no rotation or no features, or the recordings cannot be compared
     """
     from pipelines.diagnosis.simulated import FeatureSettings, run_features
-    from pipelines.signals.features.feature_table import FeatureError
+    from pipelines.signals.features.recording_features import FeatureError
     from pipelines.signals.orders.rotation import RotationError
 
     settings = FeatureSettings(kinematics=kinematics, windows={})
@@ -177,7 +177,7 @@ def _judged(
     """The verdict on the first table against the others, with their names; InputError that begins with a place."""
     from pipelines.diagnosis.baseline_checks import BaselineError
     from pipelines.diagnosis.judge import judge
-    from pipelines.signals.features.table import with_common_components
+    from pipelines.signals.features.feature_table import with_common_components
 
     own, *healthy = with_common_components(tables)
     try:
@@ -266,7 +266,7 @@ def read_features(
     """
     from pipelines.diagnosis.simulated import FeatureSettings, run_features
     from pipelines.recordings.read_recording import read_recording
-    from pipelines.signals.features.feature_table import FeatureError
+    from pipelines.signals.features.recording_features import FeatureError
     from pipelines.signals.levels import levels
     from pipelines.signals.orders.rotation import RotationError
     from pipelines.signals.orders.rotation_of import rotation_of
@@ -354,7 +354,7 @@ def files_grid(names: Sequence[str], found: Sequence[JudgedFile]) -> Grid:
     """Table of recordings that were judged in the same way: name, speed, level, answer and strongest evidence."""
     from pipelines.diagnosis.impacts import CLEAR
     from pipelines.diagnosis.verdict_words import STRENGTH, answer, strength
-    from pipelines.signals.features.table import WHOLE
+    from pipelines.signals.features.feature_table import WHOLE
 
     rows: list[dict[str, str]] = []
     for name, one in zip(names, found, strict=True):

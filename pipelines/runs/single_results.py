@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 
     from fem.casing.imported.casing import ForeignHousing
     from fem.casing.mesh.mesh import CasingMesh
-    from fem.casing.mesh.source import Geometry
+    from fem.casing.mesh.mesh_geometry import Geometry
     from fem.casing.reduced.accuracy import ErrorStatement
     from fem.casing.reduced.body import ReducedBody
+    from fem.casing.reduced.casing_modes import CasingModes, NaturalModes
     from fem.casing.reduced.checkup import CheckUp
-    from fem.casing.reduced.modes import CasingModes, NaturalModes
     from fem.casing.uncertainty.frequency_limits import FrequencyLimits
     from mbd.system.linearised import LinearModes
     from mbd.system.system import System
@@ -166,7 +166,7 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
     body, modes, checkup, natural, limits = outcome.value("casing"), None, None, None, None
     participation = None
     if elastic:
-        from fem.casing.reduced.modes import kept_modes, natural_modes
+        from fem.casing.reduced.casing_modes import kept_modes, natural_modes
 
         modes, checkup = outcome.value("casing modes")[:2]
         spec = graph.steps["casing"].spec

@@ -23,12 +23,13 @@ from pipelines.scene.tables.casing import (
 )
 from pipelines.scene.tables.derived import table
 from pipelines.scene.tables.diagnosis import DiagnosisTable
-from pipelines.scene.tables.drive_and_load import DriveModel, LoadModel, SimulationTable
+from pipelines.scene.tables.drive_and_load import DriveModel, LoadModel
 from pipelines.scene.tables.faults import AnyFaultTable, BearingSpallTable, FaultBase, FaultTable
 from pipelines.scene.tables.forces import ForceModel, PlacedTable
 from pipelines.scene.tables.housing import HousingBase
 from pipelines.scene.tables.losses import FilmModel, LossModel, NoFilm
 from pipelines.scene.tables.shafts import CouplingTable, DiskTable, ProbeTable, ShaftModelTable, ShaftTable
+from pipelines.scene.tables.simulation import SimulationTable
 from pipelines.scene.tables.stages import DeviationTable, StageTable
 
 

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     import xarray
 
     from fem.casing.reduced.body import ReducedBody
+    from fem.casing.reduced.casing_modes import CasingModes
     from fem.casing.reduced.checkup import CheckUp
-    from fem.casing.reduced.modes import CasingModes
     from fem.casing.uncertainty.extrapolation import LowestModes
     from mbd.output.trajectory import Trajectory
     from pipelines.diagnosis.control_diagnosis import Diagnosis

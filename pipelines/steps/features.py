@@ -37,7 +37,7 @@ def of_response(run: xarray.Dataset, settings: FeatureSettings, samples: int) ->
     samples : number of samples of sensor noise that are added
     """
     from pipelines.diagnosis.simulated import window_features
-    from pipelines.signals.features.feature_table import FeatureError
+    from pipelines.signals.features.recording_features import FeatureError
     from pipelines.signals.orders.rotation import RotationError
 
     try:

@@ -53,6 +53,7 @@ def verdict_steps(plan: RunPlan) -> list[Step]:
             spec={"settings": settings, "labels": one.plant.labels, "samples": samples},
             takes={"motion": one.step},
             libraries=_NUMERIC,
+            modules=("pipelines.diagnosis.simulated", "pipelines.signals.response"),
             seconds=_FEATURES * samples * len(one.plant.sensors) * one.plant.motion.n_samples,
         )
         for one, samples in [

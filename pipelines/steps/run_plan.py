@@ -14,8 +14,8 @@ from itertools import islice
 from pipelines.engine.step import Graph, Step
 from pipelines.engine.storage import digest
 from pipelines.io.errors import InputError
+from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.checks.cost import check_room
-from pipelines.machine.checks.validity import checked_plant
 from pipelines.machine.plant import Plant, fault_labels
 from pipelines.scene.file import LoadedScene, control_differences, control_of
 from pipelines.scene.scene import Scene

@@ -12,8 +12,8 @@ from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.models.casing import Structure
 from fem.casing.models.static_casing import StaticCasing
 from fem.casing.reduced.accuracy import reduced_response
+from fem.casing.reduced.casing_modes import casing_modes, reduced_body
 from fem.casing.reduced.grounded import assembled_casing
-from fem.casing.reduced.modes import casing_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.casing.reduced.rigid import housing_mass, rigid_from_mesh
 from fem.elements.materials import Material

@@ -12,7 +12,7 @@ import pytest
 from scenes import mutated, shipped_tree, simulated, unexplained
 
 from pipelines.io.errors import InputError
-from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.scene.file import LoadedScene, Source, validate
 from pipelines.scene.merge import Merged
 from pipelines.scene.scene import Scene

@@ -11,7 +11,7 @@ from pipelines.datasets.plan import load_plan
 from pipelines.datasets.rows import DONE, FAILED, write_row, write_table
 from pipelines.datasets.scenes import sampled_scenes, scene_key, scene_of
 from pipelines.datasets.store import write_run
-from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.checks.checked_plant import checked_plant
 
 RATE, SAMPLES = 5000.0, 4000
 TEETH = (20, 55)  # of the scene

@@ -14,10 +14,13 @@ from mbd.parts.gear_mesh import MeshSpec
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import Machine
 from mbd.parts.shafts import Disk, Section, ShaftSpec
-from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
+from mbd.parts.speed_drive import MotorCoupling, SpeedProfile
 
 AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
-ROPE = {"container_mass": 1000.0, "drum_radius": 0.1, "drum_mass": 10.0, "drum_inertia": 0.05}
+ROPE = {
+    "container_mass": 1000.0, "drum_radius": 0.1, "drum_mass": 10.0, "drum_inertia": 0.05,
+    "rope_modulus": 3.57e6 / (0.455 * math.pi / 4 * 0.01**2),
+}  # fmt: skip
 TRANSVERSE_ANGLE = math.radians(20.5)
 
 
@@ -150,7 +153,7 @@ def train(n_stages=1, *, load="torque", speed=94.2477796, profile=None, model="t
             x += 0.5 * sum(stage["teeth"]) * stage["module"]
     coupling = options.get("coupling", 2e4)
     couplings = tuple(
-        CouplingSpec(
+        MotorCoupling(
             name=f"motor_{k + 1}",
             shaft="shaft_1",
             y=y,

@@ -10,7 +10,7 @@ from mbd.parts.bearings import rigid_bearing
 from mbd.parts.load import OutsideForce, StaticTorque
 from mbd.parts.machine import Machine
 from mbd.parts.shafts import Disk, Section, ShaftSpec
-from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
+from mbd.parts.speed_drive import MotorCoupling, SpeedProfile
 
 LENGTH, DIAMETER, MASS, MODULUS, RATIO = 0.5, 0.02, 10.0, 206e9, 0.3
 DAMPING = 0.05
@@ -52,7 +52,7 @@ def jeffcott(*forces, speed=0.0, profile=None, sense=1, gravity=0.0, disk_mass=M
         shafts=(shaft,),
         bearings=tuple(rigid_bearing(f"bearing_{i + 1}", "shaft_1", y) for i, y in enumerate((0.0, LENGTH))),
         meshes=(),
-        couplings=(CouplingSpec(name="motor_1", shaft="shaft_1", y=0.0, stiffness=1e5, damping=1.0),),
+        couplings=(MotorCoupling(name="motor_1", shaft="shaft_1", y=0.0, stiffness=1e5, damping=1.0),),
         profile=profile,
         load=StaticTorque(shaft="shaft_1", drums=(LENGTH,), torque=0.0),
         forces=(Probe(name="probe", shaft="shaft_1", y=LENGTH / 2), *forces),

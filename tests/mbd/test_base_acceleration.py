@@ -9,8 +9,8 @@ from mbd_rigs import no_casing, rigid_casing, train
 
 from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.reduced.accuracy import sensor_rows
+from fem.casing.reduced.casing_modes import casing_modes, reduced_body
 from fem.casing.reduced.grounded import assembled_casing
-from fem.casing.reduced.modes import casing_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
 from fem.elements.solids import rigid_body_modes

@@ -19,7 +19,7 @@ from mbd.parts.bearings import rigid_bearing
 from mbd.parts.gear_mesh import MeshSpec
 from mbd.parts.machine import Machine
 from mbd.parts.shafts import Disk, Section, ShaftSpec
-from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
+from mbd.parts.speed_drive import MotorCoupling, SpeedProfile
 from mbd.system.linearised import linear_modes
 from mbd.system.system import assemble
 
@@ -80,7 +80,7 @@ def frequencies_of(shafts, meshes, loads, motor=True):
         forces.append(constant("motor", "a", 0.0, 10.0, drives=True))
     machine = Machine(
         shafts=shafts, bearings=bearings, meshes=meshes, gravity=0.0, forces=tuple(forces),
-        couplings=(CouplingSpec(name="motor", shaft="a", y=0.0, stiffness=HOLD),) if motor else (),
+        couplings=(MotorCoupling(name="motor", shaft="a", y=0.0, stiffness=HOLD),) if motor else (),
         input_shaft="" if motor else "a", profile=SpeedProfile(times=np.zeros(1), speeds=np.array([100.0])),
     )  # fmt: skip
     return linear_modes(assemble(machine, no_casing(), band=np.inf), up_to=500.0).frequencies

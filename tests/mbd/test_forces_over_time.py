@@ -10,8 +10,8 @@ from mbd_rigs import no_casing, rigid_casing, train
 import gearcase
 from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.reduced.accuracy import sensor_rows
+from fem.casing.reduced.casing_modes import casing_modes, reduced_body
 from fem.casing.reduced.grounded import ForcedPoint, assembled_casing
-from fem.casing.reduced.modes import casing_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
 from mbd.excitations.outside_force import CasingForce, ForceSweep, ForceTable, ShaftForce

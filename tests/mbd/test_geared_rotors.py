@@ -17,7 +17,7 @@ from mbd.parts.gear_mesh import MeshSpec
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import Machine
 from mbd.parts.shafts import Disk, Section, ShaftSpec, free_shaft, shaft_nodes
-from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
+from mbd.parts.speed_drive import MotorCoupling, SpeedProfile
 from mbd.system.linearised import linear_modes
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
@@ -98,7 +98,7 @@ def turbine_set(gyroscopic=True):
                   journal("b3", "turbine", pinion + 0.3, 10.1e6, 41.6e6),
                   journal("b4", "turbine", pinion + 5.4, 10.1e6, 41.6e6)),
         meshes=(mesh,),
-        couplings=(CouplingSpec(name="motor", shaft="generator", y=0.0, stiffness=50.0),),  # only keeps it in place
+        couplings=(MotorCoupling(name="motor", shaft="generator", y=0.0, stiffness=50.0),),  # only keeps it in place
         profile=SpeedProfile(times=np.zeros(1), speeds=np.array([SPEED])),
         load=StaticTorque(shaft="turbine", drums=(pinion + 5.4,), torque=1e-3),
         gravity=0.0,
@@ -126,7 +126,7 @@ def overhung(speed):
     )  # fmt: skip
     return Machine(
         shafts=(shaft,), bearings=(bearing,), meshes=(), gyroscopic=True, gravity=0.0,
-        couplings=(CouplingSpec(name="motor", shaft="rotor", y=0.0, stiffness=1e3),),
+        couplings=(MotorCoupling(name="motor", shaft="rotor", y=0.0, stiffness=1e3),),
         profile=SpeedProfile(times=np.zeros(1), speeds=np.array([speed])),
         load=StaticTorque(shaft="rotor", drums=(0.0,), torque=1.0),
     )  # fmt: skip

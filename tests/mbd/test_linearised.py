@@ -20,7 +20,7 @@ from mbd.parts.load import StaticTorque
 from mbd.parts.machine import Machine
 from mbd.parts.rolling_elements import RollingElements
 from mbd.parts.shafts import Disk, Section, ShaftSpec
-from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
+from mbd.parts.speed_drive import MotorCoupling, SpeedProfile
 from mbd.system.linearised import linear_modes, tangent, turned
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
@@ -53,7 +53,7 @@ def two_inertias(cycle, tau=0.0):
         shafts=(rotor("a", 0.0, 1, 1e6, INERTIA[0]), rotor("b", distance, -1, 1e6, INERTIA[1])),
         bearings=(held("a"), held("b")),
         meshes=(spec,),
-        couplings=(CouplingSpec(name="motor_1", shaft="a", y=0.0, stiffness=COUPLING),),
+        couplings=(MotorCoupling(name="motor_1", shaft="a", y=0.0, stiffness=COUPLING),),
         profile=STANDING,
         load=StaticTorque(shaft="b", drums=(0.0,), torque=TORQUE),
         gravity=0.0,
@@ -105,7 +105,7 @@ def hoist():
         shafts=(rotor("drum", 0.0, 1, 20.0, 0.1),),
         bearings=(held("drum"),),
         meshes=(),
-        couplings=(CouplingSpec(name="motor_1", shaft="drum", y=0.0, stiffness=HOLD),),
+        couplings=(MotorCoupling(name="motor_1", shaft="drum", y=0.0, stiffness=HOLD),),
         profile=STANDING,
         load=dataclasses.replace(LOAD, rope_damping_ratio=0.02).load("drum", (0.0,)),
     )  # fmt: skip

@@ -17,7 +17,7 @@ from mbd.parts.machine import Machine
 from mbd.parts.rolling_catalogue import designations
 from mbd.parts.rolling_elements import RollingElements, dimensionless_deflection, pass_frequencies
 from mbd.parts.shafts import Disk, Section, ShaftSpec
-from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
+from mbd.parts.speed_drive import MotorCoupling, SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 
@@ -124,7 +124,7 @@ def loaded_shaft(elements, speed=60.0, mass=30.0, tau=2e-5):
     )
     return Machine(
         shafts=(shaft,), bearings=bearings, meshes=(),
-        couplings=(CouplingSpec(name="motor_1", shaft="shaft_1", y=0.1, stiffness=1e3, damping=1.0),),
+        couplings=(MotorCoupling(name="motor_1", shaft="shaft_1", y=0.1, stiffness=1e3, damping=1.0),),
         profile=SpeedProfile(times=np.array([0.0, 0.02]), speeds=np.array([0.0, speed])),
         load=StaticTorque(shaft="shaft_1", drums=(0.0,), torque=1.0),
     )  # fmt: skip

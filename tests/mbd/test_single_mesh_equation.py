@@ -22,7 +22,7 @@ from mbd.parts.bearings import rigid_bearing
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import STANDARD_GRAVITY, Machine
 from mbd.parts.shafts import Disk, Section, ShaftSpec
-from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
+from mbd.parts.speed_drive import MotorCoupling, SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 
@@ -56,7 +56,7 @@ def single_mesh(load, coupling=SOFT):
         shafts=(wheel("a", 0.0, 1, INERTIA[0]), wheel("b", distance, -1, INERTIA[1])),
         bearings=tuple(rigid_bearing(f"bearing_{s}{y}", s, y, "ground") for s in "ab" for y in (-HALF, HALF)),
         meshes=(spec,),
-        couplings=(CouplingSpec(name="motor_1", shaft="a", y=0.0, stiffness=coupling),),
+        couplings=(MotorCoupling(name="motor_1", shaft="a", y=0.0, stiffness=coupling),),
         profile=SpeedProfile(times=np.zeros(1), speeds=np.array([SPEED])),
         load=StaticTorque(shaft="b", drums=(0.0,), torque=TORQUE) if load == "torque" else hanging,
         gravity=STANDARD_GRAVITY if load == "rope" else 0.0,

@@ -15,7 +15,7 @@ from mbd.parts.gear_mesh import mesh_rows
 from mbd.parts.load import StaticTorque
 from mbd.parts.machine import Machine
 from mbd.parts.shafts import Disk, Section, ShaftSpec
-from mbd.parts.speed_drive import CouplingSpec, SpeedProfile
+from mbd.parts.speed_drive import MotorCoupling, SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble, natural_frequencies
 
@@ -114,7 +114,7 @@ def test_geared_inertias_have_the_frequency_of_the_formula():
         shafts=shafts,
         bearings=tuple(bearing(s.name, s.name) for s in shafts),
         meshes=(spec,),
-        couplings=(CouplingSpec(name="motor_1", shaft="a", y=0.0, stiffness=1e-1),),
+        couplings=(MotorCoupling(name="motor_1", shaft="a", y=0.0, stiffness=1e-1),),
         profile=SpeedProfile(times=np.zeros(1), speeds=np.zeros(1)),
         load=StaticTorque(shaft="b", drums=(0.0,), torque=50.0),
     )

@@ -19,7 +19,7 @@ from mbd.system.linearised import linear_modes
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble, natural_frequencies
 from pipelines.io.errors import SceneError
-from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.layout import lay_out
 from pipelines.scene.file import load_scene
 

@@ -14,7 +14,8 @@ from fem.contact.models.registry import MODELS as MESHES
 from mbd.forces.bearing_models import BEARINGS
 from mbd.forces.hanging_loads import LOADS
 from mbd.integrators.methods import METHODS
-from pipelines.scene.tables import casing, drive_and_load, losses, shafts
+from pipelines.scene.tables import casing, losses, shafts
+from pipelines.scene.tables.simulation import SimulationTable
 
 DOCS = ROOT / "docs"
 
@@ -30,7 +31,7 @@ MODELS = [
     *BEARINGS,
     *(choices(t)[0] for t in typing.get_args(typing.get_args(losses.LossModel)[0])),
     *choices(shafts.ShaftModelTable),
-    *choices(drive_and_load.SimulationTable, "integrator"),
+    *choices(SimulationTable, "integrator"),
 ]
 
 
@@ -41,7 +42,7 @@ def test_every_model_has_its_row_in_the_guide(model):
 
 
 def test_every_integrator_of_the_scene_exists():
-    assert set(choices(drive_and_load.SimulationTable, "integrator")) <= METHODS.keys()
+    assert set(choices(SimulationTable, "integrator")) <= METHODS.keys()
 
 
 def test_the_module_map_names_nothing_that_is_gone():

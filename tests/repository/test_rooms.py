@@ -58,6 +58,8 @@ ROOMS = (  # from the ground up: a room imports from itself and from what stands
     "pipelines.studies.housings",
     "pipelines.studies.detect",
     "pipelines.studies.design",
+    "pipelines.studies.spread",
+    "pipelines.studies.calibrate",
     "pipelines.studies.trade",
     "pipelines.studies.verification",
     "pipelines.cli",

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from fem.casing.enrichment.functions import EdgeFunctions, edge_functions
+from fem.casing.enrichment.edge_unknowns import EdgeFunctions, edge_functions
 from fem.casing.mesh.mesh import CasingMesh
 from fem.elements.cubic import CubicFunctions, cubic_functions
 from fem.elements.materials import Material

@@ -22,7 +22,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
-from fem.casing.enrichment.lines import GRID, NODES, eight_nodes, gauss, graded, nine_nodes, products
+from fem.casing.enrichment.graded_functions import GRID, NODES, eight_nodes, gauss, graded, nine_nodes, products
 from fem.elements.sections import lagrange
 
 _LEAST_ENERGY = 1e-4  # of the first function: functions with less are omitted

@@ -1,6 +1,6 @@
-"""Stiffness and mass of functions that are added to an element.
+"""Compiled integration over an element of the functions added to it, for their stiffness and mass.
 
-Compiled loops evaluate the functions at every point; matrix products then sum over the points.
+Loops evaluate the functions at every point; matrix products then sum over the points.
 """
 
 from __future__ import annotations

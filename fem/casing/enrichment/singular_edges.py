@@ -1,6 +1,6 @@
-"""Edges of a mesh of hexahedra at which stresses are singular, and the fans of elements around them.
+"""Where functions are added: edges of a mesh at which stresses are singular, and the fans of elements around them.
 
-These are the re-entrant edges and the rims of clamped faces. A fan is the set of elements around one side (element
+Such edges are the re-entrant edges and the rims of clamped faces. A fan is the set of elements around one side (element
 edge) on such an edge, ordered from one face of the body to the other. Consecutive fans form a chain. A chain has one
 system of local coordinates: xi along the first face of every element, eta along the second, s along the edge.
 """

@@ -18,10 +18,10 @@ from fem.casing.imported.matrix_files import MatrixFiles, read_body
 from fem.casing.imported.reduce import Point, ReducedForeign, reduce_foreign
 from fem.casing.parts.feet import clamped_reactions, foot_sums
 from fem.casing.parts.names import Attachment
+from fem.casing.reduced.casing_modes import CasingModes
 from fem.casing.reduced.checkup import CheckUp
 from fem.casing.reduced.grounded import GROUND_AXES
-from fem.casing.reduced.modes import CasingModes
-from fem.casing.reduced.reduced_modes import mode_names, on_springs, undamped_modes
+from fem.casing.reduced.undamped_modes import mode_names, on_springs, undamped_modes
 from fem.numerics.places import in_mm
 
 _OFF = 0.0005  # m: largest distance of a single node from its bearing point, and

@@ -9,13 +9,39 @@ from __future__ import annotations
 
 import numpy as np
 
+from fem.casing.geometry.dimensions import HousingError
 from fem.casing.geometry.housing import Housing
+from fem.casing.mesh.finished import RawMesh, finished_mesh
+from fem.casing.mesh.mesh import CasingMesh, MeshError
 from fem.casing.mesh.section import SectionMesh, divided, lines_across, section, shaft_places
+from fem.casing.mesh.sizes import MM, Sizes
 from fem.elements.solid_elements import SOLIDS
 from fem.numerics.quadratic_grids import with_middles
 
 ELEMENT = SOLIDS["hexahedron-27"]
 _NEAR = 1e-7  # m
+
+
+def mesh_extruded(housing: Housing, sizes: Sizes, element: str = "hexahedron-20") -> CasingMesh:
+    """Hexahedra of a plain housing, one through the thickness of every wall.
+
+    Raises
+    ------
+    MeshError : a housing that is not plain, bosses without enough space around them, an element below a quality limit
+    """
+    try:
+        nodes, elements = extruded_hexahedra(housing, sizes.element)
+    except HousingError as error:
+        raise MeshError(str(error)) from error
+    points = housing.ground_points() | {bore.name: housing.bore_centre(bore) for bore in housing.bores}
+    return finished_mesh(
+        RawMesh(nodes=nodes, elements=elements),
+        lambda surface: (patches(housing, surface.points, surface.triangles), points),
+        name="casing mesh",
+        element=element,
+        element_size=sizes.element,
+        remedy=f"Use an element size below {MM * sizes.element:.4g} mm, or element tetrahedron-10",
+    )
 
 
 def extruded_hexahedra(housing: Housing, size: float) -> tuple[np.ndarray, np.ndarray]:

@@ -22,15 +22,16 @@ from fem.casing.mesh.finished import RawMesh, finished_mesh
 from fem.casing.mesh.locate import axis_place, centroid, locate, plane_parts
 from fem.casing.mesh.mesh import CasingMesh, MeshError
 from fem.casing.mesh.mesh_file import SUFFIXES, read_mesh_file
-from fem.casing.mesh.nearest_candidates import fitted_circle
 from fem.casing.mesh.quality import straightened
 from fem.casing.mesh.surface import Surface
 from fem.elements.solid_elements import CHOICES, SOLIDS, solid_element
+from fem.numerics.fitted_circle import fitted_circle
 from fem.numerics.places import in_mm
 
 UNITS = {"m": 1.0, "cm": 1 / 100, "mm": 1 / 1000, "um": 1 / 1_000_000, "inch": 127 / 5000}  # m
 STL_SUFFIXES = (".stl",)
-STEP_SUFFIXES = (".step", ".stp", ".brep", ".brp", ".iges", ".igs", *STL_SUFFIXES)  # files that are meshed here
+CAD_FORMATS = {".step": "step", ".stp": "step", ".brep": "brep", ".brp": "brep", ".iges": "iges", ".igs": "iges"}
+CAD_SUFFIXES = (*CAD_FORMATS, *STL_SUFFIXES)  # files that are meshed here
 OFF_AXIS = 0.0005  # m: largest distance between the axis of a bore and that of its shaft
 ALONG_Y = 0.9999  # least cosine between the axis of a bore and that of its shaft
 
@@ -67,8 +68,8 @@ class ImportedHousing:
     def _problems(self) -> Iterator[str]:
         if self.unit not in UNITS:
             yield f"unit {self.unit!r} is not one of {', '.join(UNITS)}"
-        if Path(self.path).suffix.lower() not in (*STEP_SUFFIXES, *SUFFIXES):
-            yield f"the file is none of {', '.join((*STEP_SUFFIXES, *SUFFIXES))}"
+        if Path(self.path).suffix.lower() not in (*CAD_SUFFIXES, *SUFFIXES):
+            yield f"the file is none of {', '.join((*CAD_SUFFIXES, *SUFFIXES))}"
         axes = np.array(self.axes, float)
         if not np.allclose(axes @ axes.T, np.eye(3), atol=1e-6) or np.linalg.det(axes) < 0.0:
             yield f"its axes {self.axes} are not three orthogonal, right-handed unit vectors (limit 1e-6)"
@@ -84,7 +85,7 @@ class ImportedHousing:
     @property
     def is_step(self) -> bool:
         """Whether the file holds a solid rather than a mesh."""
-        return Path(self.path).suffix.lower() in STEP_SUFFIXES
+        return Path(self.path).suffix.lower() in CAD_SUFFIXES
 
     @property
     def file(self) -> Path:

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from fem.casing.geometry.locators import ByBox, ByCylinder, ByGroup, ByPlane, ByPoint, Locator, Point
+from fem.casing.mesh.candidate_texts import cylinders_like, planes_like
 from fem.casing.mesh.mesh import MeshError
-from fem.casing.mesh.nearest_candidates import cylinders_like, planes_like
 from fem.casing.mesh.surface import Surface
 from fem.elements.facets import nearest_in_triangles
 from fem.numerics.places import in_mm

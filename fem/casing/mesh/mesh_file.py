@@ -1,4 +1,4 @@
-"""Read a mesh file through meshio or gmsh: solid elements and named groups, as in the file.
+"""Read and write mesh files through meshio or gmsh: solid elements and named groups, as in the file.
 
 Groups are named as in the file: physical groups of Gmsh (or the number of an unnamed one), node and element sets of
 Abaqus, property numbers of Nastran shells, groups of universal files and of MED, and the point or cell arrays of VTK,

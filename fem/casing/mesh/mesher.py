@@ -14,6 +14,7 @@ import numpy as np
 
 from fem.casing.geometry.housing import Housing
 from fem.casing.geometry.locators import ByCylinder
+from fem.casing.mesh.cad_file import SMALL_EDGE, named, read_step, refinements, small_edges
 from fem.casing.mesh.finished import RawMesh, finished_mesh
 from fem.casing.mesh.gmsh_session import numbered_nodes, session
 from fem.casing.mesh.imported import ImportedHousing, check_extent, finish, seat_point
@@ -22,7 +23,6 @@ from fem.casing.mesh.mesh import CasingMesh, MeshError
 from fem.casing.mesh.quality import GOOD_QUALITY, straightened
 from fem.casing.mesh.sizes import MM, Refinement, Sizes, follow_fillets, set_sizes
 from fem.casing.mesh.solid import build_solid, find_patches
-from fem.casing.mesh.step_file import SMALL_EDGE, named, read_step, refinements, small_edges
 from fem.casing.mesh.surface import Surface
 from fem.processes.own_process import DAMAGED, opened_apart
 
@@ -99,7 +99,7 @@ def mesh_step(housing: ImportedHousing, sizes: Sizes, element: str) -> CasingMes
 
     Raises
     ------
-    MeshError : see `step_file` and `imported`; an element below a quality limit (with its position), or a crash of the
+    MeshError : see `cad_file` and `imported`; an element below a quality limit (with its position), or a crash of the
         mesher
     """
     raw, small = opened_apart(housing.file, MeshError, _CRASHED, _mesh_solid, housing, sizes)

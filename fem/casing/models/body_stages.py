@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from fem.casing.mesh.mesh import CasingMesh
     from fem.casing.parts.names import DampingRatio
     from fem.casing.reduced.body import ReducedBody
+    from fem.casing.reduced.casing_modes import CasingModes
     from fem.casing.reduced.checkup import CheckUp
-    from fem.casing.reduced.modes import CasingModes
     from fem.casing.uncertainty.extrapolation import LowestModes
 
 
@@ -50,7 +50,7 @@ class Recovery(Stage):
         ------
         CasingError : the stiffness cannot be extrapolated
         """
-        from fem.casing.reduced.modes import reduced_body
+        from fem.casing.reduced.casing_modes import reduced_body
         from fem.casing.uncertainty.extrapolation import ExtrapolationError, measured_limits, stiffness_factor
 
         try:
@@ -91,7 +91,7 @@ class BearingsOnGround(Stage):
 
     def build(self) -> ReducedBody:
         """A body without coordinates."""
-        from fem.casing.reduced.modes import grounded_body
+        from fem.casing.reduced.casing_modes import grounded_body
 
         return _counted(grounded_body(self.bearings))
 

@@ -19,8 +19,8 @@ from fem.options import Option, option
 if TYPE_CHECKING:
     from fem.casing.geometry.dimensions import Sensor
     from fem.casing.imported.casing import ForeignHousing
+    from fem.casing.mesh.mesh_geometry import Geometry
     from fem.casing.mesh.sizes import Sizes
-    from fem.casing.mesh.source import Geometry
     from fem.casing.parts.bolted_joint import BoltedJoint
     from fem.casing.reduced.body import ReducedBody
     from fem.casing.reduced.grounded import ForcedPoint

@@ -14,8 +14,8 @@ from fem.options import option
 
 if TYPE_CHECKING:
     from fem.casing.mesh.sizes import Sizes
+    from fem.casing.reduced.casing_modes import CasingModes
     from fem.casing.reduced.grounded import GroundedCasing
-    from fem.casing.reduced.modes import CasingModes
     from fem.casing.reduced.reduction import Reduction
 
 
@@ -29,8 +29,8 @@ class CraigBamptonReduction(CasingReduction):
 
     def reduced(self, casing: GroundedCasing) -> tuple[CasingModes, Reduction]:
         """All modes below the limit, their number verified by a Sturm-sequence count."""
+        from fem.casing.reduced.casing_modes import casing_modes
         from fem.casing.reduced.halves import reduced_and_counted
-        from fem.casing.reduced.modes import casing_modes
 
         limit = MODES_OVER_BAND * self.band
         reduction, counted = reduced_and_counted(

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from fem.casing.parts.regions import Region
     from fem.casing.reduced.accuracy import ErrorStatement
     from fem.casing.reduced.body import ReducedBody
+    from fem.casing.reduced.casing_modes import CasingModes
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.grounded import AssembledCasing, ForcedPoint, GroundedCasing
-    from fem.casing.reduced.modes import CasingModes
     from fem.casing.reduced.reduction import Reduction
     from fem.casing.uncertainty.extrapolation import LowestModes
     from fem.elements.materials import Material

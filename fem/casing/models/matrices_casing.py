@@ -13,9 +13,9 @@ from fem.casing.models.stage import MODES, CasingError, CasingInputError, Planne
 if TYPE_CHECKING:
     from fem.casing.imported.casing import ForeignHousing
     from fem.casing.parts.names import Attachment, Ground
+    from fem.casing.reduced.casing_modes import CasingModes
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.grounded import ForcedPoint
-    from fem.casing.reduced.modes import CasingModes
 
 
 @dataclass(frozen=True, kw_only=True)

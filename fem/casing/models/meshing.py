@@ -10,8 +10,8 @@ from fem.casing.models.stage import CasingError, Stage
 
 if TYPE_CHECKING:
     from fem.casing.mesh.mesh import CasingMesh
+    from fem.casing.mesh.mesh_geometry import Geometry
     from fem.casing.mesh.sizes import Sizes
-    from fem.casing.mesh.source import Geometry
     from fem.casing.uncertainty.extrapolation import LowestModes
 
 
@@ -31,7 +31,7 @@ class Meshing(Stage):
 
     def with_sizes(self, sizes: Sizes) -> CasingMesh:
         """The mesh with other edge lengths."""
-        from fem.casing.mesh.source import mesh_geometry
+        from fem.casing.mesh.mesh_geometry import mesh_geometry
 
         return mesh_geometry(self.housing, sizes, self.element)
 

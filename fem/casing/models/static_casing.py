@@ -10,8 +10,8 @@ from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.models.holding import CasingReduction
 
 if TYPE_CHECKING:
+    from fem.casing.reduced.casing_modes import CasingModes
     from fem.casing.reduced.grounded import GroundedCasing
-    from fem.casing.reduced.modes import CasingModes
     from fem.casing.reduced.reduction import Reduction
 
 
@@ -23,7 +23,7 @@ class StaticReduction(CasingReduction):
 
     def reduced(self, casing: GroundedCasing) -> tuple[CasingModes, Reduction]:
         """Constraint modes alone."""
-        from fem.casing.reduced.modes import casing_modes
+        from fem.casing.reduced.casing_modes import casing_modes
         from fem.casing.reduced.reduction import reduce_body
 
         reduction = reduce_body(casing.interface, casing.K_free, casing.M_free, count=0, enrich=False)

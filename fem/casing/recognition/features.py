@@ -9,9 +9,9 @@ from itertools import groupby, pairwise
 
 import numpy as np
 
-from fem.casing.mesh.nearest_candidates import fitted_circle
 from fem.casing.recognition.contents import BoltPattern, FlatFace, FoundBore
 from fem.casing.recognition.cylinders import Cylinder, fitted_cylinder, is_flat, turn
+from fem.numerics.fitted_circle import fitted_circle
 
 _SAME_AXIS = 2e-5  # m, and
 _SAME_RADIUS = 1e-3  # of the radius: tolerances within which cylinders are one bore

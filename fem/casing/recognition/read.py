@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from fem.casing.mesh.cad_file import closed_triangles, declared_unit, import_solids, open_place, touching
 from fem.casing.mesh.gmsh_session import numbered_nodes, session
-from fem.casing.mesh.imported import STEP_SUFFIXES, STL_SUFFIXES, UNITS
+from fem.casing.mesh.imported import CAD_SUFFIXES, STL_SUFFIXES, UNITS
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesh_file import read_mesh_file
 from fem.casing.mesh.sizes import MM
-from fem.casing.mesh.step_file import closed_triangles, declared_unit, import_solids, open_place, touching
 from fem.casing.recognition.contents import FoundSolid, GeometryContents
 from fem.casing.recognition.faces import split
 from fem.casing.recognition.features import bolt_patterns, faces_of
@@ -42,7 +42,7 @@ def survey(path: Path, unit: str | None = None) -> GeometryContents:
     suffix = path.suffix.lower()
     if suffix in STL_SUFFIXES:
         return _of_triangles(path, unit or "mm")
-    if suffix in STEP_SUFFIXES:
+    if suffix in CAD_SUFFIXES:
         return opened_apart(path, MeshError, DAMAGED, _of_solids, path, unit)
     return _of_mesh(path, unit or "mm")
 

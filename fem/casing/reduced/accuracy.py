@@ -28,7 +28,7 @@ from fem.casing.reduced.body import MODES_OVER_BAND, ReducedBody
 from fem.casing.reduced.damping import DampingRatio, damping_ratios, ratios_with_parts
 from fem.casing.reduced.grounded import GROUND_AXES, ForcedPoint, GroundedCasing, point_rows
 from fem.casing.reduced.lanczos import block_lanczos
-from fem.casing.reduced.reduced_modes import undamped_modes
+from fem.casing.reduced.undamped_modes import undamped_modes
 from fem.numerics.linear_solver import Solver, factorize
 from fem.storage.records import Record, array, names, scalar
 

@@ -23,8 +23,8 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from fem.casing.reduced.grounded import GroundedCasing
-from fem.casing.reduced.reduced_modes import on_springs, undamped_modes
 from fem.casing.reduced.reduction import Reduction, largest_entry
+from fem.casing.reduced.undamped_modes import on_springs, undamped_modes
 from fem.elements.solids import mass_properties, rigid_body_modes
 from fem.numerics.side_by_side import side_by_side
 from fem.numerics.unknowns import unknowns_of

@@ -15,7 +15,7 @@ import numpy as np
 import scipy.linalg as la
 
 from fem.casing.reduced.lanczos import m_orthonormal
-from fem.casing.reduced.reduced_modes import on_springs
+from fem.casing.reduced.undamped_modes import on_springs
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,11 +21,11 @@ from threadpoolctl import threadpool_limits
 
 from fem.casing.parts.names import Ground
 from fem.casing.reduced.body import MODES_OVER_BAND
+from fem.casing.reduced.casing_modes import CasingModes
 from fem.casing.reduced.grounded import AssembledCasing, GroundedCasing
 from fem.casing.reduced.halves import lowest
-from fem.casing.reduced.modes import CasingModes
-from fem.casing.reduced.reduced_modes import undamped_modes
 from fem.casing.reduced.reduction import Reduction, reduce_body
+from fem.casing.reduced.undamped_modes import undamped_modes
 from fem.casing.uncertainty.cubic_limits import cubic_limits
 from fem.casing.uncertainty.frequency_limits import LEAST_MODES, FrequencyLimits, LimitError
 from fem.casing.uncertainty.limits_by_element import extrapolation_of

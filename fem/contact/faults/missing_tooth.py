@@ -1,4 +1,7 @@
-"""A tooth broken off at the root: no contact; the change of its neighbours' compliance (about 1 %) is neglected."""
+"""A tooth broken off at the root: no contact; the change of its neighbours' compliance (about 1 %) is neglected.
+
+The number of the tooth is a key of the scene (`pipelines.scene.tables.faults`). `pipelines.machine.machine` applies it.
+"""
 
 from __future__ import annotations
 

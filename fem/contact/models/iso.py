@@ -30,7 +30,8 @@ from fem.contact.law import MeshLaw
 from fem.contact.models.mesh_model import MeshModel
 from fem.contact.wheels.plane_section import EDGE_GAP
 from fem.elements.materials import STEEL
-from fem.gears.geometry import Gear, GearPair
+from fem.gears.gear import Gear
+from fem.gears.geometry import GearPair
 from fem.gears.modifications import PairModifications
 from fem.gears.path import bridging_window, path_points, slice_fraction
 

@@ -1,6 +1,6 @@
 """Displacement and von Mises stress of the loaded teeth at one mesh position, on the hexahedra of the model.
 
-The largest stress of each root is found by `pipelines.runs.inspect_stress.root_stresses`.
+The largest stress of each root is found by `pipelines.runs.root_stress.root_stresses`.
 
 The line loads of `fem.contact.wheels.contact` act on the flank rows with the patches of the compliance. Their
 half-width is 0.2 m_n at the default refinement: the subsurface stress of the Hertz contact is not resolved. The ring
@@ -17,7 +17,7 @@ from fem.contact.models.solid import PATCH, SECTION, Solid
 from fem.contact.wheels.compliance import ContactCompliance
 from fem.contact.wheels.ring import FlankCompliance, SectorReduction
 from fem.contact.wheels.solid_ring import load_size, node_frames, reduce_prism, sector_prism
-from fem.contact.wheels.webs import axial_ends, web_ends
+from fem.contact.wheels.web_place import axial_ends, web_ends
 from fem.elements.materials import Material
 from fem.elements.sections import elasticity, gauss_grid, gauss_line, geometry, lagrange, shape_functions
 from fem.elements.twisted_hexahedra import slice_means, strain_matrices

@@ -37,10 +37,11 @@ from fem.contact.wheels.hertz_terms import contact_terms
 from fem.contact.wheels.plane_section import PlaneSection
 from fem.contact.wheels.ring import flank_compliance
 from fem.contact.wheels.solid_ring import SolidFlank, solid_flank
-from fem.contact.wheels.webs import axial_ends, even_about_mid_face, web_ends
+from fem.contact.wheels.web_place import axial_ends, even_about_mid_face, web_ends
 from fem.elements.materials import Material
 from fem.elements.twisted_hexahedra import slice_means
-from fem.gears.geometry import Gear, GearPair
+from fem.gears.gear import Gear
+from fem.gears.geometry import GearPair
 from fem.gears.path import PathPoints, path_points
 from fem.gears.sector import sector_mesh
 from fem.storage.ledger import count

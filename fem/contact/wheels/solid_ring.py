@@ -1,4 +1,4 @@
-"""Compliance of a whole toothed ring in space from one of its sectors, with free end faces.
+"""Compliance of a toothed ring in space, solid or with a web, from one of its sectors, with free end faces.
 
 The sector of one tooth, a prism that follows the helix, is condensed onto the loaded unknowns (the normal displacement
 of the nodes of one flank) and onto its two cut faces in the middle of the tooth spaces. There the displacement is

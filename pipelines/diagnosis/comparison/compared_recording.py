@@ -13,7 +13,7 @@ from fem.numerics.sinc_interpolation import interpolated
 from pipelines.diagnosis.simulated import with_stated_noise
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
-from pipelines.signals.features.feature_table import FeatureError, recorded_channels
+from pipelines.signals.features.recording_features import FeatureError, recorded_channels
 from pipelines.signals.motion_warnings import stored_warnings
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.signals.orders.rotation import Rotation

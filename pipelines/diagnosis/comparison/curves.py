@@ -1,4 +1,4 @@
-"""Order spectra, envelope spectra and averages of one channel of several recordings, on common axes.
+"""Order spectra, envelope spectra, cepstra and averages of one channel of several recordings, on common axes.
 
 All recordings are resampled to the same number of places per turn of the first shaft, which gives the same orders.
 Their spectra are averaged over blocks of the same number of turns, which gives the same resolution.
@@ -21,7 +21,7 @@ from functools import cached_property
 import numpy as np
 
 from pipelines.diagnosis.comparison.compared_recording import Channel, ComparedRecording
-from pipelines.signals.features.feature_table import FeatureError, envelope_band
+from pipelines.signals.features.recording_features import FeatureError, envelope_band
 from pipelines.signals.orders.revolutions import HIGHEST, revolutions
 from pipelines.signals.orders.whitening import banded
 

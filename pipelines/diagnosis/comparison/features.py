@@ -12,8 +12,8 @@ import numpy as np
 
 from pipelines.diagnosis.comparison.compared_recording import ComparedRecording
 from pipelines.diagnosis.evidence import counted
-from pipelines.signals.features.feature_table import FeatureError, feature_table
-from pipelines.signals.features.table import WHOLE, FeatureTable, confirmed
+from pipelines.signals.features.feature_table import WHOLE, FeatureTable, confirmed
+from pipelines.signals.features.recording_features import FeatureError, recording_features
 from pipelines.signals.orders.kinematics import Kinematics
 
 Line = tuple[str, str]  # component and feature
@@ -53,7 +53,7 @@ def features_of(parts: Sequence[ComparedRecording]) -> Features:
 
     Raises
     ------
-    FeatureError : all shafts make too few turns, see `pipelines.signals.features.feature_table`
+    FeatureError : all shafts make too few turns, see `recording_features`
     """
     tables = confirmed([_table(part) for part in parts])
     lines = tuple(dict.fromkeys(line for table in tables for line in table.lines))
@@ -67,7 +67,7 @@ def features_of(parts: Sequence[ComparedRecording]) -> Features:
 
 def _table(part: ComparedRecording) -> FeatureTable:
     try:
-        return feature_table(part.dataset(), part.kinematics, part.rotation, part.spans)
+        return recording_features(part.dataset(), part.kinematics, part.rotation, part.spans)
     except FeatureError as error:
         raise FeatureError(f"{part.name}: {error}") from error
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from fem.casing.models.casing import CasingModel
-from fem.casing.reduced.modes import CasingModes
+from fem.casing.reduced.casing_modes import CasingModes
 from fem.casing.uncertainty.extrapolation import RIGID_MOTIONS, LowestModes, measured_limits
 from fem.casing.uncertainty.frequency_errors import FrequencyErrors, frequency_errors
 

@@ -14,8 +14,8 @@ from fem.casing.geometry.housing import Housing
 from fem.casing.geometry.locators import ByCylinder, ByGroup, ByPlane, Locator
 from fem.casing.mesh.imported import ALONG_Y, OFF_AXIS, ImportedHousing
 from fem.casing.mesh.mesh import MeshError
+from fem.casing.mesh.mesh_geometry import Geometry
 from fem.casing.mesh.sizes import Sizes
-from fem.casing.mesh.source import Geometry
 from fem.casing.models.casing import HousingCasing
 from fem.casing.parts.names import FEWEST_MOUNTS, few_feet
 from mbd.parts.layout import BEARING_PLACE_TOLERANCE

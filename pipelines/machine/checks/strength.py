@@ -1,6 +1,6 @@
 """Strength of teeth, gear bodies and shafts: flank pressure, tooth deflection, bursting, torsion.
 
-There is no nominal root stress: `pipelines.runs.inspect_stress` computes root stresses by finite elements.
+There is no nominal root stress: `pipelines.runs.root_stress` computes root stresses by finite elements.
 Pressure of the flanks at the pitch point, without load factors:
 
     sigma_H0 = Z_H Z_E Z_eps Z_beta sqrt(F_t / (d_1 b) (u + 1) / u)

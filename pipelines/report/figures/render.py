@@ -21,9 +21,9 @@ from fem.processes.child import command, environment
 from pipelines.io.errors import InputError
 from pipelines.report.figures import render_failures
 from pipelines.report.figures.damaged_tooth import DrawnTooth, turned_in
-from pipelines.report.figures.mesh_frames import MeshFrames, MeshView
 from pipelines.report.figures.scene_frame import placed, turned_away
 from pipelines.report.figures.solids import gear_surface, prism_surface, without_tooth
+from pipelines.report.figures.tooth_mesh_frames import MeshFrames, MeshView
 from pipelines.report.figures.views import GearPairView, NotRendered, Picture, Teeth
 
 log = logging.getLogger(__name__)

@@ -22,10 +22,10 @@ from pipelines.io.user_files import whole_file
 from pipelines.report.figures.colours import CONTACT, GONE, STRESS_COLOURS
 from pipelines.report.figures.film import save_figure
 from pipelines.report.figures.labelled_pictures import corner_axes, show
-from pipelines.report.figures.mesh_frames import contact_places
 from pipelines.report.figures.plots import new_figure, plain
 from pipelines.report.figures.render import render_stress
 from pipelines.report.figures.scene_frame import placed, turned_away
+from pipelines.report.figures.tooth_mesh_frames import contact_places
 from pipelines.report.figures.views import PairStates, Picture, Teeth
 
 SMOOTHED = 0.3  # modules from a contact line, where the stress is smoothed

@@ -68,7 +68,7 @@ class PairStates:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Teeth:
-    """Loaded teeth of both gears in the frame of `mesh_frames`, in one mesh; nodes of neighbours coincide."""
+    """Loaded teeth of both gears in the frame of `tooth_mesh_frames`, in one mesh; nodes of neighbours coincide."""
 
     points: np.ndarray  # (node, 3), m
     cells: np.ndarray  # (cell, 8), hexahedra in the order of VTK

@@ -100,8 +100,7 @@ def _table(made_of: type, base: type[DerivedTable] = DerivedTable, **tag: tuple[
     made = create_model(made_of.__name__ + base.use, __base__=base, __doc__=doc, **keys)
     made.made_of, made.series = made_of, _series(made_of)
     made.alone = not made.series and all(
-        {"option", "inline"} & f.metadata.keys() or f.default is not dataclasses.MISSING
-        for f in dataclasses.fields(made_of)
+        "option" in f.metadata or f.default is not dataclasses.MISSING for f in dataclasses.fields(made_of)
     )
     return made
 

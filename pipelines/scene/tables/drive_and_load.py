@@ -1,4 +1,4 @@
-"""Tables of drive, load and time integration; `mbd.integrators.settings` has the keys of [simulation]."""
+"""Tables of drive and load."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from pydantic import BeforeValidator, Field, model_validator
 from mbd.forces.hanging_loads import LOADS, StaticTorqueLoad, load_model
 from mbd.forces.induction_motor import InductionMotor
 from mbd.forces.speed_controller import SpeedController
-from mbd.integrators.settings import MotionSettings
 from pipelines.scene.tables.base import Number, Table, Whole
 from pipelines.scene.tables.derived import DerivedTable, choice, table
 from pipelines.scene.tables.series import ColumnTable, Samples, check_pairs
@@ -132,4 +131,3 @@ DriveModel: TypeAlias = Annotated[
     BeforeValidator(_speed_by_default),
 ]
 LoadModel: TypeAlias = choice((TorqueLoad, *(table(load_model(name), LoadBase) for name in LOADS)), "model")
-SimulationTable: TypeAlias = table(MotionSettings)

@@ -1,315 +1,154 @@
-"""Features of a recording: each window is cut into turns of each shaft, from which the features of components follow.
-
-Each window is evaluated separately, so that lifting and lowering are not averaged. The values of the table are means
-over the windows.
-
-Envelopes are taken of the whole range above half of the lowest mesh frequency. Below, the beat of a few strong shaft
-orders would look like impulses. A narrow band with the largest kurtosis of its envelope (Antoni 2007, Mech. Syst.
-Signal Process. 21(1), 108-124) increases the features of a damaged gear more, but differs between healthy machines: a
-missing tooth is 15 standard deviations above healthy test benches in the best of 24 bands, and 56 in the whole range.
-"""
+"""Table of the features of a recording by channel (sensor, axis), component of the machine and feature."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Container, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipelines.signals.features.average import FEWEST_TURNS, average, average_power
-from pipelines.signals.features.average_features import meshing, synchronous
-from pipelines.signals.features.envelope_features import (
-    FINE,
-    envelope_orders,
-    impact_place,
-    tooth_contrast,
-    tooth_energies,
-)
-from pipelines.signals.features.passing import pass_levels
-from pipelines.signals.features.statistics import kurtosis, squared_magnitude, statistics
-from pipelines.signals.features.table import WHOLE, FeatureTable
-from pipelines.signals.features.turns import Turns, cut_turns
-from pipelines.signals.orders.kinematics import GUARD_ORDER, Kinematics, Shaft
-from pipelines.signals.orders.revolutions import HIGHEST, within
-from pipelines.signals.orders.rotation import Rotation
-from pipelines.signals.orders.whitening import banded
+from fem.storage.records import Record, array, names
+from pipelines.signals.features.definitions import BY_NAME, reference_value
+from pipelines.signals.orders.speed_evidence import NO_SIDEBANDS
 
 if TYPE_CHECKING:
     import xarray
 
-Lines = dict[tuple[str, str], np.ndarray]  # (component, feature) -> (channel,)
-
-OF_SIGNAL = ("rms", "crest_factor", "kurtosis")
-OF_SHAFT = {"order_1": 1, "order_2": 2}
-OF_AVERAGE = ("tsa_rms", "tsa_peak_to_peak", "tsa_kurtosis")
-OF_PLAIN_SHAFT = ("tsa_rms", "tsa_kurtosis", "envelope_orders")  # of a shaft without known gears
-OF_GEAR = ("difference_rms", "fm4", "envelope_orders", "whitened_kurtosis")  # of its shaft
-CONTRASTS = ("tooth_contrast", "whitened_contrast", "average_contrast")
-OF_WHITENED = ("whitened_kurtosis", *CONTRASTS[1:])
-OF_MESH = ("fm0", "sideband_ratio")
-QUARTER = 0.25  # turns, largest uncertainty of the angle over the window for averages over turns
-WHITE = 0.25  # of the lowest mesh order of a shaft: width of whitening
-
-
-class FeatureError(ValueError):
-    """A recording has no features: all shafts make too few turns, or no channel contains a signal."""
+WHOLE = "whole machine"  # features of the signal over time, which belong to no component
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class _WindowFeatures:
-    """Features of a window; of each shaft the power and the share that repeat; marked teeth; band and speed, Hz."""
+class FeatureTable(Record):
+    """Features of a recording; `value` is in the unit of the signal or dimensionless.
 
-    lines: Lines
-    powers: list[Lines]
-    teeth: dict[str, int]
-    band: tuple[float, float]
-    speed: float  # of the first shaft
-
-
-def feature_table(
-    recording: xarray.Dataset,
-    kinematics: Kinematics,
-    rotation: Rotation,
-    windows: Mapping[str, tuple[float, float]] | None = None,
-    complete: bool = False,
-) -> FeatureTable:
-    """Features of a recording.
-
-    Parameters
-    ----------
-    recording : `acceleration` (time, sensor, axis), m/s2
-    kinematics : of the machine
-    rotation : angle of its first shaft at the same samples
-    windows : name -> start and end (s); the whole recording if None
-    complete : all features of `definitions`; otherwise those that are evidence in a diagnosis
-
-    Raises
-    ------
-    FeatureError : no shaft has a known speed or makes FEWEST_TURNS turns in a window, or no channel contains a signal
+    A line is a feature of a component. `of_average` is the power of the average over turns in the envelope band, and
+    `retained` its part that does not repeat with the shaft; 1 and 0 for features that are not of turns. `repeating` is
+    the share of the whitened vibration that repeats with the shaft, 1 for features that are not of turns. `conditional`
+    names the shaft of a line and the reason if its speed is conditional. `tooth` is the tooth of each `gear` that is in
+    mesh when the strongest impact begins, which is significant only if the gear is damaged. `band_low` and `band_high`
+    are the ends of the envelope band by `window`, `speed` is the mean speed of the first shaft. `left_out` are shafts
+    with too few turns, with the reason.
     """
-    time = np.asarray(recording.time.values, dtype=float)
-    sensors, axes, signal = recorded_channels(recording)
-    given = dict(windows) if windows else {"the whole recording": (float(time[0]), float(time[-1]))}
-    _check_windows(given, time)
-    found = {}
-    for name, window in given.items():
-        turning = _turning_shafts(signal, time, kinematics, rotation, name, window)
-        found[name] = _window_features(signal, time, window, turning, kinematics, rotation, complete)
-    values = _mean([one.lines for one in found.values()])
-    power = _mean([power for one in found.values() for power in one.powers])
-    teeth: dict[str, int] = {}
-    for one in found.values():
-        teeth = one.teeth | teeth  # the first window counts
-    none = np.outer([0.0, 1.0, 1.0], np.ones(len(sensors)))
-    retained, of_average, repeating = np.stack([power.get(line, none) for line in values], axis=-1)
-    conditional = {shaft: f"{_named(shaft, kinematics)}: {reason}" for shaft, reason in rotation.conditional.items()}
-    return FeatureTable(
-        sensor=sensors,
-        axis=axes,
-        component=tuple(component for component, _ in values),
-        feature=tuple(feature for _, feature in values),
-        value=np.stack(list(values.values()), axis=1),
-        retained=retained,
-        of_average=of_average,
-        repeating=repeating,
-        conditional=tuple(conditional.get(kinematics.shaft_of(component), "") for component, _ in values),
-        gear=tuple(teeth),
-        tooth=np.array(list(teeth.values()), dtype=int),
-        window=tuple(found),
-        band_low=np.array([one.band[0] for one in found.values()]),
-        band_high=np.array([one.band[1] for one in found.values()]),
-        speed=np.array([one.speed for one in found.values()]),
-        left_out=_left_out(kinematics, rotation, time, {component for component, _ in values}, given),
+
+    sensor: tuple[str, ...] = names("channel")
+    axis: tuple[str, ...] = names("channel")
+    component: tuple[str, ...] = names("line")
+    feature: tuple[str, ...] = names("line")
+    value: np.ndarray = array("channel", "line", units="per feature")
+    retained: np.ndarray = array("channel", "line", units="(m/s2)^2")
+    of_average: np.ndarray = array("channel", "line", units="(m/s2)^2")
+    repeating: np.ndarray = array("channel", "line", units="1")
+    conditional: tuple[str, ...] = names("line")
+    gear: tuple[str, ...] = names("gear")
+    tooth: np.ndarray = array("gear", units="1", dtype=int)
+    window: tuple[str, ...] = names("window")
+    band_low: np.ndarray = array("window", units="Hz")
+    band_high: np.ndarray = array("window", units="Hz")
+    speed: np.ndarray = array("window", units="Hz")
+    left_out: tuple[str, ...] = names("left_out")
+
+    @property
+    def channel_levels(self) -> np.ndarray:
+        """20 log10 of the values (channel, line), dB."""
+        return np.asarray(20.0 * np.log10(np.maximum(self.value, np.finfo(float).tiny)))
+
+    @property
+    def levels(self) -> np.ndarray:
+        """The levels averaged over the channels (line,), dB."""
+        return np.mean(self.channel_levels, axis=0)
+
+    @property
+    def lines(self) -> tuple[tuple[str, str], ...]:
+        """Component and feature of every line."""
+        return tuple(zip(self.component, self.feature, strict=True))
+
+    def tooth_of(self, gear: str) -> int | None:
+        """The tooth of a gear that is in mesh when an impact begins; None if its position is not known."""
+        return int(self.tooth[self.gear.index(gear)]) if gear in self.gear else None
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """A row for each channel and line as columns: names, value in its unit, and level (dB) over its reference.
+
+        A feature that is not above 0 has no level (NaN).
+        """
+        count, rms = len(self.lines), self.value[:, self.lines.index((WHOLE, "rms"))]
+        references = [[reference_value(name, one) for name in self.feature] for one in rms]
+        level = np.full(self.value.shape, np.nan)
+        np.log10(self.value / references, out=level, where=self.value > 0.0)
+        named = {"component": self.component, "feature": self.feature, "unit": [BY_NAME[i].unit for i in self.feature]}
+        return {
+            "sensor": np.repeat(self.sensor, count),
+            "axis": np.repeat(self.axis, count),
+            **{name: np.tile(values, len(rms)) for name, values in named.items()},
+            "value": self.value.ravel(),
+            "level_dB": 20.0 * level.ravel(),
+        }
+
+    def labelled(self) -> xarray.DataArray:
+        """The values as an array over sensor, axis, component and feature; missing values are NaN."""
+        values: dict[tuple[str, ...], float] = {
+            (sensor, axis, *line): self.value[i, j]
+            for i, (sensor, axis) in enumerate(zip(self.sensor, self.axis, strict=True))
+            for j, line in enumerate(self.lines)
+        }
+        return labelled_array(values, ("sensor", "axis", "component", "feature")).rename("features")
+
+
+def confirmed(tables: Sequence[FeatureTable]) -> list[FeatureTable]:
+    """The tables of one machine without components of conditional speed, which are added to `left_out`.
+
+    A recording in which two shafts have a known speed confirms their tooth numbers. In another recording that has a
+    known speed of one of them, the speed of the other is then known, too, unless its sidebands have another spacing.
+    """
+    reasons = [dict(zip(table.component, table.conditional, strict=True)) for table in tables]
+    known = [{name for name, reason in own.items() if not reason} - {WHOLE} for own in reasons]
+    found = []
+    for table, own, here in zip(tables, reasons, known, strict=True):
+        also = set().union(*(other for other in known if here & other))
+        left = {
+            name: reason
+            for name, reason in own.items()
+            if reason and not (reason.endswith(NO_SIDEBANDS) and name in also)
+        }
+        found.append(_without(table, left, tuple(dict.fromkeys(left.values()))))
+    return found
+
+
+def with_common_components(tables: Sequence[FeatureTable]) -> list[FeatureTable]:
+    """The tables with the components that all of them have; the others are added to `left_out`."""
+    tables = confirmed(tables)
+    common = set.intersection(*(set(table.component) for table in tables))
+    found = []
+    for table in tables:
+        dropped = [name for name in dict.fromkeys(table.component) if name not in common]
+        reason = (f"{', '.join(dropped)}: in some recordings their speed is conditional or too low",)
+        found.append(_without(table, dropped, reason if dropped else ()))
+    return found
+
+
+def _without(table: FeatureTable, components: Container[str], reasons: tuple[str, ...]) -> FeatureTable:
+    """A table without components, with the reasons."""
+    kept = [number for number, component in enumerate(table.component) if component not in components]
+    return replace(
+        table,
+        component=tuple(table.component[number] for number in kept),
+        feature=tuple(table.feature[number] for number in kept),
+        value=table.value[:, kept],
+        retained=table.retained[:, kept],
+        of_average=table.of_average[:, kept],
+        repeating=table.repeating[:, kept],
+        conditional=tuple(table.conditional[number] for number in kept),
+        left_out=table.left_out + reasons,
     )
 
 
-def _check_windows(windows: Mapping[str, tuple[float, float]], time: np.ndarray) -> None:
-    """FeatureError for a window that ends before it starts, or is outside the recording."""
-    for name, (start, end) in windows.items():
-        if start >= end:
-            raise FeatureError(
-                f"{name}: the window starts at {start:g} s and ends at {end:g} s. Set an end after the start."
-            )
-        if start >= time[-1] or end <= time[0]:
-            raise FeatureError(
-                f"{name}: {start:g} to {end:g} s is outside the recording, which lasts from {time[0]:g} to "
-                f"{time[-1]:g} s. Set a window within it."
-            )
+def labelled_array(values: Mapping[tuple[str, ...], float], dims: Sequence[str]) -> xarray.DataArray:
+    """An array with named axes from values by their labels, in the order of the values; missing values are NaN."""
+    import xarray
 
-
-def _turning_shafts(
-    signal: np.ndarray,
-    time: np.ndarray,
-    kinematics: Kinematics,
-    rotation: Rotation,
-    name: str,
-    window: tuple[float, float],
-) -> list[tuple[Shaft, Turns]]:
-    """The shafts that make enough turns in a window, with the signal in turns; FeatureError without a known speed."""
-    known = {shaft.name for shaft in kinematics.shafts} - rotation.conditional.keys()
-    cuts = {shaft: cut_turns(signal, time, rotation, shaft.ratio, window) for shaft in kinematics.shafts}
-    turning = [(shaft, cut) for shaft, cut in cuts.items() if cut is not None and cut.count >= FEWEST_TURNS]
-    if any(shaft.name in known for shaft, _ in turning):
-        return turning
-    reasons = "".join(f" {shaft}: {reason}." for shaft, reason in rotation.conditional.items())
-    known_speed = "correct teeth, set speed with its uncertainty, or record a tachometer."
-    if not known:
-        raise FeatureError(f"{name}: no shaft has a confirmed speed.{reasons} Use a longer recording, {known_speed}")
-    confirmed, remedy = "", " or one at a higher speed."
-    if rotation.conditional:
-        confirmed, remedy = " with a confirmed speed", f", {known_speed}"
-    raise FeatureError(
-        f"no shaft{confirmed} makes {FEWEST_TURNS} revolutions between {window[0]:g} and "
-        f"{min(window[1], float(time[-1])):g} s.{reasons} Set a longer window{remedy}"
-    )
-
-
-def _window_features(
-    signal: np.ndarray,
-    time: np.ndarray,
-    window: tuple[float, float],
-    turning: Sequence[tuple[Shaft, Turns]],
-    kinematics: Kinematics,
-    rotation: Rotation,
-    complete: bool,
-) -> _WindowFeatures:
-    """Features of the whole machine and of its turning shafts in a window."""
-    speed = turning[0][1].frequency / turning[0][0].ratio
-    band = envelope_band(kinematics, time, speed)
-    whole = statistics(signal[:, within(time, window)])
-    found: Lines = {(WHOLE, name): value for name, value in whole.items() if complete or name in OF_SIGNAL}
-    powers: list[Lines] = []
-    teeth: dict[str, int] = {}
-    for shaft, cut in turning:
-        lines, power, marks = _shaft_lines(cut, band, shaft, kinematics, rotation, complete)
-        if rotation.error * cut.count > QUARTER:  # no averages over turns, and pass orders allow slip
-            strikes = {strike for bearing in kinematics.bearings for strike in bearing.strikes}
-            lines, marks = {line: value for line, value in lines.items() if line[0] in strikes}, {}
-        found |= lines
-        powers.append(power)
-        teeth = (marks if rotation.places_teeth(shaft.name) else {}) | teeth
-    return _WindowFeatures(lines=found, powers=powers, teeth=teeth, band=band, speed=speed)
-
-
-def recorded_channels(recording: xarray.Dataset) -> tuple[tuple[str, ...], tuple[str, ...], np.ndarray]:
-    """Sensor and axis of every channel with a signal, and the signals (channel, time) less their means.
-
-    Raises
-    ------
-    FeatureError : no channel contains a signal
-    """
-    name = "acceleration" if "acceleration" in recording else "journal_acceleration"
-    if name not in recording:
-        raise FeatureError("the recording holds no accelerations. Add sensors to the scene, or give another recording")
-    signal = recording[name].rename(bearing="sensor") if "bearing" in recording[name].dims else recording[name]
-    laid = signal.transpose("sensor", "axis", "time")
-    pairs = [(str(sensor), str(axis)) for sensor in laid.sensor.values for axis in laid.axis.values]
-    values = laid.values.reshape(len(pairs), -1).astype(float)
-    there = [i for i, one in enumerate(values) if np.isfinite(one).all() and one.any()]
-    if not there:
-        raise FeatureError("no channel holds a signal: all are zero or not numbers. Check the sensors")
-    values = values[there] - values[there].mean(axis=-1, keepdims=True)
-    return tuple(pairs[i][0] for i in there), tuple(pairs[i][1] for i in there), values
-
-
-def envelope_band(kinematics: Kinematics, time: np.ndarray, frequency: float) -> tuple[float, float]:
-    """Band of the envelopes (Hz): from half of the lowest mesh frequency to HIGHEST of the sampling rate.
-
-    Parameters
-    ----------
-    kinematics : of the machine
-    time : of the recording, s
-    frequency : of the first shaft, Hz
-
-    Raises
-    ------
-    FeatureError : the band is empty
-    """
-    guard, high = kinematics.envelope_order, HIGHEST * (len(time) - 1) / float(time[-1] - time[0])
-    if not guard * frequency < high:
-        raise FeatureError(
-            f"the envelope band begins at {guard * frequency:.4g} Hz, the recording holds up to {high:.4g} Hz. "
-            "Increase the "
-            "sampling rate."
-        )
-    return guard * frequency, high
-
-
-def _shaft_lines(
-    cut: Turns, band: tuple[float, float], shaft: Shaft, kinematics: Kinematics, rotation: Rotation, complete: bool
-) -> tuple[Lines, Lines, dict[str, int]]:
-    """Features of a shaft, its gears and bearings, power and share that repeat, and the marked tooth of each gear."""
-    gears = kinematics.gears_on(shaft.name)
-    averaged = average(cut.values, cut.orders, {gear.stage: gear.teeth for gear in gears})
-    found = synchronous(averaged)
-    irregular = cut.values - averaged.regular[:, None, :]
-    laid = irregular.reshape(len(irregular), -1)
-    ends = cut.share(band[0]), cut.share(band[1])
-    orders = WHITE * min(gear.teeth for gear in gears) if gears else GUARD_ORDER
-    width = orders / cut.values.shape[2]
-    ratios = [other.ratio / shaft.ratio for other in kinematics.shafts]
-    plain, white = (one.reshape(cut.values.shape) for one in banded(laid, ends, width))
-    envelope = squared_magnitude(plain)
-    found |= {"envelope_orders": envelope_orders(envelope), "whitened_kurtosis": kurtosis(white.mean(axis=1).real)}
-    lines: Lines = {(shaft.name, name): cut.order(order) for name, order in OF_SHAFT.items()}
-    if not gears:
-        lines |= {(shaft.name, name): found[name] for name in OF_PLAIN_SHAFT}
-    if complete:
-        lines |= {(shaft.name, name): found[name] for name in OF_AVERAGE}
-    squares = envelope, squared_magnitude(white), squared_magnitude(white.mean(axis=1, keepdims=True))
-    marks = {}
-    for gear in gears:
-        energies = {name: tooth_energies(one, gear.teeth) for name, one in zip(CONTRASTS, squares, strict=True)}
-        of_mesh = meshing(averaged, gear.teeth)
-        lines |= {(gear.name, name): found[name] for name in OF_GEAR}
-        lines |= {(gear.name, name): of_mesh[name] for name in OF_MESH}
-        if complete:
-            lines |= {(gear.name, name): value for name, value in of_mesh.items()}
-            lines[gear.name, "residual_rms"] = found["residual_rms"]
-        lines |= {(gear.name, name): tooth_contrast(one) for name, one in energies.items()}
-        place = impact_place(tooth_energies(squares[2], FINE * gear.teeth), cut.backwards)
-        marks[gear.name] = round(place + gear.cycle) % gear.teeth  # at the pitch point when the impact begins
-    share = squares[2].mean(axis=(1, 2)) / squares[1].mean(axis=(1, 2))
-    repeating = np.stack([*average_power(plain), share])
-    power = dict.fromkeys([line for line in lines if line[1] not in OF_SHAFT], repeating)
-    for bearing in kinematics.bearings:
-        if bearing.shaft == shaft.name:
-            lines |= pass_levels(squares[1], bearing.strikes, ratios, rotation, bearing.sidebands)
-    return lines, power, marks
-
-
-def _mean(windows: list[Lines]) -> Lines:
-    """Mean of each line over the windows that have it; lines with orders beyond the spectrum are omitted."""
-    named = dict.fromkeys(name for lines in windows for name in lines)
-    means = {name: np.mean([lines[name] for lines in windows if name in lines], axis=0) for name in named}
-    return {name: value for name, value in means.items() if np.isfinite(value).all()}
-
-
-def _left_out(
-    kinematics: Kinematics,
-    rotation: Rotation,
-    time: np.ndarray,
-    there: set[str],
-    windows: Mapping[str, tuple[float, float]],
-) -> tuple[str, ...]:
-    """Shafts without features and the reason: too few turns, with the window needed, or a conditional speed."""
-    start, end = max(windows.values(), key=lambda window: window[1] - window[0])
-    first, last = np.searchsorted(time, start), min(int(np.searchsorted(time, end)), len(time) - 1)
-    turns = abs(float(rotation.angle[last] - rotation.angle[first])) / (2.0 * math.pi)
-    words = []
-    for shaft in kinematics.shafts:
-        if shaft.name not in there:
-            needed = (FEWEST_TURNS + 1) * (end - start) / max(turns * shaft.ratio, 1e-9)
-            reason = f"{turns * shaft.ratio:.2g} turns in a window, {needed:.3g} s would be needed"
-            if (uncertain := rotation.error * turns * shaft.ratio) > QUARTER:
-                reason = f"its angle is known to {uncertain:.2g} turns, and averages need {QUARTER:g}"
-            words.append(f"{_named(shaft.name, kinematics)}: {rotation.conditional.get(shaft.name, reason)}")
-    return tuple(words)
-
-
-def _named(shaft: str, kinematics: Kinematics) -> str:
-    """A shaft with its gears, as text."""
-    on_it = ", ".join(gear.name for gear in kinematics.gears_on(shaft))
-    return f"{shaft} ({on_it})" if on_it else shaft
+    known = [list(dict.fromkeys(labels)) for labels in zip(*values, strict=True)]
+    out = np.full([len(labels) for labels in known], np.nan)
+    for place, value in values.items():
+        out[tuple(labels.index(label) for labels, label in zip(known, place, strict=True))] = value
+    return xarray.DataArray(out, dims=dims, coords=dict(zip(dims, known, strict=True)))

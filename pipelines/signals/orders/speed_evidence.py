@@ -12,9 +12,12 @@ within SPACINGS. Three conditions must hold:
 
 - At the spacing by the tooth numbers the mean level is significant, and clearly higher than at the spacings of gears
   with one tooth more or less.
-- It remains significant without the sidebands at multiples of 2, 3 and 5 of the order of the shaft. If the true speed
-  is a rational multiple, only these are lines.
+- It remains significant, and not much lower, without the sidebands at multiples of 2, 3 and 5 of the order of the
+  shaft. If the true speed is a rational multiple, only these are lines, and the others are as high as noise.
 - Midway between the sidebands, where lines are if the true speed is half of it, the level is clearly lower.
+
+The nearest sidebands alone, or all of them, must meet the conditions. If either are significant and the last two
+conditions do not hold, the shaft is not confirmed.
 
 References
 ----------
@@ -36,6 +39,7 @@ SIDEBANDS = 20  # on either side, at most up to half of the teeth
 FEW = 3  # nearest sidebands, which are also evaluated separately, since often there are no others
 CONFIRMED = 6.0  # standard deviations, of the sidebands at the spacing of a shaft
 REMAINING = 3.0  # the same without those at multiples of a factor
+SHARE = 0.25  # of the level of all sidebands, also required without those; true speeds have 0.4 or more, others 0.1
 CLEARLY = 2.0  # times the level at the spacings of gears with one tooth more or less
 FACTORS = (2, 3, 5)  # at half the true speed, for example, only every second multiple of the order is a line
 SPACINGS = 0.3  # search range about the spacing by the tooth numbers, relative
@@ -43,6 +47,7 @@ _SEGMENT, _SEGMENTS = 1 << 17, 8  # samples of a spectrum, and largest number of
 _PADDED = 2  # zero padding: lines per independent line of the spectrum
 _LOBE = 2  # lines from the middle of a main lobe to its end (Hann)
 NO_SIDEBANDS = "its mesh lines have no sidebands at its revolution frequency"
+_FRACTION = "the spacing of its sidebands is a multiple or a fraction of the order of this shaft"
 _RESOLVED = 10  # lines between the sidebands of a shaft whose lines are omitted
 
 
@@ -143,7 +148,7 @@ def _unconfirmed(levels: OrderLevels, kinematics: Kinematics, name: str) -> str:
             levels.leave_out((mesh + side) * other.ratio for mesh, side in _sidebands(kinematics, other))
     reasons = [_unlike(levels, kinematics, kinematics.shaft(name), reach) for reach in (FEW, SIDEBANDS)]
     levels.used[:] = 1.0
-    return reasons[-1] if all(reasons) else ""
+    return _FRACTION if _FRACTION in reasons else reasons[-1] if all(reasons) else ""
 
 
 def _unlike(levels: OrderLevels, kinematics: Kinematics, shaft: Shaft, reach: int) -> str:
@@ -167,8 +172,8 @@ def _unlike(levels: OrderLevels, kinematics: Kinematics, shaft: Shaft, reach: in
     if other > shown / CLEARLY:
         found = "another number of teeth" if other > shown else "one tooth more or less, too"
         return f"its sidebands have the spacing of a gear with {found}"
-    if between > shown / CLEARLY or min(deviations(factor)[0] for factor in FACTORS) < REMAINING:
-        return "the spacing of its sidebands is a multiple or a fraction of the order of this shaft"
+    if between > shown / CLEARLY or min(deviations(one)[0] for one in FACTORS) < max(REMAINING, SHARE * shown):
+        return _FRACTION
     return ""
 
 

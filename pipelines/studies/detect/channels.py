@@ -19,7 +19,7 @@ import numpy as np
 from pipelines.diagnosis.deviation_statistics import LEAST_SPREAD
 from pipelines.diagnosis.judge import damage_p
 from pipelines.diagnosis.verdict import ALARM
-from pipelines.signals.features.table import FeatureTable
+from pipelines.signals.features.feature_table import FeatureTable
 from pipelines.studies.detect.probability import Machines, Share, share
 
 

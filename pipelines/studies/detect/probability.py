@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from pipelines.diagnosis.deviation_statistics import clopper_pearson
 from pipelines.diagnosis.judge import damage_p, judge
 from pipelines.diagnosis.verdict import ALARM
-from pipelines.signals.features.table import FeatureTable
+from pipelines.signals.features.feature_table import FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 
 Damage = tuple[str, int | None]  # component and tooth, None if it has none

@@ -17,7 +17,7 @@ from pipelines.diagnosis.simulated import FeatureSettings
 from pipelines.io.errors import InputError
 from pipelines.machine.kinematics import kinematics_of
 from pipelines.machine.machine import make_drivetrain
-from pipelines.signals.features.table import FeatureTable
+from pipelines.signals.features.feature_table import FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.steps.verdict import known_damages
 from pipelines.studies.detect.channels import DetectionChannel, channels

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from fem.casing.mesh.imported import OFF_AXIS, STEP_SUFFIXES
+from fem.casing.mesh.imported import CAD_SUFFIXES, OFF_AXIS
 from fem.casing.recognition.contents import FlatFace, GeometryContents
 from fem.casing.recognition.shaft_fit import ShaftFit
 from fem.casing.reduced.attachment import FARTHEST_SENSOR
@@ -30,7 +30,7 @@ def housing_block(contents: GeometryContents, file: str, suffix: str, fit: Shaft
     scene : the scene with the shafts
     """
     lines = [f"# {words}" for words in (*changes(fit, scene), *_far_sensors(contents, fit, scene))]
-    model = "step" if suffix in STEP_SUFFIXES else "mesh"
+    model = "step" if suffix in CAD_SUFFIXES else "mesh"
     lines += ["[casing.housing]", f'model = "{model}"', f"file = {format_value(file)}", f'unit = "{contents.unit}"']
     if model == "step" and len(contents.solids) > 1:
         chosen = seat_solids(contents, fit)

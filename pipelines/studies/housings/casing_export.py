@@ -34,7 +34,7 @@ from pipelines.studies.housings.superelement import (
 if TYPE_CHECKING:
     from fem.casing.mesh.mesh import CasingMesh
     from fem.casing.reduced.body import ReducedBody
-    from fem.casing.reduced.modes import CasingModes, NaturalModes
+    from fem.casing.reduced.casing_modes import CasingModes, NaturalModes
     from pipelines.runs.single_results import Casing
 
 _LINES = 1000  # frequencies of an accelerance

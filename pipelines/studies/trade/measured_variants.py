@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from pipelines.engine.run_graph import Outcome, Work
 from pipelines.engine.step import Graph, Step
-from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.plant import Plant
 from pipelines.scene.file import LoadedScene, changed
 from pipelines.signals.motion_warnings import log_warnings

@@ -19,7 +19,7 @@ from pipelines.engine.run_graph import Work
 from pipelines.scene.file import LoadedScene, load_scene
 from pipelines.scene.presets import preset_on
 from pipelines.signals.analysis import DiagnosisSettings
-from pipelines.signals.features.table import labelled_array
+from pipelines.signals.features.feature_table import labelled_array
 from pipelines.signals.response import make_response
 from pipelines.studies.trade.measured_variants import build_variants
 from pipelines.studies.verification.measures import Levels, fault_levels, load_levels

@@ -16,10 +16,10 @@ from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.parts.bolted_joint import BoltedJoint, contact_areas, joint_stiffness
 from fem.casing.parts.bolts import Bolt, BoltError
 from fem.casing.parts.split import SplitPlane, split_mesh
+from fem.casing.reduced.casing_modes import casing_modes, natural_modes
 from fem.casing.reduced.checkup import check_up
 from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.lanczos import block_lanczos
-from fem.casing.reduced.modes import casing_modes, natural_modes
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON, Material
 from fem.elements.solids import mass_properties, rigid_body_modes

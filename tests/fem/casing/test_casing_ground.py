@@ -13,13 +13,13 @@ from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.reduced.accuracy import full_response, reduced_response, sensor_rows, state_error, third_octaves
 from fem.casing.reduced.attachment import AttachmentError
 from fem.casing.reduced.body import BEARING_AXES
+from fem.casing.reduced.casing_modes import casing_modes, kept_modes, natural_modes, reduced_body
 from fem.casing.reduced.checkup import check_up
 from fem.casing.reduced.damping import damping_ratios
 from fem.casing.reduced.fewer_modes import kept
 from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.halves import reduced_and_counted
 from fem.casing.reduced.lanczos import EigenError, block_lanczos
-from fem.casing.reduced.modes import casing_modes, kept_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import ReductionError, reduce_body
 from fem.casing.reduced.sturm_count import count_fixed_modes
 from fem.elements.materials import CAST_IRON

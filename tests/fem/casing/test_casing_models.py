@@ -19,10 +19,10 @@ from fem.casing.models.rigid_casing import RigidCasing
 from fem.casing.models.static_casing import StaticCasing
 from fem.casing.reduced.attachment import AttachmentError
 from fem.casing.reduced.body import BEARING_AXES
+from fem.casing.reduced.casing_modes import CasingModes, casing_modes, reduced_body
 from fem.casing.reduced.checkup import _asymmetry, check_up
 from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.lanczos import block_lanczos
-from fem.casing.reduced.modes import CasingModes, casing_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.casing.reduced.rigid import housing_mass
 from fem.elements.facets import surface_weights

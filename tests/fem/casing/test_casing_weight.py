@@ -8,8 +8,8 @@ import skfem
 from housings import angle_casing, small_housing
 
 from fem.casing.mesh.finished import RawMesh, finished_mesh
+from fem.casing.reduced.casing_modes import casing_modes, reduced_body
 from fem.casing.reduced.grounded import assembled_casing
-from fem.casing.reduced.modes import casing_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.casing.reduced.rigid import housing_mass, rigid_body
 from fem.elements.materials import CAST_IRON, Material

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from housings import angle_casing, short_housing
 
+from fem.casing.mesh.mesh_geometry import mesh_geometry
 from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.mesh.sizes import Sizes
-from fem.casing.mesh.source import mesh_geometry
+from fem.casing.reduced.casing_modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.grounded import assembled_casing
-from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.casing.uncertainty import extrapolation
 from fem.casing.uncertainty.cubic_limits import ORDER

@@ -10,9 +10,9 @@ from housings import housing_for_shafts, short_housing, small_housing
 from fem.casing.geometry.features import Ribs
 from fem.casing.mesh.extruded import inside
 from fem.casing.mesh.mesh import MeshError
+from fem.casing.mesh.mesh_geometry import mesh_geometry
 from fem.casing.mesh.section import divided
 from fem.casing.mesh.sizes import Sizes
-from fem.casing.mesh.source import mesh_geometry
 from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.reduced.rigid import housing_mass
@@ -20,7 +20,7 @@ from fem.elements.facets import surface_weights
 from fem.elements.materials import CAST_IRON
 from fem.elements.solids import mass_properties
 from pipelines.io.errors import SceneError
-from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.machine import make_plant
 from pipelines.scene.file import load_scene
 from pipelines.scene.presets import preset_settings

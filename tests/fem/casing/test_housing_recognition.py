@@ -15,10 +15,10 @@ from housings import small_housing
 
 from fem.casing.imported.body import foreign_body
 from fem.casing.imported.reduce import Point, reduce_foreign
+from fem.casing.mesh.cad_file import import_solids
 from fem.casing.mesh.gmsh_session import session
 from fem.casing.mesh.mesher import mesh_housing, write_step
 from fem.casing.mesh.sizes import Sizes
-from fem.casing.mesh.step_file import import_solids
 from fem.casing.recognition.contents import FoundBore
 from fem.casing.recognition.features import bolt_patterns
 from fem.casing.recognition.read import survey

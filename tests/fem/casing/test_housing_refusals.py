@@ -6,12 +6,12 @@ import sys
 import pytest
 
 from fem.casing.geometry.locators import ByCylinder, ByPlane
+from fem.casing.mesh.cad_file import import_solids
 from fem.casing.mesh.gmsh_session import session
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
 from fem.casing.mesh.mesh import MeshError
+from fem.casing.mesh.mesh_geometry import mesh_geometry
 from fem.casing.mesh.sizes import Sizes
-from fem.casing.mesh.source import mesh_geometry
-from fem.casing.mesh.step_file import import_solids
 from fem.casing.recognition.read import survey
 from pipelines.scene.problems import nearest
 

@@ -12,8 +12,8 @@ from fem.casing.imported.checks import lowest_frequencies
 from fem.casing.mesh.gmsh_session import session
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
 from fem.casing.mesh.mesh_file import read_quietly
+from fem.casing.mesh.mesh_geometry import mesh_geometry
 from fem.casing.mesh.sizes import Sizes
-from fem.casing.mesh.source import mesh_geometry
 from fem.casing.models.casing import Structure
 from fem.casing.models.craig_bampton import CraigBamptonCasing
 from fem.casing.recognition.read import survey

@@ -10,8 +10,8 @@ from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.parts.regions import Region
 from fem.casing.reduced.accuracy import state_error
+from fem.casing.reduced.casing_modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.grounded import assembled_casing
-from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
 from pipelines.io.errors import SceneError

@@ -10,8 +10,8 @@ from housings import angle_casing, short_housing
 from threadpoolctl import threadpool_limits
 
 from fem.casing.enrichment.added import added_functions
+from fem.casing.mesh.mesh_geometry import mesh_geometry
 from fem.casing.mesh.sizes import Sizes
-from fem.casing.mesh.source import mesh_geometry
 from fem.casing.reduced import halves
 from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.halves import MirroredInterface, interface_of, lowest, reduced_and_counted

@@ -17,7 +17,7 @@ from fem.contact.models.solid_condensation import condense
 from fem.contact.models.solid_stress import stress_field
 from fem.contact.wheels.sector_face_functions import CutFunctions, piecewise
 from fem.contact.wheels.solid_ring import sector_prism, solid_flank
-from fem.contact.wheels.webs import axial_ends, web_ends
+from fem.contact.wheels.web_place import axial_ends, web_ends
 from fem.elements.nested_condensation import INNER
 from fem.elements.twisted_hexahedra import axial_matrices, slice_means
 from fem.gears.sector import sector_mesh

@@ -11,8 +11,8 @@ from test_element_order import plate, ring
 
 from benchmarks.casing_limits.cubic import cubic_matrices
 from fem.casing.enrichment.added import added_functions
+from fem.casing.mesh.mesh_geometry import mesh_geometry
 from fem.casing.mesh.sizes import Sizes
-from fem.casing.mesh.source import mesh_geometry
 from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.uncertainty.extrapolation import lowest_modes
 from fem.elements.cubic import cubic_functions

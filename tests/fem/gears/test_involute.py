@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from benchmarks.gear_pairs import gear_pair, kisssoft_helical, kisssoft_spur, line_length, pair_of_17_and_43
+from fem.gears.gear import Gear
 from fem.gears.gear_checks import GeometryError
-from fem.gears.geometry import Gear, GearPair
+from fem.gears.geometry import GearPair
 from fem.gears.path import LARGEST_GAP, contact_window, path_points, slice_fraction
 from fem.gears.profile import flank_at_roll, form_radius, half_tooth_profile, roll_length
 from fem.gears.rack import Rack

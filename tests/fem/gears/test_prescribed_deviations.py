@@ -28,8 +28,8 @@ from fem.gears.prescribed import (
 )
 from pipelines.io.errors import SceneError
 from pipelines.machine.assembly import assemble_machine
+from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.checks.design_warnings import design_warnings
-from pipelines.machine.checks.validity import checked_plant
 from pipelines.machine.flanks import prescribed_deviations
 from pipelines.machine.machine import make_drivetrain, make_plant
 from pipelines.scene.file import control_of, load_scene

@@ -22,7 +22,7 @@ from pipelines.datasets.workers import Workers
 from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph
 from pipelines.io.errors import InputError, SceneError, WorkError
-from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.machine import make_plant
 from pipelines.signals.response import make_response
 from pipelines.steps.graph import plant_steps

@@ -5,8 +5,8 @@ import pytest
 
 from benchmarks.feature_table import POPULATION, population_page
 from pipelines.datasets.plan import load_plan, stored_plan
-from pipelines.datasets.population import SPREADS
 from pipelines.datasets.scenes import sampled_scenes, scene_of
+from pipelines.datasets.typical_spread import SPREADS
 
 HEAD = 'scene = "bench"\nscenes = 200\nspread = "typical"\ndesign = "latin-hypercube"\n[variables]\n'
 

@@ -6,7 +6,7 @@ import gearcase
 from pipelines.cli.main import main
 from pipelines.diagnosis.control_diagnosis import diagnose
 from pipelines.io.errors import SceneError
-from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.machine import make_plant
 from pipelines.scene.file import load_scene
 

@@ -8,14 +8,16 @@ from turning import MACHINE, recording
 
 from pipelines.diagnosis.alike import alike
 from pipelines.diagnosis.baseline_checks import BaselineError
+from pipelines.diagnosis.deviation_statistics import TAILS
+from pipelines.diagnosis.evidence import GroupEvidence, HealthyReference
 from pipelines.diagnosis.judge import damage_p, judge
 from pipelines.diagnosis.known_damage import Case, Damage, any_found, cases_grid, found
 from pipelines.diagnosis.known_damage import sentences as case_sentences
 from pipelines.diagnosis.simulated import FeatureSettings, run_features, window_features
-from pipelines.diagnosis.verdict import ALARM
+from pipelines.diagnosis.verdict import ALARM, DIFFERENT
 from pipelines.diagnosis.verdict_words import headline, ranking_grid, sentences
-from pipelines.signals.features.feature_table import FeatureError, feature_table
-from pipelines.signals.features.table import WHOLE, _without
+from pipelines.signals.features.feature_table import WHOLE, _without
+from pipelines.signals.features.recording_features import FeatureError, recording_features
 from pipelines.signals.orders.kinematics import Gear, Shaft
 from pipelines.signals.orders.rotation import Rotation
 
@@ -78,6 +80,17 @@ def test_other_healthy_machines_raise_no_alarm(healthy):
     assert headline(verdict).startswith("No damage")
     assert (verdict.tested, verdict.false_alarms) == (8, 0)
     assert verdict.interval(0) == pytest.approx((0.0, 0.369), abs=1e-3)
+
+
+def test_of_healthy_machines_whose_levels_have_the_assumed_tails_one_percent_are_called_different(healthy):
+    reference = HealthyReference(healthy)
+    random, weight = np.random.default_rng(0), np.ones(len(reference.groups))
+    found = []
+    for _ in range(1000):
+        levels = random.standard_t(TAILS, (9, *reference.levels.shape[1:]))
+        found.append(GroupEvidence(reference=reference, levels=levels[0], healthy=levels[1:], weight=weight))
+    assert 4 <= sum(one.p_different <= DIFFERENT for one in found) <= 18
+    assert sum(one.p_damaged <= ALARM for one in found) <= 4
 
 
 def test_clear_impacts_of_a_bearing_rank_before_stronger_evidence_of_a_gear(healthy):
@@ -243,7 +256,7 @@ def test_recordings_without_features_of_any_component_are_refused_with_the_reaso
     one = recording(103)
     unsure = Rotation(angle=2 * np.pi * 20.0 * one.time.values, source="", error=0.02, absolute=False)
     bare = dataclasses.replace(MACHINE, bearings=())
-    tables = [feature_table(recording(seed), bare, unsure) for seed in range(103, 109)]
+    tables = [recording_features(recording(seed), bare, unsure) for seed in range(103, 109)]
     with pytest.raises(BaselineError, match=r"no shaft, gear or bearing .* averages need 0\.25\. Reduce the"):
         judge(tables[0], tables[1:], bare)
 
@@ -271,7 +284,7 @@ def test_what_turns_too_seldom_is_named_with_the_time_it_takes(healthy):
     angle = 2 * np.pi * 20.0 * one.time.values
     unsure = Rotation(angle=angle, source="", error=0.0, absolute=False, conditional={"shaft_1": "no sidebands"})
     with pytest.raises(FeatureError, match=r"shaft_1: no sidebands\. .*, correct teeth, set speed with"):
-        feature_table(one, MACHINE, unsure, {"none": (1.0, 1.1)})
+        recording_features(one, MACHINE, unsure, {"none": (1.0, 1.1)})
     with pytest.raises(FeatureError, match="none: 900 to 910 s is outside the recording, which lasts from 0 to "):
         run_features(recording(105), FeatureSettings(kinematics=MACHINE, windows={"none": (900.0, 910.0)}))
 

@@ -9,9 +9,9 @@ from housings import short_housing
 from fem.casing.geometry.features import Flange
 from fem.casing.geometry.locators import ByCylinder, ByPlane
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
+from fem.casing.mesh.mesh_geometry import mesh_geometry
 from fem.casing.mesh.mesher import mesh_step, write_step
 from fem.casing.mesh.sizes import Sizes
-from fem.casing.mesh.source import mesh_geometry
 from fem.casing.parts.bolted_joint import BoltedJoint
 from fem.casing.parts.bolts import Bolt
 from fem.casing.parts.split import SplitPlane, split_mesh

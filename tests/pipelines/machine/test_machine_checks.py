@@ -18,6 +18,7 @@ from pipelines.cli.main import main
 from pipelines.io.errors import Problems, SceneError
 from pipelines.machine.bearings import bearing_points, bearing_specs
 from pipelines.machine.checks import cost
+from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.checks.design_warnings import design_warnings
 from pipelines.machine.checks.strength import (
     STATIC_STRENGTH,
@@ -26,7 +27,6 @@ from pipelines.machine.checks.strength import (
     torques_along,
     torsions,
 )
-from pipelines.machine.checks.validity import checked_plant
 from pipelines.machine.layout import lay_out
 from pipelines.machine.machine import make_drivetrain
 from pipelines.runs.checked import check_scene

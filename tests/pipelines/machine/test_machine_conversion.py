@@ -69,7 +69,7 @@ def test_behind_the_plant_only_what_makes_other_scenes_names_the_class():
     }
 
 
-@pytest.mark.parametrize("step", ["laws", "stress", "casing", "motion"])
+@pytest.mark.parametrize("step", ["flanks", "stress", "casing", "motion"])
 def test_a_result_hangs_on_no_code_that_reads_scenes(step):
     found = reachable(f"pipelines.steps.{step}")
     assert [name for name in found if name.startswith(("pipelines.scene", "pipelines.machine.plant"))] == []

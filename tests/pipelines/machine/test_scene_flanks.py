@@ -11,8 +11,8 @@ from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph
 from pipelines.io.errors import SceneError
+from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.checks.design_warnings import design_warnings
-from pipelines.machine.checks.validity import checked_plant
 from pipelines.machine.layout import lay_out
 from pipelines.machine.machine import make_drivetrain, make_plant
 from pipelines.machine.tooth_terms import clearances, mesh_faults

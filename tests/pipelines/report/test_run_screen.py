@@ -6,7 +6,7 @@ import xarray
 from synthetic import MESH, WHEEL
 
 from pipelines.diagnosis.verdict import Evidence, Finding, Verdict
-from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.kinematics import kinematics_of
 from pipelines.report.run_screen import over_teeth, shown_gear
 from pipelines.scene.file import load_scene

@@ -20,15 +20,13 @@ from fem.gears.modifications import PairModifications
 from pipelines.io.errors import InputError
 from pipelines.io.user_files import writable_file
 from pipelines.machine.flanks_spec import FlanksSpec
-from pipelines.report.figures import mesh_pictures
+from pipelines.report.figures import tooth_mesh_pictures
 from pipelines.report.figures.colours import GONE
 from pipelines.report.figures.labelled_pictures import casing_figure, gear_figure
-from pipelines.report.figures.mesh_frames import MeshView, mesh_frames, passage
-from pipelines.report.figures.mesh_pictures import mesh_figure, write_film, write_still
+from pipelines.report.figures.placed_geometry import gear_view
 from pipelines.report.figures.plots import StiffnessPlot
 from pipelines.report.figures.render import render_gears, render_mesh, render_stress, show_mesh
 from pipelines.report.figures.scene_frame import placed, scene_frame
-from pipelines.report.figures.shapes import gear_view
 from pipelines.report.figures.stress_pictures import (
     FORMATS,
     StressView,
@@ -36,8 +34,10 @@ from pipelines.report.figures.stress_pictures import (
     teeth_in_mesh,
     write_teeth,
 )
+from pipelines.report.figures.tooth_mesh_frames import MeshView, mesh_frames, passage
+from pipelines.report.figures.tooth_mesh_pictures import mesh_figure, write_film, write_still
 from pipelines.report.figures.views import Picture
-from pipelines.runs.inspect_stress import _stress_steps, root_stresses
+from pipelines.runs.root_stress import _stress_steps, root_stresses
 from pipelines.runs.single_results import scene_graph
 from pipelines.scene.file import load_scene
 from pipelines.steps import stress
@@ -300,7 +300,7 @@ def test_pictures_show_contact_lines_and_the_missing_tooth_in_the_faulty_half_al
 def test_film_and_page_hold_every_frame(mesh_view, tmp_path, monkeypatch):
     from PIL import Image
 
-    monkeypatch.setattr(mesh_pictures, "render_mesh", lambda *_: [blank(**PLACES)] * 3)
+    monkeypatch.setattr(tooth_mesh_pictures, "render_mesh", lambda *_: [blank(**PLACES)] * 3)
     assert write_still(mesh_view, tmp_path / "mesh_1") == tmp_path / "mesh_1.png"
     told = []
     files = write_film(mesh_view, tmp_path / "mesh_1", lambda *counts: told.append(counts))

@@ -24,8 +24,8 @@ from pipelines.scene.file import load_scene, validate
 from pipelines.scene.merge import Merged
 from pipelines.scene.tables.casing import CASING_TABLES, FlexibleBase
 from pipelines.scene.tables.derived import table
-from pipelines.scene.tables.drive_and_load import SimulationTable
 from pipelines.scene.tables.faults import FaultTable
+from pipelines.scene.tables.simulation import SimulationTable
 from pipelines.scene.tables.stages import MeshModel
 from pipelines.steps.graph import plant_steps
 

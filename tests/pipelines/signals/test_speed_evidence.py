@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 import xarray
 
-from pipelines.signals.features.feature_table import FeatureError, feature_table
-from pipelines.signals.features.table import confirmed, with_common_components
+from pipelines.signals.features.feature_table import confirmed, with_common_components
+from pipelines.signals.features.recording_features import FeatureError, recording_features
 from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 from pipelines.signals.orders.rotation import RotationError
 from pipelines.signals.orders.rotation_of import rotation_of
-from pipelines.signals.orders.speed_evidence import NO_SIDEBANDS
+from pipelines.signals.orders.speed_evidence import NO_SIDEBANDS, OrderLevels, unconfirmed
 
 RATE, SPEED = 4000.0, 24.0
 
@@ -76,7 +76,15 @@ def test_a_speed_beyond_the_search_is_not_known(off):
         return
     assert set(found.conditional) == {"shaft_1", "shaft_2"}
     with pytest.raises(FeatureError, match="no shaft has a confirmed speed"):
-        feature_table(recording, train(*PAIR), found)
+        recording_features(recording, train(*PAIR), found)
+
+
+@pytest.mark.parametrize("amplitude", [0.0, 0.01, 0.1])
+def test_half_the_speed_is_not_confirmed_by_two_lines_of_another_cause(amplitude):
+    recording, angle = vibration(train(*PAIR))
+    lines = sum(np.cos(order * angle) for order in (11.5, 13.5))  # next to the mesh order at half the speed, 12.5
+    levels = OrderLevels([recording.acceleration.values[:, 0, 0] + amplitude * lines], 0.5 * angle)
+    assert "a multiple or a fraction" in unconfirmed(levels, train(*PAIR))["shaft_1"]
 
 
 @pytest.mark.parametrize("teeth", [((25, 61),), ((25, 63),)])
@@ -104,7 +112,7 @@ def test_a_shaft_without_sidebands_is_conditional_and_not_diagnosed():
     found = rotation_of(recording, machine)
     assert abs(error(found, angle)) < 1e-4
     assert found.conditional == {"shaft_1": NO_SIDEBANDS}
-    (table,) = confirmed([feature_table(recording, machine, found)])
+    (table,) = confirmed([recording_features(recording, machine, found)])
     assert "stage 1 pinion" not in table.component
     assert "stage 1 wheel" in table.component
     assert "stage 1 pinion" in table.left_out[0]
@@ -117,7 +125,7 @@ def test_a_recording_that_shows_both_shafts_confirms_the_teeth_for_those_that_sh
     found = rotation_of(recording, machine)
 
     def table(**conditional):
-        return feature_table(recording, machine, replace(found, conditional=conditional))
+        return recording_features(recording, machine, replace(found, conditional=conditional))
 
     both, first, second = table(), table(shaft_2=NO_SIDEBANDS), table(shaft_1=NO_SIDEBANDS)
     other = table(shaft_2="its sidebands have the spacing of a gear with another number of teeth")
@@ -161,7 +169,7 @@ def test_a_constant_speed_gives_bearings_and_no_averages_over_turns():
     found = rotation_of(recording, PLAIN)
     assert found.turns == pytest.approx(1.004 * SPEED * 6.0, rel=1e-3)
     assert found.error == 0.005
-    table = feature_table(recording, PLAIN, found)
+    table = recording_features(recording, PLAIN, found)
     assert set(table.component) == {"whole machine", "DE BPFO", "DE BPFI"}
     assert "known to 0.72 turns" in table.left_out[0]
     levels = dict(zip(table.component, table.value[0], strict=True))
@@ -169,7 +177,7 @@ def test_a_constant_speed_gives_bearings_and_no_averages_over_turns():
 
 
 def test_a_speed_known_well_gives_the_shaft_too():
-    table = feature_table(known(SPEED, 0.0005), PLAIN, rotation_of(known(SPEED, 0.0005), PLAIN))
+    table = recording_features(known(SPEED, 0.0005), PLAIN, rotation_of(known(SPEED, 0.0005), PLAIN))
     assert ("shaft_1", "order_1") in table.lines
 
 

@@ -15,8 +15,8 @@ from rendering import drawn
 from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.models.rigid_casing import RigidCasing
 from fem.casing.reduced.body import ReducedBody
+from fem.casing.reduced.casing_modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.grounded import assembled_casing
-from fem.casing.reduced.modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
 from pipelines.cli.casing import _texts, band_words, missed_error, mode_table, part_table, reduction_words

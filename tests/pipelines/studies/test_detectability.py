@@ -19,9 +19,9 @@ from pipelines.diagnosis.simulated import FeatureSettings
 from pipelines.diagnosis.verdict import ALARM
 from pipelines.diagnosis.verdict_words import sentences
 from pipelines.io.errors import InputError
-from pipelines.machine.checks.validity import checked_plant
+from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.scene.file import load_scene
-from pipelines.signals.features.table import WHOLE, FeatureTable
+from pipelines.signals.features.feature_table import WHOLE, FeatureTable
 from pipelines.signals.orders.kinematics import Gear, Kinematics, Shaft
 from pipelines.studies.detect.channels import channels
 from pipelines.studies.detect.design import DAMAGED, HEALTHY, Design, detection_plan

@@ -1,4 +1,4 @@
-"""Geometry of gear pairs and casings for pictures."""
+"""Gear pairs and casing surfaces, placed for a picture."""
 
 from __future__ import annotations
 

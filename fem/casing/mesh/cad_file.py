@@ -18,6 +18,7 @@ import numpy as np
 from fem.casing.geometry.locators import ByCylinder
 from fem.casing.mesh.gmsh_session import numbered_nodes
 from fem.casing.mesh.imported import (
+    CAD_FORMATS,
     STL_SUFFIXES,
     UNITS,
     ImportedHousing,
@@ -32,7 +33,6 @@ from fem.numerics.places import in_mm
 from fem.processes.own_process import DAMAGED, bounded_memory
 
 _log = logging.getLogger(__name__)
-_KINDS = {".step": "step", ".stp": "step", ".brep": "brep", ".brp": "brep", ".iges": "iges", ".igs": "iges"}
 _TOUCHING = 1e-3  # mm
 SMALL_EDGE = 0.1  # mm: shorter ones cause needle-shaped elements
 _NO_EXTENT = 1e-5  # mm
@@ -123,7 +123,7 @@ def import_solids(gmsh: Any, path: Path, unit: str | None) -> list[int]:
     ------
     MeshError : unreadable, no solid, or another unit
     """
-    kind = _KINDS[path.suffix.lower()]
+    kind = CAD_FORMATS[path.suffix.lower()]
     if not re.search(_ENDS[kind], path.read_text(encoding="latin-1")[-2000:].rstrip(), re.MULTILINE):
         raise MeshError(
             f"{path.name} is no {kind.upper()} file or is cut off: its last line is missing. Export it again"

@@ -1,7 +1,7 @@
 """Position of the web of a gear along its face, and the axial elements that fit it.
 
 A web wider than the face has no elements beyond the face. It is modelled as a ring under the whole face with its
-modulus raised by b_s / b.
+modulus raised by b_s / b. The reduction of rim and web is in `fem.contact.wheels.solid_ring`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Validity of a scene: all checks that need no computation, in one place for every command."""
+"""The machine model of a scene that passes all checks that need no computation, for every command."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A comparison as labelled arrays."""
+"""Features of several recordings of one machine, and their differences, as an xarray dataset."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pipelines.diagnosis.comparison.compared_recording import brought_together, 
 from pipelines.diagnosis.comparison.features import features_of
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
-from pipelines.signals.features.feature_table import FeatureError
+from pipelines.signals.features.recording_features import FeatureError
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.signals.orders.rotation import RotationError
 

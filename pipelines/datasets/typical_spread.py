@@ -1,16 +1,16 @@
-"""The typical population of a machine: what differs between machines of one design, as variables of a plan.
+"""The typical spread of a machine: what differs between machines of one design, as variables of a plan.
 
-`spread = "typical"` in a plan adds these variables for the parts that its scene has. The settings of the plan override
-them. A source is a standard or a publication, or "guess": an assumption of this program, not judged by measurements.
-Unbalance and misaligned couplings are labels of faults and are not varied, nor are sensors, which all runs of a data
-set have in common.
+`spread = "typical"` in a plan adds these variables for the parts that its scene has. Their values are sampled in
+`pipelines.datasets.sampling`. The settings of the plan override them. A source is a standard or a publication, or
+"guess": an assumption of this program, not judged by measurements. Unbalance and misaligned couplings are labels of
+faults and are not varied, nor are sensors, which all runs of a data set have in common.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -160,7 +160,7 @@ def typical(scene: Mapping[str, Any], settings: Mapping[str, Any]) -> tuple[dict
                 if not _is_set(settings, place):
                     words = {"x": name, "c": str(value)}
                     text = "".join(words.get(one, one) for one in re.split(r"\b", spread.text))
-                    _put(added, place, f"${text}")
+                    put_setting(added, place, f"${text}")
                     variables[name] = dict(spread.variable)
     return variables, added
 
@@ -191,7 +191,8 @@ def _is_set(settings: Any, path: tuple[str, ...]) -> bool:
     return True
 
 
-def _put(tree: dict[str, Any], path: tuple[str, ...], value: str) -> None:
+def put_setting(tree: dict[str, Any], path: Sequence[str], value: Any) -> None:
+    """Insert a value into a tree of settings."""
     for name in path[:-1]:
         tree = tree.setdefault(name, {})
     tree[path[-1]] = value

@@ -1,8 +1,8 @@
-"""Candidates near a key point that was not found: cylinders and flat faces of a surface, for messages.
+"""Texts for messages about a key point that was not found: the nearest cylinders and flat faces of a surface.
 
 Cylinders are searched among the facets whose normals are perpendicular to the axis, to 12 degrees: on a coarse mesh the
 corners of a facet are at several places around the axis and along it. Facets that share an edge of less than 50 degrees
-form a piece. A circle is fitted to the corners of each piece (Kasa's linear least squares).
+form a piece. A circle is fitted to the corners of each piece.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import numpy as np
 
 from fem.casing.mesh.surface import Surface
 from fem.numerics.connected import connected_parts, shared_sides
+from fem.numerics.fitted_circle import fitted_circle
 from fem.numerics.places import in_mm
 
 _SMOOTH = np.cos(np.radians(50.0))
@@ -40,19 +41,6 @@ def _cylinders(surface: Surface, axis: np.ndarray, through: np.ndarray) -> str:
         found.append((float(np.linalg.norm(place - through)), radius, place))
     found.sort(key=lambda one: one[0])
     return "; ".join(f"diameter {2000 * radius:.5g} mm at {in_mm(place)}" for _, radius, place in found[:_SHOWN])
-
-
-def fitted_circle(points: np.ndarray) -> tuple[np.ndarray, float] | None:
-    """Centre (2,) and radius of the circle through points (n, 2); None if one deviates by more than 2 %, or if they are
-    on a straight line."""
-    system = np.column_stack([points, np.ones(len(points))])
-    solution, _, rank, _ = np.linalg.lstsq(system, (points**2).sum(axis=1), rcond=None)
-    centre, square = solution[:2] / 2, solution[2] + (solution[:2] ** 2).sum() / 4
-    if rank < 3 or square <= 0.0:
-        return None
-    radius = float(np.sqrt(square))
-    off = np.abs(np.linalg.norm(points - centre, axis=1) - radius).max()
-    return (centre, radius) if off <= 0.02 * radius else None
 
 
 def planes_like(surface: Surface, normal: np.ndarray, through: np.ndarray) -> str:

@@ -92,7 +92,7 @@ class FeatureSource:
         self, executor: Executor, on_progress: Progress
     ) -> Iterator[tuple[str, str | int, Mapping[str, Any], str]]:
         if self.folder is not None:
-            for row in _dataset_rows(self.folder, self._windows, self._noise, executor, on_progress):
+            for row in dataset_rows(self.folder, self._windows, self._noise, executor, on_progress):
                 table = stored_table(row["table"])
                 yield "run", row["run"], {} if table is None else table.columns(), row["failure"]
             return
@@ -157,10 +157,22 @@ def _of_recording(
         return {}, str(error)
 
 
-def _dataset_rows(
+def dataset_rows(
     folder: Path, windows: Mapping[str, Window], noise: float, executor: Executor, on_progress: Progress
 ) -> Iterator[dict[str, Any]]:
-    """Rows of the features of all finished runs, in their order; missing and outdated ones are computed."""
+    """Rows of the features of all finished runs, in their order; missing and outdated ones are computed.
+
+    Parameters
+    ----------
+    folder : of the data set
+    windows : start and end (s) of the parts to evaluate, by name; the whole runs if empty
+    noise : rms (m/s2) of added white noise
+    executor, on_progress : of the work
+
+    Raises
+    ------
+    InputError : the data set holds no accelerations, or a window is not in its runs
+    """
     facts = read_facts(folder)
     stored = [one["name"] for one in facts["layout"]["signals"]]
     if not set(VIBRATION) & set(stored):

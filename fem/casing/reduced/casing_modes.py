@@ -1,4 +1,4 @@
-"""CasingModes: the stored result of a casing reduction, and the inexpensive step from it to a ReducedBody.
+"""CasingModes: the stored result of a casing reduction, its natural modes with effective masses, and its ReducedBody.
 
 Sensors are recovered from the basis on the nodes. Mount springs are added to the coordinates of the feet. Damping
 follows from the modes of the grounded reduced body. `fem.casing.reduced.fewer_modes` selects fewer modes. A change of
@@ -21,8 +21,8 @@ from fem.casing.reduced.body import BEARING_AXES, ReducedBody
 from fem.casing.reduced.damping import energy_shares, modal_damping
 from fem.casing.reduced.fewer_modes import ModeSet, fewest_modes, kept
 from fem.casing.reduced.grounded import GROUND_AXES, GroundedCasing
-from fem.casing.reduced.reduced_modes import mode_names, on_springs, undamped_modes
 from fem.casing.reduced.reduction import Reduction, ReductionError
+from fem.casing.reduced.undamped_modes import mode_names, on_springs, undamped_modes
 from fem.elements.solids import mass_properties
 from fem.storage.records import Record, array, integer, names, scalar, text
 

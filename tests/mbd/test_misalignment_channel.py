@@ -8,7 +8,7 @@ import pytest
 from rotors import DIAMETER, LENGTH, MASS, MODULUS, jeffcott
 
 import gearcase
-from fem.casing.reduced.modes import grounded_body
+from fem.casing.reduced.casing_modes import grounded_body
 from mbd.parts.channels import further_channels
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble

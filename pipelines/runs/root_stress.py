@@ -1,4 +1,4 @@
-"""Stress of loaded teeth for `gearcase inspect --stress`: root stresses, and the mesh file of `--mesh`."""
+"""Root stresses of loaded teeth by finite elements, for `gearcase inspect --stress`, and the mesh file of `--mesh`."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def loaded_teeth(
     SceneWarning : the stage has a crack, which the finite elements do not contain
     """
     from pipelines.engine.step import Graph
-    from pipelines.report.figures.shapes import placed_pair, stage_view
+    from pipelines.report.figures.placed_geometry import placed_pair, stage_view
     from pipelines.report.figures.stress_pictures import (
         FORMATS,
         StressView,

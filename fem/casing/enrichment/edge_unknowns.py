@@ -1,4 +1,4 @@
-"""Edge-singularity enrichment of hexahedra: stiffness and mass of the unknowns that it adds.
+"""Unknowns added at singular edges: their functions in a hexahedron, their stiffness and mass.
 
 The displacement in an element at an edge becomes
 
@@ -24,8 +24,8 @@ from functools import lru_cache
 import numpy as np
 import scipy.sparse as sp
 
+from fem.casing.enrichment.graded_functions import GRID, gauss, graded
 from fem.casing.enrichment.integrals import added_entries
-from fem.casing.enrichment.lines import GRID, gauss, graded
 from fem.casing.enrichment.profiles import ALONG, profiles
 from fem.casing.enrichment.singular_edges import Fan, chains, continuation
 from fem.casing.enrichment.topology import Sector, Topology

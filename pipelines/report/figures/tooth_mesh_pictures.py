@@ -21,9 +21,9 @@ from pipelines.io.user_files import write_whole
 from pipelines.report.figures.colours import FAULTY, GONE, HEALTHY, LOAD_COLOURS, PAIR_COLOURS, PINION, WHEEL
 from pipelines.report.figures.film import film_page, png, save_figure, write_gif
 from pipelines.report.figures.labelled_pictures import corner_axes, show
-from pipelines.report.figures.mesh_frames import MeshFrames, MeshView
 from pipelines.report.figures.plots import dress, legend, new_figure, plain
 from pipelines.report.figures.render import render_mesh
+from pipelines.report.figures.tooth_mesh_frames import MeshFrames, MeshView
 from pipelines.report.figures.views import Picture
 
 MILLISECONDS = 160  # per frame of an animation

@@ -1,0 +1,196 @@
+"""The calibration of a scene: recordings, campaign, posterior, and agreement on the windows that were not used."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from pipelines.datasets.campaign import run_campaign
+from pipelines.datasets.feature_source import dataset_rows
+from pipelines.datasets.feature_tables import stored_table
+from pipelines.datasets.plan import Plan
+from pipelines.datasets.rows import read_row
+from pipelines.datasets.workers import local_workers
+from pipelines.engine.progress import reported_count
+from pipelines.engine.run_graph import Work
+from pipelines.engine.storage import digest
+from pipelines.io.errors import InputError
+from pipelines.machine.plant import Plant
+from pipelines.recordings.machine import MeasuredMachine
+from pipelines.runs.recorded import asked_windows, read_features, recording_and_window
+from pipelines.scene.file import LoadedScene
+from pipelines.studies.calibrate.design import AFTER, BEFORE, FEWEST, STATE, Free, agreement_plan, calibration_plan
+from pipelines.studies.calibrate.posterior import check_installed, emulator, sample
+from pipelines.studies.spread.study import MEAN, line_levels
+
+IDENTIFIABLE = 1.0 / 3.0  # greatest width of the posterior over that of the prior
+_SHARES = (0.05, 0.95)
+_GROUPS = {"mesh orders and sidebands": "mesh_", "shaft orders": "order_", "all lines": ""}  # beginnings of features
+Line = tuple[str, ...]  # sensor, axis, component, feature, unit
+Levels = dict[Line, float]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Calibration:
+    """Result of a calibration.
+
+    `samples` (sample, key) of the posterior are in the units of the `free` keys. `agreement` has, by group of lines,
+    the median absolute difference (dB) between recording and model before and after the calibration, in the second
+    halves of the windows. `inside` of `lines` lines of the recording are within the range of the `runs` of the
+    campaign.
+    """
+
+    name: str
+    free: tuple[Free, ...]
+    samples: np.ndarray
+    agreement: Mapping[str, tuple[float, float]]
+    inside: int
+    lines: int
+    runs: int
+
+    @property
+    def mean(self) -> np.ndarray:
+        """Mean (key,) of the posterior."""
+        return np.asarray(self.samples.mean(axis=0))
+
+    @property
+    def interval(self) -> np.ndarray:
+        """Ends (2, key) of the 90 % intervals."""
+        return np.asarray(np.quantile(self.samples, _SHARES, axis=0))
+
+    @property
+    def width(self) -> np.ndarray:
+        """Width (key,) of the 90 % intervals over those of the priors."""
+        ranges = np.array([one.high - one.low for one in self.free])
+        return np.asarray(np.diff(self.interval, axis=0)[0] / (ranges * (_SHARES[1] - _SHARES[0])))
+
+    @property
+    def correlation(self) -> np.ndarray:
+        """Correlations (key, key) of the posterior."""
+        return np.atleast_2d(np.corrcoef(self.samples.T))
+
+
+def calibrate(
+    loaded: LoadedScene,
+    machine: Plant,
+    measured: MeasuredMachine,
+    sources: Sequence[str | Path],
+    free: Sequence[Free],
+    count: int,
+    folder: Path,
+    processes: int | None,
+    building: Work,
+    *,
+    quiet: bool = True,
+) -> Calibration:
+    """Estimate free keys of a scene from recordings of one healthy machine at the speed and load of the scene.
+
+    Parameters
+    ----------
+    loaded, machine : the scene and its machine model
+    measured : the machine of the recordings
+    sources : recordings or runs, also with a window; by default the windows of the scene
+    free : the free keys
+    count : number of runs of the campaign
+    folder : of the results; a campaign in it is continued, and used again for other recordings
+    processes : runs computed in parallel, all cores if None
+    building : how laws and casing of the first run are built
+    quiet : show no progress
+
+    Raises
+    ------
+    InputError : an extra is not installed, a recording or a free key cannot be used, or too few runs have features
+    SceneError, WorkError : see `pipelines.datasets.campaign.run_campaign`
+    """
+    check_installed()
+    plan = calibration_plan(loaded, machine, free, count)
+    windows = dict(machine.looked_for.windows) or {"whole": (0.0, machine.motion.end)}
+    observed, unused = (_recorded(sources, measured, windows, part) for part in (0, 1))
+    noise = machine.looked_for.noise
+
+    def simulated(plan: Plan, place: Path, part: int) -> dict[int, Levels]:
+        """Levels of the runs of a campaign in a half of the windows."""
+        run_campaign(plan, place, local_workers(processes), building, quiet=quiet)
+        with local_workers(processes) as workers, reported_count("runs", quiet=quiet) as report:
+            rows = list(dataset_rows(place, _halves(windows, part), noise, workers.executor, report))
+        return {row["run"]: line_levels(table) for row in rows if (table := stored_table(row["table"])) is not None}
+
+    campaign = folder / "campaign"
+    found = simulated(plan, campaign, 0)
+    if len(found) < FEWEST:
+        raise InputError(f"{len(found)} runs have features, {FEWEST} are needed. Increase --runs, or narrow --free.")
+    lines = [one for one in observed if all(one in levels for levels in found.values())]
+    if not lines:
+        raise InputError(
+            "the recordings and the scene have no feature in common. Give the sensors of the scene the names and axes "
+            "of the recording."
+        )
+    levels = np.array([[one[line] for line in lines] for one in found.values()])
+    given = np.array([observed[line] for line in lines])
+    values = [read_row(campaign, run)["values"] for run in found]
+    low, high = (np.array([getattr(one, end) for one in free]) for end in ("low", "high"))
+    points = np.array([[row[one.variable] for one in free] for row in values])
+    emulated = emulator((points - low) / (high - low), levels)
+    samples = low + (high - low) * sample(emulated, emulated.summaries(given[None])[0])
+    after = {one.key: float(value) for one, value in zip(free, samples.mean(axis=0), strict=True)}
+    checks = agreement_plan(loaded, machine, after)
+    place = folder / f"agreement-{digest(checks.text)[:8]}"
+    models = simulated(checks, place, 1)
+    states = {run: read_row(place, run)["values"][STATE] for run in models}
+    return Calibration(
+        name=loaded.name,
+        free=tuple(free),
+        samples=samples,
+        agreement=_agreement(unused, models, states),
+        inside=int(np.sum((given >= levels.min(axis=0)) & (given <= levels.max(axis=0)))),
+        lines=len(lines),
+        runs=len(found),
+    )
+
+
+def _halves(windows: Mapping[str, tuple[float, float]], part: int) -> dict[str, tuple[float, float]]:
+    """The first (0) or second (1) half of each window."""
+    return {
+        name: (start + 0.5 * part * (end - start), end - 0.5 * (1 - part) * (end - start))
+        for name, (start, end) in windows.items()
+    }
+
+
+def _recorded(
+    sources: Sequence[str | Path], measured: MeasuredMachine, windows: Mapping[str, tuple[float, float]], part: int
+) -> Levels:
+    """Levels of the lines that all recordings have, in a half of the windows, mean over the recordings."""
+    found = []
+    for source in sources:
+        path, asked = recording_and_window(source)
+        chosen = asked_windows(source, asked, windows) or {}
+        table = read_features(path, measured, _halves(chosen, part), 0.0).table
+        found.append(
+            {line: value for line, value in line_levels(table).items() if line[0] != MEAN and line[-1] == "dB"}
+        )
+    return {line: float(np.mean([one[line] for one in found])) for line in found[0] if all(line in o for o in found)}
+
+
+def _agreement(
+    recorded: Levels, models: Mapping[int, Levels], states: Mapping[int, str]
+) -> dict[str, tuple[float, float]]:
+    """By group: median over the lines of the difference between the recording and the mean of the models, dB."""
+    lines = [line for line in recorded if all(line in one for one in models.values())]
+    differences = {
+        state: np.array(
+            [
+                abs(np.mean([one[line] for run, one in models.items() if states[run] == state]) - recorded[line])
+                for line in lines
+            ]
+        )
+        for state in (BEFORE, AFTER)
+    }
+    found = {}
+    for name, beginning in _GROUPS.items():
+        chosen = [line[3].startswith(beginning) for line in lines]
+        if any(chosen):
+            found[name] = (float(np.median(differences[BEFORE][chosen])), float(np.median(differences[AFTER][chosen])))
+    return found
