@@ -80,7 +80,7 @@ _PLACES = {
         "design",
         "spread",
         "tradeoff",
-    ),  # fmt: skip
+    ),
 }
 _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
 __all__ = sorted(_PLACE_OF)
