@@ -1,6 +1,6 @@
 """Public interface of gearcase in Python: a `Scene`, and functions that compute from it.
 
-    scene = gearcase.Scene.from_file("minimal")    check laws casing modes simulate run tradeoff converge
+    scene = gearcase.Scene.from_file("minimal")    check laws casing modes simulate run tradeoff converge design
     gearcase.reduce(K, M, points, nodes=...)       matrices of another program; Point
     gearcase.open_run("minimal")                   a finished run; diagnose error_bars spectrum
     gearcase.open_recording("r.csv", "bench.toml") a measured file; features judge compare
@@ -50,10 +50,12 @@ if TYPE_CHECKING:
     from gearcase.scenes import Checked as Checked
     from gearcase.scenes import Scene as Scene
     from gearcase.scenes import check as check
+    from gearcase.studies import DesignStudy as DesignStudy
     from gearcase.studies import FeatureSpread as FeatureSpread
     from gearcase.studies import RefinementStudy as RefinementStudy
     from gearcase.studies import Tradeoff as Tradeoff
     from gearcase.studies import converge as converge
+    from gearcase.studies import design as design
     from gearcase.studies import spread as spread
     from gearcase.studies import tradeoff as tradeoff
 
@@ -69,7 +71,16 @@ _PLACES = {
     "reduction": ("Point", "ReducedMatrices", "reduce"),
     "results": ("Diagnosis", "LineBars", "diagnose", "error_bars", "open_run", "run", "spectrum"),
     "scenes": ("Checked", "Scene", "check"),
-    "studies": ("RefinementStudy", "FeatureSpread", "Tradeoff", "converge", "spread", "tradeoff"),
+    "studies": (
+        "DesignStudy",
+        "FeatureSpread",
+        "RefinementStudy",
+        "Tradeoff",
+        "converge",
+        "design",
+        "spread",
+        "tradeoff",
+    ),
 }
 _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
 __all__ = sorted(_PLACE_OF)

@@ -1,7 +1,8 @@
-"""Studies of accuracy and cost."""
+"""Studies of accuracy and cost, and of flank modifications."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from gearcase.argument_checks import checked_file, refusal
@@ -9,12 +10,22 @@ from gearcase.progress import ProgressFunction
 from gearcase.scenes import Scene, loaded_scene
 from pipelines.engine.run_graph import Work
 from pipelines.machine.checks.checked_plant import checked_plant
+from pipelines.studies.design.design_study import DesignOptions, DesignStudy, design_study
 from pipelines.studies.spread.population_spread import FeatureSpread, run_spread, spread_plan
 from pipelines.studies.trade.axes import AXES
 from pipelines.studies.trade.refinement import RefinementStudy, refine
 from pipelines.studies.trade.tradeoff import Tradeoff, trade
 
-__all__ = ["FeatureSpread", "RefinementStudy", "Tradeoff", "converge", "spread", "tradeoff"]
+__all__ = [
+    "DesignStudy",
+    "FeatureSpread",
+    "RefinementStudy",
+    "Tradeoff",
+    "converge",
+    "design",
+    "spread",
+    "tradeoff",
+]
 
 
 def converge(
@@ -117,3 +128,65 @@ def tradeoff(scene: Scene, *, processes: int | None = None, progress: ProgressFu
     >>> found.most_accurate(seconds=10.0).choice.name  # doctest: +SKIP
     """
     return trade(loaded_scene(scene), Work(processes=processes, progress=progress))
+
+
+def design(
+    scene: Scene,
+    vary: Sequence[str] = (),
+    *,
+    stage: int = 1,
+    minimize: Sequence[str] = ("te",),
+    limits: Sequence[str] = (),
+    torques: Sequence[float] = (),
+    samples: int = 0,
+    misalignment_um: float = 0.0,
+    seed: int = 1,
+    evaluations: int = 2000,
+    processes: int | None = None,
+    progress: ProgressFunction | None = None,
+) -> DesignStudy:
+    """Search for the best flank modifications of a stage, as `gearcase design` does.
+
+    Parameters
+    ----------
+    scene : the scene
+    vary : modifications with their values, such as "both.tip_relief.amount_um=0:40:4"; none: tip reliefs of both gears
+    stage : number of the stage, from 1
+    minimize, limits : objectives and limits, such as "te" and "pressure <= 1200"
+    torques : N m on the pinion; none: 25, 50, 75 and 100 % of that of the scene
+    samples : number of pairs with random deviations; 0 for the nominal pair only
+    misalignment_um : largest misalignment of these pairs over the face width
+    seed : of search and deviations
+    evaluations : number of candidates up to which all combinations are evaluated; beyond it pymoo searches
+    processes : long steps computed in parallel, 2 by default
+    progress : function that is called with a `StepProgress` for every step
+
+    Returns
+    -------
+    the front: `rows` of its table, `best` designs by name, `settings` of a design for `Scene.changed`
+
+    Raises
+    ------
+    SceneError, InputError, WorkError : the scene or an argument cannot be used, nothing meets the limits, a step failed
+
+    >>> import gearcase
+    >>> scene = gearcase.Scene.from_file("pair")
+    >>> vary = ["both.tip_relief.amount_um=0:8:2", "both.tip_relief.length_mm=2,3,4"]
+    >>> found = gearcase.design(scene, vary, torques=[50.0])
+    >>> unmodified, best = found.rows()
+    >>> best["te um"] < 0.7 * unmodified["te um"]
+    True
+    >>> quiet = scene.changed(found.settings(found.recommended))
+    """
+    options = DesignOptions(
+        stage=stage,
+        vary=vary,
+        minimize=minimize,
+        limits=limits,
+        torques=torques,
+        samples=samples,
+        misalignment_um=misalignment_um,
+        seed=seed,
+        evaluations=evaluations,
+    )
+    return design_study(loaded_scene(scene), options, Work(processes=processes, progress=progress))

@@ -35,6 +35,7 @@ COMMANDS = {  # in the order a user needs them: name, of the module too; one lin
     "orders": "analyse a run-up by orders of a shaft",
     "export": "write the signals of a run as CSV, MATLAB or UFF file",
     "gears": "compute mesh stiffness, transmission error and load sharing of each pair",
+    "design": "search for the best flank modifications of a pair",
     "inspect": "write pictures of gears in mesh and of the casing",
     "housing": "read a housing file and propose its bearing seats",
     "casing": "mesh and reduce the casing: natural frequencies, responses, matrices",

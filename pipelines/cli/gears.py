@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pipelines.cli.command_line import json_argument, scene_and_work, work_arguments
 from pipelines.io.argument_types import path, picture, positive, tilt
@@ -16,19 +16,14 @@ if TYPE_CHECKING:
 
 HELP = """\
 Compute the mesh stiffness, transmission error and load sharing of every gear pair, healthy and faulty, from the
-first to the last contact of one tooth. Compare tip reliefs and propose the best. --plot plots the transmission
-error, --out writes the curves. Takes seconds, and up to a minute for each pair with the mesh model `solid`."""
+first to the last contact of one tooth. --plot plots the transmission error, --out writes the curves; `gearcase design`
+searches for reliefs and crownings. Takes seconds, and up to a minute for each pair with the mesh model `solid`."""
 EXAMPLE = """\
 gearcase gears pair --torque 50 100 --plot te.png
 ...
 stage  torque N m  flanks      order 1 um  order 2 um  order 3 um  order 4 um  order 5 um
 -----  ----------  ----------  ----------  ----------  ----------  ----------  ----------
     1          50  unmodified      0.9229      0.6531      0.4129      0.1859    0.009963
-...
-torque N m  amount um  2.07 mm  3.1 mm  4.14 mm
-----------  ---------  -------  ------  -------
-        50      0.774    2.436   2.182    2.052
-...
 ...
 te.png"""
 
@@ -83,7 +78,6 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         gear_curves,
         gear_rows,
         machine_states,
-        relief_errors,
         transmission_errors,
         write_curves,
     )
@@ -105,13 +99,12 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     rows = gear_rows(pairs, curves)
     errors = [] if picture is None else [transmission_errors(pair, state) for pair, state in cases]
     orders = [row for error in errors for row in error.rows()]
-    reliefs = [row for pair, state in cases for row in relief_errors(pair, state)]
     if target is not None:
         write_curves(curves, target)
     if picture is not None:
         save_figure(transmission_error_figure(loaded.scene.title, errors), picture, dpi=115)
     if options.json:
-        found = {"pairs": rows, "orders": orders, "reliefs": reliefs, "notes": notes(cases, reliefs)}
+        found = {"pairs": rows, "orders": orders, "notes": _notes(cases)}
         yield json_text(found | {"curves": target, "plot": picture})
         return
     title = (
@@ -120,8 +113,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     yield grid(title, rows).to_text()
     if orders:
         yield grid("Transmission error of the healthy pair, amplitudes of its orders", orders).to_text()
-    yield from _relief_tables(reliefs)
-    yield from notes(cases, reliefs)
+    yield from _notes(cases)
     yield from (str(path) for path in (target, picture) if path is not None)
 
 
@@ -138,23 +130,8 @@ def _states(found: PairLaws, options: argparse.Namespace) -> list[MeshState]:
     return [MeshState(force=force, tilt=tilt) for force in forces]
 
 
-def _relief_tables(reliefs: Sequence[dict[str, Any]]) -> Iterator[str]:
-    """A table for each stage: a row for each torque and amount, a column for each length."""
-    from pipelines.io.grid import grid
-
-    tables: dict[int, dict[tuple[float, float], dict[str, float]]] = {}
-    for row in reliefs:
-        if row["amount um"]:
-            place = {"torque N m": row["torque N m"], "amount um": row["amount um"]}
-            cells = tables.setdefault(row["stage"], {}).setdefault(tuple(place.values()), place)
-            cells[f"{row['length mm']:g} mm"] = row["TE p-p um"]
-    for stage, rows in tables.items():
-        title = f"Stage {stage}: TE p-p, um, with tip relief of both gears, by amount and length"
-        yield grid(title, rows.values()).to_text()
-
-
-def notes(cases: Sequence[tuple[PairLaws, MeshState]], reliefs: Sequence[dict[str, Any]]) -> list[str]:
-    """What the table was made with, the best tip relief, and how the columns are meant."""
+def _notes(cases: Sequence[tuple[PairLaws, MeshState]]) -> list[str]:
+    """What the table was made with, and how the columns are meant."""
     lines = []
     for stage in dict.fromkeys(pair.stage for pair, _ in cases):
         own = [(pair, state) for pair, state in cases if pair.stage == stage]
@@ -168,12 +145,6 @@ def notes(cases: Sequence[tuple[PairLaws, MeshState]], reliefs: Sequence[dict[st
             f"overlap ratio {gears.overlap_ratio:.4g}, bores {2000 * gears.pinion.bore_radius:g}/"
             f"{2000 * gears.wheel.bore_radius:g} mm, {', '.join(tilts)} over the face"
         )
-        if not any(row["stage"] == stage for row in reliefs):
-            lines.append(
-                f"stage {stage}: no tip reliefs are compared. This needs a contact ratio of 1 to 2, and not the mesh "
-                "model iso, which does not model their effect on load sharing"
-            )
-    lines += _best_reliefs(reliefs)
     lines.append(
         "Range of the values: from the first to the last contact of one tooth pair; if a tooth is damaged, of the pair "
         "with this tooth. secant, tangent, TE: means. least: smallest secant stiffness. at: its position, in mesh "
@@ -181,18 +152,3 @@ def notes(cases: Sequence[tuple[PairLaws, MeshState]], reliefs: Sequence[dict[st
         "pressure on the active flanks of this pair and its neighbours."
     )
     return lines
-
-
-def _best_reliefs(reliefs: Sequence[dict[str, Any]]) -> Iterator[str]:
-    """The relief with the least transmission error, for each stage and torque."""
-    for stage, torque in dict.fromkeys((row["stage"], row["torque N m"]) for row in reliefs):
-        none, *others = (row for row in reliefs if (row["stage"], row["torque N m"]) == (stage, torque))
-        best, before = min(others, key=lambda row: row["TE p-p um"]), none["TE p-p um"]
-        after, place = best["TE p-p um"], f"stage {stage}, {torque:.4g} N m on the pinion"
-        if after < before:
-            yield (
-                f"{place}: tip relief of both gears: amount_um = {best['amount um']:g}, length_mm = "
-                f"{best['length mm']:g} reduces TE p-p from {before:.3g} um without relief to {after:.3g} um"
-            )
-        else:
-            yield f"{place}: no tip relief is better: TE p-p {before:.3g} um, with relief at least {after:.3g} um"

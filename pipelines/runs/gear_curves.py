@@ -8,17 +8,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.contact.contact_pressure import contact_pressure
+from fem.contact.contact_pressure import flank_pressure
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.evaluation.stiffness_curve import StiffnessCurve, loaded_approach
-from fem.contact.faults.changed_law import modified_law
-from fem.gears.modifications import LARGEST_PART, Misalignment, PairModifications, Relief, relief_lengths
 from pipelines.io.errors import InputError
 from pipelines.io.user_files import whole_file
 from pipelines.report.figures.plots import TransmissionErrors
@@ -33,7 +31,6 @@ if TYPE_CHECKING:
 
 PER_CYCLE = 40  # positions per mesh cycle
 ERROR_POSITIONS = 256  # in the mesh cycle whose mesh orders are computed
-RELIEF_AMOUNTS = 10  # that are compared, equal steps to the deflection
 EQUAL = 1e-9  # relative difference of stiffnesses by rounding
 FORMATS = (".csv", ".nc")
 UNMODIFIED = "healthy, unmodified"
@@ -168,20 +165,13 @@ def _cases(found: PairLaws) -> list[_Case]:
 
 
 def _pressures(case: _Case, curve: StiffnessCurve) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Numbers (pair,) of the loaded pairs counted from that of the tooth, their shares and pressures (position, pair).
-
-    Contact of a tip edge beyond the active flank has no Hertzian pressure: the curvature of the flank ends there.
-    """
+    """Numbers (pair,) of the loaded pairs from that of the tooth, their shares and pressures (position, pair)."""
     pair, law = case.laws.pair, case.laws.law(faulty=case.faulty, modified=case.modified)
-    teeth = case.laws.teeth(faulty=case.faulty)
-    evaluator = LawEvaluator(law)
-    pressure = np.zeros(curve.share.shape)
-    for row, c, delta, psi in zip(pressure, curve.cycle, curve.transmission_error, curve.tilt, strict=True):
-        pairs, loads = evaluator.line_loads(float(c), float(delta), float(psi), *teeth)
-        xi = c - pairs[:, None] + law.cycle_shift
-        on_flank = (xi >= pair.xi_start) & (xi <= pair.xi_end)
-        found = contact_pressure(pair, law, float(c), pairs, loads)
-        row[np.searchsorted(curve.pair, pairs)] = np.where(on_flank, found, 0.0).max(axis=1)
+    state = curve.cycle, curve.transmission_error, curve.tilt
+    pairs, loads = LawEvaluator(law).line_loads(*state, *case.laws.teeth(faulty=case.faulty))
+    loaded, pressure = loads.any(axis=2), np.zeros(curve.share.shape)
+    greatest = flank_pressure(pair, law, curve.cycle, pairs, loads).max(axis=2)
+    pressure[np.nonzero(loaded)[0], np.searchsorted(curve.pair, pairs[loaded])] = greatest[loaded]
     return curve.pair - round(case.passage.cycle), curve.share, pressure
 
 
@@ -287,45 +277,6 @@ def transmission_errors(found: PairLaws, state: MeshState) -> TransmissionErrors
         place=place,
         passages={"healthy": error(found.cycle + place), **passages} if passages else {},
     )
-
-
-def relief_errors(found: PairLaws, state: MeshState) -> list[dict[str, Any]]:
-    """Peak-to-peak transmission error of a pair with linear tip reliefs, equal on both gears; first without relief.
-
-    The amounts are equal steps to the largest deflection of the teeth without modifications, and at most the limit of
-    the key. This is the effective tip relief C_eff of ISO/TS 6336-22 with the computed stiffness. The lengths are those
-    of `relief_lengths` and their mean. Misalignment and modifications of the scene remain, except tip and root reliefs.
-
-    Returns
-    -------
-    rows with stage, torque (N m), amount (um), length (mm) and transmission error (um); none where no length is usual,
-    and for the model `iso`, which does not model the effect of tip relief on load sharing
-    """
-    gears, given = found.pair, found.flanks.modifications
-    lengths = relief_lengths(gears)
-    if lengths is None or found.drive.model == "iso":
-        return []
-    deflection = found.stiffness(modified=False, force=state.force).transmission_error.max()  # without misalignment
-    most = 1e6 * min(deflection, LARGEST_PART * gears.pinion.normal_module, 1e-3)
-    amounts = [float(f"{most * step / RELIEF_AMOUNTS:.3g}") for step in range(1, RELIEF_AMOUNTS + 1)]
-    reliefs = [(amount, float(f"{length:.3g}")) for length in 1e3 * np.linspace(*lengths, 3) for amount in amounts]
-    rows, position = [], np.arange(-1, PER_CYCLE + 1) / PER_CYCLE
-    for amount, length in ((0.0, 0.0), *reliefs):
-        relief = Relief(amount=1e-6 * amount, length=1e-3 * length) if amount else None
-        pinion, wheel = (replace(own, tip_relief=relief, root_relief=None) for own in (given.pinion, given.wheel))
-        added = PairModifications(pinion=pinion, wheel=wheel, misalignment=Misalignment())  # that of the law remains
-        relieved = replace(found, healthy=modified_law(found.unmodified, gears, added))
-        case = _Case(laws=relieved, state="healthy", faulty=False, modified=True, passage=Passage(name="", cycle=0.0))
-        rows.append(
-            {
-                "stage": found.stage,
-                "torque N m": state.force * gears.pinion.base_radius,
-                "amount um": amount,
-                "length mm": length,
-                "TE p-p um": 1e6 * _peak_to_peak(_error(case, state), position),
-            }
-        )
-    return rows
 
 
 def write_curves(curves: xarray.Dataset, path: Path) -> None:

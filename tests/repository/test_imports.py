@@ -70,7 +70,7 @@ def test_package_files_are_light():
     wrong = []
     for path in packages:
         name, lines = module_name(path), len(text(path).splitlines())
-        if lines > (95 if name == "gearcase" else 20):  # the list of public names
+        if lines > (105 if name == "gearcase" else 20):  # the list of public names
             wrong.append(f"{name}: {lines} lines")
         at_import = [node for node in nodes(path)[0].body if isinstance(node, ast.Import | ast.ImportFrom)]
         names = {alias.name for node in at_import for alias in node.names}

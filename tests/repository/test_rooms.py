@@ -57,6 +57,7 @@ ROOMS = (  # from the ground up: a room imports from itself and from what stands
     "pipelines.datasets",
     "pipelines.studies.housings",
     "pipelines.studies.detect",
+    "pipelines.studies.design",
     "pipelines.studies.spread",
     "pipelines.studies.calibrate",
     "pipelines.studies.trade",

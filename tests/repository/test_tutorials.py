@@ -21,7 +21,10 @@ from pipelines.scene.file import load_scene
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
 PAGES = [page for page in PAGES if "reference" not in page.parts and "gallery" not in page.parts]
-TUTORIALS = [ROOT / "docs" / "first-steps.md", *sorted((ROOT / "docs" / "tutorials").glob("*.md"))]
+TUTORIALS = [
+    *(ROOT / "docs" / name for name in ("first-steps.md", "design.md")),
+    *sorted((ROOT / "docs" / "tutorials").glob("*.md")),
+]
 BLOCK = re.compile(r"(?:File\s`(?P<file>[\w.-]+)`[^`]*)?^```(?P<kind>\w+)\n(?P<text>.*?)^```", re.M | re.S)
 
 

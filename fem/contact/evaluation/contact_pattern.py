@@ -58,12 +58,9 @@ def contact_pattern(
     local = np.linspace(law.position_start - overlap, last + overlap, POSITIONS)
     cycles = tooth + local
     curve = stiffness_curve(law, force, cycles, psi=tilt, clearance_pinion=teeth[0], clearance_wheel=teeth[1])
-    found = np.zeros((POSITIONS, law.face_coordinate.size))
-    for row, c, delta, psi in zip(found, cycles, curve.transmission_error, curve.tilt, strict=True):
-        pairs, loads = evaluator.line_loads(float(c), float(delta), float(psi), *teeth)
-        own = pairs == tooth
-        if own.any():
-            row[:] = contact_pressure(pair, law, float(c), pairs[own], loads[own])[0]
+    pairs, loads = evaluator.line_loads(cycles, curve.transmission_error, curve.tilt, *teeth)
+    own = np.where((pairs == tooth)[..., None], loads, 0.0)
+    found = contact_pressure(pair, law, cycles, pairs, own).max(axis=1)
     rolls = _flank_rolls(pair, gear)
     xi = _position(pair, gear, rolls)
     pressure = np.column_stack(

@@ -26,15 +26,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem.contact.evaluation.contacts import NEAR_ROOM
-from fem.contact.evaluation.kernel import evaluate_many, first_touch
+from fem.contact.evaluation.kernel import approach_many, evaluate_many, first_touch
 from fem.contact.evaluation.law_tables import LARGEST_NEAR, MAX_SPAN, pack
 from fem.contact.law import MeshLaw
 from fem.contact.teeth import LawError, checked_terms
 
 Teeth = np.ndarray | None  # terms (z, 6), clearances (z,) in m, or None for sound teeth without deviation
 Values = np.ndarray | float
-
-_ROUNDS = 200
 
 
 class MeshResponse(NamedTuple):
@@ -84,20 +82,25 @@ class LawEvaluator:
         return self._respond(cycle, delta, psi, *self.teeth(pinion, wheel))
 
     def line_loads(
-        self, cycle: float, delta: float, psi: float = 0.0, pinion: Teeth = None, wheel: Teeth = None
+        self, cycle: Values, delta: Values, psi: Values = 0.0, pinion: Teeth = None, wheel: Teeth = None
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Numbers p (n,) of the loaded pairs and their loads (n, slice) per face width at one state, N/m.
+        """Numbers p (n, pair) of all pairs that may be near mesh at n states, and their loads (n, pair, slice), N/m.
 
         The load is phi f, what the strain energy loses per width and gap opened there.
 
         Parameters
         ----------
-        cycle, delta, psi : 1, m, rad
+        cycle, delta, psi : 1, m, rad, numbers or (n,)
         pinion, wheel : see `Teeth`
         """
-        pairs, loads = self._near_loads(cycle, delta, psi, pinion, wheel)
-        loaded = loads.any(axis=1)
-        return pairs[loaded], loads[loaded]
+        law = self.law
+        last = law.position_start + (law.compliance.size - 1) * law.position_step
+        reach = math.ceil(max(abs(law.position_start), abs(last)) + float(np.abs(law.cycle_shift).max())) + 1
+        c = np.broadcast_arrays(np.atleast_1d(cycle), delta, psi)[0]
+        loads = np.zeros((c.size, 2 * reach + 1, law.face_coordinate.size))
+        self._respond(c, delta, psi, *self.teeth(pinion, wheel), loads)
+        first = np.floor(law.cycle_sign * c + law.cycle_offset).astype(int)
+        return first[:, None] + np.arange(-reach, reach + 1), loads
 
     def shares(
         self, cycle: float, delta: float, psi: float = 0.0, pinion: Teeth = None, wheel: Teeth = None
@@ -109,8 +112,8 @@ class LawEvaluator:
         cycle, delta, psi : 1, m, rad
         pinion, wheel : see `Teeth`
         """
-        pairs, loads = self._near_loads(cycle, delta, psi, pinion, wheel)
-        return pairs, loads @ self.law.slice_width
+        pairs, loads = self.line_loads(cycle, delta, psi, pinion, wheel)
+        return pairs[0], loads[0] @ self.law.slice_width
 
     def no_load(self, cycle: Values, psi: Values = 0.0, pinion: Teeth = None, wheel: Teeth = None) -> np.ndarray:
         """delta (n,) in m at which the force of the law begins: the least gap + h - psi y over its slices and pairs.
@@ -137,47 +140,32 @@ class LawEvaluator:
         return found
 
     def approach_at(
-        self, force: float, cycle: Values, psi: Values = 0.0, pinion: Teeth = None, wheel: Teeth = None
+        self, force: Values, cycle: Values, psi: Values = 0.0, pinion: Teeth = None, wheel: Teeth = None
     ) -> np.ndarray:
-        """delta (n,) in m at which the law carries a force: safeguarded Newton on the rising F(delta).
+        """delta in m at which the law carries a force, (n,), or forces, (n, m).
 
         Parameters
         ----------
-        force : N, > 0
-        cycle, psi : 1, rad, numbers or (n,)
+        force : N, > 0, a number or (m,), ascending
+        cycle : 1, a number or (n,)
+        psi : rad, a number or (n,)
         pinion, wheel : see `Teeth`
 
         Raises
         ------
         LawError : no pair can touch, or the force is not reached within the gaps that the law knows
         """
-        teeth = self.teeth(pinion, wheel)
-        low = self.no_load(cycle, psi, *teeth)
-        high, c = low + 1e-6, np.broadcast_to(cycle, low.shape)
-        for _ in range(60):
-            short = self._respond(c, high, psi, *teeth).force < force
-            if not short.any():
-                break
-            low, high = np.where(short, high, low), np.where(short, high + 2.0 * (high - low), high)
-        delta = high.copy()
-        for _ in range(_ROUNDS):
-            r = self._respond(c, delta, psi, *teeth)
-            rest = force - r.force
-            if np.all(np.abs(rest) <= 1e-12 * force):
-                return delta
-            low, high = np.where(rest > 0.0, delta, low), np.where(rest < 0.0, delta, high)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                trial = delta + rest / r.stiffness
-            trial = np.where(np.isfinite(trial) & (trial > low) & (trial < high), trial, 0.5 * (low + high))
-            if np.all(np.abs(trial - delta) <= 4e-16 * np.abs(delta)):
-                return trial
-            delta = trial
-        worst = int(np.argmax(np.abs(rest)))
-        raise LawError(
-            f"mesh law {self.law.model!r}: F = {force:.6g} N is not reached at cycle {c[worst]:.6g} (off by "
-            f"{rest[worst]:.3g} N at delta {delta[worst]:.4g} m): the deflection is beyond the tip-edge gaps that the "
-            "law contains. Reduce the force"
-        )
+        forces, teeth = np.atleast_1d(np.asarray(force, dtype=float)), self.teeth(pinion, wheel)
+        c, tilt = (np.array(v, dtype=float) for v in np.broadcast_arrays(np.atleast_1d(cycle), psi))
+        found = np.empty((c.size, forces.size))
+        approach_many(self.packed, forces, c, tilt, *teeth, self.no_load(c, tilt, *teeth), found)
+        if np.isnan(found).any():
+            row, column = np.argwhere(np.isnan(found))[0]
+            raise LawError(
+                f"mesh law {self.law.model!r}: F = {forces[column]:.6g} N is not reached at cycle {c[row]:.6g}: the "
+                "deflection is beyond the tip-edge gaps that the law contains. Reduce the force"
+            )
+        return found[:, 0] if np.ndim(force) == 0 else found
 
     def teeth(self, pinion: Teeth, wheel: Teeth) -> tuple[np.ndarray, np.ndarray]:
         """Tooth terms (z1, 6) and (z2, 6) of what is given as `Teeth`.
@@ -199,17 +187,6 @@ class LawEvaluator:
                 )
             checked.append(terms)
         return checked[0], checked[1]
-
-    def _near_loads(
-        self, cycle: float, delta: float, psi: float, pinion: Teeth, wheel: Teeth
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Numbers (n,) of all pairs that may be near mesh and their line loads (n, slice)."""
-        law = self.law
-        last = law.position_start + (law.compliance.size - 1) * law.position_step
-        reach = math.ceil(max(abs(law.position_start), abs(last)) + float(np.abs(law.cycle_shift).max())) + 1
-        loads = np.zeros((1, 2 * reach + 1, law.face_coordinate.size))
-        self._respond(cycle, delta, psi, *self.teeth(pinion, wheel), loads)
-        return math.floor(law.cycle_sign * cycle + law.cycle_offset) + np.arange(-reach, reach + 1), loads[0]
 
     def _respond(
         self, cycle: Values, delta: Values, psi: Values, pinion: np.ndarray, wheel: np.ndarray, loads: Any = None

@@ -6,11 +6,19 @@ tooth terms of `fem.contact.teeth`. The mathematics is in `fem.contact.evaluatio
 
 from __future__ import annotations
 
+import math
+
 from fem.contact.evaluation.contacts import near_pairs, nearest_approach
 from fem.contact.evaluation.law_tables import unpacked
 from fem.contact.evaluation.solver import respond
 from fem.numerics.compiled import stored
 from fem.numerics.inner import UNCOUNTED
+
+ROUNDS = 200
+CLOSE = 1e-12  # of the force
+STEP = 1e-6  # m, above the approach of first touch
+LONGEST = 4.0  # times the approach
+ROUNDED = 4e-16  # of the approach
 
 
 @stored(__file__, **UNCOUNTED)
@@ -66,3 +74,39 @@ def first_touch(packed, cycles, psi, pinion, wheel, memory, found):
         own_cycle = law.sign * cycles[i] + law.offset
         near = near_pairs(law, own_cycle, pinion, wheel, memory)
         found[i] = -nearest_approach(law, near, own_cycle, psi[i])
+
+
+@stored(__file__, **UNCOUNTED)
+def approach_many(packed, forces, cycles, psi, pinion, wheel, touch, found):
+    """delta at which the law carries forces: safeguarded Newton on the rising F(delta).
+
+    It starts from the position before and the force before, whose solutions are near. A trial outside the bracket is
+    replaced by its middle, or without an upper end by a step away from the lower one.
+
+    Parameters
+    ----------
+    packed, pinion, wheel : as in `evaluate`
+    forces : (m,) N, > 0, ascending
+    cycles, psi : (n,) mesh cycles c (1) and tilts (rad)
+    touch : (n,) delta_0, see `first_touch`
+    found : (n, m) out: delta in m, nan where the force is not reached
+    """
+    for i in range(len(cycles)):
+        for j in range(len(forces)):
+            delta = found[i - 1, j] if i > 0 else touch[i]
+            if j > 0:
+                delta = found[i, j - 1] + (delta - found[i - 1, j - 1] if i > 0 else 0.0)
+            delta, low, high = max(delta, touch[i] + STEP), touch[i], math.inf
+            found[i, j] = math.nan
+            for _ in range(ROUNDS):
+                response = respond(packed, cycles[i], delta, psi[i], pinion, wheel, pinion[:0])
+                rest = forces[j] - response[0]
+                low, high = (delta, high) if rest > 0.0 else (low, delta)
+                trial = delta + rest / response[3] if response[3] > 0.0 else math.inf
+                most = high if high < math.inf else low + LONGEST * (abs(low) + STEP)
+                if not low < trial < most:
+                    trial = 0.5 * (low + most)
+                if abs(rest) <= CLOSE * forces[j] or abs(trial - delta) <= ROUNDED * abs(delta):
+                    found[i, j] = delta
+                    break
+                delta = trial

@@ -183,12 +183,10 @@ def _sharing(
     evaluator: LawEvaluator, c: np.ndarray, delta: np.ndarray, tilt: np.ndarray, h1: np.ndarray, h2: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Pair numbers (m,) loaded anywhere, and their forces (n, m) in N."""
-    found = [evaluator.shares(*state, h1, h2) for state in zip(c, delta, tilt, strict=True)]
-    first = min(int(p[0]) for p, _ in found)
-    last = max(int(p[-1]) for p, _ in found)
-    force = np.zeros((c.size, last - first + 1))
-    for row, (p, f) in zip(force, found, strict=True):
-        row[p[0] - first : p[-1] - first + 1] = f
+    pairs, loads = evaluator.line_loads(c, delta, tilt, h1, h2)
+    known = np.arange(pairs.min(), pairs.max() + 1)
+    force = np.zeros((c.size, known.size))
+    np.put_along_axis(force, pairs - known[0], loads @ evaluator.law.slice_width, axis=1)
     used = np.flatnonzero(force.any(axis=0))
     keep = slice(used[0], used[-1] + 1)
-    return np.arange(first, last + 1)[keep], force[:, keep]
+    return known[keep], force[:, keep]

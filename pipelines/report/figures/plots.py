@@ -14,6 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation
 
+from fem.contact.evaluation.mesh_cycle import ORDERS, order_amplitudes
 from pipelines.report.figures.colours import FAULTY, HEALTHY
 from pipelines.signals.analysis import channel
 
@@ -28,7 +29,6 @@ LETTER = 0.085  # inches, mean width of a letter of 10 points
 HEADLINE = 0.3  # inches, height of a title of the whole figure
 LABEL_BELOW, LABEL_LEFT = 0.29, 0.62  # inches from the axes to their labels, with room for the numbers
 RPM = 30 / np.pi
-ORDERS = 8  # of the mesh frequency, in figures
 _LISTED = 5  # of the mesh frequency, in tables
 
 
@@ -251,15 +251,10 @@ class TransmissionErrors:
                 "stage": self.stage,
                 "torque N m": self.torque,
                 "flanks": state,
-                **{f"order {k} um": 1e6 * float(size) for k, size in enumerate(orders(error)[:_LISTED], 1)},
+                **{f"order {k} um": 1e6 * float(size) for k, size in enumerate(order_amplitudes(error)[:_LISTED], 1)},
             }
             for state, error in self.states.items()
         ]
-
-
-def orders(error: np.ndarray) -> np.ndarray:
-    """Amplitudes (order,) of the orders 1, 2, ... of the mesh frequency of one whole mesh cycle (position,)."""
-    return np.asarray(2 * np.abs(np.fft.rfft(error))[1 : ORDERS + 1] / error.size)
 
 
 def transmission_error_figure(title: str, errors: Sequence[TransmissionErrors]) -> Figure:
@@ -289,7 +284,7 @@ def transmission_error_figure(title: str, errors: Sequence[TransmissionErrors]) 
                 varying = 1e6 * (values - values.mean())
                 curves.plot(error.cycle, varying, color=colour, ls="--" if before else "-", label=label)
                 at = np.arange(1, ORDERS + 1) + 0.8 * ((place + 0.5) / count - 0.5)
-                lines.bar(at, 1e6 * orders(values), 0.8 / count, facecolor="none" if before else colour,
+                lines.bar(at, 1e6 * order_amplitudes(values), 0.8 / count, facecolor="none" if before else colour,
                           edgecolor=colour, lw=0.8)  # fmt: skip
                 place += 1
         curves.margins(x=0)

@@ -78,24 +78,13 @@ def mesh_frames(
     curve, states = (
         stiffness_curve(law, load, places, clearance_pinion=pinion, clearance_wheel=wheel) for places in (whole, cycles)
     )
-    evaluator = LawEvaluator(law)
-    solved = [
-        evaluator.line_loads(float(c), float(d), 0.0, pinion, wheel)
-        for c, d in zip(cycles, states.transmission_error, strict=True)
-    ]
-    most = max(pairs.size for pairs, _ in solved)
-    shape = (cycles.size, most, law.face_coordinate.size)
-    points, loads, pressure = np.full((*shape, 3), np.nan), np.full(shape, np.nan), np.full(shape, np.nan)
-    for frame, (pairs, load_of) in enumerate(solved):
-        own = law.cycle_sign * cycles[frame] + law.cycle_offset
-        xi = own - pairs[:, None] + law.cycle_shift
-        touching = load_of > 0.0
-        n = pairs.size
-        points[frame, :n] = contact_places(pair, xi, law.face_coordinate)
-        loads[frame, :n] = np.where(touching, load_of, np.nan)
-        pressed = contact_pressure(pair, law, float(cycles[frame]), pairs, load_of)
-        pressure[frame, :n] = np.where(touching, pressed, np.nan)
-    return MeshFrames(name=name, points=points, load=loads, pressure=pressure, curve=curve)
+    pairs, loads = LawEvaluator(law).line_loads(cycles, states.transmission_error, 0.0, pinion, wheel)
+    own = law.cycle_sign * cycles + law.cycle_offset
+    points = contact_places(pair, own[:, None, None] - pairs[..., None] + law.cycle_shift, law.face_coordinate)
+    points[~loads.any(axis=2)] = np.nan
+    pressure = np.where(loads > 0.0, contact_pressure(pair, law, cycles, pairs, loads), np.nan)
+    lines = np.where(loads > 0.0, loads, np.nan)
+    return MeshFrames(name=name, points=points, load=lines, pressure=pressure, curve=curve)
 
 
 def contact_places(pair: GearPair, xi: np.ndarray, face: np.ndarray) -> np.ndarray:

@@ -37,28 +37,34 @@ class Over:
         return self.key.rpartition(".")[2]
 
 
-def parse_over(text: str) -> Over:
+def parse_over(text: str, option: str = "--over", example: str = _EXAMPLE) -> Over:
     """`KEY=from:to:step`, whose end belongs to it, or `KEY=a,b,c`.
+
+    Parameters
+    ----------
+    text : of the command line
+    option, example : name of the option, and the end of its messages
 
     Raises
     ------
     InputError : there is no key, a value is none, a range has no end, or there are more than MOST_VALUES
     """
     key, equals, given = text.partition("=")
+    given_as = f"{option} {shown(text)}"
     if not equals or not all(part.strip() for part in key.split(".")):
-        raise InputError(f"--over {shown(text)}: is not a key with values. {_EXAMPLE}")
+        raise InputError(f"{given_as}: is not a key with values. {example}")
     parts = given.split(":")
     if len(parts) == 2:
-        raise InputError(f"--over {shown(text)}: the step is missing. {_EXAMPLE}")
-    values = _range(text, parts) if len(parts) == 3 else _listed(text, given)
+        raise InputError(f"{given_as}: the step is missing. {example}")
+    values = _range(given_as, example, parts) if len(parts) == 3 else _listed(given_as, example, given)
     if len(set(values)) < len(values):
-        raise InputError(f"--over {shown(text)}: a value is given twice. Give each value once.")
+        raise InputError(f"{given_as}: a value is given twice. Give each value once.")
     return Over(key=key.strip(), values=tuple(values))
 
 
-def _range(text: str, parts: list[str]) -> list[float | int]:
+def _range(given_as: str, example: str, parts: list[str]) -> list[float | int]:
     """Decimal arithmetic, so that 0.2:2:0.2 has 0.6 in it and not 0.6000000000000001."""
-    refusal = f"--over {shown(text)}: from, to and step must be numbers, and the step not 0. {_EXAMPLE}"
+    refusal = f"{given_as}: from, to and step must be numbers, and the step not 0. {example}"
     try:
         start, end, step = (Decimal(part.strip()) for part in parts)
     except InvalidOperation:
@@ -67,9 +73,9 @@ def _range(text: str, parts: list[str]) -> list[float | int]:
         raise InputError(refusal)
     steps = (end - start) / step
     if steps < 0:
-        raise InputError(f"--over {shown(text)}: the step leads away from the end. Change its sign. {_EXAMPLE}")
+        raise InputError(f"{given_as}: the step leads away from the end. Change its sign. {example}")
     if not steps < MOST_VALUES:
-        raise InputError(f"--over {shown(text)}: has more than {MOST_VALUES} values. Increase the step.")
+        raise InputError(f"{given_as}: has more than {MOST_VALUES} values. Increase the step.")
     values = [start + number * step for number in range(int(steps) + 1)]
     whole = all(
         one == one.to_integral_value() and "." not in part for one, part in zip((start, end, step), parts, strict=True)
@@ -77,14 +83,14 @@ def _range(text: str, parts: list[str]) -> list[float | int]:
     return [int(value) if whole else float(value) for value in values]
 
 
-def _listed(text: str, given: str) -> list[Any]:
+def _listed(given_as: str, example: str, given: str) -> list[Any]:
     parts = [part.strip() for part in given.split(",")]
     if not all(parts) or len(parts) > MOST_VALUES:
-        raise InputError(f"--over {shown(text)}: give 1 to {MOST_VALUES} values, separated by commas. {_EXAMPLE}")
+        raise InputError(f"{given_as}: give 1 to {MOST_VALUES} values, separated by commas. {example}")
     try:
         values = [setting_value(part) for part in parts]
     except ValueError as error:
-        raise InputError(f"--over {shown(text)}: {error}. {_EXAMPLE}") from error
+        raise InputError(f"{given_as}: {error}. {example}") from error
     if not all(isinstance(value, bool | int | float | str) for value in values):
-        raise InputError(f"--over {shown(text)}: values must be numbers, texts, true or false. {_EXAMPLE}")
+        raise InputError(f"{given_as}: values must be numbers, texts, true or false. {example}")
     return values

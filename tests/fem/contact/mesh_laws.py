@@ -8,6 +8,13 @@ from fem.contact.law import MeshLaw
 from fem.contact.slice_means import slice_means
 
 
+def line_loads(evaluator, *state, **teeth):
+    """Numbers (n,) of the loaded pairs and their line loads (n, slice) at one state."""
+    (pairs,), (loads,) = evaluator.line_loads(*state, **teeth)
+    loaded = loads.any(axis=1)
+    return pairs[loaded], loads[loaded]
+
+
 def made_up_law(*, hertz=4e-12, neighbours=2, slices=7, helix=0.6, n=201, **changes):
     """Pairs touch over 1.6 pitches, edges beyond; about four candidates meet in a slice, up to three of them loaded."""
     xi = np.linspace(-1.5, 1.5, n)

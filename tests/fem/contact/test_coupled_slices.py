@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from mesh_laws import PLAIN, TERMS, TWO, gap_of_slice, made_up_law, potential_errors, spared_approach
+from mesh_laws import PLAIN, TERMS, TWO, gap_of_slice, line_loads, made_up_law, potential_errors, spared_approach
 from scipy.optimize import root
 
 from fem.contact.evaluation.evaluator import LawError, LawEvaluator
@@ -62,7 +62,7 @@ def dense(law, cycle, delta, psi):
     gap, rise, even, whole = gap_of_slice(law, xi)
     x = delta + psi * y[s] - gap
     weight = phi * w[s]
-    pairs, loads = LawEvaluator(law).line_loads(cycle, delta, psi)  # to start from: the conditions decide
+    pairs, loads = line_loads(LawEvaluator(law), cycle, delta, psi)  # to start from: the conditions decide
     start = np.array([loads[pairs == q, t].sum() for q, t in zip(p, s, strict=True)]) / phi
     on, start = start > 0, np.where(start > 0, start, np.maximum(x + rise, 1e-7) / 3e-10)
     for _ in range(60):
@@ -119,7 +119,7 @@ FIVE_PAIRS = made_up_law(
 )
 def test_five_pairs_in_a_slice_are_the_dense_solution(law):
     for state in ((0.1, 2e-5, 0.0), (0.62, 1.5e-5, 1e-4)):
-        loads = LawEvaluator(law).line_loads(*state)[1]
+        loads = line_loads(LawEvaluator(law), *state)[1]
         assert ((loads > 0.0).sum(axis=0) >= 4).all()
         r = LawEvaluator(law).evaluate(*state)
         force, moment = dense(law, *state)

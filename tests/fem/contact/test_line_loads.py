@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from mesh_laws import made_up_law
+from mesh_laws import line_loads, made_up_law
 
 from benchmarks.gear_pairs import gear_pair
 from fem.contact.contact_pressure import contact_pressure
@@ -25,7 +25,7 @@ def pair():
 def test_loads_sum_to_the_forces_of_the_pairs_and_to_the_moment(pair, model, flank):
     law = model.law(pair, flank)
     cycle, delta, psi = 0.37, 8e-6, 4e-4
-    pairs, loads = LawEvaluator(law).line_loads(cycle, delta, psi)
+    pairs, loads = line_loads(LawEvaluator(law), cycle, delta, psi)
     numbers, force = LawEvaluator(law).shares(cycle, delta, psi)
     whole = LawEvaluator(law).evaluate(cycle, delta, psi)
     assert (loads * law.slice_width).sum(axis=1) == pytest.approx(force[np.isin(numbers, pairs)], rel=1e-6)
@@ -46,7 +46,7 @@ COUPLED = {
 def test_a_line_load_is_what_the_energy_loses_per_gap_opened_there(coupling, slices):
     law, step, state = made_up_law(slices=slices, helix=1.0, neighbours=1, **coupling), 1e-9, (0.3, 1e-5, 1e-4)
     evaluator = LawEvaluator(law)
-    pairs, loads = evaluator.line_loads(*state)
+    pairs, loads = line_loads(evaluator, *state)
     assert pairs.size >= 3
     for s in (0, slices // 2, slices - 1):
         opened = np.where(np.arange(slices) == s, step, 0.0)[:, None]
@@ -64,7 +64,7 @@ def test_a_line_load_is_what_the_energy_loses_per_gap_opened_there(coupling, sli
 def test_a_missing_tooth_carries_nothing(pair):
     law = Iso().law(pair)
     gone = np.where(np.arange(pair.wheel.teeth) == 7, np.inf, 0.0)
-    pairs, _ = LawEvaluator(law).line_loads(7.1, 30e-6, 0.0, None, gone)
+    pairs, _ = line_loads(LawEvaluator(law), 7.1, 30e-6, 0.0, None, gone)
     assert 7 not in pairs
     assert pairs.size > 0
 
@@ -73,7 +73,7 @@ def test_pressure_at_the_pitch_point_is_that_of_two_cylinders(pair):
     law = Iso(slices=1).law(pair)
     load = 100e3 * pair.face_width
     curve = stiffness_curve(law, load, np.array([0.0]))
-    pairs, loads = LawEvaluator(law).line_loads(0.0, float(curve.transmission_error[0]))
+    pairs, loads = line_loads(LawEvaluator(law), 0.0, float(curve.transmission_error[0]))
     pressure = contact_pressure(pair, law, 0.0, pairs, loads)[list(pairs).index(0), 0]
     sine = np.sin(pair.working_pressure_angle)
     radii = [r * sine / np.cos(pair.base_helix_angle) for r in pair.working_radii]

@@ -148,7 +148,7 @@ def test_an_example_prints_what_its_help_shows(capsys, here, own_cache, command)
         (["tradeoff", "minimal", "--error", "2"], "'2' is above 1, that is above 100 %; for 2 per cent write 2%"),
         (
             ["check", "minimal", "--torque", "3"],
-            "arguments: --torque 3. --torque is an option of gears, inspect. Help:",
+            "arguments: --torque 3. --torque is an option of gears, design, inspect. Help:",
         ),
         (["check", "minimal", "--quieet"], "Did you mean --quiet?"),
         (["check", "minimal", "--xyz"], "arguments: --xyz. Help:"),

@@ -1,4 +1,4 @@
-"""Compared tip reliefs, orders of the transmission error, and the one Hertz pressure of `gears` and `inspect`."""
+"""Usual tip reliefs, orders of the transmission error, and the one Hertz pressure of `gears` and `inspect`."""
 
 import math
 
@@ -6,15 +6,21 @@ import numpy as np
 import pytest
 
 import gearcase
+from fem.contact.evaluation.mesh_cycle import order_amplitudes
 from fem.gears.modifications import relief_lengths
-from pipelines.cli.gears import notes
 from pipelines.machine.layout import lay_out
-from pipelines.report.figures.plots import orders
-from pipelines.runs.gear_curves import MeshState, gear_curves, gear_rows, relief_errors, transmission_errors
+from pipelines.runs.gear_curves import MeshState, gear_curves, gear_rows, transmission_errors
 from pipelines.scene.file import load_scene
 
 SPUR = {"stages.1.pinion_teeth": 23, "stages.1.wheel_teeth": 57, "stages.1.module_mm": 3.0,
         "stages.1.face_width_mm": 25.0, "stages.1.mesh.slices": 1}  # fmt: skip
+
+
+def searched(settings, *, force, **options):
+    """The default search at one force."""
+    scene = gearcase.Scene.from_file("pair").changed(SPUR | settings)
+    radius = lay_out(scene.loaded.scene).pairs[0].pinion.base_radius
+    return gearcase.design(scene, torques=[force * radius], **options)
 
 
 def pair(**changes):
@@ -50,62 +56,54 @@ def test_teeth_with_two_or_three_pairs_in_contact_have_no_usual_length():
     gears = lay_out(load_scene("pair", settings).scene).pairs[0]
     assert gears.transverse_contact_ratio > 2
     assert relief_lengths(gears) is None
-    assert relief_errors(pair(**settings), MeshState(force=1000.0, tilt=0.0)) == []
+    with pytest.raises(gearcase.InputError, match=r"contact ratio 2\.\d+, which is not between 1 and 2. Set --vary"):
+        searched(settings, force=1000.0)
 
 
 def test_the_largest_amount_is_the_deflection_of_one_tooth_pair():
     """C_eff = F / (b c') with c' = 15.09 N/(mm um) of a separate finite-element program at the pitch point, 50 N/mm."""
-    found = pair(**{
+    settings = {
         "stages.1.pinion_teeth": 20, "stages.1.wheel_teeth": 55, "stages.1.module_mm": 2.0,
         "stages.1.face_width_mm": 30.0, "stages.1.pinion_bore_mm": 35.0 / 1.4, "stages.1.wheel_bore_mm": 105.0 / 1.4,
-    })  # fmt: skip
-    whole = relief_errors(found, MeshState(force=1500.0, tilt=0.0))[-1]["amount um"]
+    }  # fmt: skip
+    amounts, lengths = searched(settings, force=1500.0).designs.task.variables.given
     at_pitch_point = 1500.0 / 30.0 / 15.09
-    assert at_pitch_point <= whole * 1.01
-    assert whole == pytest.approx(at_pitch_point, rel=0.06)
+    assert amounts.values == (0, 1, 2, 3, math.ceil(1.06 * at_pitch_point))
+    short, long = relief_lengths(lay_out(load_scene("pair", SPUR | settings).scene).pairs[0])
+    assert lengths.values[0] == pytest.approx(1e3 * short, abs=0.05)
+    assert lengths.values[-1] == pytest.approx(1e3 * long, abs=0.1)
 
 
 @pytest.mark.parametrize("helix", [0.0, 12.0])
-def test_the_best_relief_in_a_scene_gives_the_transmission_error_that_is_printed(helix):
+def test_the_best_relief_in_a_scene_has_the_transmission_error_and_the_pressure_of_its_design(helix):
     """The full deflection of a helical pair would leave more transmission error than no relief with a short length."""
     settings = {"stages.1.helix_angle_deg": helix, "stages.1.mesh.slices": 15 if helix else 1}
+    study = searched(settings, force=6000.0, limits=["pressure <= 5000"])
+    none, best = study.rows()
+    assert best["te um"] < 0.35 * none["te um"]
+    relieved = pair(**settings, **study.settings("A"))
     state = MeshState(force=6000.0, tilt=0.0)
-    none, *others = relief_errors(pair(**settings), state)
-    best = min(others, key=lambda row: row["TE p-p um"])
-    (line,) = (line for line in notes([], [none, *others]) if "reduces" in line)
-    assert f"amount_um = {best['amount um']:g}, length_mm = {best['length mm']:g} reduces" in line
-    assert best["TE p-p um"] < 0.35 * none["TE p-p um"]
-    relief = {"amount_um": best["amount um"], "length_mm": best["length mm"]}
-    relieved = pair(**settings, **{"stages.1.pinion.tip_relief": relief, "stages.1.wheel.tip_relief": relief})
-    unmodified, modified = gear_rows([relieved], gear_curves([relieved], [state]))
-    assert none["TE p-p um"] == pytest.approx(unmodified["TE p-p um"], rel=1e-6)
-    assert best["TE p-p um"] == pytest.approx(modified["TE p-p um"], rel=1e-6)
+    rows = gear_rows([relieved], gear_curves([relieved], [state]))
+    for design, row in zip((none, best), rows, strict=True):
+        assert design["te um"] == pytest.approx(row["TE p-p um"], rel=0.01)
+        assert design["pressure MPa"] == pytest.approx(row["pressure MPa"], rel=0.02)
 
 
-def test_other_modifications_of_the_scene_stay_with_the_compared_reliefs():
-    changed = pair(**{"stages.1.pinion.profile_crowning_um": 8.0, "stages.1.pinion.tip_relief": {
-        "amount_um": 5.0, "length_mm": 3.0}})  # fmt: skip
-    state = MeshState(force=6000.0, tilt=0.0)
-    crowned = pair(**{"stages.1.pinion.profile_crowning_um": 8.0})
-    assert relief_errors(changed, state) == relief_errors(crowned, state)
-    assert relief_errors(crowned, state)[0]["TE p-p um"] != relief_errors(pair(), state)[0]["TE p-p um"]
-
-
-def test_where_every_relief_increases_the_transmission_error_none_is_best():
-    rows = [{"stage": 1, "torque N m": 50.0, "amount um": a, "length mm": 2 * a, "TE p-p um": 1.0 + a} for a in (0, 1)]
-    assert "stage 1, 50 N m on the pinion: no tip relief is better: TE p-p 1 um, with relief at least 2 um" in notes(
-        [], rows
-    )
+def test_other_modifications_of_the_scene_stay_with_the_searched_reliefs():
+    crowned = {"stages.1.pinion.profile_crowning_um": 8.0}
+    relieved = crowned | {"stages.1.pinion.tip_relief": {"amount_um": 5.0, "length_mm": 3.0}}
+    found = [searched(settings, force=6000.0).designs.objectives for settings in (crowned, relieved, {})]
+    assert np.array_equal(found[0], found[1])
+    assert not np.isclose(found[0], found[2]).any()
 
 
 def test_amounts_end_at_the_limit_of_their_key():
     """Above 0.1 modules (0.3 mm) no relief can be set."""
-    assert relief_errors(pair(), MeshState(force=1e6, tilt=0.0))[-1]["amount um"] == 300.0
+    assert searched({}, force=1e6).designs.task.variables.given[0].values[-1] == 296
 
 
 def test_one_load_beyond_the_table_of_the_law_has_one_warning(caplog):
     found, state = pair(), MeshState(force=3e5, tilt=0.0)
-    relief_errors(found, state)
     gear_curves([found], [state])
     transmission_errors(found, state)
     assert len({record.getMessage() for record in caplog.records}) == 1
@@ -114,7 +112,7 @@ def test_one_load_beyond_the_table_of_the_law_has_one_warning(caplog):
 def test_orders_are_the_amplitudes_of_the_waves():
     c = np.arange(256) / 256
     error = 5.0 + 2.0 * np.cos(2 * np.pi * c + 0.4) + 0.5 * np.sin(6 * np.pi * c)
-    assert orders(error) == pytest.approx([2.0, 0.0, 0.5, 0, 0, 0, 0, 0], abs=1e-12)
+    assert order_amplitudes(error) == pytest.approx([2.0, 0.0, 0.5, 0, 0, 0, 0, 0], abs=1e-12)
 
 
 def test_a_pair_without_modifications_has_one_curve_and_no_row_for_it():

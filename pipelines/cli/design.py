@@ -1,0 +1,97 @@
+"""`gearcase design`: flank modifications with the least transmission error, pressure and load factor."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+
+from pipelines.cli.command_line import scene_and_work, work_arguments
+from pipelines.io.argument_types import count, from_zero, path, positive
+
+HELP = """\
+Search for the best flank modifications of a stage: tip reliefs of both gears, or what --vary gives. Print the best
+candidates, evaluated with values as they are manufactured, and the settings of the best design for each objective. A
+repeated search continues where it ended. Takes seconds for nominal pairs, and minutes with --samples."""
+EXAMPLE = """\
+gearcase design bench --vary both.tip_relief.amount_um=0:30:2 --vary both.tip_relief.length_mm=0.5:4:0.5
+...
+--set stages.1.pinion.tip_relief.amount_um=...
+..."""
+
+
+def arguments(sub: argparse.ArgumentParser) -> None:
+    """Variables, objectives, limits and loads; defaults are those of `DesignOptions`."""
+    work_arguments(sub)
+    sub.add_argument(
+        "--out",
+        metavar="FILE",
+        type=path,
+        help="write a page with the front, the transmission error before and after, and TOML to paste, .html",
+    )
+    sub.argument_default = argparse.SUPPRESS
+    sub.add_argument("--stage", metavar="N", type=count, help="number of the stage (default 1)")
+    sub.add_argument(
+        "--vary",
+        metavar="KEY=VALUES",
+        action="append",
+        help="modification to vary, as GEAR.KEY=LOW:HIGH[:STEP] or GEAR.KEY=A,B,C with GEAR pinion, wheel or both; "
+        "default steps 1 um and 0.1 mm; repeatable (default: tip reliefs of both gears, up to the deflection)",
+    )
+    sub.add_argument(
+        "--minimize",
+        metavar="NAME",
+        nargs="+",
+        help="te, te-max, te1 to te8, pressure or load-factor, also with a statistic over the deviations as in "
+        "te:q90 (default te)",
+    )
+    sub.add_argument(
+        "--limit", metavar="TEXT", action="append", dest="limits", help='limit, as in "pressure <= 1200"; repeatable'
+    )
+    sub.add_argument(
+        "--torque",
+        metavar="N_M",
+        type=positive,
+        nargs="+",
+        dest="torques",
+        help="torques on the pinion, N m (default: 25, 50, 75 and 100 %% of that of the scene)",
+    )
+    sub.add_argument(
+        "--samples",
+        metavar="N",
+        type=count,
+        help="number of pairs with random profile and helix deviations of ISO 1328-1, in the class of the scene "
+        "(default: the nominal pair only)",
+    )
+    sub.add_argument(
+        "--misalignment",
+        metavar="UM",
+        type=from_zero,
+        dest="misalignment_um",
+        help="largest misalignment of these pairs over the face width, um (default 0)",
+    )
+    sub.add_argument("--seed", metavar="N", type=count, help="seed of search and deviations (default 1)")
+    sub.add_argument(
+        "--evaluations",
+        metavar="N",
+        type=count,
+        help="number of candidates up to which all are evaluated; with more a genetic algorithm searches, which needs "
+        "pip install 'gearcase[design]' (default 2000)",
+    )
+
+
+def main(options: argparse.Namespace) -> Iterator[str]:
+    """Search; print the table and the settings of the best designs, write the page."""
+    from dataclasses import fields
+
+    from pipelines.io.user_files import writable_file
+    from pipelines.studies.design.design_page import words, write_page
+    from pipelines.studies.design.design_study import DesignOptions, design_study
+
+    target = None if options.out is None else writable_file(options.out, endings=(".html",))
+    loaded, work = scene_and_work(options)
+    given = {one.name: getattr(options, one.name) for one in fields(DesignOptions) if hasattr(options, one.name)}
+    found = design_study(loaded, DesignOptions(**given), work)
+    yield from words(found)
+    if target is not None:
+        write_page(found, target)
+        yield str(target)

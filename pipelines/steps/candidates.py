@@ -1,0 +1,104 @@
+"""Step `candidates`: what a gear pair with modified flanks does under load, for many modifications.
+
+Modifications do not change the compliances, so each candidate is a few static contact problems with the same mesh law.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.contact.evaluation.evaluator import LawEvaluator, Teeth
+from fem.contact.evaluation.mesh_cycle import ORDERS, mesh_cycle, order_amplitudes
+from fem.contact.faults.changed_law import modified_law
+from fem.contact.law import MeshLaw
+from fem.contact.teeth import LawError, tooth_terms
+from fem.gears.flank_deviations import sample_flank_deviations
+from fem.gears.gear_checks import GeometryError
+from fem.gears.geometry import GearPair
+from fem.gears.modifications import PairModifications
+
+
+@dataclass(frozen=True, kw_only=True)
+class Conditions:
+    """Loads and deviations under which candidates are compared.
+
+    forces : (load,) N along the line of action, ascending
+    positions : in a mesh cycle
+    samples : seeds of the deviations; the nominal pair is evaluated as well
+    grade : ISO 1328-1 tolerance class of the samples
+    misalignment : half width (m over the face) of their uniform distribution of misalignments
+    loaded : the quantities at the greatest force are computed, too
+    """
+
+    pair: GearPair
+    forces: tuple[float, ...]
+    positions: int = 32
+    samples: tuple[int, ...] = ()
+    grade: int = 5
+    misalignment: float = 0.0
+    loaded: tuple[str, ...] = ()
+
+    def states(self) -> Iterator[tuple[float, tuple[Teeth, Teeth]]]:
+        """Tilt (rad) and teeth of the nominal pair, then those of each sample."""
+        yield 0.0, (None, None)
+        for seed in self.samples:
+            tilt = self.misalignment * np.random.default_rng([seed, 6336]).uniform(-1.0, 1.0) / self.pair.face_width
+            yield tilt, _mean_teeth(self.pair, self.grade, seed)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CandidateResults:
+    """Arrays over (candidate, sample, ...), SI; sample 0 is the nominal pair. NaN: the candidate is not possible."""
+
+    error: np.ndarray  # (candidate, load, position), m, of the nominal pair
+    peak_to_peak: np.ndarray  # (candidate, sample, load), m
+    orders: np.ndarray  # (candidate, sample, load, order), m
+    loaded: dict[str, np.ndarray]  # (candidate, sample) by name, at the greatest force
+
+
+def _mean_teeth(pair: GearPair, grade: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Terms (tooth, 6) of pinion and wheel: the mean of the profile and helix deviations on all teeth.
+
+    Pitch deviations have a mean of zero.
+    """
+    found = []
+    for number, name in enumerate(("pinion", "wheel")):
+        drive = sample_flank_deviations(pair, name, grade, 1000 * seed + number, profile=True, helix=True)["drive"]
+        terms = tooth_terms(getattr(pair, name).teeth, **drive)
+        found.append(np.broadcast_to(terms.mean(axis=0), terms.shape))
+    return found[0], found[1]
+
+
+def build(
+    conditions: Conditions, candidates: Sequence[PairModifications], *, laws: tuple[MeshLaw, MeshLaw]
+) -> CandidateResults:
+    """Evaluate candidates.
+
+    Parameters
+    ----------
+    conditions, candidates : loads and deviations, and the modifications of the pair
+    laws : of the pair without modifications
+    """
+    shape = len(candidates), 1 + len(conditions.samples)
+    error = np.full((len(candidates), len(conditions.forces), conditions.positions), np.nan)
+    ranges = np.full((*shape, len(conditions.forces)), np.nan)
+    orders = np.full((*ranges.shape, ORDERS), np.nan)
+    loaded = {name: np.full(shape, np.nan) for name in conditions.loaded}
+    pair, forces, states = conditions.pair, np.array(conditions.forces), list(conditions.states())
+    for number, modifications in enumerate(candidates):
+        try:
+            evaluator = LawEvaluator(modified_law(laws[0], pair, modifications))
+            for sample, (tilt, teeth) in enumerate(states):
+                cycle = mesh_cycle(pair, evaluator, forces, tilt, conditions.positions, teeth)
+                if not sample:
+                    error[number] = cycle.error
+                ranges[number, sample] = np.ptp(cycle.error, axis=1)
+                orders[number, sample] = order_amplitudes(cycle.error)
+                for name, values in loaded.items():
+                    values[number, sample] = getattr(cycle, name)()
+        except (GeometryError, LawError):  # reliefs that overlap, or a force that is not reached
+            ranges[number] = orders[number] = np.nan
+    return CandidateResults(error=error, peak_to_peak=ranges, orders=orders, loaded=loaded)

@@ -1,0 +1,1 @@
+"""Search for flank modifications with the least transmission error and pressure, nominal or with deviations."""

@@ -1,0 +1,185 @@
+"""A design study as text for the terminal, and as a page with figures and TOML to paste."""
+
+from __future__ import annotations
+
+import html
+import json
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pipelines.io.grid import grid
+from pipelines.io.user_files import whole_file
+from pipelines.studies.design.design_study import COMPROMISE, FINE, DesignStudy
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from pipelines.report.figures.plots import TransmissionErrors
+
+_CAPTION = (
+    "Left: candidates as evaluated in the search, and, filled, the unmodified pair and the best designs with more "
+    "positions in the mesh cycle. Right: transmission error of the nominal pair and, dashed, its 90 % quantile "
+    "over the pairs with deviations"
+)
+
+
+def words(found: DesignStudy) -> Iterator[str]:
+    """The table of the front, and the settings of the best designs."""
+    yield grid(found.title, found.rows()).to_text()
+    yield _conditions(found)
+    best = found.best()
+    if COMPROMISE in best:
+        yield (
+            "Compromise: the design of the Pareto front nearest to the best value of every objective, each divided by "
+            "its range on the front; it is better than the unmodified pair in every objective."
+        )
+    elif len(best) > 1:
+        yield "There is no compromise that is better than the unmodified pair in every objective."
+    for name, purpose in _purposes(found).items():
+        settings = " ".join(f"--set {key}={value}" for key, value in found.settings(name).items())
+        yield f"{purpose}: design {name}\n{settings}"
+        if exceeded := found.exceeded(name):
+            yield f"Design {name} exceeds {', '.join(exceeded)} on the finer positions. Reduce the limit a little."
+        if edges := found.edges(name):
+            yield f"Design {name} is at the edge of the range of {', '.join(edges)}. Extend the range with --vary."
+
+
+def _conditions(found: DesignStudy) -> str:
+    task = found.designs.task
+    conditions, torques = task.conditions, ", ".join(f"{torque:.4g}" for torque in task.torques)
+    text = (
+        f"{len(found.designs.index)} candidates, {torques} N m on the pinion. The table was computed with {FINE} "
+        f"positions in the mesh cycle, the search with {conditions.positions}."
+    )
+    if conditions.samples:
+        text += (
+            f" Deviations: {len(conditions.samples)} pairs of class {conditions.grade} from seed {task.seed}, "
+            f"misalignment up to {1e6 * conditions.misalignment:.3g} um."
+        )
+    return text
+
+
+def write_page(found: DesignStudy, path: Path) -> None:
+    """Write the page: table, figures, TOML of the recommended design."""
+    from pipelines.report.figures.plots import transmission_error_figure
+    from pipelines.report.page import document, heading, paragraph, picture, table
+
+    name = found.recommended
+    body = [
+        heading(found.title, 1),
+        table(grid("", ({re.sub("[._]", " ", key): value for key, value in row.items()} for row in found.rows()))),
+        paragraph(_conditions(found)),
+        picture(design_figure(found), _CAPTION),
+        picture(transmission_error_figure(found.title, _errors(found, name)), f"Nominal pair and design {name}"),
+        heading(f"Design {name}"),
+        paragraph("Append these lines to the scene file, or to a file that extends it:"),
+        f"<pre>{html.escape(toml(found.settings(name)))}</pre>",
+    ]
+    with whole_file(path) as partial:
+        partial.write_text(document(found.title, body), encoding="utf-8")
+
+
+def toml(settings: Mapping[str, Any]) -> str:
+    """Settings of gears as TOML, a table for each gear."""
+    tables: dict[str, list[str]] = {}
+    for key, value in settings.items():
+        _, stage, gear, rest = key.split(".", 3)
+        tables.setdefault(f"[stages.{stage}.{gear}]", []).append(f"{rest} = {json.dumps(value)}")
+    return "\n\n".join("\n".join([head, *lines]) for head, lines in tables.items())
+
+
+def _errors(found: DesignStudy, name: str) -> list[TransmissionErrors]:
+    """Transmission error of the unmodified pair and of a design at each torque."""
+    from pipelines.report.figures.plots import TransmissionErrors
+
+    task = found.designs.task
+    before, after = (found.results.error[found.names.index(one)] for one in ("unmodified", name))
+    return [
+        TransmissionErrors(
+            stage=task.variables.stage,
+            title=f"design {name}",
+            torque=torque,
+            cycle=np.arange(FINE) / FINE,
+            unmodified=unmodified,
+            actual=actual,
+            place=np.zeros(0),
+            passages={},
+        )
+        for torque, unmodified, actual in zip(task.torques, before, after, strict=True)
+    ]
+
+
+def design_figure(found: DesignStudy) -> Figure:
+    """Figure of the candidates with the front, and of the transmission error over the torque."""
+    from pipelines.report.figures.plots import new_figure
+
+    figure = new_figure(4.6, 11.0)
+    front, loads = figure.subplots(1, 2)
+    _draw_front(front, found)
+    _draw_loads(loads, found)
+    return figure
+
+
+def _draw_front(axes: Axes, found: DesignStudy) -> None:
+    """Two objectives near the front, or the objective over the first variable."""
+    from pipelines.report.figures.plots import dress
+
+    designs, task = found.designs, found.designs.task
+    shown = [(one.label, designs.objectives[:, n], one.of(found.results)) for n, one in enumerate(task.objectives)]
+    if len(shown) == 1:
+        over = task.variables.given[0]
+        named = [np.nan if at is None else designs.values(at)[0] for at in found.candidates]
+        shown.insert(0, (over.key, np.array(over.values)[designs.index[:, 0]], np.array(named)))
+        axes.axhline(shown[1][2][0], color="black", lw=0.8, ls="--", label="unmodified")
+    (x_label, x, x_named), (y_label, y, y_named) = shown[:2]
+    met = (designs.excess <= 0.0).all(axis=1)
+    axes.plot(x[met], y[met], ".", ms=3, color="0.7", label="candidates")
+    if task.limits:
+        axes.plot(x[~met], y[~met], "x", ms=3, color="0.85", label="beyond a limit")
+    axes.plot(x[designs.front], y[designs.front], "o", ms=6, mfc="none", color="0.3", label="Pareto front")
+    colours = {"unmodified": "black"} | {one: f"C{number}" for number, one in enumerate(_purposes(found))}
+    for name, at_x, at_y in zip(found.names, x_named, y_named, strict=True):
+        axes.plot(at_x, at_y, "o", ms=6, color=colours.get(name, "none"))
+        axes.annotate(
+            name,
+            (at_x, at_y),
+            xytext=(5, -13 if name == "unmodified" else 5),
+            textcoords="offset points",
+            fontsize=9,
+            annotation_clip=True,
+        )
+    for axis, _, values, named in list(zip("xy", *zip(*shown, strict=False), strict=False))[-len(task.objectives) :]:
+        near = np.concatenate([values[designs.front], named])
+        low, high = np.nanmin(near), np.nanmax(near)
+        axes.set(**{f"{axis}lim": (low - 0.1 * (high - low), high + 0.3 * (high - low))})
+    dress(axes, f"{len(designs.index)} candidates", x_label, y_label)
+    axes.legend(fontsize=8, frameon=False)
+
+
+def _purposes(found: DesignStudy) -> dict[str, str]:
+    """The best designs, and what they are best in."""
+    purposes: dict[str, str] = {}
+    for purpose, name in found.best().items():
+        words = purpose if purpose == COMPROMISE else f"least {purpose}"
+        purposes[name] = f"{purposes[name]}, {words}" if name in purposes else words
+    return purposes
+
+
+def _draw_loads(axes: Axes, found: DesignStudy) -> None:
+    """Peak-to-peak transmission error of the nominal pair, and the 90 % quantile of the samples."""
+    from pipelines.report.figures.plots import dress
+
+    torques = np.array(found.designs.task.torques)
+    for number, (name, words) in enumerate({"unmodified": "", **_purposes(found)}.items()):
+        own, colour = 1e6 * found.results.peak_to_peak[found.names.index(name)], f"C{number - 1}" if number else "black"
+        axes.plot(torques, own[0], "o-", ms=4, color=colour, label=f"{name} {words}")
+        if len(own) > 1:
+            axes.plot(torques, np.quantile(own[1:], 0.9, axis=0), "o--", ms=4, mfc="none", color=colour)
+    dress(axes, "transmission error over the torque", "torque on the pinion, N m", "peak to peak, µm")
+    axes.set_ylim(0.0, 1.3 * axes.get_ylim()[1])  # room for the legend
+    axes.legend(fontsize=8, frameon=False, loc="upper left", ncols=2)

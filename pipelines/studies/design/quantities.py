@@ -1,0 +1,107 @@
+"""Quantities of a design: objectives and limits by name, with their statistic over the deviations."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.contact.evaluation.mesh_cycle import ORDERS
+from pipelines.io.errors import InputError
+from pipelines.io.shown import nearest_name, shown
+from pipelines.steps.candidates import CandidateResults
+
+NOMINAL = "nominal"
+STATISTICS: dict[str, Callable[[np.ndarray], np.ndarray]] = {  # of (candidate, sample), the nominal pair first
+    NOMINAL: lambda values: values[:, 0],
+    "mean": lambda values: values[:, 1:].mean(axis=1),
+    "q90": lambda values: np.quantile(values[:, 1:], 0.9, axis=1),
+    "worst": lambda values: values[:, 1:].max(axis=1),
+}
+LOADED = {  # at the greatest torque: name, quantity of `pipelines.steps.candidates`, its size in the unit, unit
+    "pressure": ("pressure", 1e6, "MPa"),
+    "load-factor": ("face_load_factor", 1.0, ""),
+}
+NAMES = ("te", "te-max", *(f"te{order}" for order in range(1, ORDERS + 1)), *LOADED)
+_LIMIT = re.compile(r"\s*([\w:-]+)\s*<=\s*([-+.\w]+)\s*")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Quantity:
+    """A quantity and its statistic over the samples.
+
+    te, te-max: peak-to-peak transmission error, mean and largest over the torques; te1, te2, ...: amplitude of a mesh
+    order, mean over the torques; pressure, load-factor: at the greatest torque
+    """
+
+    name: str
+    statistic: str
+
+    @property
+    def label(self) -> str:
+        """Name with unit, for tables."""
+        unit = LOADED[self.name][2] if self.name in LOADED else "um"
+        words = self.name if self.statistic == NOMINAL else f"{self.name} {self.statistic}"
+        return f"{words} {unit}".strip()
+
+    def of(self, found: CandidateResults) -> np.ndarray:
+        """Values (candidate,) in the unit of the label."""
+        return np.asarray(STATISTICS[self.statistic](self.samples(found)))
+
+    def samples(self, found: CandidateResults) -> np.ndarray:
+        """Values (candidate, sample) in the unit of the label."""
+        if self.name in LOADED:
+            key, size, _ = LOADED[self.name]
+            return found.loaded[key] / size
+        if self.name == "te-max":
+            return 1e6 * found.peak_to_peak.max(axis=2)
+        if self.name == "te":
+            return 1e6 * found.peak_to_peak.mean(axis=2)
+        return 1e6 * found.orders[..., int(self.name[2:]) - 1].mean(axis=2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limit:
+    """A quantity and its largest allowed value."""
+
+    quantity: Quantity
+    most: float
+
+
+def parse_quantity(text: str, *, sampled: bool) -> Quantity:
+    """`NAME` or `NAME:STATISTIC`; without a statistic the 90 % quantile if there are samples, else the nominal value.
+
+    Raises
+    ------
+    InputError : an unknown name or statistic, a statistic without samples
+    """
+    name, colon, statistic = text.partition(":")
+    statistic = statistic if colon else "q90" if sampled else NOMINAL
+    for word, known, what in ((name, NAMES, "quantity"), (statistic, STATISTICS, "statistic")):
+        if word not in known:
+            near = nearest_name(word, known)
+            hint = f"Did you mean {near}? " if near else ""
+            raise InputError(f"{shown(text)}: {shown(word)!r} is no {what}. {hint}Choose one of {', '.join(known)}.")
+    if statistic != NOMINAL and not sampled:
+        raise InputError(f"{shown(text)}: there are no deviations to take the {statistic} of. Set --samples 20.")
+    return Quantity(name=name, statistic=statistic)
+
+
+def parse_limit(text: str, *, sampled: bool) -> Limit:
+    """`NAME[:STATISTIC] <= NUMBER`.
+
+    Raises
+    ------
+    InputError : as `parse_quantity`, or not of this form
+    """
+    parts = _LIMIT.fullmatch(text)
+    try:
+        most = float(parts[2]) if parts else math.nan
+    except ValueError:
+        most = math.nan
+    if parts is None or not math.isfinite(most):
+        raise InputError(f'--limit "{shown(text)}": is not a limit. Write --limit "pressure <= 1200".')
+    return Limit(quantity=parse_quantity(parts[1], sampled=sampled), most=most)

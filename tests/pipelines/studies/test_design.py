@@ -1,0 +1,172 @@
+"""Search for flank modifications: evaluated as made, equal to a direct solution, deterministic, limits, messages."""
+
+import html
+import json
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem.contact.evaluation.evaluator import LawEvaluator
+from fem.contact.faults.changed_law import modified_law
+from fem.gears.modifications import PairModifications
+from pipelines.cli.main import main
+from pipelines.engine.run_graph import Work
+from pipelines.io.errors import InputError, SceneError
+from pipelines.runs.single_results import build_pairs
+from pipelines.scene.file import changed, load_scene
+from pipelines.steps import candidates
+from pipelines.studies.design.design_page import words as lines
+from pipelines.studies.design.design_study import DesignOptions, design_study
+
+VARY = ("both.tip_relief.amount_um=0:20:4", "both.tip_relief.length_mm=1:3:1")
+
+
+def found(**options):
+    return design_study(load_scene("bench"), DesignOptions(**({"vary": VARY} | options)), Work())
+
+
+def test_the_best_relief_of_all_combinations_has_the_transmission_error_of_a_direct_solution():
+    study = found(torques=(60.0,))
+    designs = study.designs
+    assert len(designs.index) == 6 * 3
+    best = designs.objectives[:, 0].argmin()
+    assert designs.front.tolist() == [best]
+    pair = build_pairs(load_scene("bench"), Work())[0]
+    law = modified_law(pair.unmodified, pair.pair, designs.task.variables.modifications(designs.values(best)))
+    error = LawEvaluator(law).approach_at(60.0 / pair.pair.pinion.base_radius, np.arange(32) / 32)
+    assert designs.objectives[best, 0] == pytest.approx(1e6 * np.ptp(error), rel=1e-9)
+
+
+def test_the_best_helix_slope_cancels_the_misalignment_of_the_axes():
+    """Skew axes open the flanks by its component cos(alpha_wt) in the plane of action; a crowning adds to it."""
+    skew = 8.0 / np.cos(build_pairs(load_scene("bench"), Work())[0].pair.working_pressure_angle)
+    scene = changed(load_scene("bench"), {"stages.1.misalignment.out_of_plane_um": float(skew)})
+    vary = ("pinion.helix_slope_um=-16:16:4", "wheel.lead_crowning_um=0:10:5")
+    study = design_study(scene, DesignOptions(vary=vary, minimize=("load-factor",)), Work())
+    (best,) = study.designs.front
+    assert study.designs.values(best) == [-8, 0]
+
+
+def test_a_search_with_fewer_evaluations_is_deterministic_and_uses_manufacturing_steps():
+    pytest.importorskip("pymoo")
+    options = {"vary": ("both.tip_relief.amount_um=0:30", "both.tip_relief.length_mm=1:3"), "evaluations": 60}
+    first, second = found(**options), found(**options)
+    assert len(first.designs.index) <= 144 < 31 * 21
+    assert np.array_equal(first.designs.index, second.designs.index)
+    amount, length = first.designs.values(first.designs.compromise)
+    assert amount == round(amount)
+    assert 10 * length == pytest.approx(round(10 * length))
+
+
+def test_a_limit_is_met_by_the_whole_front():
+    free = found(minimize=("te", "pressure"))
+    most = float(np.median(free.designs.objectives[:, 1]))
+    limited = found(limits=(f"pressure <= {most}",)).designs
+    assert (limited.excess[limited.front] == 0.0).all()
+    assert (limited.excess > 0.0).any()
+
+
+def test_a_limit_that_is_exceeded_between_the_positions_of_the_search_is_stated():
+    free = found(minimize=("te", "pressure")).designs
+    most = float(free.objectives[free.front[0], 1])
+    study = found(limits=(f"pressure <= {most!r}",))
+    assert study.rows()[-1]["pressure MPa"] > most
+    assert any(line.startswith("Design A exceeds pressure MPa <= ") for line in lines(study))
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"vary": ("both.tip_releif.amount_um=0:9",)}, "Did you mean tip_relief"),
+        ({"vary": ("both.lead_crowning_um=5:5",)}, "one value only"),
+        ({"stage": 2}, "the scene has 1 stages"),
+        ({"torques": (-1.0, 40.0)}, "torques = -1.0: must be a number of at least 1e-06"),
+        ({"seed": -1}, "seed = -1: must be a number of at least 0"),
+        ({"minimize": ("presure",)}, "Did you mean pressure"),
+        ({"limits": ("te < 1",)}, "is not a limit"),
+        ({"limits": ("te <= 0",)}, "none of 18 candidates"),
+    ],
+)
+def test_a_wrong_option_is_named(options, words):
+    with pytest.raises(InputError, match=words):
+        found(**options)
+
+
+def test_a_model_without_the_effect_of_modifications_is_refused():
+    iso = changed(load_scene("bench"), {"stages.1.mesh.model": "iso"})
+    with pytest.raises(InputError, match='model = "iso": this model does not contain'):
+        design_study(iso, DesignOptions(), Work())
+
+
+def test_a_value_outside_its_range_is_a_problem_of_the_scene():
+    with pytest.raises(SceneError, match="amount_um"):
+        found(vary=("both.tip_relief.amount_um=0:5000:100", VARY[1]))
+
+
+def test_the_printed_settings_give_the_printed_transmission_error_with_gearcase_gears(capsys):
+    vary = [word for text in VARY for word in ("--vary", text)]
+    assert main(["design", "bench", *vary, "--torque", "60"]) == 0
+    out = capsys.readouterr().out
+    least = next(line for line in out.splitlines() if line.startswith("A ")).split()[1]
+    assert "Design A is at the edge of the range of both.tip_relief.length_mm. Extend the range with --vary." in out
+    settings = next(line for line in out.splitlines() if line.startswith("--set")).split()
+    assert main(["gears", "bench", *settings, "--torque", "60", "--json"]) == 0
+    (healthy,) = (row for row in json.loads(capsys.readouterr().out)["pairs"] if row["state"] == "healthy")
+    assert healthy["TE p-p um"] == pytest.approx(float(least), rel=0.01)
+
+
+def test_the_toml_of_the_page_makes_the_recommended_design(tmp_path):
+    page = tmp_path / "design.html"
+    assert main(["design", "bench", "--vary", VARY[0], "--vary", VARY[1], "--out", str(page)]) == 0
+    text = page.read_text(encoding="utf-8")
+    block = html.unescape(text.partition("<pre>")[2].partition("</pre>")[0])
+    (tmp_path / "quiet.toml").write_text(f'extends = "bench"\n\n{block}\n', encoding="utf-8")
+    study = found()
+    scene = changed(load_scene("bench"), study.settings(study.recommended))
+    assert load_scene(tmp_path / "quiet.toml").scene.stages == scene.scene.stages
+    assert text.count("<svg") == 2
+
+
+def test_a_compromise_is_offered_only_if_it_beats_the_unmodified_pair_in_every_objective():
+    assert set(found(minimize=("te", "te1")).best()) == {"te um", "te1 um", "compromise"}
+    assert "compromise" not in found(minimize=("te", "pressure")).best()  # every relief raises the pressure
+
+
+def test_an_interrupted_search_continues_and_a_repeated_one_computes_nothing(monkeypatch, own_cache):
+    vary, solved, solve = ("both.tip_relief.amount_um=1:60", "both.tip_relief.length_mm=2,3"), [], candidates.mesh_cycle
+
+    def counted(*arguments):
+        if len(solved) == 100:
+            raise KeyboardInterrupt
+        solved.append(arguments)
+        return solve(*arguments)
+
+    monkeypatch.setattr(candidates, "mesh_cycle", counted)
+    with pytest.raises(KeyboardInterrupt):
+        found(vary=vary)
+    solved[:] = []  # two batches of 48 were complete
+    study = found(vary=vary)
+    assert len(solved) == 120 - 2 * 48 + len(study.names)
+    solved[:] = []
+    assert np.array_equal(found(vary=vary).designs.objectives, study.designs.objectives)
+    assert not solved
+
+
+def test_a_robust_design_has_the_least_quantile_for_new_deviations_and_misalignments():
+    options = {"vary": (*VARY, "both.lead_crowning_um=0,5,10"), "misalignment_um": 10.0}
+    designs = [found(**options, samples=samples).designs for samples in (0, 20)]
+    best = [one.task.variables.modifications(one.values(one.front[0])) for one in designs]
+    conditions = replace(designs[1].task.conditions, samples=tuple(range(1001, 1051)))
+    pair = build_pairs(load_scene("bench"), Work())[0]
+    results = candidates.build(conditions, [PairModifications(), *best], laws=(pair.unmodified, pair.unmodified))
+    unmodified, nominal, robust = np.quantile(results.peak_to_peak[:, 1:].mean(axis=2), 0.9, axis=1)
+    assert robust < 0.9 * nominal < nominal < unmodified
+
+
+def test_without_pymoo_all_combinations_are_evaluated_and_a_larger_search_names_the_package(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pymoo.algorithms.moo.nsga2", None)
+    assert len(found().designs.index) == 18
+    with pytest.raises(InputError, match=r"pip install 'gearcase\[design\]'"):
+        found(evaluations=17)
