@@ -42,7 +42,6 @@ CHANNELS = 6  # used at most, those with the steadiest mesh orders
 WIDER = 0.35  # relative search range of the final speed; wider than RANGE to notice a better speed beyond it
 MARGIN = 0.7  # of the best score; the second best has up to 0.57 for correct teeth, 0.75 or more for a wrong speed
 SWING = 3e-4  # rad, oscillation of a geared shaft within a mesh cycle, which no window resolves
-SLIP = 0.25  # of a mesh cycle, largest correction of the total angle at the best speed; right ones are 0.1 or less
 ROUNDS = 4  # iterations
 FEWEST_WINDOWS = 6
 STEADY = 0.6  # rad, largest rms of the second difference of a steady phase; for a random phase it is 1.8
@@ -115,7 +114,7 @@ def track(signals: Sequence[np.ndarray], rate: float, kinematics: Kinematics) ->
     size = round(TURNS * len(angle) / (slow * before / (2.0 * np.pi)))
     _check_length(len(angle) / rate, size / rate, stage)
     angle, error, used = _tracked(signals, angle, orders, size, unsteady)
-    if abs(float(angle[-1] - angle[0]) / before - 1.0) > SLIP * 2.0 * np.pi / (mesh * before):
+    if abs(float(angle[-1] - angle[0]) / before - 1.0) > 2.0 * np.pi / (mesh * before):
         raise RotationError(unsteady)
     return Rotation(
         angle=np.maximum.accumulate(angle - angle[0]),
