@@ -185,7 +185,7 @@ def design(
         limits=limits,
         torques=torques,
         samples=samples,
-        misalignment_um=misalignment_um,
+        misalignment=1e-6 * misalignment_um,
         seed=seed,
         evaluations=evaluations,
     )

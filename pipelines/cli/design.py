@@ -66,7 +66,6 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--misalignment",
         metavar="UM",
         type=from_zero,
-        dest="misalignment_um",
         help="largest misalignment of these pairs over the face width, um (default 0)",
     )
     sub.add_argument("--seed", metavar="N", type=count, help="seed of search and deviations (default 1)")
@@ -90,6 +89,8 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     target = None if options.out is None else writable_file(options.out, endings=(".html",))
     loaded, work = scene_and_work(options)
     given = {one.name: getattr(options, one.name) for one in fields(DesignOptions) if hasattr(options, one.name)}
+    if "misalignment" in given:
+        given["misalignment"] *= 1e-6
     found = design_study(loaded, DesignOptions(**given), work)
     yield from words(found)
     if target is not None:

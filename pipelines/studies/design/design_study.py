@@ -41,7 +41,7 @@ class DesignOptions:
     minimize, limits : objectives and limits, as ``te``, ``pressure <= 1200``
     torques : N m on the pinion; none: 25, 50, 75 and 100 % of that of the scene
     samples : number of pairs with random deviations
-    misalignment_um : largest misalignment of the samples over the face width
+    misalignment : m, largest misalignment of the samples over the face width
     seed : of search and deviations
     evaluations : number of candidates up to which all are evaluated
     """
@@ -52,7 +52,7 @@ class DesignOptions:
     limits: Sequence[str] = ()
     torques: Sequence[float] = ()
     samples: int = 0
-    misalignment_um: float = 0.0
+    misalignment: float = 0.0
     seed: int = 1
     evaluations: int = 2000
 
@@ -201,7 +201,7 @@ def _checked(loaded: LoadedScene, options: DesignOptions) -> int:
             f'stages.{options.stage}.mesh.model = "iso": this model does not contain the effect of modifications on '
             'load sharing. Set "plane" or "solid".'
         )
-    least = {"samples": 0, "misalignment_um": 0, "seed": 0, "evaluations": 1}
+    least = {"samples": 0, "misalignment": 0, "seed": 0, "evaluations": 1}
     for name, value in [(key, getattr(options, key)) for key in least] + [("torques", one) for one in options.torques]:
         if not least.get(name, 1e-6) <= value < math.inf:
             raise InputError(f"{name} = {value}: must be a number of at least {least.get(name, 1e-6):g}.")
@@ -225,7 +225,7 @@ def _task(loaded: LoadedScene, machine: Plant, options: DesignOptions, law: Mesh
             forces=forces,
             samples=tuple(range(options.seed, options.seed + options.samples)),
             grade=loaded.scene.deviations.iso_grade,
-            misalignment=1e-6 * options.misalignment_um,
+            misalignment=options.misalignment,
         ),
         torques=torques,
         seed=options.seed,

@@ -155,7 +155,7 @@ def test_an_interrupted_search_continues_and_a_repeated_one_computes_nothing(mon
 
 
 def test_a_robust_design_has_the_least_quantile_for_new_deviations_and_misalignments():
-    options = {"vary": (*VARY, "both.lead_crowning_um=0,5,10"), "misalignment_um": 10.0}
+    options = {"vary": (*VARY, "both.lead_crowning_um=0,5,10"), "misalignment": 10e-6}
     designs = [found(**options, samples=samples).designs for samples in (0, 20)]
     best = [one.task.variables.modifications(one.values(one.front[0])) for one in designs]
     conditions = replace(designs[1].task.conditions, samples=tuple(range(1001, 1051)))
