@@ -34,7 +34,7 @@ GRIDS = {
 ROBUST = ("both.tip_relief.amount_um=0:30:2", "both.tip_relief.length_mm=1:4:0.5", "both.lead_crowning_um=0:12:2")
 FRESH = range(1001, 1201)  # seeds
 MACHINES = range(2101, 2141)  # seeds
-GRADE, MISALIGNMENT = 6, 10.0  # ISO 1328-1; um over the face width
+GRADE, MISALIGNMENT = 6, 10e-6  # ISO 1328-1; m over the face width
 HELICAL: dict[str, Any] = {  # 23/81 teeth, 50 N m, helical: published; all else is assumed
     "stages.1.pinion_teeth": 23, "stages.1.wheel_teeth": 81, "stages.1.module_mm": 1.5,
     "stages.1.helix_angle_deg": 15.0, "stages.1.face_width_mm": 15.0,
@@ -77,7 +77,7 @@ def robust(scene: str = "bench", settings: Mapping[str, Any] = {}, torques: tupl
     It holds if the 95 % bootstrap interval of both differences, over the same pairs, is below 0.
     """
     settings = {**settings, "deviations.iso_grade": GRADE}
-    options: dict[str, Any] = {"vary": ROBUST, "torques": torques, "misalignment_um": MISALIGNMENT}
+    options: dict[str, Any] = {"vary": ROBUST, "torques": torques, "misalignment": MISALIGNMENT}
     studies = [study(scene, settings, **options, samples=samples) for samples in (0, 20)]
     best = [one.designs.task.variables.modifications(one.designs.values(one.designs.front[0])) for one in studies]
     conditions = replace(studies[1].designs.task.conditions, samples=tuple(FRESH), positions=128)
@@ -105,7 +105,7 @@ def sensors() -> None:
     found: dict[str, list[np.ndarray]] = {"unmodified": [], "nominal": [], "robust": []}
     values = {"unmodified": (0, 1.0, 0), "nominal": (30, 2.0, 2), "robust": (4, 3.5, 4)}
     for seed in MACHINES:
-        skew = MISALIGNMENT * np.random.default_rng([seed, 6336]).uniform(-1.0, 1.0)
+        skew = 1e6 * MISALIGNMENT * np.random.default_rng([seed, 6336]).uniform(-1.0, 1.0)
         for name, (amount, length, crowning) in values.items():
             change: dict[str, Any] = {"deviations.seed": seed, "stages.1.misalignment.out_of_plane_um": skew}
             for gear in ("pinion", "wheel"):
