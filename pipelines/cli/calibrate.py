@@ -77,11 +77,11 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         machine,
         read_machine(options.scene),
         options.recordings,
-        free,
-        options.runs,
-        folder,
-        options.processes,
-        work_of(options),
+        free=free,
+        count=options.runs,
+        folder=folder,
+        processes=options.processes,
+        building=work_of(options),
         quiet=options.quiet,
     )
     yield text(found)

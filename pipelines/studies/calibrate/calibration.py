@@ -78,12 +78,12 @@ def calibrate(
     machine: Plant,
     measured: MeasuredMachine,
     sources: Sequence[str | Path],
+    *,
     free: Sequence[Free],
     count: int,
     folder: Path,
     processes: int | None,
     building: Work,
-    *,
     quiet: bool = True,
 ) -> Calibration:
     """Estimate free keys of a scene from recordings of one healthy machine at the speed and load of the scene.
