@@ -129,6 +129,19 @@ def test_a_file_name_repeats_only_beside_its_command_table_step_or_python_functi
     assert sorted(name for name in set(names) if names.count(name) > 1) == []
 
 
+def test_no_function_outside_compiled_code_has_more_than_eight_positional_parameters():
+    compiled = ("stored", "inner", "by_address")
+    many = [
+        f"{module_name(path)}.{node.name}"
+        for path in sources.FILES
+        for node in nodes(path)
+        if isinstance(node, ast.FunctionDef)
+        and len(node.args.posonlyargs + node.args.args) > 8
+        and not any(ast.unparse(one).startswith(compiled) for one in node.decorator_list)
+    ]
+    assert many == []
+
+
 def test_a_class_name_repeats_only_for_one_idea_on_two_floors():
     places = {}
     for path in sources.FILES:
