@@ -20,7 +20,7 @@ import numpy as np
 from benchmarks.gear_pairs import gear_pair
 from fem.gears.gear import Gear
 from fem.gears.profile import form_radius, half_tooth_profile
-from fem.gears.sector import root_chord
+from fem.gears.sector_mesh import root_chord
 
 YOUNG, POISSON = 206e9, 0.3
 

@@ -21,8 +21,8 @@ import numpy as np
 from fem.gears.modifications import PairModifications
 from pipelines.engine.run_graph import Work
 from pipelines.runs.single_results import build_pairs
-from pipelines.scene.file import LoadedScene, changed, load_scene
-from pipelines.steps import candidates
+from pipelines.scene.load_scene import LoadedScene, changed, load_scene
+from pipelines.steps import flank_candidates
 from pipelines.studies.design.design_study import DesignOptions, DesignStudy, design_study
 
 TORQUES = tuple(float(torque) for torque in range(5, 65, 5))
@@ -82,7 +82,7 @@ def robust(scene: str = "bench", settings: Mapping[str, Any] = {}, torques: tupl
     best = [one.designs.task.variables.modifications(one.designs.values(one.designs.front[0])) for one in studies]
     conditions = replace(studies[1].designs.task.conditions, samples=tuple(FRESH), positions=128)
     pair = build_pairs(changed(load_scene(scene), settings), Work())[0]
-    found = candidates.build(conditions, [PairModifications(), *best], laws=(pair.unmodified, pair.unmodified))
+    found = flank_candidates.build(conditions, [PairModifications(), *best], laws=(pair.unmodified, pair.unmodified))
     error = 1e6 * found.peak_to_peak.mean(axis=2)
     names = ("unmodified", "nominal", "robust")
     values = [[], *(one.designs.values(one.designs.front[0]) for one in studies)]
@@ -133,7 +133,7 @@ def slices() -> None:
     given = [PairModifications() if at is None else task.variables.modifications(coarse.designs.values(at))
              for at in coarse.candidates]  # fmt: skip
     conditions = replace(task.conditions, positions=256, loaded=("pressure",))
-    fine = candidates.build(conditions, given, laws=(law, law))
+    fine = flank_candidates.build(conditions, given, laws=(law, law))
     errors, pressures = 1e6 * fine.peak_to_peak[:, 0].mean(axis=1), fine.loaded["pressure"][:, 0] / 1e6
     for row, error, pressure in zip(coarse.rows(), errors, pressures, strict=True):
         words = f"te {row['te um']:.4f} and {error:.4f} um, pressure {row['pressure MPa']:.0f} and {pressure:.0f} MPa"
@@ -151,7 +151,7 @@ def helical() -> None:
     cases: dict[str, Any] = {"unmodified": [0, 1.0], "optimum": chosen}
     cases |= {f"100 um over {long / part:.2f} mm": [100, long / part] for part in (8, 4, 2, 1)}
     given = [variables.modifications(values) for values in cases.values()]
-    found = candidates.build(conditions, given, laws=(pair.unmodified, pair.unmodified))
+    found = flank_candidates.build(conditions, given, laws=(pair.unmodified, pair.unmodified))
     levels, pressures = 1e6 * found.error[:, 0].std(axis=1), found.loaded["pressure"][:, 0] / 1e9
     first = 20 * np.log10(found.orders[:, 0, 0, 0] / found.orders[0, 0, 0, 0])
     for name, error, level, order, pressure in zip(cases, found.error[:, 0], levels, first, pressures, strict=True):

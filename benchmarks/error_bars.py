@@ -31,7 +31,7 @@ from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph, Step
 from pipelines.machine.plant import Plant
 from pipelines.machine.system_assembly import assemble_machine, assemble_system
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.signals.analysis import analyse
 from pipelines.signals.response import make_response
 from pipelines.steps.error_bars import machine_bars

@@ -23,7 +23,7 @@ from fem.contact.wheels.web_place import axial_ends, web_ends
 from fem.elements.twisted_hexahedra import slice_means
 from fem.gears.gear import Gear
 from fem.gears.profile import form_radius, roll_length
-from fem.gears.sector import sector_mesh
+from fem.gears.sector_mesh import sector_mesh
 
 RESULTS = Path(__file__).resolve().parent / "results" / "gear_bodies.json"
 YOUNG, POISSON = 206e9, 0.3

@@ -20,7 +20,7 @@ from fem.casing.reduced.undamped_modes import undamped_modes
 from fem.casing.uncertainty.extrapolation import measured_limits
 from pipelines.engine.run_graph import Work
 from pipelines.runs.single_results import scene_graph
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 MODES = 20  # compared
 SEATS = {"free": (0.0, 0.0), "1e8 N/m": (1e8, 0.0), "1e9 N/m": (1e9, 0.0), "5 kg": (0.0, 5.0)}  # stiffness, mass

@@ -16,7 +16,7 @@ from typing import Any
 from fem.processes.child import command, environment
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import Work
-from pipelines.scene.file import LoadedScene, changed, load_scene
+from pipelines.scene.load_scene import LoadedScene, changed, load_scene
 from pipelines.scene.presets import PRESETS, preset_settings
 from pipelines.studies.trade.measured_variants import Measured, measure
 from pipelines.studies.trade.probes import PROBES

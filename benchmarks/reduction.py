@@ -59,7 +59,7 @@ def measure(element_size: float, band: float, solver: str) -> dict[str, Any]:
 
     from benchmarks.clock import peak_megabytes
     from benchmarks.rig import casing_parts, read
-    from fem.casing.mesh.mesh_geometry import mesh_geometry
+    from fem.casing.mesh.choose_mesher import mesh_geometry
     from fem.casing.mesh.sizes import Sizes
     from fem.casing.models.casing_model import Structure
     from fem.casing.models.craig_bampton import CraigBamptonCasing

@@ -17,7 +17,7 @@ from mbd.system.system import System
 from pipelines.machine.machine_conversion import make_plant
 from pipelines.machine.plant import Plant
 from pipelines.machine.system_assembly import assemble_machine, assemble_system
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 SCENE = "rig-healthy"
 RAMP = {"drive.times_s": [0.0, 0.05, 5.0], "drive.speeds_rpm": [0.0, 900.0, 900.0]}  # so that a short run moves

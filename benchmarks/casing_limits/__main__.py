@@ -24,7 +24,7 @@ from benchmarks.casing_limits.reference import reference
 from benchmarks.clock import conditions
 from benchmarks.markdown import markdown
 from benchmarks.page import filled
-from fem.casing.mesh.mesh_geometry import mesh_geometry
+from fem.casing.mesh.choose_mesher import mesh_geometry
 from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.uncertainty.extrapolation import limits_from, lowest_modes
 

@@ -12,15 +12,15 @@ from fem.casing.geometry.housing import Housing
 from fem.casing.geometry.housing_features import Feet, Fillets, Ribs, Walls
 from fem.casing.geometry.locators import ByCylinder, ByPlane
 from fem.casing.mesh.cad_file import read_step
+from fem.casing.mesh.choose_mesher import Geometry
 from fem.casing.mesh.gmsh_session import session
 from fem.casing.mesh.housing_solid import build_solid
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
-from fem.casing.mesh.mesh_geometry import Geometry
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.models.elastic_casing import ElasticCasing
 from fem.elements.materials import CAST_IRON, STEEL, Material
 from pipelines.machine.machine_conversion import make_plant
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.scene.presets import preset_on
 
 ALUMINIUM = Material(name="aluminium", elastic_modulus=70e9, poisson_ratio=0.33, density=2700.0)

@@ -16,7 +16,7 @@ from fem.contact.law import MeshLaw
 from fem.contact.models.plane import Plane
 from fem.contact.wheels import ring
 from fem.elements.sections import shape_functions
-from fem.gears.sector import SectorMesh, sector_mesh
+from fem.gears.sector_mesh import SectorMesh, sector_mesh
 
 PLANE_CONTACT = "independent plane strain contact FE of the real flanks"
 YOUNG, POISSON = 206e9, 0.3

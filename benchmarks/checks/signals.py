@@ -6,7 +6,7 @@ import numpy as np
 
 from benchmarks.checks.record import Check, Subject, Values
 from pipelines.machine.machine_conversion import make_plant
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.signals.spectrum import amplitude_spectrum, cut, envelope, envelope_spectrum, whole_revolutions
 
 RATE, MESH = 10_000.0, 300.0

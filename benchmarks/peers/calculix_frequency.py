@@ -18,8 +18,8 @@ import numpy as np
 from benchmarks.clock import conditions, timed
 from benchmarks.peers import ccx, output
 from benchmarks.rig import casing_parts, read
+from fem.casing.mesh.choose_mesher import mesh_geometry
 from fem.casing.mesh.mesh import CasingMesh
-from fem.casing.mesh.mesh_geometry import mesh_geometry
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.reduced.grounded import assembled_casing

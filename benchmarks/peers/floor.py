@@ -99,7 +99,7 @@ def column_counts(matrix: Any) -> np.ndarray:
 def measure() -> dict[str, Any]:
     """Counts, rates and the seconds that follow."""
     from benchmarks.rig import casing_parts, read
-    from fem.casing.mesh.mesh_geometry import mesh_geometry
+    from fem.casing.mesh.choose_mesher import mesh_geometry
     from fem.casing.mesh.sizes import Sizes
     from fem.casing.models.elastic_casing import ElasticCasing
     from fem.casing.reduced.grounded import assembled_casing

@@ -2,7 +2,7 @@
 
 They are in the cache folder, or in the folder `gearcase` of NUMBA_CACHE_DIR if that is set. The program executes the
 code it reads, so the owner of the open file is checked, not only those of the folders above it. If the files cannot
-be written or read, the program warns once and compiles in memory.
+be written or read, the program warns once and compiles in memory. Functions are compiled in `fem.numerics.compiled`.
 
 A process that compiles a function holds a lock on it, so that other processes wait for its file instead of compiling
 the function, too.

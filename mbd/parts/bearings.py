@@ -8,6 +8,8 @@ its ``inside``, e.g. `mbd.forces.rolling_bearing`; K and C are then only the lin
 `rigid` holds the three displacements by springs of ``RIGID_STIFFNESS`` and leaves the tilts free. It moves a natural
 frequency by the share of strain energy in the bearing, k/``RIGID_STIFFNESS``, i.e. below 1e-3 where everything else is
 softer than 1e9 N/m.
+
+The options of a user are in `mbd.forces.bearing_models`, those of rolling elements in `mbd.parts.rolling_elements`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Casing of a machine: the reduced body with its mounts, bearing seats and sensors."""
+"""Casing of a machine: matrices, weight and ground inertia of its reduced body. Sensors are in `mbd.parts.channels`."""
 
 from __future__ import annotations
 

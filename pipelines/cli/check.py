@@ -10,7 +10,7 @@ from pipelines.cli.command_line import json_argument, scene_arguments
 
 if TYPE_CHECKING:
     from pipelines.runs.checked import Checked
-    from pipelines.scene.file import LoadedScene
+    from pipelines.scene.load_scene import LoadedScene
 
 HELP = """\
 Check a scene file. Print ratios, frequencies, tooth forces, bearing positions, the shortest usable time windows, and

@@ -19,7 +19,7 @@ from pipelines.io.argument_types import count, path
 
 if TYPE_CHECKING:
     from pipelines.engine.run_graph import Work
-    from pipelines.scene.file import LoadedScene
+    from pipelines.scene.load_scene import LoadedScene
 
 Printed = Generator[str, None, int | None]  # the lines that a command prints, and its exit code if it is not 0
 

@@ -183,7 +183,7 @@ def _surveyed(path: Path, options: argparse.Namespace) -> tuple[GeometryContents
             "",
             ["To propose bearing seats and write the block [casing.housing], add --scene SCENE"],
         )
-    from pipelines.scene.file import load_scene
+    from pipelines.scene.load_scene import load_scene
     from pipelines.studies.housings.block import housing_block
     from pipelines.studies.housings.seats import fitting_units, shaft_places
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from pipelines.engine.run_graph import Work
-    from pipelines.scene.file import LoadedScene
+    from pipelines.scene.load_scene import LoadedScene
     from pipelines.signals.orders.kinematics import Kinematics
     from pipelines.signals.orders.order_spectra import Waterfall
 
@@ -158,7 +158,7 @@ def _read(folder: Path, options: argparse.Namespace) -> _RunUp:
 
     from pipelines.machine.machine_conversion import make_drivetrain
     from pipelines.machine.scene_kinematics import kinematics_of
-    from pipelines.scene.file import load_scene
+    from pipelines.scene.load_scene import load_scene
     from pipelines.signals.analysis import DiagnosisError, channel, channel_names
 
     loaded = load_scene(folder / run_folder.RESOLVED)
@@ -235,7 +235,7 @@ def _natural_over_speed(loaded: LoadedScene, work: Work, speeds: np.ndarray, up_
     up_to : upper limit of the frequencies, Hz
     """
     from pipelines.runs.single_results import build_machine_modes
-    from pipelines.scene.file import changed
+    from pipelines.scene.load_scene import changed
 
     turning = changed(loaded, {"shaft_model.gyroscopic": True})
     return {

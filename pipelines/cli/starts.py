@@ -29,7 +29,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Run the machine from slightly different states of rest; print what a level is worth."""
-    from pipelines.scene.file import changed
+    from pipelines.scene.load_scene import changed
     from pipelines.studies.trade.measured_variants import measure
     from pipelines.studies.trade.starts_table import spread_table
 

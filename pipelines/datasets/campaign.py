@@ -32,8 +32,8 @@ from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.checks.cost import cost
 from pipelines.machine.checks.cost import words as size_words
 from pipelines.machine.plant import Plant
-from pipelines.scene.file import LoadedScene
-from pipelines.steps.graph import plant_steps
+from pipelines.scene.load_scene import LoadedScene
+from pipelines.steps.machine_steps import plant_steps
 from pipelines.steps.motion import moved
 
 _LAYOUT_TRIES = 20  # scenes that are looked at for one that can be run

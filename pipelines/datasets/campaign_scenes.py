@@ -13,7 +13,7 @@ import numpy as np
 from pipelines.datasets.expressions import Expression
 from pipelines.datasets.plan import Plan, PlanTable, expressions
 from pipelines.datasets.sampling import Values, sampled_values
-from pipelines.scene.file import LoadedScene, Source, scene_of_merged
+from pipelines.scene.load_scene import LoadedScene, Source, scene_of_merged
 from pipelines.scene.merge import Merged, merge
 
 SEED_PATH = ("deviations", "seed")

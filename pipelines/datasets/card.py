@@ -19,7 +19,7 @@ from pipelines.datasets.variables_grid import design_words, varied_grid
 from pipelines.io.errors import SceneError
 from pipelines.io.grid import Grid
 from pipelines.io.user_files import write_whole
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.scene.scene import Scene
 
 _XARRAY = """\

@@ -22,7 +22,7 @@ from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.checks.cost import cost
 from pipelines.machine.checks.cost import words as size_words
 from pipelines.machine.plant import Plant
-from pipelines.steps.graph import plant_steps
+from pipelines.steps.machine_steps import plant_steps
 
 _PARTS = {  # words for kinds of step; {s} and {es}: endings of the plural
     "law": "mesh law{s}",

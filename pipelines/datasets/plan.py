@@ -33,7 +33,7 @@ from pipelines.datasets.variables import ListTable, Variable
 from pipelines.io.errors import InputError, SceneError
 from pipelines.io.other_files import SCENE_KEYS
 from pipelines.io.toml_text import format_document
-from pipelines.scene.file import LoadedScene, Source, find_source, load_scene, parse, validate
+from pipelines.scene.load_scene import LoadedScene, Source, find_source, load_scene, parse, validate
 from pipelines.scene.merge import Merged, Whole, leaves, merge
 from pipelines.scene.presets import preset_on
 from pipelines.scene.shipped_files import anchored

@@ -9,7 +9,7 @@ from typing import Any
 
 from pipelines.datasets.variables_grid import sets
 from pipelines.io.errors import SceneError
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.signals.motion_warnings import KINDS, LARGEST_STEP_ERROR, needed_step_us
 
 _STEP = "simulation.step_us"

@@ -18,7 +18,7 @@ from pipelines.engine.run_graph import Outcome, run_graph
 from pipelines.engine.step import Graph, stored_contents
 from pipelines.engine.storage import digest
 from pipelines.machine.plant import Plant
-from pipelines.steps.graph import plant_steps
+from pipelines.steps.machine_steps import plant_steps
 from pipelines.steps.motion import MotionSpec, assembled
 
 _MOST_VALUES = 16  # laws and casings

@@ -26,10 +26,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipelines.diagnosis.alike import alike
 from pipelines.diagnosis.baseline_checks import check_baseline, outlying
 from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P, limit
 from pipelines.diagnosis.evidence import GroupEvidence, HealthyReference
+from pipelines.diagnosis.shared_orders import alike
 from pipelines.diagnosis.verdict import ALARM, DIFFERENT, Change, Evidence, Finding, Verdict
 from pipelines.signals.features.feature_table import FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics

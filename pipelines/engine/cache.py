@@ -4,6 +4,7 @@ One entry is one folder ``entries/<kind>-<key>/`` with the files of a result and
 It is written in a partial folder and renamed, so it is complete or absent; if two processes write the same entry, the
 second discards its copy. If a result cannot be stored (read-only folder, full disk), the program warns and continues.
 `fem.storage.cache_folder` checks the owner and permissions of the folder. Only entries with a manifest are removed.
+The key, by which a stored result is valid, is made in `pipelines.engine.step`.
 """
 
 from __future__ import annotations

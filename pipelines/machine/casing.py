@@ -16,8 +16,8 @@ from fem.casing.geometry.dimensions import Bore, Dimensions, Sensor, orthonormal
 from fem.casing.geometry.housing import Housing
 from fem.casing.geometry.housing_features import Feet
 from fem.casing.geometry.locators import Point
+from fem.casing.mesh.choose_mesher import Geometry
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
-from fem.casing.mesh.mesh_geometry import Geometry
 from fem.casing.models.casing_model import CasingModel, Structure
 from fem.casing.models.casing_registry import casing_class
 from mbd.parts.bearings import BEARING_AXES

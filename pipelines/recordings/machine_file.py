@@ -37,7 +37,7 @@ def read_machine(source: str | Path) -> MeasuredMachine:
     SceneError : with all problems of the file
     InputError : there is no such file or scene, or it is not valid TOML
     """
-    from pipelines.scene.file import find_source, parse, validate
+    from pipelines.scene.load_scene import find_source, parse, validate
     from pipelines.scene.merge import Merged
 
     if Path(source).suffix not in ("", ".toml"):
@@ -72,7 +72,7 @@ def _of_scene(source: str | Path) -> MeasuredMachine:
     from pipelines.machine.layout import lay_out
     from pipelines.machine.scene_bearings import rolling_bearings
     from pipelines.machine.scene_kinematics import kinematics_of
-    from pipelines.scene.file import load_scene
+    from pipelines.scene.load_scene import load_scene
 
     loaded = load_scene(source)
     layout = lay_out(loaded.scene, loaded.source.shown)

@@ -11,7 +11,7 @@ from pipelines.rexs.document import RexsError
 from pipelines.rexs.files import read_document
 from pipelines.rexs.gear_unit_reading import read_gear_unit
 from pipelines.rexs.scene_text import SceneText, scene_text
-from pipelines.scene.file import scene_of_tree
+from pipelines.scene.load_scene import scene_of_tree
 from pipelines.scene.new import write_scene
 
 

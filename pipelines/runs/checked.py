@@ -11,7 +11,7 @@ from fem.storage import shown_html
 
 if TYPE_CHECKING:
     from pipelines.machine.plant import Facts, Plant
-    from pipelines.scene.file import LoadedScene
+    from pipelines.scene.load_scene import LoadedScene
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pipelines.diagnosis.control_diagnosis import Diagnosis
     from pipelines.diagnosis.uncertainty.bar_records import LineBars
     from pipelines.engine.run_graph import Work
-    from pipelines.scene.file import Settings
+    from pipelines.scene.load_scene import Settings
 
 
 def diagnose_folder(folder: Path, settings: Settings = ()) -> Diagnosis:
@@ -30,7 +30,7 @@ def diagnose_folder(folder: Path, settings: Settings = ()) -> Diagnosis:
     InputError : the scene has no diagnosis, or the run has no control
     """
     from pipelines.machine.machine_conversion import make_drivetrain
-    from pipelines.scene.file import load_scene
+    from pipelines.scene.load_scene import load_scene
     from pipelines.steps.diagnosing import CaseSpec, diagnoses
 
     settings = settings if isinstance(settings, Mapping) else list(settings)
@@ -80,7 +80,7 @@ def judge_folder(folder: Path) -> dict[str, Any]:
     from pipelines.diagnosis.simulated import FeatureSettings
     from pipelines.machine.machine_conversion import make_drivetrain
     from pipelines.machine.scene_kinematics import kinematics_of
-    from pipelines.scene.file import load_scene
+    from pipelines.scene.load_scene import load_scene
     from pipelines.steps import features, verdict
 
     loaded = load_scene(folder / run_folder.RESOLVED)
@@ -114,7 +114,7 @@ def folder_bars(folder: Path, diagnosis: Diagnosis, settings: Settings, work: Wo
     SceneError, WorkError : the scene is not valid any more, or a step failed
     """
     from pipelines.runs.single_results import scene_graph
-    from pipelines.scene.file import load_scene
+    from pipelines.scene.load_scene import load_scene
     from pipelines.steps.error_bars import machine_bars
     from pipelines.steps.result_steps import casing_taken
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from fem.gears.geometry import GearPair
     from pipelines.engine.run_graph import Work
-    from pipelines.scene.file import LoadedScene
+    from pipelines.scene.load_scene import LoadedScene
 
 PER_CYCLE = 40  # positions per mesh cycle
 ERROR_POSITIONS = 256  # in the mesh cycle whose mesh orders are computed

@@ -234,7 +234,7 @@ def machine_of(path: Path, machine: str | Path | None) -> tuple[MeasuredMachine,
     """
     from pipelines.recordings.formats import format_of
     from pipelines.recordings.machine_file import read_machine
-    from pipelines.scene.file import load_scene
+    from pipelines.scene.load_scene import load_scene
 
     format_of(path)  # refuses a missing or empty file
     scene = path.parent / run_folder.RESOLVED

@@ -27,7 +27,7 @@ from pipelines.io.user_files import write_whole
 from pipelines.machine.plant import Plant
 from pipelines.runs import run_folder
 from pipelines.runs.claims import claimed
-from pipelines.scene.file import LoadedScene, control_differences
+from pipelines.scene.load_scene import LoadedScene, control_differences
 from pipelines.signals.motion_warnings import log_warnings
 from pipelines.steps.result_steps import BARS, DIAGNOSIS, REPORT, VERDICT, result_steps
 from pipelines.steps.run_plan import RunPlan, plan_run, scene_warnings

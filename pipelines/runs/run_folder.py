@@ -86,7 +86,7 @@ def find_run(name: str | Path, root: Path = ROOT) -> Path:
 
 def _remedy(name: str) -> str:
     """What to do about a name without a result: run that scene, or see what there is."""
-    from pipelines.scene.file import shipped_names
+    from pipelines.scene.load_scene import shipped_names
 
     if name in shipped_names() or (name.endswith(".toml") and is_regular_file(Path(name))):
         return f"First: gearcase run {shown(name)}"

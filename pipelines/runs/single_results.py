@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     import xarray
 
     from fem.casing.imported.imported_casing import ForeignHousing
+    from fem.casing.mesh.choose_mesher import Geometry
     from fem.casing.mesh.mesh import CasingMesh
-    from fem.casing.mesh.mesh_geometry import Geometry
     from fem.casing.reduced.accuracy import ErrorStatement
     from fem.casing.reduced.casing_modes import CasingModes, NaturalModes
     from fem.casing.reduced.checkup import CheckUp
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from pipelines.engine.run_graph import Work
     from pipelines.engine.step import Graph, StepRecord
     from pipelines.machine.plant import Plant
-    from pipelines.scene.file import LoadedScene
+    from pipelines.scene.load_scene import LoadedScene
     from pipelines.steps.pair_curves import PairLaws
 
 _MODES_SHOWN = 20
@@ -146,7 +146,7 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
     """
     from pipelines.engine.step import Graph
     from pipelines.machine.joint import joint_words
-    from pipelines.steps.graph import casing_step
+    from pipelines.steps.machine_steps import casing_step
 
     graph, machine = scene_graph(loaded)
     structure, limit = machine.structure, machine.casing.limit

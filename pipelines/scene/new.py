@@ -13,7 +13,7 @@ from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
 from pipelines.io.toml_text import TomlError, format_document, read_toml
 from pipelines.io.user_files import checked_path
-from pipelines.scene.file import WITHOUT_FAULTS, Source, find_source, load_scene
+from pipelines.scene.load_scene import WITHOUT_FAULTS, Source, find_source, load_scene
 
 if TYPE_CHECKING:
     from tomlkit import TOMLDocument

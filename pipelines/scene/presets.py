@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import argparse
     from collections.abc import Sequence
 
-    from pipelines.scene.file import LoadedScene
+    from pipelines.scene.load_scene import LoadedScene
     from pipelines.scene.scene import Scene
     from pipelines.scene.tables.casing import ElasticBase
     from pipelines.scene.tables.stages import StageTable
@@ -191,7 +191,7 @@ def preset_on(loaded: LoadedScene, preset: str) -> LoadedScene:
     """
     from pipelines.io.errors import InputError
     from pipelines.io.shown import shown
-    from pipelines.scene.file import changed, user_states
+    from pipelines.scene.load_scene import changed, user_states
 
     if preset not in LEVELS:
         raise InputError(f"preset {shown(preset)}: there is no such preset. Set one of {', '.join(LEVELS)}.")
@@ -219,9 +219,9 @@ def load_asked(options: argparse.Namespace) -> LoadedScene:
 
     Raises
     ------
-    SceneError, InputError : as in `pipelines.scene.file.load_scene`
+    SceneError, InputError : as in `pipelines.scene.load_scene.load_scene`
     """
-    from pipelines.scene.file import load_scene
+    from pipelines.scene.load_scene import load_scene
 
     loaded = load_scene(options.scene, options.settings)
     if options.preset is None:

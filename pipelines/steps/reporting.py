@@ -65,8 +65,8 @@ def build(
     motions : those of the labels
     sections, diagnosis, verdict : results of the steps `report sections`, `diagnose` and `verdict`
     """
+    from pipelines.report.first_screen import first_screen
     from pipelines.report.report import report_body
-    from pipelines.report.run_screen import first_screen
 
     machine = spec.machine
     every, found, settings, failure = _diagnosed(spec, motions, diagnosis)

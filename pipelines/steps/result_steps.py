@@ -10,7 +10,7 @@ from pipelines.steps import error_bars as bars
 from pipelines.steps.pictures import CASING, CURVES, picture_steps
 
 if TYPE_CHECKING:
-    from pipelines.scene.file import LoadedScene
+    from pipelines.scene.load_scene import LoadedScene
     from pipelines.steps.run_plan import RunPlan
 
 _NUMERIC = ("numpy", "scipy")

@@ -17,11 +17,11 @@ from pipelines.io.errors import InputError
 from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.checks.cost import check_room
 from pipelines.machine.plant import Plant, fault_labels
-from pipelines.scene.file import LoadedScene, control_differences, control_of
+from pipelines.scene.load_scene import LoadedScene, control_differences, control_of
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.drive_and_load import LoadModel, StaticTorqueTable
 from pipelines.scene.tables.stages import DeviationTable
-from pipelines.steps.graph import plant_steps
+from pipelines.steps.machine_steps import plant_steps
 
 MOST_DIFFERENCES = 10  # of scene and control that are listed; more belong to another machine
 HEALTHY = "healthy "  # prefix of the steps that only a control has

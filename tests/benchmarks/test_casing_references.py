@@ -14,7 +14,7 @@ from benchmarks.casing_limits.housings import drum
 from benchmarks.casing_limits.reference import half_mesh, half_modes
 from benchmarks.page import filled
 from benchmarks.solids import box_mesh
-from fem.casing.mesh.mesh_geometry import mesh_geometry
+from fem.casing.mesh.choose_mesher import mesh_geometry
 from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.uncertainty.extrapolation import lowest_modes
 from fem.casing.uncertainty.pairing import counterparts

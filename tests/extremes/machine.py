@@ -13,7 +13,7 @@ import time
 from pathlib import Path
 
 import xarray
-from waiting import HANGING
+from time_limit import HANGING
 
 from pipelines.engine.storage import digest
 from pipelines.runs.run_folder import CONTROL, RESPONSE

@@ -13,7 +13,7 @@ import numpy as np
 
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
-from pipelines.scene.file import LoadedScene, find_source, read_tree
+from pipelines.scene.load_scene import LoadedScene, find_source, read_tree
 from pipelines.steps.run_plan import plan_run
 
 EXTREMES = (

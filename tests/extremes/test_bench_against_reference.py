@@ -12,7 +12,7 @@ from mbd.output.simulate import simulate
 from pipelines.engine.run_graph import Work
 from pipelines.machine.system_assembly import assemble_machine, assemble_system
 from pipelines.runs.single_results import scene_graph
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 pytestmark = pytest.mark.slow
 

@@ -13,7 +13,7 @@ from scenes import mutated, shipped_tree, simulated, unexplained
 
 from pipelines.io.errors import InputError
 from pipelines.machine.checks.checked_plant import checked_plant
-from pipelines.scene.file import LoadedScene, Source, validate
+from pipelines.scene.load_scene import LoadedScene, Source, validate
 from pipelines.scene.merge import Merged
 from pipelines.scene.scene import Scene
 

@@ -10,7 +10,7 @@ import warnings
 
 import pytest
 from machine import SHORT, bits, start, whole_results
-from waiting import HANGING
+from time_limit import HANGING
 
 import gearcase
 

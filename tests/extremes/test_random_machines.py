@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scenes import simulated, unexplained
 
 from pipelines.io.errors import InputError
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 ROUNDS = {"fast": 12, "slow": 150}
 

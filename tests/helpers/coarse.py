@@ -1,6 +1,6 @@
 """Settings that make a shipped scene quick: coarse models and a short motion, for tests of the whole chain."""
 
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 
 def diagnosable(name):

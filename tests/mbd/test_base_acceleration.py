@@ -25,7 +25,7 @@ from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 from pipelines.io.errors import SceneError
 from pipelines.machine.machine_conversion import make_plant
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 STANDING = SpeedProfile(times=np.zeros(1), speeds=np.zeros(1))
 SWEEP = AccelerationSweep(start=0.0, end=0.6, first=20.0, last=1200.0, ramp=0.05, amplitude=1.0)

@@ -16,7 +16,7 @@ from mbd.parts.part_checks import MachineError
 from mbd.system.system import assemble
 from pipelines.io.errors import SceneError
 from pipelines.machine.machine_conversion import make_plant
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 BOW, ANGLE = 20e-6, 0.3
 

@@ -19,7 +19,7 @@ from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 from pipelines.machine.machine_conversion import film_spec
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 FILM = Film(viscosity=0.05, roughness=1e-6, radius=8e-3, length=0.02)
 

@@ -24,8 +24,8 @@ from mbd.system.frequency_response import frequency_response
 from mbd.system.system import assemble
 from pipelines.io.errors import SceneError
 from pipelines.machine.machine_conversion import make_plant
-from pipelines.scene.file import load_scene
-from pipelines.steps.graph import plant_steps
+from pipelines.scene.load_scene import load_scene
+from pipelines.steps.machine_steps import plant_steps
 
 RATE = 5e3
 SWEEP = ForceSweep(start=0.0, end=0.6, first=20.0, last=1200.0, ramp=0.05, amplitude=2.0)

@@ -19,7 +19,7 @@ from mbd.parts.part_checks import MachineError
 from mbd.parts.shafts import Section
 from mbd.system.system import assemble
 from pipelines.io.errors import SceneError
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 SPEED = 60.0  # rad/s, far below all modes
 OFFSET = 2e-4  # m

@@ -18,9 +18,9 @@ from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph
 from pipelines.io.grid import Grid
 from pipelines.machine.machine_conversion import make_plant
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.signals.motion_warnings import motion_warnings
-from pipelines.steps.graph import plant_steps
+from pipelines.steps.machine_steps import plant_steps
 from pipelines.studies.trade.probes import Value
 from pipelines.studies.trade.starts_table import spread_table
 

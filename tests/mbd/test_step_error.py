@@ -15,7 +15,7 @@ from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 from pipelines.cli.main import main
-from pipelines.report.run_screen import screen_parts
+from pipelines.report.first_screen import screen_parts
 from pipelines.signals.motion_warnings import gathered, motion_warnings
 
 RAMP = SpeedProfile(times=np.array([0.0, 0.04]), speeds=np.array([0.0, 94.25]))

@@ -16,7 +16,7 @@ from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.frequency_response import frequency_response
 from mbd.system.system import assemble
 from pipelines.machine.machine_conversion import make_plant
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 SPEED = 100.0  # rad/s
 

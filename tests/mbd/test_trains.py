@@ -21,7 +21,7 @@ from mbd.system.system import assemble, natural_frequencies
 from pipelines.io.errors import SceneError
 from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.layout import lay_out
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 
 def needed(machine):

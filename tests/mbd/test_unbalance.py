@@ -18,7 +18,7 @@ from mbd.system.linearised import linear_modes
 from mbd.system.system import assemble
 from pipelines.io.errors import SceneError
 from pipelines.machine.machine_conversion import make_plant
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 ECCENTRIC = 10e-6  # m
 ANGLE = 0.3

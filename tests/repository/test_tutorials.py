@@ -16,7 +16,7 @@ import pytest
 
 from pipelines.cli.command_line import parser
 from pipelines.cli.main import main
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = sorted((ROOT / "docs").rglob("*.md"))

@@ -19,7 +19,7 @@ from fem.casing.mesh.finished import RawMesh, finished_mesh
 from fem.casing.mesh.gmsh_session import numbered_nodes, session
 from fem.casing.mesh.housing_solid import build_solid, find_patches
 from fem.casing.mesh.imported import ImportedHousing, check_extent, finish, seat_point
-from fem.casing.mesh.locate import locate
+from fem.casing.mesh.key_points import locate
 from fem.casing.mesh.mesh import CasingMesh, MeshError
 from fem.casing.mesh.quality import GOOD_QUALITY, straightened
 from fem.casing.mesh.sizes import MM, Refinement, Sizes, follow_fillets, set_sizes

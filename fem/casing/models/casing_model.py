@@ -19,7 +19,7 @@ from fem.options import Option, option
 if TYPE_CHECKING:
     from fem.casing.geometry.dimensions import Sensor
     from fem.casing.imported.imported_casing import ForeignHousing
-    from fem.casing.mesh.mesh_geometry import Geometry
+    from fem.casing.mesh.choose_mesher import Geometry
     from fem.casing.mesh.sizes import Sizes
     from fem.casing.parts.bolted_joint import BoltedJoint
     from fem.casing.reduced.grounded import ForcedPoint

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 from fem.casing.models.body_stages import Recovery
 from fem.casing.models.casing_model import Structure
 from fem.casing.models.elastic_casing import ElasticCasing
-from fem.casing.models.holding import CasingReduction
+from fem.casing.models.reduction_stages import CasingReduction
 from fem.casing.parts.names import MODES_OVER_BAND
 from fem.options import option
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, ClassVar
 from fem.casing.models.body_stages import Recovery
 from fem.casing.models.casing_model import HousingCasing, Structure
 from fem.casing.models.damped_part import DampedPart
-from fem.casing.models.holding import CasingReduction, ErrorCheck, Holding, QuadraticModes
 from fem.casing.models.meshing import Meshing, SizedMeshing
+from fem.casing.models.reduction_stages import CasingReduction, ErrorCheck, Holding, QuadraticModes
 from fem.casing.models.stage import BODY, MESH, MODES, PlannedStage
 from fem.casing.parts.names import MODES_OVER_BAND, MOUNTS, Attachment, Ground
 from fem.elements.solid_elements import SOLIDS

@@ -1,4 +1,7 @@
-"""Stage `casing mesh`: solid elements of a housing. It does not depend on sensors."""
+"""Stage `casing mesh`: solid elements of a housing, coarser meshes for its error, and a mesh for a required error.
+
+It does not depend on sensors.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +12,8 @@ from typing import TYPE_CHECKING, ClassVar
 from fem.casing.models.stage import CasingError, Stage
 
 if TYPE_CHECKING:
+    from fem.casing.mesh.choose_mesher import Geometry
     from fem.casing.mesh.mesh import CasingMesh
-    from fem.casing.mesh.mesh_geometry import Geometry
     from fem.casing.mesh.sizes import Sizes
     from fem.casing.uncertainty.extrapolation import LowestModes
 
@@ -31,7 +34,7 @@ class Meshing(Stage):
 
     def with_sizes(self, sizes: Sizes) -> CasingMesh:
         """The mesh with other edge lengths."""
-        from fem.casing.mesh.mesh_geometry import mesh_geometry
+        from fem.casing.mesh.choose_mesher import mesh_geometry
 
         return mesh_geometry(self.housing, sizes, self.element)
 

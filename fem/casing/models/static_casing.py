@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 from fem.casing.models.casing_model import Structure
 from fem.casing.models.elastic_casing import ElasticCasing
-from fem.casing.models.holding import CasingReduction
+from fem.casing.models.reduction_stages import CasingReduction
 
 if TYPE_CHECKING:
     from fem.casing.reduced.casing_modes import CasingModes

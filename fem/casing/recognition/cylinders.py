@@ -1,4 +1,4 @@
-"""Cylinders and planes through the triangles of one face.
+"""Cylinder or plane that fits the triangles of one face; bores are found in `fem.casing.recognition.bores_and_faces`.
 
 The first estimate of the axis is the direction perpendicular to the normals (the eigenvector of sum a n n^T with the
 least eigenvalue); that of the circle follows from Kasa's linear least squares. Both are then refined on the corners,

@@ -14,9 +14,9 @@ from fem.casing.mesh.imported import CAD_SUFFIXES, STL_SUFFIXES, UNITS
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesh_file import read_mesh_file
 from fem.casing.mesh.sizes import MM
+from fem.casing.recognition.bores_and_faces import bolt_patterns, faces_of
 from fem.casing.recognition.contents import FoundSolid, GeometryContents
 from fem.casing.recognition.faces import split
-from fem.casing.recognition.surface_features import bolt_patterns, faces_of
 from fem.elements.facets import corner_triangles, outer_facets
 from fem.elements.solid_elements import SOLIDS, converted, solid_element
 from fem.numerics.connected import connected_parts, shared_sides

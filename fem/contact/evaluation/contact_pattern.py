@@ -1,4 +1,7 @@
-"""Contact pattern: the pressure that a tooth feels over its whole engagement, on its unrolled flank."""
+"""Contact pattern: the pressure that a tooth feels over its whole engagement, on its unrolled flank.
+
+It follows from the line loads of `fem.contact.evaluation.evaluator`.
+"""
 
 from __future__ import annotations
 

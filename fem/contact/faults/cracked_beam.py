@@ -25,7 +25,7 @@ from fem.contact.wheels.cantilever import beam_contour, cantilever
 from fem.gears.geometry import GearPair
 from fem.gears.path import PathPoints
 from fem.gears.profile import flank_at_roll
-from fem.gears.sector import root_chord
+from fem.gears.sector_mesh import root_chord
 
 
 def cracked_beam_compliance(pair: GearPair, gear: str, depth: float, angle: float, points: PathPoints) -> np.ndarray:

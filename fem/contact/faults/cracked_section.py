@@ -7,7 +7,7 @@ import numpy as np
 from fem.contact.wheels.ring import FlankCompliance, changed_tooth, flank_loads, reduce_sector, ring_response
 from fem.gears.geometry import GearPair
 from fem.gears.path import PathPoints
-from fem.gears.sector import Slit, sector_mesh
+from fem.gears.sector_mesh import Slit, sector_mesh
 from fem.storage.ledger import count
 
 
@@ -31,7 +31,7 @@ def crack_compliance(
     gear : "pinion" or "wheel"
     depth, angle : of the crack, m and rad
     points : contact points (position,), on the flank of the crack mouth
-    refinement : of the section mesh, see `fem.gears.sector.sector_mesh`
+    refinement : of the section mesh, see `fem.gears.sector_mesh.sector_mesh`
     patch : half-width of the loads in m_n; its effect cancels
     """
     from threadpoolctl import threadpool_limits

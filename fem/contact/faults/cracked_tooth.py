@@ -62,7 +62,7 @@ class CrackedTooth(ToothFault):
     def check(self, gear: Gear) -> None:
         """Raises GeometryError for a crack without depth, or one that nearly separates the tooth or the rim."""
         from fem.contact.wheels.crack_surface import DEEPEST
-        from fem.gears.sector import root_chord
+        from fem.gears.sector_mesh import root_chord
 
         label = f"cracked tooth of gear z={gear.teeth}"
         radius, chord = root_chord(gear)

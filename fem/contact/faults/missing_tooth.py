@@ -1,7 +1,7 @@
 """A tooth broken off at the root: no contact; the change of its neighbours' compliance (about 1 %) is neglected.
 
-The number of the tooth is a key of the scene (`pipelines.scene.tables.faults`), applied in
-`pipelines.machine.machine_conversion`.
+The number of the tooth is a key of the scene (`pipelines.scene.tables.faults`), which becomes a clearance in
+`pipelines.machine.tooth_terms`.
 """
 
 from __future__ import annotations

@@ -24,7 +24,7 @@ from fem.elements.twisted_hexahedra import slice_means, strain_matrices
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from fem.gears.path import path_points
-from fem.gears.sector import SectorMesh, sector_mesh
+from fem.gears.sector_mesh import SectorMesh, sector_mesh
 from fem.numerics.quadratic_grids import with_middles
 
 _GAUSS = 1 / np.sqrt(3.0)

@@ -43,7 +43,7 @@ from fem.elements.twisted_hexahedra import slice_means
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from fem.gears.path import PathPoints, path_points
-from fem.gears.sector import sector_mesh
+from fem.gears.sector_mesh import sector_mesh
 from fem.storage.ledger import count
 from fem.storage.records import Record, array, integer, scalar
 
@@ -175,7 +175,7 @@ def contact_compliance(
     sign : +1 drive flank, -1 coast flank; `flank` of the record shows whether it is valid for both
     slices : slices of equal width over the face
     positions : grid points per mesh cycle
-    section_refinement : of the section mesh of the rings in space, see `fem.gears.sector.sector_mesh`
+    section_refinement : of the section mesh of the rings in space, see `fem.gears.sector_mesh.sector_mesh`
     axial_elements : elements along the face, see `axial_ends`
     plane : the model for C_fine, A, B and the range of tip-edge contact
     patch : half-width of the patches on the coarse section, in m_n

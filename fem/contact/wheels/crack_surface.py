@@ -27,7 +27,7 @@ from fem.contact.wheels.cracked_ring import plane_cracked_ring, solid_cracked_ri
 from fem.contact.wheels.ring import flank_loads
 from fem.elements.materials import Material
 from fem.gears.gear import Gear
-from fem.gears.sector import SectorMesh, Slit, root_chord, sector_mesh
+from fem.gears.sector_mesh import SectorMesh, Slit, root_chord, sector_mesh
 from fem.numerics.side_by_side import side_by_side
 from fem.storage.records import Record, array, scalar
 

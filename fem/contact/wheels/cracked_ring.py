@@ -29,7 +29,7 @@ from fem.contact.wheels.ring import SectorReduction, condensed, cut_flexibility,
 from fem.contact.wheels.solid_ring import CUT, load_size, node_frames, sector_prism
 from fem.elements.nested_condensation import KEPT
 from fem.elements.sections import stiffness
-from fem.gears.sector import SectorMesh
+from fem.gears.sector_mesh import SectorMesh
 from fem.numerics.unknowns import unknowns_of
 from fem.storage.ledger import count
 

@@ -1,5 +1,7 @@
 """Compliance of one slice of a tooth pair in the transverse section, by finite elements of the whole toothed rings.
 
+The elements of one tooth are made in `fem.gears.sector_mesh`.
+
 All quantities are transverse, per slice and unit face width. A ring model gives the displacement G_ij along the flank
 normal at position i by a load at position j, both spread over an elliptical patch of half-width w and averaged with the
 same weight (so G is symmetric and finite). It includes the local deformation of a patch w. A Hertz contact has the
@@ -113,7 +115,7 @@ class PlaneSection:
         from threadpoolctl import threadpool_limits
 
         from fem.contact.wheels.ring import flank_compliance
-        from fem.gears.sector import sector_mesh
+        from fem.gears.sector_mesh import sector_mesh
 
         out = []
         with threadpool_limits(1):  # small matrices: more threads only add waiting time

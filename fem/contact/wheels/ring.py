@@ -17,7 +17,7 @@ import numpy as np
 from scipy import sparse
 
 from fem.elements.sections import lagrange, stiffness
-from fem.gears.sector import SectorMesh
+from fem.gears.sector_mesh import SectorMesh
 from fem.numerics.linear_solver import SingularMatrixError, factorize
 from fem.numerics.unknowns import unknowns_of
 from fem.storage.ledger import count

@@ -19,7 +19,7 @@ from fem.contact.wheels.ring import SectorReduction, load_directions, ring_respo
 from fem.contact.wheels.sector_face_functions import CUT, CutFunctions, cut_ties, webbed_ties
 from fem.elements.nested_condensation import FIXED, INNER, KEPT, TIED, Prism
 from fem.elements.twisted_hexahedra import section_blocks, turned_blocks
-from fem.gears.sector import SectorMesh
+from fem.gears.sector_mesh import SectorMesh
 from fem.numerics.quadratic_grids import with_middles
 
 

@@ -12,9 +12,9 @@ import numpy as np
 from fem.casing.geometry.dimensions import HousingError
 from fem.casing.geometry.housing import Housing
 from fem.casing.geometry.locators import ByCylinder, ByGroup, ByPlane, Locator
+from fem.casing.mesh.choose_mesher import Geometry
 from fem.casing.mesh.imported import ALONG_Y, OFF_AXIS, ImportedHousing
 from fem.casing.mesh.mesh import MeshError
-from fem.casing.mesh.mesh_geometry import Geometry
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.models.casing_model import HousingCasing
 from fem.casing.parts.names import FEWEST_MOUNTS, few_feet

@@ -20,7 +20,7 @@ from fem.contact.faults.spalled_tooth import SpalledTooth
 from fem.contact.faults.tooth_fault import ToothFault
 from fem.contact.law import MeshLaw
 from fem.gears.geometry import GearPair
-from fem.gears.sector import root_chord
+from fem.gears.sector_mesh import root_chord
 from pipelines.report.figures.damaged_tooth import DrawnTooth, ToothSection, cut_down, stations, surface_of
 from pipelines.report.figures.tooth_surfaces import swept
 

@@ -21,7 +21,7 @@ from pipelines.io.errors import InputError
 from pipelines.machine.plant import Plant
 from pipelines.recordings.machine_file import MeasuredMachine
 from pipelines.runs.recorded import asked_windows, read_features, recording_and_window
-from pipelines.scene.file import LoadedScene
+from pipelines.scene.load_scene import LoadedScene
 from pipelines.studies.calibrate.free_keys import AFTER, BEFORE, FEWEST, STATE, Free, agreement_plan, calibration_plan
 from pipelines.studies.calibrate.posterior import check_installed, emulator, sample
 from pipelines.studies.spread.population_spread import MEAN, line_levels

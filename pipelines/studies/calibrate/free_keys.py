@@ -12,7 +12,7 @@ from pipelines.datasets.typical_spread import put_setting
 from pipelines.io.errors import InputError
 from pipelines.io.shown import number_of, shown
 from pipelines.machine.plant import Plant
-from pipelines.scene.file import LoadedScene
+from pipelines.scene.load_scene import LoadedScene
 
 FEWEST = 40  # runs of a campaign; half of them for the emulator
 SPECIMENS = 4  # pairs of gears of each model that is compared with the recording

@@ -16,8 +16,8 @@ from fem.gears.modifications import LARGEST_PART, PairModifications, relief_leng
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError
 from pipelines.runs.single_results import scene_graph
-from pipelines.scene.file import LoadedScene
-from pipelines.steps.candidates import CandidateResults, Conditions
+from pipelines.scene.load_scene import LoadedScene
+from pipelines.steps.flank_candidates import CandidateResults, Conditions
 from pipelines.studies.design.flank_variables import Variables, parse_vary
 from pipelines.studies.design.quantities import Quantity, parse_limit, parse_quantity
 from pipelines.studies.design.search import Designs, DesignTask, Evaluations, search

@@ -11,7 +11,7 @@ from fem.options import options_of
 from pipelines.io.errors import InputError
 from pipelines.io.shown import nearest_name, shown
 from pipelines.machine.flanks import GEARS, modifications
-from pipelines.scene.file import LoadedScene, changed
+from pipelines.scene.load_scene import LoadedScene, changed
 from pipelines.scene.tables.derived import key_of
 from pipelines.studies.detect.over import Over, parse_over
 

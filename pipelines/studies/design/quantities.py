@@ -12,7 +12,7 @@ import numpy as np
 from fem.contact.evaluation.mesh_cycle import ORDERS
 from pipelines.io.errors import InputError
 from pipelines.io.shown import nearest_name, shown
-from pipelines.steps.candidates import CandidateResults
+from pipelines.steps.flank_candidates import CandidateResults
 
 NOMINAL = "nominal"
 STATISTICS: dict[str, Callable[[np.ndarray], np.ndarray]] = {  # of (candidate, sample), the nominal pair first
@@ -21,7 +21,7 @@ STATISTICS: dict[str, Callable[[np.ndarray], np.ndarray]] = {  # of (candidate, 
     "q90": lambda values: np.quantile(values[:, 1:], 0.9, axis=1),
     "worst": lambda values: values[:, 1:].max(axis=1),
 }
-LOADED = {  # at the greatest torque: name, quantity of `pipelines.steps.candidates`, its size in the unit, unit
+LOADED = {  # at the greatest torque: name, quantity of `pipelines.steps.flank_candidates`, its size in the unit, unit
     "pressure": ("pressure", 1e6, "MPa"),
     "load-factor": ("face_load_factor", 1.0, ""),
 }

@@ -24,8 +24,8 @@ from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph, Step
 from pipelines.io.errors import InputError
 from pipelines.io.shown import duration
-from pipelines.steps import candidates
-from pipelines.steps.candidates import CandidateResults, Conditions
+from pipelines.steps import flank_candidates
+from pipelines.steps.flank_candidates import CandidateResults, Conditions
 from pipelines.studies.design.flank_variables import Variables
 from pipelines.studies.design.quantities import LOADED, Limit, Quantity
 
@@ -115,7 +115,7 @@ class Evaluations:
         step = Step(
             name="candidates",
             kind="candidates",
-            build=candidates.build,
+            build=flank_candidates.build,
             spec={"conditions": conditions, "candidates": tuple(found)},
             takes={"laws": self._law},
             libraries=("numpy", "scipy", "numba"),

@@ -16,7 +16,7 @@ from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
 from pipelines.machine.plant import Plant
-from pipelines.scene.file import LoadedScene
+from pipelines.scene.load_scene import LoadedScene
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import without_shaft_faults
 from pipelines.steps.verdict import known_damages

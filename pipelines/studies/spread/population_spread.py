@@ -23,7 +23,7 @@ from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError
 from pipelines.io.shown import shown
 from pipelines.machine.plant import Plant
-from pipelines.scene.file import LoadedScene
+from pipelines.scene.load_scene import LoadedScene
 from pipelines.scene.tables.diagnosis import LookedFor
 from pipelines.signals.features.feature_table import FeatureTable
 from pipelines.studies.spread.sobol_indices import first_order

@@ -7,7 +7,7 @@ from statistics import median
 from pipelines.diagnosis.uncertainty.bar_records import LineBars
 from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph
-from pipelines.scene.file import LoadedScene
+from pipelines.scene.load_scene import LoadedScene
 from pipelines.steps.result_steps import bars_step, casing_taken
 from pipelines.steps.run_plan import plan_run
 

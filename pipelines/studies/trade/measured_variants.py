@@ -9,9 +9,9 @@ from pipelines.engine.run_graph import Outcome, Work
 from pipelines.engine.step import Graph, Step
 from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.plant import Plant
-from pipelines.scene.file import LoadedScene, changed
+from pipelines.scene.load_scene import LoadedScene, changed
 from pipelines.signals.motion_warnings import log_warnings
-from pipelines.steps.graph import plant_steps
+from pipelines.steps.machine_steps import plant_steps
 from pipelines.steps.run_plan import add_steps
 from pipelines.studies.trade.probes import PROBES, Value
 

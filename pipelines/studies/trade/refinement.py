@@ -10,7 +10,7 @@ import numpy as np
 from fem.casing.uncertainty.limits_by_element import Extrapolation
 from fem.storage import shown_html
 from pipelines.engine.run_graph import Work
-from pipelines.scene.file import LoadedScene, changed
+from pipelines.scene.load_scene import LoadedScene, changed
 from pipelines.studies.trade.axes import AXES
 from pipelines.studies.trade.convergence import Convergence, ConvergenceError, study
 from pipelines.studies.trade.measured_variants import Measured, measure

@@ -10,7 +10,7 @@ from fem.storage import shown_html
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError, SceneError
 from pipelines.machine.layout import lay_out
-from pipelines.scene.file import LoadedScene, changed
+from pipelines.scene.load_scene import LoadedScene, changed
 from pipelines.studies.trade.choices import PRESET, Choice, choices
 from pipelines.studies.trade.known_lines import known_lines
 from pipelines.studies.trade.measured_variants import Measured, measure, step_costs

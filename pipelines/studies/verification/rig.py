@@ -16,7 +16,7 @@ import xarray
 
 from pipelines.diagnosis.control_diagnosis import STATES
 from pipelines.engine.run_graph import Work
-from pipelines.scene.file import LoadedScene, load_scene
+from pipelines.scene.load_scene import LoadedScene, load_scene
 from pipelines.scene.presets import preset_on
 from pipelines.signals.analysis import DiagnosisSettings
 from pipelines.signals.features.feature_table import labelled_array

@@ -17,7 +17,7 @@ from mbd.system.statics import equilibrium, foot_forces
 from pipelines.cli.main import main
 from pipelines.engine.run_graph import Work
 from pipelines.runs.single_results import scene_graph
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 GRAVITY = 9.80665
 BLOCK = Material(name="soft", elastic_modulus=2e9, poisson_ratio=0.0, density=3000.0)

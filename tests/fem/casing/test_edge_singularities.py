@@ -11,8 +11,8 @@ from fem.casing.enrichment.edge_unknowns import edge_functions
 from fem.casing.enrichment.graded_functions import NODES, graded
 from fem.casing.enrichment.singular_edges import chains, singular_sides
 from fem.casing.enrichment.topology import Topology
+from fem.casing.mesh.choose_mesher import mesh_geometry
 from fem.casing.mesh.finished import RawMesh, finished_mesh
-from fem.casing.mesh.mesh_geometry import mesh_geometry
 from fem.casing.mesh.sizes import Sizes
 from fem.elements.materials import CAST_IRON
 from fem.elements.sections import lagrange

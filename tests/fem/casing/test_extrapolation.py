@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from housings import angle_casing, short_housing
 
-from fem.casing.mesh.mesh_geometry import mesh_geometry
+from fem.casing.mesh.choose_mesher import mesh_geometry
 from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.reduced.casing_modes import casing_modes, natural_modes, reduced_body
@@ -38,9 +38,9 @@ from pipelines.io.errors import SceneError
 from pipelines.machine.machine_conversion import make_plant
 from pipelines.report.figures import render
 from pipelines.runs.run import run_scene
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.scene.presets import preset_on
-from pipelines.steps.graph import plant_steps
+from pipelines.steps.machine_steps import plant_steps
 from pipelines.steps.reporting import _casing_rows
 
 BAND = 3000.0

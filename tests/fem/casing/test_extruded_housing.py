@@ -8,9 +8,9 @@ import pytest
 from housings import housing_for_shafts, short_housing, small_housing
 
 from fem.casing.geometry.housing_features import Ribs
+from fem.casing.mesh.choose_mesher import mesh_geometry
 from fem.casing.mesh.extruded import inside
 from fem.casing.mesh.mesh import MeshError
-from fem.casing.mesh.mesh_geometry import mesh_geometry
 from fem.casing.mesh.section import divided
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.reduced.grounded import assembled_casing
@@ -22,7 +22,7 @@ from fem.elements.solids import mass_properties
 from pipelines.io.errors import SceneError
 from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.machine_conversion import make_plant
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.scene.presets import preset_settings
 
 HOUSINGS = {

@@ -13,11 +13,11 @@ from fem.casing.imported.foreign_body import ForeignError, foreign_body
 from fem.casing.imported.matrix_checks import check_foreign, lowest_frequencies
 from fem.casing.imported.matrix_files import MatrixFiles, read_body, read_matrices
 from fem.casing.mesh.cad_file import fill_surface, read_triangles
+from fem.casing.mesh.choose_mesher import mesh_geometry
 from fem.casing.mesh.gmsh_session import session
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesh_file import read_mesh_file
-from fem.casing.mesh.mesh_geometry import mesh_geometry
 from fem.casing.mesh.sizes import Sizes
 from fem.elements.solids import assemble
 from pipelines.machine.casing import foreign_housing

@@ -19,16 +19,16 @@ from fem.casing.mesh.cad_file import import_solids
 from fem.casing.mesh.gmsh_session import session
 from fem.casing.mesh.mesher import mesh_housing, write_step
 from fem.casing.mesh.sizes import Sizes
+from fem.casing.recognition.bores_and_faces import bolt_patterns
 from fem.casing.recognition.contents import FoundBore
 from fem.casing.recognition.read import survey
 from fem.casing.recognition.shaft_fit import FittedShaft, fit_shafts
-from fem.casing.recognition.surface_features import bolt_patterns
 from fem.casing.reduced.grounded import assembled_casing
 from fem.elements.materials import Material
 from fem.elements.solids import assemble
 from pipelines.cli.main import main
 from pipelines.runs.checked import check_scene
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.studies.housings.block import housing_block
 from pipelines.studies.housings.bore_picture import _seen
 from pipelines.studies.housings.housing_page import housing_page, thinned

@@ -7,10 +7,10 @@ import pytest
 
 from fem.casing.geometry.locators import ByCylinder, ByPlane
 from fem.casing.mesh.cad_file import import_solids
+from fem.casing.mesh.choose_mesher import mesh_geometry
 from fem.casing.mesh.gmsh_session import session
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
 from fem.casing.mesh.mesh import MeshError
-from fem.casing.mesh.mesh_geometry import mesh_geometry
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.recognition.read import survey
 from pipelines.scene.problems import nearest

@@ -9,9 +9,9 @@ from housings import short_housing, small_housing
 
 from fem.casing.geometry.dimensions import HousingError
 from fem.casing.geometry.locators import ByBox, ByCylinder, ByGroup, ByPlane, ByPoint
+from fem.casing.mesh.choose_mesher import mesh_geometry
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
 from fem.casing.mesh.mesh import MeshError
-from fem.casing.mesh.mesh_geometry import mesh_geometry
 from fem.casing.mesh.mesher import mesh_housing, session, write_step
 from fem.casing.mesh.quality import checked_quality, measure
 from fem.casing.mesh.sizes import Sizes

@@ -10,7 +10,7 @@ from housings import angle_casing, short_housing
 from threadpoolctl import threadpool_limits
 
 from fem.casing.enrichment.added import added_functions
-from fem.casing.mesh.mesh_geometry import mesh_geometry
+from fem.casing.mesh.choose_mesher import mesh_geometry
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.reduced import halves
 from fem.casing.reduced.grounded import assembled_casing
@@ -19,7 +19,7 @@ from fem.casing.reduced.reduction import held_interface
 from fem.casing.reduced.sturm_count import reduce_and_count
 from fem.elements.materials import CAST_IRON
 from pipelines.machine.machine_conversion import make_plant
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 CUBIC = "hexahedron-32"
 MESHES = {

@@ -24,7 +24,7 @@ from fem.contact.teeth import tooth_terms
 from fem.contact.wheels.crack_surface import CrackSurfaceSpec, crack_surface, load_weights, opened
 from fem.elements.materials import STEEL
 from fem.elements.twisted_hexahedra import slice_means
-from fem.gears.sector import root_chord
+from fem.gears.sector_mesh import root_chord
 
 FACE = 12e-3
 ANGLE = math.radians(70.0)

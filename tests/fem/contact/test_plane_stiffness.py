@@ -12,7 +12,7 @@ from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.frame import ModelError
 from fem.contact.models.plane import Plane
 from fem.contact.wheels import ring
-from fem.gears.sector import sector_mesh
+from fem.gears.sector_mesh import sector_mesh
 
 YOUNG, POISSON = 206e9, 0.3
 

@@ -23,7 +23,7 @@ from fem.contact.teeth import tooth_terms
 from fem.contact.wheels import ring
 from fem.gears.gear_checks import GeometryError
 from fem.gears.path import path_points
-from fem.gears.sector import Slit, root_chord, sector_mesh
+from fem.gears.sector_mesh import Slit, root_chord, sector_mesh
 
 PAIR = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))
 SPUR = gear_pair((20, 55), 2, 0, 12, bores_mm=(12.5, 17.5))

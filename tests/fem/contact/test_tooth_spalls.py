@@ -24,7 +24,7 @@ from fem.gears.gear_checks import GeometryError
 from pipelines.io.errors import SceneError
 from pipelines.machine.checks.design_warnings import design_warnings
 from pipelines.machine.machine_conversion import make_drivetrain, make_plant
-from pipelines.scene.file import control_of, load_scene
+from pipelines.scene.load_scene import control_of, load_scene
 
 HELICAL = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))
 SPUR = gear_pair((20, 55), 2, 0, 12, bores_mm=(12.5, 17.5))

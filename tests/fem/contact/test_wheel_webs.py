@@ -20,11 +20,11 @@ from fem.contact.wheels.solid_ring import sector_prism, solid_flank
 from fem.contact.wheels.web_place import axial_ends, web_ends
 from fem.elements.nested_condensation import INNER
 from fem.elements.twisted_hexahedra import axial_matrices, slice_means
-from fem.gears.sector import sector_mesh
+from fem.gears.sector_mesh import sector_mesh
 from fem.numerics.linear_solver import factorize
 from pipelines.machine.checks.design_warnings import design_warnings
 from pipelines.machine.machine_conversion import make_drivetrain
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 YOUNG, POISSON = 206e9, 0.3
 ALL_NODES = CutFunctions(radial=None, axial=None)

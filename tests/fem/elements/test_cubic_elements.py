@@ -11,7 +11,7 @@ from test_element_order import plate, ring
 
 from benchmarks.casing_limits.cubic import cubic_matrices
 from fem.casing.enrichment.added import added_functions
-from fem.casing.mesh.mesh_geometry import mesh_geometry
+from fem.casing.mesh.choose_mesher import mesh_geometry
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.uncertainty.extrapolation import lowest_modes

@@ -13,7 +13,7 @@ from fem.contact.wheels.solid_ring import sector_prism, solid_flank
 from fem.elements.dissection import Dissection
 from fem.elements.nested_condensation import INNER, TIED, CondensationError
 from fem.elements.twisted_hexahedra import axial_matrices, product_stiffness, section_blocks, slice_means
-from fem.gears.sector import sector_mesh
+from fem.gears.sector_mesh import sector_mesh
 from fem.numerics.linear_solver import factorize
 from fem.numerics.quadratic_grids import with_middles
 

@@ -14,7 +14,7 @@ from fem.gears.gear_checks import GeometryError
 from fem.gears.geometry import root_penetration
 from fem.gears.path import path_points
 from fem.gears.profile import form_radius
-from fem.gears.sector import sector_mesh
+from fem.gears.sector_mesh import sector_mesh
 
 PAIR = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))
 

@@ -32,7 +32,7 @@ from pipelines.machine.checks.design_warnings import design_warnings
 from pipelines.machine.flanks import prescribed_deviations
 from pipelines.machine.machine_conversion import make_drivetrain, make_plant
 from pipelines.machine.system_assembly import assemble_machine
-from pipelines.scene.file import control_of, load_scene
+from pipelines.scene.load_scene import control_of, load_scene
 from pipelines.scene.measured_flanks import measured_flanks
 
 FLANKS = {"drive": 0, "coast": 1}

@@ -16,7 +16,7 @@ from numba import njit, types
 from numba.core.dispatcher import Dispatcher
 from numba.core.errors import NumbaError
 from sources import ROOT
-from waiting import HANGING
+from time_limit import HANGING
 
 from fem.numerics import compiled_files
 from fem.numerics.compiled import FLOAT, INTEGER, VECTOR, Signature, by_address, reached, stored, views
@@ -25,8 +25,8 @@ from fem.storage.cache_folder import CacheWarning
 from pipelines.engine.code_version import reachable
 from pipelines.engine.storage import class_modules
 from pipelines.machine.machine_conversion import make_plant
-from pipelines.scene.file import load_scene
-from pipelines.steps.graph import plant_steps
+from pipelines.scene.load_scene import load_scene
+from pipelines.steps.machine_steps import plant_steps
 
 posix = pytest.mark.skipif(os.name != "posix", reason="owners and modes as POSIX has them")
 

@@ -14,7 +14,7 @@ import pytest
 
 from pipelines.cli.command_line import COMMANDS, parser
 from pipelines.cli.main import _first_time, main
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 
 def gearcase(capsys, *arguments):

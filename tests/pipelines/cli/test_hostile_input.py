@@ -17,7 +17,7 @@ from sources import ROOT
 from pipelines.cli.main import main
 from pipelines.io.errors import Problem, SceneError
 from pipelines.io.shown import message_text, shown, shown_value
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.scene.new import new_scene
 
 posix = pytest.mark.skipif(os.name != "posix", reason="pipes and devices of a POSIX system")
@@ -344,8 +344,8 @@ def test_markup_in_a_title_stays_text(tmp_path):
     from pipelines.report.figures.frame_files import film_page
     from pipelines.report.figures.labelled_pictures import plain
     from pipelines.report.figures.plots import dress, new_figure
+    from pipelines.report.first_screen import screen_parts
     from pipelines.report.report import write_report
-    from pipelines.report.run_screen import screen_parts
 
     title = "<script>alert(1)</script> [bold]$\\frac$ & $x"
     first = screen_parts(sentences=[title], figures=[(title, title)])

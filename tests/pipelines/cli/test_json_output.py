@@ -11,7 +11,7 @@ import pytest
 
 from pipelines.cli.main import main
 from pipelines.io.json_text import json_text
-from pipelines.scene.file import load_scene, shipped_names
+from pipelines.scene.load_scene import load_scene, shipped_names
 from pipelines.scene.schema import scene_schema
 
 

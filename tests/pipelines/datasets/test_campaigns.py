@@ -25,7 +25,7 @@ from pipelines.io.errors import InputError, SceneError, WorkError
 from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.machine_conversion import make_plant
 from pipelines.signals.response import make_response
-from pipelines.steps.graph import plant_steps
+from pipelines.steps.machine_steps import plant_steps
 from pipelines.steps.motion import moved
 
 PLAN = """

@@ -13,7 +13,7 @@ from pipelines.datasets.campaign_scenes import sampled_scenes, scene_of
 from pipelines.datasets.card import write_card
 from pipelines.datasets.plan import load_plan
 from pipelines.datasets.rows import read_row, write_row, write_table
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.signals.motion_warnings import needed_step_us
 
 COARSE = """

@@ -8,7 +8,7 @@ from pipelines.diagnosis.control_diagnosis import diagnose
 from pipelines.io.errors import SceneError
 from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.machine_conversion import make_plant
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 OUTER = {
     "kind": "bearing-spall", "shaft": 1, "bearing": 1, "on": "outer-ring", "width_mm": 1.0, "depth_um": 50.0,

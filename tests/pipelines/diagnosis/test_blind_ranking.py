@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from turning import MACHINE, recording
 
-from pipelines.diagnosis.alike import alike
 from pipelines.diagnosis.baseline_checks import BaselineError
 from pipelines.diagnosis.deviation_statistics import TAILS
 from pipelines.diagnosis.evidence import GroupEvidence, HealthyReference
 from pipelines.diagnosis.judge import damage_p, judge
 from pipelines.diagnosis.known_damage import Case, Damage, any_found, cases_grid, found
 from pipelines.diagnosis.known_damage import sentences as case_sentences
+from pipelines.diagnosis.shared_orders import alike
 from pipelines.diagnosis.simulated import FeatureSettings, run_features, window_features
 from pipelines.diagnosis.verdict import ALARM, DIFFERENT
 from pipelines.diagnosis.verdict_words import headline, ranking_grid, sentences

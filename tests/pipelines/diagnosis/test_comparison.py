@@ -15,7 +15,7 @@ from pipelines.diagnosis.comparison.compared_recording import brought_together, 
 from pipelines.diagnosis.comparison.curves import curves
 from pipelines.report.figures.comparison_plots import _mark
 from pipelines.report.figures.plots import new_figure
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.signals.features.average import FEWEST_TURNS
 from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 

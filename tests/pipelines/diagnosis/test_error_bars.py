@@ -26,7 +26,7 @@ from pipelines.diagnosis.uncertainty.sampled_bars import line_bars
 from pipelines.diagnosis.uncertainty.uncertain import Uncertain, uncertain
 from pipelines.engine.run_graph import Work
 from pipelines.machine.system_assembly import assemble_machine, assemble_system
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.signals.response import make_response
 from pipelines.steps.motion import moved
 from pipelines.steps.run_plan import plan_run

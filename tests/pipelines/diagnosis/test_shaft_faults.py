@@ -11,7 +11,7 @@ from pipelines.cli.main import main
 from pipelines.diagnosis.control_diagnosis import diagnose
 from pipelines.diagnosis.line_words import lines_grid
 from pipelines.machine.machine_conversion import make_plant
-from pipelines.scene.file import control_differences, control_of, load_scene
+from pipelines.scene.load_scene import control_differences, control_of, load_scene
 from pipelines.steps.reporting import shaft_rows
 
 UNBALANCE = {"model": "unbalance", "shaft": 1, "position_mm": 20.0, "unbalance_g_mm": 500.0}

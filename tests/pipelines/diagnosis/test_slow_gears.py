@@ -5,7 +5,7 @@ import pytest
 from pipelines.machine.machine_conversion import make_drivetrain
 from pipelines.runs.diagnosed import diagnose_folder, judge_folder
 from pipelines.runs.run import run_scene
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 SCENES = ("rig-missing-tooth-2", "rig-missing-tooth-3")
 

@@ -8,7 +8,7 @@ import sys
 import time
 
 import pytest
-from waiting import HANGING
+from time_limit import HANGING
 
 from pipelines.engine.storage import digest
 from pipelines.runs.run_folder import RESPONSE, find_run

@@ -338,7 +338,7 @@ def test_a_graph_refuses_wrong_order_and_repeated_names():
 
 def test_the_code_version_follows_imports():
     assert "fem.storage.records" in reachable("pipelines.engine.storage")
-    assert "pipelines.scene.scene" in reachable("pipelines.scene.file")  # imported inside functions
+    assert "pipelines.scene.scene" in reachable("pipelines.scene.load_scene")  # imported inside functions
     assert "pipelines.scene.scene" not in reachable("pipelines.engine.storage")
     assert code_version("pipelines.engine.cache") != code_version("pipelines.engine.storage")
 

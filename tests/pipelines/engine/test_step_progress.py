@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 from rich.progress import Progress
-from waiting import HANGING
+from time_limit import HANGING
 
 import gearcase
 from fem.processes.executor import listening, tell_share
@@ -17,7 +17,7 @@ from pipelines.engine.progress import StepReporter, reported_count
 from pipelines.engine.remaining import Remaining, Task
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, Step
-from pipelines.steps.graph import plant_steps
+from pipelines.steps.machine_steps import plant_steps
 
 
 def go_on(seconds):

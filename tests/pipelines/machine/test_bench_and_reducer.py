@@ -14,9 +14,9 @@ from pipelines.io.errors import SceneError
 from pipelines.machine.drives import speed_profile
 from pipelines.machine.machine_conversion import make_plant
 from pipelines.machine.system_assembly import assemble_machine, assemble_system
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.scene.merge import Whole
-from pipelines.steps.graph import plant_steps
+from pipelines.steps.machine_steps import plant_steps
 
 QUICK = {"casing": {"model": "none"}, "sensors": [], "faults": [], "control": None}
 HOIST = re.compile(r"\b(hoist\w*|drums?|ropes?|containers?|lift|lifting|lowering|lowered|crane)\b", re.IGNORECASE)

@@ -8,8 +8,8 @@ from housings import short_housing
 
 from fem.casing.geometry.housing_features import Flange
 from fem.casing.geometry.locators import ByCylinder, ByPlane
+from fem.casing.mesh.choose_mesher import mesh_geometry
 from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
-from fem.casing.mesh.mesh_geometry import mesh_geometry
 from fem.casing.mesh.mesher import mesh_step, write_step
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.parts.bolted_joint import BoltedJoint
@@ -23,7 +23,7 @@ from pipelines.engine.run_graph import Work
 from pipelines.io.errors import SceneError
 from pipelines.machine.machine_conversion import make_plant
 from pipelines.runs.single_results import build_casing
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 ELASTIC = {"casing.model": "static", "casing.element_size_mm": 60.0}
 FLANGE = ELASTIC | {"casing.housing.flange": {"width_mm": 20.0, "height_mm": 24.0}}

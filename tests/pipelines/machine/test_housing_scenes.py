@@ -15,8 +15,8 @@ from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph
 from pipelines.io.errors import SceneError
 from pipelines.machine.machine_conversion import make_plant
-from pipelines.scene.file import load_scene
-from pipelines.steps.graph import casing_step, plant_steps
+from pipelines.scene.load_scene import load_scene
+from pipelines.steps.machine_steps import casing_step, plant_steps
 
 FEATURES = {
     "casing.housing.side_wall_thickness_mm": 12.0,

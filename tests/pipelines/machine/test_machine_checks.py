@@ -30,7 +30,7 @@ from pipelines.machine.layout import lay_out
 from pipelines.machine.machine_conversion import make_drivetrain
 from pipelines.machine.scene_bearings import bearing_points, bearing_specs
 from pipelines.runs.checked import check_scene
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.steps.run_plan import plan_run
 
 NO_WINDOWS = {"diagnosis.windows_s": {}}

@@ -12,8 +12,8 @@ from pipelines.io.errors import SceneError
 from pipelines.machine.checks.collisions import RevolvedBody
 from pipelines.machine.flanks import Fault, first_tooth_fault
 from pipelines.machine.machine_conversion import make_drivetrain, make_plant
-from pipelines.scene.file import load_scene
-from pipelines.steps.graph import plant_steps
+from pipelines.scene.load_scene import load_scene
+from pipelines.steps.machine_steps import plant_steps
 
 BEHIND = ("engine", "report", "runs", "signals", "steps", "studies", "cli")  # rooms behind the plant
 UNITS = ("_mm", "_um", "_GPa", "_per_um", "_deg", "_rpm", "_us", "_kg", "_s", "_Hz", "_m", "_kg_m3", "_kg_m2")

@@ -9,7 +9,7 @@ from fem.gears.profile import form_radius
 from pipelines.io.errors import SceneError
 from pipelines.machine.layout import lay_out
 from pipelines.machine.machine_conversion import make_drivetrain
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 GEAR = {
     "module_mm": 2.0,

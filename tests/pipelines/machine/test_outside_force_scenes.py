@@ -8,8 +8,8 @@ from mbd.parts.part_checks import MachineError
 from pipelines.engine.storage import digest
 from pipelines.io.errors import SceneError
 from pipelines.machine.machine_conversion import make_plant
-from pipelines.scene.file import load_scene
-from pipelines.steps.graph import plant_steps
+from pipelines.scene.load_scene import load_scene
+from pipelines.steps.machine_steps import plant_steps
 
 TORQUE = {"model": "torque", "shaft": 2, "position_mm": 0.0, "times_s": [0.0, 0.5], "torques_N_m": [0.0, 12.0]}
 

@@ -16,8 +16,8 @@ from pipelines.machine.checks.design_warnings import design_warnings
 from pipelines.machine.layout import lay_out
 from pipelines.machine.machine_conversion import make_drivetrain, make_plant
 from pipelines.machine.tooth_terms import clearances, mesh_faults
-from pipelines.scene.file import load_scene
-from pipelines.steps.graph import plant_steps
+from pipelines.scene.load_scene import load_scene
+from pipelines.steps.machine_steps import plant_steps
 
 DETAILS = """
 extends = "minimal"

@@ -12,7 +12,7 @@ from pipelines.machine.machine_conversion import make_plant
 from pipelines.machine.scene_kinematics import kinematics_of, pass_rates
 from pipelines.recordings.machine_file import read_machine
 from pipelines.recordings.read_recording import read_recording
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 FIVE = """\
 teeth = [[21, 62], [23, 75]]

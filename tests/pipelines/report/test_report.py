@@ -23,9 +23,9 @@ from pipelines.report.chart_data import extremes, largest, views
 from pipelines.report.figures.plots import StiffnessPlot, drive_figure, stiffness_figure, waveform_figure
 from pipelines.report.figures.views import LeftOut
 from pipelines.report.first_figures import average_figure, envelope_figure
+from pipelines.report.first_screen import screen_parts
 from pipelines.report.page import typeset
 from pipelines.report.report import write_report
-from pipelines.report.run_screen import screen_parts
 from pipelines.steps import pictures
 
 LEFT_OUT = "The picture of the gear pair is left out: off-screen rendering ended with SIGSEGV. Install libegl1."

@@ -14,7 +14,7 @@ from pipelines.report.figures import render
 from pipelines.runs import run_folder
 from pipelines.runs.checked import check_scene
 from pipelines.runs.run import run_scene
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.steps.pictures import picture_steps
 from pipelines.steps.reporting import gear_rows
 

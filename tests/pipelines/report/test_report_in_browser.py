@@ -14,8 +14,8 @@ from pipelines.diagnosis.control_diagnosis import DiagnosisSettings, diagnose
 from pipelines.report import page
 from pipelines.report.figures.plots import StiffnessPlot
 from pipelines.report.first_figures import average_figure, envelope_figure
+from pipelines.report.first_screen import screen_parts
 from pipelines.report.report import write_report
-from pipelines.report.run_screen import screen_parts
 from pipelines.steps import pictures
 
 pytestmark = [

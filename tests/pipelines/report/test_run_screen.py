@@ -8,8 +8,8 @@ from synthetic import MESH, WHEEL
 from pipelines.diagnosis.verdict import Evidence, Finding, Verdict
 from pipelines.machine.checks.checked_plant import checked_plant
 from pipelines.machine.scene_kinematics import kinematics_of
-from pipelines.report.run_screen import over_teeth, shown_gear
-from pipelines.scene.file import load_scene
+from pipelines.report.first_screen import over_teeth, shown_gear
+from pipelines.scene.load_scene import load_scene
 from pipelines.signals.analysis import DiagnosisSettings
 from pipelines.signals.orders.kinematics import Gear
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 from rendering import drawn
-from waiting import HANGING
+from time_limit import HANGING
 
 from benchmarks.gear_pairs import thick_rimmed_pair
 from fem.contact.models.iso import Iso
@@ -39,7 +39,7 @@ from pipelines.report.figures.tooth_mesh_pictures import mesh_figure, write_film
 from pipelines.report.figures.views import Picture
 from pipelines.runs.root_stress import _stress_steps, root_stresses
 from pipelines.runs.single_results import scene_graph
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.steps import stress
 
 LOAD = 1200.0

@@ -17,7 +17,7 @@ from pipelines.rexs.rexs_scene import new_scene_from_rexs
 from pipelines.rexs.scene_text import scene_text
 from pipelines.rexs.stage_tables import stage_table
 from pipelines.runs.checked import check_scene
-from pipelines.scene.file import load_scene, scene_of_tree
+from pipelines.scene.load_scene import load_scene, scene_of_tree
 
 # Numbers of the public files, both Apache-2.0:
 # api/src/test/resources/SEW_3-stage_cylindrical_gearbox_1.0.rexs of fva-net/rexs-api-java, and

@@ -15,7 +15,7 @@ from pipelines.rexs import files
 from pipelines.rexs.document import RexsError
 from pipelines.rexs.files import read_document
 from pipelines.rexs.rexs_scene import new_scene_from_rexs
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 CATALOGUE = "rolling_bearing_with_catalog_geometry"
 

@@ -15,7 +15,7 @@ from pipelines.io.errors import SceneError
 from pipelines.report.figures import render
 from pipelines.runs import run_folder
 from pipelines.runs.run import run_scene
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.scene.merge import Whole
 from pipelines.scene.scene import Scene
 from pipelines.signals.line_table import LineTable

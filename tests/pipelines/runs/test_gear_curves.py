@@ -10,7 +10,7 @@ from fem.contact.evaluation.mesh_cycle import order_amplitudes
 from fem.gears.modifications import relief_lengths
 from pipelines.machine.layout import lay_out
 from pipelines.runs.gear_curves import MeshState, gear_curves, gear_rows, transmission_errors
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 SPUR = {"stages.1.pinion_teeth": 23, "stages.1.wheel_teeth": 57, "stages.1.module_mm": 3.0,
         "stages.1.face_width_mm": 25.0, "stages.1.mesh.slices": 1}  # fmt: skip

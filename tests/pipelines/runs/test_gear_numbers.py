@@ -21,7 +21,7 @@ from pipelines.runs.gear_curves import (
     transmission_errors,
     write_curves,
 )
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.steps.pair_curves import engagement
 
 CHIP = {"kind": "chipped-tooth", "stage": 1, "gear": "wheel", "tooth": 7, "depth_mm": 2.0, "extent_mm": 6.0}

@@ -14,7 +14,7 @@ from pipelines.io.errors import InputError
 from pipelines.runs.kept_runs import kept_runs
 from pipelines.runs.run import run_scene
 from pipelines.runs.run_folder import find_run, note_latest
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 DAY = 86400.0
 NOW = 1.8e9

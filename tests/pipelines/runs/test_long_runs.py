@@ -25,12 +25,12 @@ from pipelines.io.errors import CacheWarning
 from pipelines.machine.machine_conversion import make_plant
 from pipelines.runs import run_folder
 from pipelines.runs.run import run_scene
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.signals.labelled import stored_type
 from pipelines.signals.response import make_response
 from pipelines.signals.response_file import write_response
 from pipelines.signals.spectrum import cut, whole_revolutions
-from pipelines.steps.graph import plant_steps
+from pipelines.steps.machine_steps import plant_steps
 
 RATE_OUT = 20e3  # Hz
 

@@ -11,7 +11,7 @@ from pipelines.io.errors import InputError
 from pipelines.report.figures import render
 from pipelines.runs.recorded import RecordedFile, other_speeds, recording_path
 from pipelines.runs.run import run_scene
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 
 SHORT = {
     "drive.speeds_rpm": [0.0, 1800.0, 1800.0],

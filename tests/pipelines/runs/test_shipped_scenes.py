@@ -13,7 +13,7 @@ from pipelines.io.errors import SceneError
 from pipelines.report.figures import render
 from pipelines.runs import run_folder
 from pipelines.runs.run import run_scene
-from pipelines.scene.file import load_scene, shipped_names
+from pipelines.scene.load_scene import load_scene, shipped_names
 
 
 @pytest.mark.parametrize("name", shipped_names())

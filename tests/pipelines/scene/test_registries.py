@@ -20,14 +20,14 @@ from pipelines.engine.code_version import reachable
 from pipelines.engine.storage import class_modules
 from pipelines.io.errors import SceneError
 from pipelines.machine.machine_conversion import make_plant
-from pipelines.scene.file import load_scene, validate
+from pipelines.scene.load_scene import load_scene, validate
 from pipelines.scene.merge import Merged
 from pipelines.scene.tables.casing import CASING_TABLES, FlexibleBase
 from pipelines.scene.tables.derived import table
 from pipelines.scene.tables.faults import FaultTable
 from pipelines.scene.tables.simulation import SimulationTable
 from pipelines.scene.tables.stages import MeshModel
-from pipelines.steps.graph import plant_steps
+from pipelines.steps.machine_steps import plant_steps
 
 PAIR = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))
 

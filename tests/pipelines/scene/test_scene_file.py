@@ -7,7 +7,7 @@ import pytest
 from pipelines.io.errors import InputError, SceneError
 from pipelines.io.toml_text import format_document
 from pipelines.machine.checks.checked_plant import checked_plant
-from pipelines.scene.file import control_differences, control_of, load_scene, shipped_names
+from pipelines.scene.load_scene import control_differences, control_of, load_scene, shipped_names
 from pipelines.scene.merge import settings_tree
 from pipelines.scene.new import new_scene
 

@@ -14,11 +14,11 @@ from mbd.parts.part_checks import MachineError
 from pipelines.engine.storage import digest
 from pipelines.io.errors import InputError
 from pipelines.machine.machine_conversion import make_plant
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.derived import key_of
 from pipelines.scene.tables.scene_table import Table
-from pipelines.steps.graph import plant_steps
+from pipelines.steps.machine_steps import plant_steps
 
 END = {"amount_um": 5.0, "length_mm": 2.0, "shape": "linear"}
 GEAR = {

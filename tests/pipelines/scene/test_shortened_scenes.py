@@ -6,7 +6,7 @@ import pytest
 
 from pipelines.cli.main import main
 from pipelines.io.errors import SceneError, SceneWarning
-from pipelines.scene.file import changed, control_of, load_scene
+from pipelines.scene.load_scene import changed, control_of, load_scene
 
 RIG = "rig-missing-tooth"  # windows: lifting 0.5 to 2.5 s, lowering 3 to 5 s
 

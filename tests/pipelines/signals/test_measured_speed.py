@@ -9,7 +9,7 @@ import gearcase
 from pipelines.diagnosis.control_diagnosis import diagnose
 from pipelines.io.errors import SceneError
 from pipelines.machine.machine_conversion import make_plant
-from pipelines.scene.file import control_of, load_scene
+from pipelines.scene.load_scene import control_of, load_scene
 from pipelines.scene.merge import Whole
 from pipelines.signals.analysis import DiagnosisError
 from pipelines.signals.measured_speed import QUARTER_PERIOD, at_measured_speed

@@ -6,7 +6,7 @@ from pipelines.engine.storage import digest
 from pipelines.io.errors import InputError
 from pipelines.machine.checks.design_warnings import design_warnings
 from pipelines.machine.machine_conversion import make_drivetrain, make_plant
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.steps.run_plan import plan_run
 
 

@@ -9,7 +9,7 @@ from scipy import stats
 
 from pipelines.io.errors import InputError
 from pipelines.machine.checks.checked_plant import checked_plant
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.studies.calibrate.calibration import IDENTIFIABLE, Calibration
 from pipelines.studies.calibrate.free_keys import AFTER, Free, agreement_plan, calibration_plan, parse_free
 from pipelines.studies.calibrate.posterior import check_installed, emulator, sample

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from fem.casing.uncertainty.frequency_limits import EDGE_ORDER, frequency_limits
 from pipelines.cli.command_line import parser
 from pipelines.engine.run_graph import Work
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.scene.tables.casing import ElasticBase
 from pipelines.scene.tables.housing import MatricesHousingTable
 from pipelines.studies.trade.axes import AXES, AxisError

@@ -15,8 +15,8 @@ from pipelines.cli.main import main
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError, SceneError
 from pipelines.runs.single_results import build_pairs
-from pipelines.scene.file import changed, load_scene
-from pipelines.steps import candidates
+from pipelines.scene.load_scene import changed, load_scene
+from pipelines.steps import flank_candidates
 from pipelines.studies.design.design_page import words as lines
 from pipelines.studies.design.design_study import DesignOptions, design_study
 
@@ -160,7 +160,7 @@ def test_a_robust_design_has_the_least_quantile_for_new_deviations_and_misalignm
     best = [one.task.variables.modifications(one.values(one.front[0])) for one in designs]
     conditions = replace(designs[1].task.conditions, samples=tuple(range(1001, 1051)))
     pair = build_pairs(load_scene("bench"), Work())[0]
-    results = candidates.build(conditions, [PairModifications(), *best], laws=(pair.unmodified, pair.unmodified))
+    results = flank_candidates.build(conditions, [PairModifications(), *best], laws=(pair.unmodified, pair.unmodified))
     unmodified, nominal, robust = np.quantile(results.peak_to_peak[:, 1:].mean(axis=2), 0.9, axis=1)
     assert robust < 0.9 * nominal < nominal < unmodified
 

@@ -20,7 +20,7 @@ from pipelines.diagnosis.verdict import ALARM
 from pipelines.diagnosis.verdict_words import sentences
 from pipelines.io.errors import InputError
 from pipelines.machine.checks.checked_plant import checked_plant
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.signals.features.feature_table import WHOLE, FeatureTable
 from pipelines.signals.orders.kinematics import Gear, Kinematics, Shaft
 from pipelines.studies.detect.channel_detectability import channels

@@ -15,7 +15,7 @@ from pipelines.datasets.estimate import estimate
 from pipelines.datasets.feature_source import dataset_rows
 from pipelines.datasets.folder import begin, identity_facts
 from pipelines.machine.checks.checked_plant import checked_plant
-from pipelines.scene.file import changed, load_scene
+from pipelines.scene.load_scene import changed, load_scene
 from pipelines.studies.spread.population_spread import FEWEST, MEAN, SHARES, spread_plan
 from pipelines.studies.spread.sobol_indices import first_order
 

@@ -12,7 +12,7 @@ from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError, SceneError
 from pipelines.scene import presets
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.scene.presets import LEVELS, PRESETS, load_asked, preset_on, replaced
 from pipelines.studies.trade import choices as choices_module
 from pipelines.studies.trade import tradeoff
@@ -166,7 +166,7 @@ def test_a_setting_counts_more_than_the_preset():
 
 
 def test_every_choice_of_the_rig_is_a_valid_scene_or_says_why_not():
-    from pipelines.scene.file import changed
+    from pipelines.scene.load_scene import changed
 
     loaded = load_scene("rig-missing-tooth")
     refused = []

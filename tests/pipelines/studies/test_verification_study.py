@@ -8,7 +8,7 @@ import xarray
 from synthetic import MESH, WHEEL, response
 
 from pipelines.cli.main import main
-from pipelines.scene.file import load_scene
+from pipelines.scene.load_scene import load_scene
 from pipelines.signals.analysis import DiagnosisSettings
 from pipelines.studies.verification import claims_page
 from pipelines.studies.verification.claims_page import FAILS, HOLDS, OPEN, judge

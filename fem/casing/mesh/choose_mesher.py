@@ -1,4 +1,4 @@
-"""Mesh of a casing from a geometry of any source."""
+"""The mesher for a geometry of a casing: parametric, CAD file or mesh file, with tetrahedra or hexahedra."""
 
 from __future__ import annotations
 
