@@ -135,7 +135,11 @@ def test_a_compromise_is_offered_only_if_it_beats_the_unmodified_pair_in_every_o
 
 
 def test_an_interrupted_search_continues_and_a_repeated_one_computes_nothing(monkeypatch, own_cache):
-    vary, solved, solve = ("both.tip_relief.amount_um=1:60", "both.tip_relief.length_mm=2,3"), [], candidates.mesh_cycle
+    vary, solved, solve = (
+        ("both.tip_relief.amount_um=1:60", "both.tip_relief.length_mm=2,3"),
+        [],
+        flank_candidates.mesh_cycle,
+    )
 
     def counted(*arguments):
         if len(solved) == 100:
@@ -143,7 +147,7 @@ def test_an_interrupted_search_continues_and_a_repeated_one_computes_nothing(mon
         solved.append(arguments)
         return solve(*arguments)
 
-    monkeypatch.setattr(candidates, "mesh_cycle", counted)
+    monkeypatch.setattr(flank_candidates, "mesh_cycle", counted)
     with pytest.raises(KeyboardInterrupt):
         found(vary=vary)
     solved[:] = []  # two batches of 48 were complete
