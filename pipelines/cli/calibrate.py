@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterator
 from pathlib import Path
 
-from pipelines.cli.command_line import scene_arguments, work_of
+from pipelines.cli.command_line import campaign_arguments, scene_arguments, work_of
 from pipelines.io.argument_types import count, path
 
 HELP = """\
@@ -39,15 +39,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         help="key of the scene with the range of its uniform prior; repeatable",
     )
     sub.add_argument("--runs", metavar="N", type=count, default=200, help="simulated machines (default 200)")
-    sub.add_argument(
-        "--out", metavar="FOLDER", type=path, help="result folder (default: ./campaigns/calibrate-<scene>)"
-    )
-    sub.add_argument(
-        "--dry-run", action="store_true", help="print number of runs, time and disk space, and simulate nothing"
-    )
-    sub.add_argument(
-        "--processes", type=count, metavar="N", help="scenes simulated at the same time (default: number of cores)"
-    )
+    campaign_arguments(sub, "calibrate")
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:

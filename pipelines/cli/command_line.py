@@ -179,6 +179,17 @@ def _explain(sub: argparse.ArgumentParser, text: str, example: str) -> None:
     )
 
 
+def campaign_arguments(sub: argparse.ArgumentParser, study: str) -> None:
+    """Options of a study that simulates a campaign."""
+    sub.add_argument("--out", metavar="FOLDER", type=path, help=f"result folder (default: ./campaigns/{study}-<scene>)")
+    sub.add_argument(
+        "--dry-run", action="store_true", help="print number of runs, time and disk space, and simulate nothing"
+    )
+    sub.add_argument(
+        "--processes", type=count, metavar="N", help="scenes simulated at the same time (default: number of cores)"
+    )
+
+
 def scene_arguments(sub: argparse.ArgumentParser) -> None:
     """A scene, and what is changed in it."""
     from pipelines.scene.presets import PRESETS

@@ -6,8 +6,8 @@ import argparse
 from collections.abc import Iterator
 from pathlib import Path
 
-from pipelines.cli.command_line import scene_arguments, work_of
-from pipelines.io.argument_types import count, from_zero, path
+from pipelines.cli.command_line import campaign_arguments, scene_arguments, work_of
+from pipelines.io.argument_types import count, from_zero
 
 HELP = """\
 Simulate healthy and damaged machines with different deviations. Print and write the probability of detection and
@@ -53,13 +53,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         default=[],
         help="sensor noise, m/s2 rms; several values need no further simulations (default: that of the scene)",
     )
-    sub.add_argument("--out", metavar="FOLDER", type=path, help="result folder (default: ./campaigns/detect-<scene>)")
-    sub.add_argument(
-        "--dry-run", action="store_true", help="print number of runs, time and disk space, and simulate nothing"
-    )
-    sub.add_argument(
-        "--processes", type=count, metavar="N", help="scenes simulated at the same time (default: number of cores)"
-    )
+    campaign_arguments(sub, "detect")
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:

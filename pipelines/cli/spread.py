@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterator
 from pathlib import Path
 
-from pipelines.cli.command_line import scene_arguments, work_of
+from pipelines.cli.command_line import campaign_arguments, scene_arguments, work_of
 from pipelines.io.argument_types import count, path
 from pipelines.signals.features.definitions import BY_NAME
 
@@ -40,13 +40,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         default=[],
         help="feature of the figure, as in docs/features.md; repeatable (default: those with the widest intervals)",
     )
-    sub.add_argument("--out", metavar="FOLDER", type=path, help="result folder (default: ./campaigns/spread-<scene>)")
-    sub.add_argument(
-        "--dry-run", action="store_true", help="print number of runs, time and disk space, and simulate nothing"
-    )
-    sub.add_argument(
-        "--processes", type=count, metavar="N", help="scenes simulated at the same time (default: number of cores)"
-    )
+    campaign_arguments(sub, "spread")
 
 
 def main(options: argparse.Namespace) -> Iterator[str]:
