@@ -1,4 +1,4 @@
-"""`gearcase design`: flank modifications with the least transmission error, pressure and load factor."""
+"""`gearcase design`: flank modifications with the least transmission error, pressure, root stress and load factor."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--minimize",
         metavar="NAME",
         nargs="+",
-        help="te, te-max, te1 to te8, pressure or load-factor, also with a statistic over the deviations as in "
-        "te:q90 (default te)",
+        help="te, te-max, te1 to te8, pressure, root-stress or load-factor, also with a statistic over the deviations "
+        "as in te:q90 (default te)",
     )
     sub.add_argument(
         "--limit", metavar="TEXT", action="append", dest="limits", help='limit, as in "pressure <= 1200"; repeatable'
