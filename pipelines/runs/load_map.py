@@ -36,7 +36,11 @@ _CONTENT = {
     "face_load_factor": (("torque",), "1", "largest mean line load along the face over its mean, K_H beta"),
     "line_load": (("torque", "face"), "N/m", "mean line load of all tooth pairs"),
     "pressure": (("torque", "face"), "Pa", "largest Hertz pressure on the active flanks"),
-    "root_stress": (("torque", "gear", "face"), "Pa", "largest von Mises stress of the fillets on the loaded side"),
+    "root_stress": (
+        ("torque", "gear", "root_face"),
+        "Pa",
+        "largest von Mises stress of the loaded fillets",
+    ),
     "pattern": (("pattern_torque", "diameter", "pattern_face"), "Pa", "largest Hertz pressure on the pinion's flank"),
 }
 
@@ -73,13 +77,14 @@ def load_map(
     given = sorted(set(torques))
     torque = np.unique([float(f"{one:.9g}") for one in [*given, *np.arange(1, TORQUES + 1) * given[-1] / TORQUES]])
     shown, radius = np.array([given[0], given[len(given) // 2], given[-1]]), pair.pinion.base_radius
+    nodes = np.unique(np.round(np.concatenate([one.face for one in roots]), 12))[::sense]
     found: dict[str, list[np.ndarray]] = {name: [] for name in _CONTENT}
     for name, law in laws.items():
         cycle = mesh_cycle(pair, LawEvaluator(law), torque / radius, tilt, POSITIONS)
         face, every = law.face_coordinate[::sense], range(torque.size)
         teeth = np.zeros(law.pinion_teeth), np.zeros(law.wheel_teeth)
         patterns = [contact_pattern(name, pair, law, "pinion", 0, one / radius, teeth, tilt=tilt) for one in shown]
-        stress = [[_along_face(one, face, law, cycle, n) for one in roots] for n in every]
+        stress = [[_along_face(one, nodes, law, cycle, n) for one in roots] for n in every]
         found["transmission_error"].append(cycle.error)
         found["peak_to_peak"].append(np.ptp(cycle.error, axis=1))
         found["order_amplitude"].append(order_amplitudes(cycle.error))
@@ -101,6 +106,7 @@ def load_map(
             "order": ("order", np.arange(1, ORDERS + 1), quantity("1", "of the mesh frequency")),
             "gear": ["pinion", "wheel"],
             "face": ("face", sense * face, quantity("m", "y from mid face")),
+            "root_face": ("root_face", sense * nodes, quantity("m", "y from mid face")),
             "pattern_face": ("pattern_face", sense * patterns[0].face[::sense], quantity("m", "y from mid face")),
             "diameter": ("diameter", patterns[0].diameter, quantity("m", "diameter on the pinion")),
         },

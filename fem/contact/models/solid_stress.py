@@ -160,7 +160,7 @@ def root_stress(pair: GearPair, model: Solid) -> tuple[RootStress, RootStress]:
         mesh, side = sector.mesh, sector.mesh.flank[sector.mesh.flank_arc < sector.mesh.form_arc]
         start = np.hypot(gear.base_radius, min(pair.roll_lengths(xi)[turn < 0] for xi in (pair.xi_start, pair.xi_end)))
         clear = np.linalg.norm(mesh.points[side], axis=1) < start - SMOOTHED * gear.normal_module
-        touched = np.isin(mesh.elements, side[clear]).any(axis=1)
+        touched = np.asarray(np.isin(mesh.elements, side[clear]).any(axis=1))
         found = {}
         for tooth, cuts in ring_motion(sector.reduction, reach).items():
             seen = sector.reduction.transfer.T @ cuts + (sector.reduction.direct if tooth == 0 else 0.0)
@@ -265,10 +265,10 @@ class _LoadedSector:
             values_here = local[:, 2 * k : 2 * k + 3, elements].reshape(len(local), 3, len(elements), 27)
             at_gauss = np.einsum("gz,eqsd,tzed->tgeqs", functions, across, values_here, optimize=True)
             at_gauss += np.einsum("gz,eqsd,tzed->tgeqs", slopes / length, along, values_here, optimize=True)
-            nodal = np.einsum("zg,aq,rs,tgeqs->ztear", end, to_nodes, hooke, at_gauss, optimize=True)
+            nodal = np.einsum("zg,aq,rs,tgeqs->zeatr", end, to_nodes, hooke, at_gauss, optimize=True)
             own = elements[filled[:, k]]
             for layer in range(3):
-                np.add.at(stress[:, 2 * k + layer], (slice(None), own), nodal[layer][:, filled[:, k]])
+                np.add.at(stress[:, 2 * k + layer].swapaxes(0, 1), own, nodal[layer, filled[:, k]])
                 np.add.at(hits[2 * k + layer], own, 1.0)
         return stress / np.maximum(hits, 1.0)[..., None]
 

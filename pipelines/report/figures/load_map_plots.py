@@ -57,7 +57,7 @@ def load_map_figure(title: str, found: xarray.Dataset) -> Figure:
         row[0].set_ylabel("diameter on the pinion, mm")
         for gear, colour in (("pinion", PAIR_COLOURS[0]), ("wheel", PAIR_COLOURS[1])):
             stress = own.root_stress.sel(gear=gear)[-1] / 1e6
-            root.plot(face, stress, style, color=colour, label=gear if style == "-" else None)
+            root.plot(1e3 * own.root_face, stress, style, color=colour, label=gear if style == "-" else None)
     dress(cycle, "transmission error less its mean", "mesh cycle", "µm")
     dress(ranges, "peak-to-peak transmission error", "torque on the pinion, N m", "µm")
     dress(orders, "amplitudes of the mesh orders", "torque on the pinion, N m", "µm")
