@@ -73,7 +73,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         default=(),
         help="write what each pair does over its load, without tooth faults, to these files, .png, .svg, .pdf or .nc: "
         "transmission error and its mesh orders over the torque, and along the face pressure, line load with its "
-        "factor K_H beta, root stress (model `solid`, about 12 s for each pair) and contact pattern",
+        "factor K_H beta, root stress (model `solid`, about 9 s for each pair) and contact pattern",
     )
     json_argument(sub)
 

@@ -153,7 +153,7 @@ def root_step(machine: Plant, stage: int) -> Step:
         build=stress.build_root,
         spec=LawSpec(pair=machine.flanks[stage - 1].pair, mesh=stress_model(machine.laws[stage - 1])),
         libraries=("numpy", "scipy"),
-        seconds=12.0,
+        seconds=9.0,
     )
 
 

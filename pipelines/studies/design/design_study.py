@@ -134,7 +134,7 @@ class DesignStudy:
     def load_map(self, name: str) -> xarray.Dataset:
         """The unmodified pair and a candidate over the torque, without deviations, as `gearcase gears --map` gives it.
 
-        Takes about 12 s for the root stresses.
+        Takes about 9 s for the root stresses.
         """
         states = {f"design {name}" if one == name else one: self.modifications[self.names.index(one)]
                   for one in ("unmodified", name)}  # fmt: skip
