@@ -65,7 +65,15 @@ def pattern_figure(
 def draw_pattern(
     axes: Axes, face: np.ndarray, diameter: np.ndarray, pressure: np.ndarray, most: float, pitch_diameter: float
 ) -> QuadMesh:
-    """Draw the pressure (diameter, face) on a flank, from 0 to `most`; lengths in mm."""
+    """Draw the pressure on a flank.
+
+    Parameters
+    ----------
+    axes : on which it is drawn
+    face, diameter : (face,) and (diameter,), mm
+    pressure, most : (diameter, face), and the end of the colour scale, MPa
+    pitch_diameter : mm
+    """
     drawn = axes.pcolormesh(
         face, diameter, pressure, cmap=LOAD_COLOURS, vmin=0.0, vmax=most, shading="gouraud", rasterized=True
     )
