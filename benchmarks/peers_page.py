@@ -56,7 +56,7 @@ def contact_table(found: Found) -> str:
     headers = ("mesh cycle", "state", "CalculiX, µm (elements along the face)", "extrapolated, µm", "time, s", *names)
     lead = (
         f"Approach of stage 1 of the rig at {found['force_N']:.0f} N: CalculiX with both gears in space "
-        f"({found['element']}, penalty {found['penalty_N_per_mm3']:.0e} N/mm³); deviations of the models from it."
+        f"({found['element']}, penalty {found['penalty_N_per_mm3']:.0e} N/mm³); deviations from it."
     )
     return f"{lead}\n\n{markdown(headers, rows)}"
 
