@@ -31,7 +31,7 @@ This page compares results of gearcase with published, independently computed or
 largest accepted deviation (gate) and the test that enforces it. `python -m benchmarks.validation` computes the page in
 minutes. The rig is the scene `rig-healthy`, c the mesh cycle. Version {version}.
 
-If a row has several values, the deviation is the largest of theirs. A deviation in % is relative, unless the unit of
+For several values the deviation is the largest. A deviation in % is relative, unless the unit of
 the quantity is %. Other deviations are absolute. The last table lists properties without a single reference number;
 *see test* means that the test has several gates or none.""".format(version=metadata.version("gearcase"))
 
