@@ -103,7 +103,7 @@ class Iso(MeshModel):
             ),
             (
                 p.helix_angle > MAX_HELIX,
-                f"the helix angle {math.degrees(p.helix_angle):.4g} deg is above the limit 30",
+                f"the helix angle {math.degrees(p.helix_angle):.4g} deg is above the limit 30 deg",
             ),
             (not -0.5 <= shift <= 2.0, f"the sum of profile shifts {shift:.4g} is outside the range -0.5 to 2"),
         ):
