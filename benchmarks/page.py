@@ -77,15 +77,15 @@ def benchmarks_page(result: dict[str, Any]) -> str:
          loop_table),
         ("Campaigns", "Scenes per hour of `gearcase campaign`, counted after every process has done two scenes. The "
          "bare loop repeats the motion of one assembled machine in as many processes, before and after the campaign. "
-         "The ratio is the campaign over the mean of the two loops.", "campaign", campaign_table),
-        ("Scenes in lockstep", "Scenes that share their modes could advance together, as columns of a matrix. Only the "
-         "arithmetic over modes would be faster, not the forces. The gain is that of the whole step.",
+         "The ratio is the rate of the campaign divided by the mean rate of the loops.", "campaign", campaign_table),
+        ("Scenes in lockstep", "Scenes with the same modes could advance together, as columns of a matrix; gearcase "
+         "does not. It would speed up the arithmetic over modes, but not the forces.",
          "lockstep", lockstep_table),
     ]  # fmt: skip
     text = [
         "# Benchmarks",
         "This page gives time and memory of each part of a computation, and compares gearcase with other programs. "
-        "`python -m benchmarks` (`make bench`) writes it in 13 minutes, without the other programs. "
+        "`python -m benchmarks` (`make bench`) writes it, in 13 minutes without other programs. "
         "[Choosing a model](choosing-a-model.md) compares mesh laws, casings, integrators and presets.",
         conditions_text(result["conditions"]),
     ]
@@ -207,9 +207,9 @@ def lockstep_table(rows: list[dict[str, Any]]) -> str:
         "scene",
         "modes",
         "forces",
-        "whole step, µs",
+        "time of a step, µs",
         "number of columns: arithmetic per column, µs",
-        "largest gain",
+        "speed-up",
     )
     return markdown(headers, cells)
 

@@ -55,8 +55,8 @@ def contact_table(found: Found) -> str:
         )
     headers = ("mesh cycle", "state", "CalculiX, µm (elements along the face)", "extrapolated, µm", "time, s", *names)
     lead = (
-        f"Approach of stage 1 of the rig at {found['force_N']:.0f} N: CalculiX with both wheels in space "
-        f"({found['element']}, penalty {found['penalty_N_per_mm3']:.0e} N/mm³), and deviations of gearcase's models."
+        f"Approach of stage 1 of the rig at {found['force_N']:.0f} N: CalculiX with both gears in space "
+        f"({found['element']}, penalty {found['penalty_N_per_mm3']:.0e} N/mm³); deviations from it."
     )
     return f"{lead}\n\n{markdown(headers, rows)}"
 
@@ -83,8 +83,8 @@ def motion_table(found: Found) -> str:
         rows.append([name, "not reached" if seconds is None else f"{seconds:.3g}", f"{ratio:.1f}" if ratio else ""])
     lead = (
         f"One gear stage in linear bearings, {found['coordinates']} coordinates, {found['span_s']:g} s at 900 rpm. "
-        f"All methods have an RMS error of {found['error']:g} standard deviations of the approach, and use the same "
-        "compiled mesh force."
+        f"For all methods the RMS error of the approach is {found['error']:g} of its standard deviation. "
+        "All use the same compiled mesh force."
     )
     return f"{lead}\n\n{markdown(('method', 'time, s', 'ratio to gearcase'), rows)}"
 
@@ -111,7 +111,7 @@ def floor_table(found: Found) -> str:
     ]
     rates = found["rates"]
     lead = (
-        f"Time of the counted operations at the rates of one thread: {rates['dgemm'] / 1e9:.0f} Gflop/s in a dense "
+        f"Least time for the counted operations, on one thread: {rates['dgemm'] / 1e9:.0f} Gflop/s in a dense "
         f"product, {rates['memory'] / 1e9:.0f} GB/s from memory, {rates['cache'] / 1e9:.0f} GB/s from the cache."
     )
     return f"{lead}\n\n{markdown(('work', 'operations', 'bytes', 'least time, s'), rows)}"
@@ -123,5 +123,5 @@ PEERS: tuple[tuple[str, str, Callable[[Found], str]], ...] = (
     ("Exudyn: time integration", "exudyn_mesh", motion_table),
     ("SciPy: time integration", "scipy_mesh", motion_table),
     ("ROSS: mesh stiffness", "ross_stiffness", ross_table),
-    ("The arithmetic alone", "floor", floor_table),
+    ("Lower bounds of the time", "floor", floor_table),
 )

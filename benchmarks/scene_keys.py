@@ -35,9 +35,9 @@ This page lists every key of a scene file. It is made from the program by
 - x points across the shafts, y along them and z up. Shaft 1 is at x = z = 0, and y = 0 is the middle of the housing.
 - `[name]` is a table, `[[name]]` an item of a list of tables. Messages and `--set stages.1.face_width_mm=14` count
   items from 1.
-- Most tables of models are chosen by their key `model`, and faults by `kind`.
-- `extends = "rig-healthy"` at the top of a file takes over every value of another scene that the file does not give.
-  Tables are merged key by key, so inherited windows stay; a key of the same name replaces the inherited one.
+- The key `model` chooses the table of a model, `kind` that of a fault.
+- `extends = "rig-healthy"` at the top of a file inherits every value of that scene that the file does not give. Tables
+  are merged key by key, so inherited windows stay. Lists are replaced; a table `[stages.1]` changes one item of a list.
 """
 TOP = "Top level"
 FROM_FILE = "values from a file"
@@ -129,10 +129,12 @@ def _rows(
     yield "\n| key | meaning | values | default |\n|---|---|---|---|" if members else "\nNo other keys."
     for name, member in members.items():
         inner = tables(member.annotation)
-        meaning = (member.description or "").replace("|", "\\|")
-        if inner:
-            meaning += (", or " if _is_list_of_numbers(member) else ": " if meaning else "") + sections.link(inner)
-        yield f"| `{name}` | {meaning} | {values(member, name)} | {default(member)} |"
+        meaning, held = (member.description or "").replace("|", "\\|"), values(member, name)
+        if inner == (ColumnTable,):
+            held = held.removesuffix("table") + sections.link(inner)
+        elif inner:
+            meaning += (": " if meaning else "") + sections.link(inner)
+        yield f"| `{name}` | {meaning} | {held} | {default(member)} |"
 
 
 def values(member: FieldInfo, name: str) -> str:
@@ -231,11 +233,6 @@ def _chooses(member: FieldInfo) -> bool:
 def _value(table: type[BaseModel]) -> str:
     """The value by which a table is chosen among others."""
     return str(tags(table)[0])
-
-
-def _is_list_of_numbers(member: FieldInfo) -> bool:
-    """Whether a key holds numbers or a table that names a file."""
-    return tables(member.annotation) == (ColumnTable,)
 
 
 def _shortest(places: list[str]) -> str:

@@ -29,11 +29,11 @@ LEAD = """# Validation
 
 This page compares results of gearcase with published, independently computed or exact values. Each row gives the
 largest accepted deviation (gate) and the test that enforces it. `python -m benchmarks.validation` computes the page in
-a few minutes. The rig is the scene `rig-healthy`, c the mesh cycle. Version {version}.
+minutes. The rig is the scene `rig-healthy`, c the mesh cycle. Version {version}.
 
-A row with several values gives their largest deviation. A deviation in % is relative, unless the unit of the quantity
-is %. Other deviations are absolute. The last table lists properties that have no single reference number; *see test*
-means that the test has several gates or none.""".format(version=metadata.version("gearcase"))
+For several values the deviation is the largest. A deviation in % is relative, unless the unit of
+the quantity is %. Other deviations are absolute. The last table lists properties without a single reference number;
+*see test* means that the test has several gates or none.""".format(version=metadata.version("gearcase"))
 
 
 def fixed_cells(check: Check) -> tuple[str, ...]:

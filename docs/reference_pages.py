@@ -11,8 +11,9 @@ GROUPS = (  # of the public names
     ("Matrices of another program", ("reduce", "Point", "ReducedMatrices")),
     ("Simulation and finished runs", ("simulate", "run", "open_run", "spectrum", "StepProgress")),
     ("Diagnosis", ("diagnose", "Diagnosis", "error_bars", "LineBars")),
-    ("Recordings", ("open_recording", "judge", "Verdict", "compare")),
+    ("Recordings", ("open_recording", "judge", "Verdict", "compare", "features")),
     ("Data sets", ("campaign", "Finished", "open_dataset", "pieces")),
+    ("Design of flanks, scatter between machines", ("design", "DesignStudy", "spread", "FeatureSpread")),
     ("Accuracy", ("converge", "RefinementStudy", "tradeoff", "Tradeoff")),
     ("Errors", ("InputError", "SceneError", "WorkError")),
 )

@@ -156,7 +156,7 @@ SUBJECTS = (
     )),
     Subject("Load and equilibrium", (
         Check("rope force during a speed ramp, F/F_stat = 1 + (Δv/(g τ)) (1 - cos ωt), largest relative error",
-              "exact for no damping, fixed length and a prescribed drum", "", (0.0,), 1e-2, _ramp_history,
+              "exact for no damping, fixed length and prescribed drum speed", "", (0.0,), 1e-2, _ramp_history,
               "test_rope.py::test_bounce_during_and_after_a_ramp", "absolute"),
         Check("largest rope force after the ramp, F/F_stat = 1 + (Δv ω/g) |sin(ωτ/2)/(ωτ/2)|",
               "exact under the same conditions", "",

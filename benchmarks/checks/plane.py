@@ -93,7 +93,7 @@ def helical_checks(gate: float, state: Callable[[], tuple[float, float]], test: 
 
 def _tooth_check(teeth: int, radius_mm: float, reference: float) -> Check:
     return Check(
-        f"compliance of a tooth, read on its centre line, z {teeth}, m 1 mm, load at r = {radius_mm} mm",
+        f"compliance of a tooth on its centre line, z {teeth}, m 1 mm, load at r = {radius_mm} mm",
         "two independent plane strain FE solutions",
         "µm/(N/mm)",
         (reference,),

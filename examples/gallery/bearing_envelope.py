@@ -1,8 +1,8 @@
 """
-Envelope spectrum of a pitted bearing
-=====================================
+Envelope spectrum of a bearing with a spall
+===========================================
 
-Each ball that rolls over a pit in the outer ring causes an impact, which excites natural modes of the machine. The
+Each ball that rolls over a spall in the outer ring causes an impact, which excites natural modes of the machine. The
 envelope of the response therefore has lines at the ball pass frequency of the outer ring and its multiples.
 """
 
@@ -12,17 +12,17 @@ from scipy.signal import butter, hilbert, sosfiltfilt
 
 import gearcase
 
-pit = {"kind": "bearing-spall", "shaft": 1, "bearing": 1, "on": "outer-ring", "width_mm": 1.5, "depth_um": 200.0}
+spall = {"kind": "bearing-spall", "shaft": 1, "bearing": 1, "on": "outer-ring", "width_mm": 1.5, "depth_um": 200.0}
 scene = gearcase.Scene.from_file("minimal").changed(
     {"deviations.enabled": False},
     bearings={"model": "hertz", "designation": "6205"},
     shaft_model={"model": "timoshenko"},
-    faults=[pit | {"angle_deg": -90.0}],
+    faults=[spall | {"angle_deg": -90.0}],
 )
 signal = gearcase.simulate(scene).acceleration.sel(sensor="sensor_3", axis="z", time=slice(0.15, None))
 
 # %%
-# Band-pass filter around natural frequencies of the machine, then the spectrum of the envelope:
+# Band-pass filter around natural frequencies, then the spectrum of the envelope:
 
 rate = 1 / float(signal.time[1] - signal.time[0])
 band = sosfiltfilt(butter(4, (1000, 4000), "bandpass", fs=rate, output="sos"), signal.values)
@@ -30,8 +30,8 @@ envelope = signal.copy(data=np.abs(hilbert(band)))
 lines = gearcase.spectrum(envelope - envelope.mean())
 
 # %%
-# The bearing has nine balls of 7.94 mm diameter on a pitch diameter of 38.5 mm, and the shaft rotates at 15 Hz. The
-# ball pass frequency follows from these numbers; grey lines show it and its multiples:
+# The bearing has nine balls of 7.94 mm diameter on a pitch diameter of 38.5 mm, and the shaft turns at 15 Hz. These
+# numbers give the ball pass frequency. Grey lines show it and its multiples:
 
 expected = 9 / 2 * 15 * (1 - 7.94 / 38.5)
 figure, axes = plt.subplots(figsize=(7, 3.5), layout="constrained")

@@ -3,8 +3,7 @@ From a plan to a data set
 =========================
 
 A campaign simulates the machines that a plan describes. The result is a data set, which opens as one xarray object
-with labels and variables. This plan varies the load of a hoist in six steps. The figure shows the vibration over the
-load.
+with labels and variables. This plan varies the load of a hoist in six steps. The figure shows vibration over load.
 """
 
 from concurrent.futures import ThreadPoolExecutor

@@ -1,6 +1,6 @@
 """
-Contact pattern on the unrolled flank
-=====================================
+Contact pattern of a gear pair
+==============================
 
 The contact pattern is the largest pressure at each point of the flank during its passage through the mesh. Misaligned
 gears carry the load at one end of the face. The pressure at the pitch circle is compared with the formula of ISO

@@ -3,7 +3,7 @@ Load share and misalignment
 ===========================
 
 Bending of shafts and deflection of bearings misalign the flanks of a pair by some micrometres over the face. The load
-then moves to one end of the face. Shorter contact lines carry it, and the mesh stiffness falls.
+then moves to one end of the face. The contact lines shorten, so the mesh stiffness falls.
 """
 
 import matplotlib.pyplot as plt

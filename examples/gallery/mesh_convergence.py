@@ -3,8 +3,7 @@ Discretisation error of a mesh
 ==============================
 
 A coarse finite-element mesh makes teeth too stiff. The results of three meshes with a constant refinement ratio give
-the order of convergence and the stiffness extrapolated to zero element size (Richardson). They also give the
-uncertainty.
+the order of convergence, the stiffness extrapolated to zero element size (Richardson), and its uncertainty.
 """
 
 import matplotlib.pyplot as plt
@@ -17,8 +16,8 @@ study = gearcase.converge(scene, "gear-mesh")
 stiffness = study.quantities["stage 1 stiffness"]
 
 # %%
-# Mean mesh stiffness over the element size, with uncertainty as error bars, and the fitted power law. The element
-# size is divided by that of the scene:
+# Mean mesh stiffness over the element size divided by that of the scene. Error bars show the uncertainty, the curve is
+# a fitted power law:
 
 figure, axes = plt.subplots(figsize=(6, 3.5), layout="constrained")
 axes.errorbar(stiffness.sizes, stiffness.values, stiffness.bands, fmt="o", capsize=3, label="computed")

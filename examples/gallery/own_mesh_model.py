@@ -2,7 +2,7 @@
 A user-defined mesh model
 =========================
 
-A mesh model is a frozen dataclass with a method `laws`, which returns tables over the path of contact. This example
+A mesh model is a frozen dataclass. Its method `laws` returns the mesh laws of drive and coast flank. This example
 takes the stiffness of a tooth pair from a measured curve. docs/extending.md shows how to add a model to scene files.
 """
 
@@ -52,7 +52,7 @@ axes.set(xlabel="mesh cycles", ylabel="tangent stiffness, N/um", ylim=(0, None))
 axes.legend()
 
 # %%
-# The mean mesh stiffness must equal the area under the measured curve, with lengths in pitches, times the face width:
+# The mean mesh stiffness must equal the area under the measured curve (length in base pitches) times the face width:
 
 area = trapezoid(model.stiffness, model.places) * found.pair.transverse_contact_ratio * found.pair.face_width
 ratio = float(measured.curve().tangent.mean()) / area

@@ -31,8 +31,8 @@ axes.pcolormesh(short.f, speed, 20 * np.log10(lines.T + 1e-6), vmin=-60, vmax=0)
 axes.set(xlabel="frequency, Hz", ylabel="speed, rpm", xlim=(0, 1500))
 
 # %%
-# The order of the ray is measured: at each speed from the highest line between 0.5 and 1.5 times the mesh frequency,
-# then as median over the speeds:
+# The order of the ray is the median over the speeds. At each speed, the highest line between 0.5 and 1.5 times the
+# mesh frequency gives it:
 
 orders = []
 for at, column in zip(speed, lines.T, strict=True):

@@ -29,8 +29,8 @@ for name, mesh in choices.items():
     curves[name] = pair.curve().secant
 
 # %%
-# Times are those of the computer that built this page. The program warns that the formula of `energy` for gear bodies
-# does not hold for this pinion.
+# Times are those of the computer that built this page. The program warns that the gear-body formula of `energy` is
+# not valid for this pinion.
 
 mean = {name: float(curve.mean()) for name, curve in curves.items()}
 errors = {name: abs(value / mean["solid"] - 1) for name, value in mean.items() if name != "solid"}

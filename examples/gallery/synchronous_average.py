@@ -31,7 +31,7 @@ axes.set(xlabel="revolutions of the pinion", ylabel="acceleration, m/s2")
 axes.legend()
 
 # %%
-# The crest factor is the peak divided by the rms. An impact in each revolution increases it:
+# An impact per revolution increases the crest factor, which is the peak divided by the rms:
 
 
 def crest(average):

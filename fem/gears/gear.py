@@ -16,7 +16,6 @@ from fem.gears.wheel_body import check_body
 from fem.options import check_options, option
 
 HANDS = ("right", "left")
-MAX_HELIX = math.radians(45.0)
 
 
 def involute(angle: float) -> float:

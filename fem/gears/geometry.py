@@ -86,9 +86,9 @@ class GearPair:
         for gear, name in ((p, "pinion"), (w, "wheel")):
             if gear.undercut and form_radius(gear) > gear.base_radius + 1e-3 * gear.normal_module:
                 logger.warning(
-                    "%s: the %s (z=%d, x=%.4g) is undercut; its involute starts at radius %.6g m (base circle %.6g m). "
-                    "Raise its profile shift to avoid this.",
-                    label, name, gear.teeth, gear.profile_shift, form_radius(gear), gear.base_radius,
+                    "%s: the %s (z=%d, x=%.4g) is undercut; its involute starts at the diameter %.6g mm "
+                    "(base circle %.6g mm). Raise its profile shift to avoid this.",
+                    label, name, gear.teeth, gear.profile_shift, 2000 * form_radius(gear), 2000 * gear.base_radius,
                 )  # fmt: skip
 
     @property

@@ -63,8 +63,8 @@ def form_point(gear: Gear) -> tuple[float, float]:
     radius = max(_trochoid_radius(gear, junction), gear.base_radius)
     require(
         radius < gear.tip_form_radius,
-        f"gear z={gear.teeth}: the fillet ends at radius {radius:.6g} m, at or above the tip form circle "
-        f"{gear.tip_form_radius:.6g} m; no involute is left: raise profile_shift or reduce the rack's dedendum",
+        f"gear z={gear.teeth}: no involute is left. The fillet ends at the diameter {2000 * radius:.6g} mm, the tip "
+        f"form circle is {2000 * gear.tip_form_radius:.6g} mm. Raise the profile shift, or reduce rack_dedendum",
     )
     return radius, junction
 
@@ -100,7 +100,7 @@ def flank_at_roll(gear: Gear, roll_length: float | np.ndarray) -> tuple[np.ndarr
     roll = np.atleast_1d(np.asarray(roll_length, dtype=float))
     require(
         bool((roll >= 0.0).all()),
-        f"gear z={gear.teeth}: roll length {roll.min():.6g} m is below 0, where there is no involute",
+        f"gear z={gear.teeth}: roll length {1000 * roll.min():.6g} mm is below 0, where there is no involute",
     )
     r_b = gear.base_radius
     radius = np.hypot(r_b, roll)

@@ -6,8 +6,10 @@ With the predictions u_p, v_p without the new forces and the constant matrices G
 
 The flank potentials are convex and G_u is positive, so without damping the solution is unique. A change of lambda that
 raises the residual is halved, because the force has kinks where a contact opens. The damping tau k_t u' jumps where a
-pair of teeth touches, because k_t does; a time step may then have no solution, with the flank neither in nor out of
-contact. Such a step is solved with k_t held at its value for the guess, which makes the force monotone again.
+pair of teeth touches, because k_t does, and the force of a flank jumps with the rotation of its gear where the mesh law
+drops a pair that is still loaded, far beyond its path of contact. A time step may then have no solution, with the flank
+neither in nor out of contact. Such a step is solved with k_t and the observed rows held at their values for the guess,
+which makes the force continuous and monotone again.
 
 An iteration reduces the residual r to 0.05 r^2 to r^2 (measured on the rig). With forces extrapolated in time, r falls
 with a power of the time step, so that one iteration leaves a residual far below the error of the step. At a residual
@@ -131,7 +133,11 @@ def iterate(table, clock, u_p, v_p, g_u, g_v, force, u, v, now, tolerance, near,
     for r in range(len(force)):
         for j in range(WIDTH):
             held[r, j] = now.stiffness[r, j]
-    used = _newton(table, clock, u_p, v_p, g_u, g_v, held, force, u, v, now, tolerance, near, limit, before, work)
+    m = len(force)
+    used = _newton(
+        table, clock, u_p[:m], v_p, g_u[:m], g_v, held, force, u, v, now, tolerance, near, limit, before, work
+    )
+    _move_rows(u_p, g_u, force, u)
     return MAX_ITERATIONS + used if used >= 0 else -1
 
 

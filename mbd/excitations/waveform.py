@@ -66,7 +66,7 @@ class TableWave(Waveform):
     """Values over time, linear between the times and constant outside; a subclass gives the unit of its ``levels``."""
 
     model: Literal["table"] = "table"
-    times: np.ndarray = option(unit="s", text="times, strictly rising")
+    times: np.ndarray = option(unit="s", text="times, strictly ascending")
     levels: np.ndarray
 
     def __post_init__(self) -> None:
@@ -92,7 +92,7 @@ class SweepWave(Waveform):
     end: float = option(unit="s", gt=0, text="end of the sweep")
     first: float = option(unit="Hz", key="from_Hz", ge=0, text="frequency at the start")
     last: float = option(unit="Hz", key="to_Hz", ge=0, text="frequency at the end")
-    ramp: float = option(unit="s", gt=0, text="length of the rise and of the fall")
+    ramp: float = option(unit="s", gt=0, text="duration of the rise and of the fall")
     amplitude: float
 
     def __post_init__(self) -> None:

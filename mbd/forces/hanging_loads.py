@@ -33,7 +33,7 @@ class HangingLoad(Options, ABC):
     drum_radius: float = option(unit="mm", gt=0, text="radius to the centre of the rope")
     drum_mass: float = option(unit="kg", gt=0, text="mass of each drum")
     drum_inertia: float = option(unit="kg m2", gt=0, text="moment of inertia of each drum about the shaft")
-    reeving_ratio: float = option(2.0, gt=0, text="rope speed at the drum over speed of the hanging mass")
+    reeving_ratio: float = option(2.0, gt=0, text="rope speed at the drum divided by speed of the mass")
     rope_direction: float | None = option(
         None,
         unit="deg",

@@ -39,16 +39,19 @@ def induction_rule(values, motion, answer):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class InductionMotor(TorqueSource):
-    """An induction motor on the mains, by its rating and the formula of Kloss."""
+    """An induction motor on the mains, with the formula of Kloss."""
 
     rule: ClassVar[Rule] = induction_rule
     model: Literal["induction-motor"] = "induction-motor"
     synchronous_speed: float = option(
-        unit="rpm", key="synchronous_rpm", gt=0, text="synchronous speed: 60 times mains frequency over pole pairs"
+        unit="rpm",
+        key="synchronous_rpm",
+        gt=0,
+        text="synchronous speed: 60 times mains frequency divided by pole pairs",
     )
     rated_speed: float = option(unit="rpm", key="rated_rpm", gt=0, text="speed at the rated torque")
     rated_torque: float = option(unit="N m", gt=0, text="torque at the rated speed")
-    breakdown_ratio: float = option(2.5, gt=1, le=10, text="breakdown torque over rated torque")
+    breakdown_ratio: float = option(2.5, gt=1, le=10, text="breakdown torque divided by rated torque")
 
     def __post_init__(self) -> None:
         super().__post_init__()

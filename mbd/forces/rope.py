@@ -72,7 +72,7 @@ class RopeLoad(HangingLoad):
         unit="m",
         text="height of the ground above the position of the mass on the unstretched rope "
         "at t = 0. If it is positive, the mass rests on the ground and the rope is "
-        "slack by this amount; without it: no ground",
+        "slack by this amount; without it: no ground; not for rope-pendulum",
     )
     ground_stiffness: float = option(1e7, unit="N/um", gt=0, text="stiffness of the ground")
     ground_damping_ratio: float = option(0.1, ge=0, lt=10, text="damping ratio of the mass on the ground")

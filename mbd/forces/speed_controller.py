@@ -83,7 +83,7 @@ class SpeedController(TorqueSource):
 
     rule: ClassVar[Rule] = controller_rule
     model: Literal["controlled-motor"] = "controlled-motor"
-    times: np.ndarray = option(unit="s", text="times, rising, starting at 0")
+    times: np.ndarray = option(unit="s", text="times, ascending from 0")
     speeds: np.ndarray = option(unit="rpm", text="target speed at these times")
     proportional: float = option(unit="N m s/rad", gt=0, text="proportional gain: torque per speed error")
     integral: float = option(0.0, unit="N m/rad", ge=0, text="integral gain: torque per angle error")

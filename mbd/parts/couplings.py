@@ -34,7 +34,7 @@ class ShaftCoupling(Component):
     radial_stiffness: float = option(0.0, text="stiffness along x and z", unit="N/um", ge=0)
     axial_stiffness: float = option(0.0, text="stiffness along the axis", unit="N/um", ge=0)
     tilt_stiffness: float = option(0.0, text="tilting stiffness about x and z", unit="N m/rad", ge=0)
-    damping_time: float = option(0.0, text="damping over stiffness", unit="us", ge=0, le=1e5)
+    damping_time: float = option(0.0, text="damping divided by stiffness", unit="us", ge=0, le=1e5)
 
     def __post_init__(self) -> None:
         where = f"coupling {self.name}"

@@ -54,8 +54,12 @@ class RollingElements:
         text="contact angle without load; positive: the bearing supports the shaft against +y",
     )
     length: float = option(None, unit="mm", key="roller_length_mm", ge=0, text="effective contact length of a roller")
-    inner_conformity: float = option(0.52, gt=0.5, le=0.6, text="groove radius of the inner race over ball diameter")
-    outer_conformity: float = option(0.52, gt=0.5, le=0.6, text="groove radius of the outer race over ball diameter")
+    inner_conformity: float = option(
+        0.52, gt=0.5, le=0.6, text="groove radius of the inner race divided by ball diameter"
+    )
+    outer_conformity: float = option(
+        0.52, gt=0.5, le=0.6, text="groove radius of the outer race divided by ball diameter"
+    )
     clearance: float = option(
         0.0,
         unit="um",

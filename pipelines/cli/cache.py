@@ -14,7 +14,7 @@ all scenes reuse. After clearing, runs compute these steps again. Takes seconds.
 EXAMPLE = """\
 gearcase cache info
 ...
-  casing               1 entries        0.0 MB
+  casing               1 entry          0.0 MB
 ...
   all                  6 stored         6.2 MB"""
 
@@ -59,7 +59,7 @@ def main(options: argparse.Namespace) -> Printed:
         sizes[entry.facts["kind"]].append(entry.bytes)
     yield str(cache.folder)
     for kind, found in sorted(sizes.items()):
-        yield f"  {kind:16} {len(found):5} entries {sum(found) / 1e6:10.1f} MB"
+        yield f"  {kind:16} {len(found):5} {'entry  ' if len(found) == 1 else 'entries'} {sum(found) / 1e6:10.1f} MB"
     code = [path.stat().st_size for path in cache.compiled()]
     if code:
         yield f"  {'compiled code':16} {len(code):5} files   {sum(code) / 1e6:10.1f} MB"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -14,7 +15,7 @@ Estimate free keys of a scene from recordings of one healthy machine, at the spe
 90 % interval and correlations of the posterior, the keys that cannot be identified, and the agreement before and after.
 Needs the extra gearcase[calibrate]. Takes minutes to hours: use --dry-run first."""
 EXAMPLE = """\
-gearcase calibrate minimal runs/minimal/20261128-120000 --free casing.mount_stiffness_N_per_um=100..400 --dry-run
+gearcase calibrate minimal runs/minimal/2026-11-25_00-50-21 --free casing.mount_stiffness_N_per_um=100..400 --dry-run
 scenes      200
 ...
 time        about 2 minutes on 2 cores: ...
@@ -46,6 +47,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """Simulate what is missing, sample the posterior, and write it with its figure."""
     from pipelines.datasets.campaign_scenes import sampled_scenes
     from pipelines.datasets.estimate import estimate
+    from pipelines.io.errors import SceneWarning
     from pipelines.io.json_text import json_text
     from pipelines.io.user_files import write_whole
     from pipelines.machine.checks.checked_plant import checked_plant
@@ -57,6 +59,9 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.studies.calibrate.free_keys import calibration_plan, parse_free
 
     loaded = load_asked(options)
+    if loaded.scene.faults:
+        words = "its faults are simulated in all runs. For recordings of a healthy machine add --set faults=[]"
+        warnings.warn(f"{loaded.source.shown}: {words}", SceneWarning, stacklevel=1)
     machine = checked_plant(loaded.scene, loaded.source.shown)
     free = [parse_free(one) for one in options.free]
     plan = calibration_plan(loaded, machine, free, options.runs)

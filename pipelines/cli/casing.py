@@ -85,7 +85,10 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     loaded, work = scene_and_work(options)
     graph, machine = scene_graph(loaded)
     if "casing mesh" not in graph.steps and any(t.suffix == ".vtu" for t in targets):
-        raise InputError(machine.casing.no_full_model)
+        raise InputError(
+            "--export FILE.vtu: the casing has no mesh. Set casing.model to craig-bampton, and casing.housing to a "
+            "shape, a CAD file or a mesh; or export .h5 or .mat."
+        )
     if options.response:
         if machine.models["casing"] == "none":
             raise InputError("--response: casing.model = 'none' has no motion. Set casing.model to craig-bampton.")

@@ -82,6 +82,7 @@ class Formatter(argparse.RawDescriptionHelpFormatter):
 
     def __init__(self, prog: str) -> None:
         super().__init__(prog, max_help_position=30, width=110)
+        self._action_max_length = 14  # of the longest command, which argparse indents further than it counts
 
 
 class Parser(argparse.ArgumentParser):
@@ -96,7 +97,7 @@ class Parser(argparse.ArgumentParser):
 
         head, tail = message[:_MESSAGE_END], message[_MESSAGE_END:]
         if len(tail) > _MESSAGE_END:
-            tail = f"...{tail[-_MESSAGE_END:]}"
+            tail = f" ... {tail[-_MESSAGE_END:]}"
         self.print_usage(sys.stderr)
         if "arguments are required: ACTION" in message:
             names = next(a.choices for a in self._actions if isinstance(a, argparse._SubParsersAction))

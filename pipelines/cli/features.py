@@ -36,7 +36,11 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--start", type=from_zero, metavar="T", default=0.0, help="ignore the signals before this time, s (default 0)"
     )
     sub.add_argument(
-        "--end", type=from_zero, metavar="T", default=math.inf, help="and after this one, s (default: their end)"
+        "--end",
+        type=from_zero,
+        metavar="T",
+        default=math.inf,
+        help="ignore the signals after this time, s (default: their end)",
     )
     sub.add_argument(
         "--noise", metavar="RMS", type=from_zero, default=0.0, help="add white sensor noise, m/s2 rms (default 0)"

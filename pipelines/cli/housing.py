@@ -174,7 +174,7 @@ def _surveyed(path: Path, options: argparse.Namespace) -> tuple[GeometryContents
         known = {solid.number for solid in contents.solids}
         if unknown := set(options.solids) - known:
             raise InputError(
-                f"--solids {min(unknown)}: the file has {len(known)} solids. Give numbers from 1 to {len(known)}."
+                f"--solids {min(unknown)}: the file has no solid of this number. The highest is {len(known)}."
             )
     if options.scene is None:
         return (

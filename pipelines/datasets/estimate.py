@@ -83,7 +83,7 @@ def estimate(plan: Plan, sampled: Sequence[SampledScene]) -> Estimate:
         raise refused[0]
     runs, cores = len(sampled), os.cpu_count() or 1
     share = runs / len(looked)
-    messages = tuple(" ".join(str(error).split()) for error in refused)
+    messages = tuple(" ".join(str(error).replace("\n", ";", 1).split()) for error in refused)
     different = len({json.dumps(one.values) for one in sampled})
     groups_by = group_variables(plan.table)
     kinds = Counter(_PARTS.get(step.kind, step.kind) for step in distinct.values())

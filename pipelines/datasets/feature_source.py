@@ -84,7 +84,7 @@ class FeatureSource:
             yield _frame(key, name, columns)
             found = True
         for name, failure in list(self.failures.items())[0 if found else 1 :]:  # the first is the error below
-            _LOG.warning("%s has no features. %s", shown(name), failure)
+            _LOG.warning("no features of %s: %s", shown(name), failure)
         if not found:
             raise InputError(next(iter(self.failures.values()), "There is no finished run. Repeat the campaign."))
 

@@ -48,9 +48,8 @@ def sampled_values(plan: Plan) -> list[Values]:
             return found
         if tried > _BATCH / LEAST_SHARE and len(found) < LEAST_SHARE * tried:
             raise InputError(
-                f"constraints: {len(found)} of {tried} samples satisfy them, at least {LEAST_SHARE:.1%} must. Narrow "
-                "the "
-                "ranges of the variables instead."
+                f"constraints: {len(found)} of {tried} samples satisfy them, at least {100 * LEAST_SHARE:g} % "
+                "must. Narrow the ranges of the variables instead."
             )
     if not found:
         raise InputError("constraints: no point of the grid satisfies them. Correct the constraints or the values.")

@@ -96,19 +96,19 @@ def run_arrays(motion: Trajectory, layout: RunLayout) -> dict[str, np.ndarray]:
     if (len(motion.time), motion.output_rate) != (layout.samples, layout.rate):
         raise WorkError(
             f"this scene has {len(motion.time)} samples at {motion.output_rate:g} Hz, the campaign {layout.samples} at "
-            f"{layout.rate:g} Hz. Set simulation.end_s and simulation.output_rate_Hz alike in all scenes."
+            f"{layout.rate:g} Hz. Set the same simulation.end_s and simulation.output_rate_Hz in all scenes."
         )
     for one in layout.signals:
         if one.name not in found:
             raise WorkError(
-                f"this scene has no signal {one.name}, which the campaign records. Set `signals` of the plan to those "
-                "of all scenes."
+                f"this scene has no signal {one.name}, which the campaign records. Set `signals` of the plan to "
+                "signals that all scenes have."
             )
     for name, values in layout.names.items():
         if names.get(name) != values:
             raise WorkError(
                 f"{name}: this scene has {', '.join(map(str, names.get(name, ('none',))))}, the campaign "
-                f"{', '.join(map(str, values))}. Set sensors, probes and shafts alike in all scenes."
+                f"{', '.join(map(str, values))}. Set the same sensors, probes and shafts in all scenes."
             )
     arrays = {one.name: read(motion, found[one.name], slice(None)) for one in layout.signals}
     return {name: np.ascontiguousarray(np.moveaxis(one, 0, -1)) for name, one in arrays.items()}  # time last

@@ -49,7 +49,7 @@ def directions(diagnosis: Diagnosis) -> str:
         end = f"{abs(first - second):.1f} dB higher in {windows[0] if first > second else windows[1]}"
     return (
         f"Modulation of the faulty run with {case_name(diagnosis)}: {first:.1f} dB in {windows[0]} and {second:.1f} dB "
-        f"in {windows[1]}, {end}. It is the root sum square of the sidebands around f_m over the line at f_m."
+        f"in {windows[1]}, {end}. Modulation: the root sum square of the sidebands around f_m over the line at f_m."
     )
 
 

@@ -65,21 +65,21 @@ def tilt(text: str) -> float | str:
     try:
         return text if text in ("balanced", "machine") else number(text)
     except argparse.ArgumentTypeError as error:
-        raise argparse.ArgumentTypeError(f"{error}, nor balanced or machine") from None
+        raise argparse.ArgumentTypeError(f"{error}, balanced or machine") from None
 
 
 def picture(text: str) -> str:
     """The file name of a picture; .png is added to a name without suffix."""
     path(text)
     suffix = text.rpartition(".")[2].lower() if "." in text.rpartition("/")[2] else ""
-    words = f"{text!r} is not a picture format that can be written; end it in .png, .svg or .pdf"
+    words = f"{text!r} does not end in .png, .svg or .pdf"
     return _accepted(text if suffix else f"{text}.png", suffix in ("", "png", "svg", "pdf"), words)
 
 
 def share(text: str) -> float:
     """A share up to 1, as a number or in percent."""
     value = positive(text.removesuffix("%")) / 100 if text.endswith("%") else positive(text)
-    return _accepted(value, value <= 1.0, f"{text!r} is above 1, that is above 100 %; for 2 per cent write 2%")
+    return _accepted(value, value <= 1.0, f"{text!r} is above 1 (100 %); for 2 per cent write 2%")
 
 
 def seconds(text: str) -> float:

@@ -39,7 +39,7 @@ class Problem:
         text = f"{head}: {self.message}" if head else self.message
         if self.remedy:
             text = f"{text.rstrip('.')}. {self.remedy}"
-        return text
+        return text if text.endswith("?") else f"{text.rstrip('.')}."
 
 
 def problem_of(path: str, line: str) -> Problem:

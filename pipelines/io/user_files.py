@@ -156,8 +156,8 @@ def writable_file(name: str | Path, option: str = "--out", endings: Collection[s
     except OSError as error:
         raise _not_writable(name, option, error.strerror or "") from error
     if endings and path.suffix.lower() not in endings:
-        known = ", ".join(endings)
-        raise InputError(f"{option} {shown(name)}: the ending must be one of {known}. Correct the file name.")
+        known = " or ".join(endings)
+        raise InputError(f"{option} {shown(name)}: the name must end in {known}. Correct the file name.")
     return path
 
 

@@ -115,7 +115,7 @@ def damage_refused(path: Path, form: RecordingFormat) -> Iterator[None]:
     except (InputError, MemoryError):
         raise
     except Exception as error:  # a library that meets a damaged file raises errors of every kind
-        reason = " ".join(str(error).split()).rstrip(".") or type(error).__name__
+        reason = " ".join(str(error).split()).partition(". ")[0].rstrip(".") or type(error).__name__
         raise InputError(
             f"{shown(path)}: cannot be read as {form.name} ({shown(reason)}). It is damaged, cut off or of another "
             "format. Save or copy it again."

@@ -65,7 +65,7 @@ def _merged(base: Any, change: Any, path: Path, offers: set[Path], problems: lis
             number = int(key)
             if not 1 <= number <= len(items):
                 where = ".".join((*path, str(key)))
-                problems.append(Problem(where, *_no_item(".".join(path), key, len(items))))
+                problems.append(Problem(where, *no_item(".".join(path), key, len(items))))
                 continue
             items[number - 1] = _merged(items[number - 1], value, (*path, str(key)), offers, problems)
         return items
@@ -182,7 +182,7 @@ def differences(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[str
     return lines
 
 
-def _no_item(where: str, key: str, count: int) -> tuple[str, str]:
+def no_item(where: str, key: str, count: int) -> tuple[str, str]:
     """Message and remedy for the number of an item that a list does not have."""
     if not count:
         return f"there is no item {key}; {where} has none", f"Write the first one as [[{where}]] in the scene file."

@@ -17,6 +17,7 @@ from pydantic.fields import FieldInfo
 
 from pipelines.io.errors import Problem, problem_of
 from pipelines.io.shown import MOST_CHARACTERS, nearest_name, shown_value
+from pipelines.scene.merge import no_item
 from pipelines.scene.tables.scene_table import is_list, tables, tags
 
 UNITS = {  # by the suffix of a key, longer suffixes first
@@ -213,6 +214,8 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
         return Problem(where, "does not have the required form", f"Correct it{_meaning(path, model, tree)}.", written)
     if kind in _KINDS:
         message, remedy = _KINDS[kind]
+        if message == _LIST[0] and isinstance(value, Mapping) and all(name.isdecimal() for name in value):
+            return Problem(f"{where}.{next(iter(value))}", *no_item(where, next(iter(value)), 0))
         if message == _LIST[0] and isinstance(value, Mapping):
             remedy = (
                 f"Write [[{where}]] before each of its tables; to change item 1: [{where}.1] or --set {where}.1.key."
@@ -224,6 +227,8 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
                 f"must be a list of numbers{unit}",
                 "Write [value, value, ...], or { file = ..., column = ... }.",
             )
+        if kind == "string_type":
+            remedy += _meaning(path, model, tree)
         return Problem(where, message, remedy, written)
     if kind in ("too_short", "too_long"):
         bound = "at least" if kind == "too_short" else "at most"
@@ -248,7 +253,7 @@ _USUAL = {  # by the unit of a key: other units, factors, and usual values
 _TABLE = ("must be a table", "Write it as { key = value }, or write its keys below a line with its name in brackets.")
 _LIST = ("must be a list", "Write its values in square brackets, separated by commas.")
 _KINDS = {
-    "string_type": ("must be text", "Put it in quotes."),
+    "string_type": ("must be text", "Put it in quotes"),
     "bool_type": ("must be true or false", "Write true or false, without quotes."),
     "bool_parsing": ("must be true or false", "Write true or false, without quotes."),
     "dict_type": _TABLE,
@@ -358,8 +363,11 @@ def _all_paths(place: _Place, path: tuple[str, ...] = ()) -> list[tuple[str, ...
 
 def _example(path: tuple[str, ...], model: type[BaseModel], tree: Mapping[str, Any]) -> str:
     meaning = _meaning(path, model, tree)
-    if _at(path, model, tree).is_table:
-        return f"the table [{'.'.join(path)}]{meaning}"
+    place, name = _at(path, model, tree), ".".join(path)
+    if place.is_table:
+        return f"the table [{name}]{meaning}"
+    if tables(place.annotation) and not _unit(path[-1]):
+        return f"a table [[{name}]] for each item{meaning}"
     return f"{path[-1]} = ...{meaning or _unit(path[-1])}"
 
 

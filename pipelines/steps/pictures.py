@@ -101,7 +101,7 @@ def build_curves(
     shown = curves.pop(first - 1)
     if isinstance(picture, LeftOut):
         return Unkept({"gears": picture, "stiffness": stiffness([shown, *curves])})
-    caption = "The gear pair and its secant stiffness from bore to bore. One mesh cycle is the motion by one pitch."
+    caption = "Gear pair and secant mesh stiffness from bore to bore. One mesh cycle is the motion by one base pitch."
     gears = page.picture(gear_figure(picture, shown, names), caption)
     return {"gears": gears, "stiffness": stiffness(curves) if curves else ""}
 
@@ -111,7 +111,9 @@ def stiffness(curves: Sequence[StiffnessPlot]) -> str:
     from pipelines.report import page
     from pipelines.report.figures.plots import stiffness_figure
 
-    caption = "Secant mesh stiffness of the other stages from bore to bore. One mesh cycle is the motion by one pitch."
+    caption = (
+        "Secant mesh stiffness of the other stages from bore to bore. One mesh cycle is the motion by one base pitch."
+    )
     return page.picture(stiffness_figure(curves), caption)
 
 

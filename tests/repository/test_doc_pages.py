@@ -2,11 +2,13 @@
 
 import json
 import re
+import runpy
 import typing
 
 import pytest
 from sources import ROOT
 
+import gearcase
 from benchmarks import page
 from benchmarks.__main__ import RESULTS
 from benchmarks.modules import modules
@@ -14,6 +16,7 @@ from fem.contact.models.mesh_model_registry import MODELS as MESHES
 from mbd.forces.bearing_models import BEARINGS
 from mbd.forces.hanging_loads import LOADS
 from mbd.integrators.methods import METHODS
+from pipelines.cli.command_line import COMMANDS
 from pipelines.scene.tables import casing, losses, shafts
 from pipelines.scene.tables.simulation import SimulationTable
 
@@ -76,3 +79,9 @@ def test_measured_blocks_of_the_guide_are_what_was_measured(name):
     block = page.blocks(json.loads(RESULTS.read_text(encoding="utf-8")))[name]
     assert page.BEGIN.format(name) in text
     assert page.filled(text, name, block) == text, "run: python -m benchmarks"
+
+
+def test_the_reference_has_a_page_for_every_public_name_and_command():
+    made = runpy.run_path(str(DOCS / "reference_pages.py"))
+    assert {f"python/{name}.md" for name in gearcase.__all__} <= made["python_pages"]().keys()
+    assert {f"commands/{name}.md" for name in COMMANDS} <= made["command_pages"]().keys()

@@ -11,7 +11,7 @@ LARGEST = 1e5  # mm; beyond it products of lengths lose all digits
 
 
 def _wall(key: str) -> Any:
-    text = "thickness where it differs from wall_thickness_mm"
+    text = "thickness of this part; without it: wall_thickness_mm"
     return option(None, unit="mm", key=key, gt=0, le=LARGEST, text=text)
 
 

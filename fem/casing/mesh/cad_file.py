@@ -126,7 +126,7 @@ def import_solids(gmsh: Any, path: Path, unit: str | None) -> list[int]:
     kind = CAD_FORMATS[path.suffix.lower()]
     if not re.search(_ENDS[kind], path.read_text(encoding="latin-1")[-2000:].rstrip(), re.MULTILINE):
         raise MeshError(
-            f"{path.name} is no {kind.upper()} file or is cut off: its last line is missing. Export it again"
+            f"{path.name} is not a {kind.upper()} file, or it is cut off: its last line is missing. Export it again"
         )
     declared = declared_unit(path) if kind == "step" else ""
     if declared and unit is not None and declared != unit:

@@ -120,7 +120,7 @@ class HousingCasing(CasingModel):
         0.01,
         ge=0,
         lt=1,
-        text="modal damping ratio: one number, or rows [frequency in Hz, ratio] with rising frequencies, linear in "
+        text="modal damping ratio: one number, or rows [frequency in Hz, ratio] with ascending frequencies, linear in "
         "between",
     )
 

@@ -56,8 +56,8 @@ class CraigBamptonCasing(ElasticCasing):
         None,
         gt=0,
         lt=0.1,
-        text="modes are left out as long as no frequency of the band changes by more than this share; "
-        "without it: no mode is left out",
+        text="modes are omitted as long as no frequency in the band changes by more than this share; "
+        "without it: all are kept",
     )
     elements_per_wavelength: float | None = option(
         None,

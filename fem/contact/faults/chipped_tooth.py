@@ -25,7 +25,7 @@ class ChippedTooth(ToothFault):
 
     extent: float = option(unit="mm", gt=0, text="length of the piece along the face")
     depth: float = option(unit="mm", gt=0, text="height of the piece below the tip circle")
-    corner: bool = option(False, text="true: a tip corner, the depth falls to zero over the extent")
+    corner: bool = option(False, text="true: a corner of the tip; the depth falls to zero over extent_mm")
     end: Literal["-y", "+y"] = option("+y", text=END)
 
     def check(self, gear: Gear) -> None:

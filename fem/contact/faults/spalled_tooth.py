@@ -20,7 +20,7 @@ class SpalledTooth(FlankDamage):
     """
 
     length: float = option(
-        unit="mm", gt=0, text="size of the spall along the face; what is beyond the end of the face is left out"
+        unit="mm", gt=0, text="size of the spall along the face; the part beyond the end of the face is ignored"
     )
     depth: float = option(unit="um", gt=0, text="depth of the spall below the flank")
     shape: Literal["ellipse", "rectangle"] = option("ellipse", text="outline of the spall")

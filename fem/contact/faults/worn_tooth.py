@@ -39,7 +39,7 @@ class WornTooth(ToothFault):
     width: float | None = option(
         None, unit="mm", gt=0, text='length of local wear along the line of action; for place = "pitch" and "root" only'
     )
-    diameters: tuple[float, ...] = option((), unit="mm", gt=0, most=1000, text="diameters of a profile, rising")
+    diameters: tuple[float, ...] = option((), unit="mm", gt=0, most=1000, text="diameters of a profile, ascending")
     parts: tuple[float, ...] = option((), ge=0, le=1, most=1000, text="wear at these diameters as a share of depth_um")
     extent: float | None = option(
         None,

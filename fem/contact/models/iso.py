@@ -99,10 +99,13 @@ class Iso(MeshModel):
         for bad, what in (
             (
                 pair.transverse_contact_ratio < 1.2,
-                f"eps_alpha is {pair.transverse_contact_ratio:.4f}, below the limit 1.2",
+                f"the contact ratio {pair.transverse_contact_ratio:.4g} is below the limit 1.2",
             ),
-            (p.helix_angle > MAX_HELIX, f"beta is {math.degrees(p.helix_angle):.3f} deg, above the limit 30 deg"),
-            (not -0.5 <= shift <= 2.0, f"x1 + x2 is {shift:.4f}, outside the range -0.5 to 2"),
+            (
+                p.helix_angle > MAX_HELIX,
+                f"the helix angle {math.degrees(p.helix_angle):.4g} deg is above the limit 30 deg",
+            ),
+            (not -0.5 <= shift <= 2.0, f"the sum of profile shifts {shift:.4g} is outside the range -0.5 to 2"),
         ):
             if bad:
                 raise ModelError(

@@ -34,7 +34,7 @@ MOST_ALONG = 16  # elements of a crack surface along the face, times the refinem
 
 @dataclass(frozen=True, kw_only=True)
 class Solid(MeshModel):
-    """Mesh stiffness by 3-D finite elements of both gears, contact along the face; up to a minute per pair.
+    """Mesh stiffness by 3-D finite elements of both gears, with coupled slices; it takes up to a minute.
 
     Parameters
     ----------

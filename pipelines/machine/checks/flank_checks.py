@@ -144,7 +144,8 @@ def _hidden(scene: Scene, layout: TrainLayout, number: int, fault: Fault) -> Ite
     if change < tolerance:
         basis = "estimate from extent_mm, for any depth_mm" if fault.kind == "chipped-tooth" else "estimate"
         yield (
-            f"faults.{number}: the {fault.kind} changes the transmission error by up to {abs(change) * 1e6:.3g} um "
-            f"({basis}); pitch deviations of class {scene.deviations.iso_grade} change it by up to "
-            f"{tolerance * 1e6:.3g} um and may hide the fault. Raise the load, or reduce deviations.iso_grade"
+            f"faults.{number}: the {fault.kind.replace('-', ' ')} changes the transmission error by up to "
+            f"{abs(change) * 1e6:.3g} um ({basis}); pitch deviations of class "
+            f"{scene.deviations.iso_grade} change it by up to {tolerance * 1e6:.3g} um and may hide the fault. "
+            "Raise the load, or reduce deviations.iso_grade"
         )

@@ -160,7 +160,7 @@
   function draw() {
     for (const chart of charts) chart.destroy();
     charts = [];
-    note.textContent = `${data.channels[channels.value].note} Drag across a chart to zoom, click twice for the whole.`;
+    note.textContent = `${data.channels[channels.value].note} Drag across a chart to zoom; double-click to show all of it.`;
     for (const place of places) {
       place.box.replaceChildren();
       if (place.view.window && chosen && place.view.window !== windows[chosen.value]) continue;

@@ -21,7 +21,7 @@ class SpeedDrive(Table):
     """Motors of prescribed speed at the ends of a shaft, through couplings that transmit torque only."""
 
     model: Literal["speed"] = "speed"
-    times_s: Annotated[Samples, Field(description="times, strictly rising, starting at 0; two or more")]
+    times_s: Annotated[Samples, Field(description="two or more times, strictly ascending from 0")]
     speeds_rpm: Annotated[
         Samples,
         Field(

@@ -26,7 +26,7 @@ class MeasuredFlanksTable(Table):
 
 
 class GearDeviationsTable(EccentricTable):
-    """Given deviations of a gear, added to those of deviations.seed; deviations.enabled = false ignores them, too."""
+    """Given deviations of a gear, added to the random ones; deviations.enabled = false disables both."""
 
     waves: Annotated[tuple[WaveTable, ...], Field(max_length=100, description="waviness")] = ()
     teeth: Annotated[tuple[ToothErrorTable, ...], Field(max_length=1000, description="deviations of single teeth")] = ()
@@ -54,18 +54,20 @@ class _RackBase(DerivedTable):
 
     rack_addendum: Annotated[
         Number | None,
-        Field(gt=0.3, le=2, description="addendum of the basic rack over module; without it: that of the stage"),
+        Field(gt=0.3, le=2, description="addendum of the basic rack divided by module; without it: that of the stage"),
     ] = None
     rack_dedendum: Annotated[
         Number | None,
-        Field(gt=0.3, le=2.5, description="dedendum of the basic rack over module; without it: that of the stage"),
+        Field(
+            gt=0.3, le=2.5, description="dedendum of the basic rack divided by module; without it: that of the stage"
+        ),
     ] = None
     rack_tip_radius: Annotated[
         Number | None,
         Field(
             ge=0,
             le=1,
-            description="tip radius of the basic rack over module, which forms the root fillet; without it: that "
+            description="tip radius of the basic rack divided by module, which forms the root fillet; without it: that "
             "of the stage",
         ),
     ] = None

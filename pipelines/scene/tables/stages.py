@@ -20,10 +20,10 @@ class StageTable(Table):
     """One pair of external spur or helical gears. The pinion drives, the wheel is driven."""
 
     pinion_shaft: Annotated[
-        Whole | None, Field(ge=1, description="number of the shaft of the pinion; without it, in stage i: i")
+        Whole | None, Field(ge=1, description="number of the shaft of the pinion; without it: i in stage i")
     ] = None
     wheel_shaft: Annotated[
-        Whole | None, Field(ge=1, description="number of the shaft of the wheel; without it, in stage i: i + 1")
+        Whole | None, Field(ge=1, description="number of the shaft of the wheel; without it: i + 1 in stage i")
     ] = None
     pinion_teeth: Annotated[Whole, Field(ge=8, le=400, description="number of teeth z1")]
     wheel_teeth: Annotated[Whole, Field(ge=8, le=400, description="number of teeth z2")]
@@ -42,10 +42,15 @@ class StageTable(Table):
         Positive | None,
         Field(description="diameter on which the wheel is bonded to its shaft; without it: half the root diameter"),
     ] = None
-    rack_addendum: Annotated[Number, Field(gt=0.5, le=1.6, description="addendum of the basic rack over module")] = 1.0
-    rack_dedendum: Annotated[Number, Field(gt=0.8, le=2.0, description="dedendum of the basic rack over module")] = 1.25
+    rack_addendum: Annotated[
+        Number, Field(gt=0.5, le=1.6, description="addendum of the basic rack divided by module")
+    ] = 1.0
+    rack_dedendum: Annotated[
+        Number, Field(gt=0.8, le=2.0, description="dedendum of the basic rack divided by module")
+    ] = 1.25
     rack_tip_radius: Annotated[
-        Number, Field(gt=0, le=0.5, description="tip radius of the basic rack over module, which forms the root fillet")
+        Number,
+        Field(gt=0, le=0.5, description="tip radius of the basic rack divided by module, which forms the root fillet"),
     ] = 0.38
     centre_distance_mm: Annotated[
         Positive | None,

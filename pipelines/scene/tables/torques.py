@@ -35,10 +35,10 @@ class TorqueCurve(_Rotor):
 
     torque_N_m: Annotated[Number | None, Field(description="constant torque at every speed")] = None
     times_s: Annotated[
-        Samples | None, Field(description="times of torques_N_m, rising; linear in between, constant outside")
+        Samples | None, Field(description="times of torques_N_m, ascending; linear in between, constant outside")
     ] = None
     speeds_rpm: Annotated[
-        Samples | None, Field(description="speeds of the shaft for torques_N_m, rising; instead of times_s")
+        Samples | None, Field(description="speeds of the shaft for torques_N_m, ascending; instead of times_s")
     ] = None
     torques_N_m: Annotated[Samples | None, Field(description="torque at these times or speeds")] = None
 

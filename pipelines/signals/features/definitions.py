@@ -115,9 +115,9 @@ DEFINITIONS = (
         "rolling bearing",
         "pass_order",
         "pass order in the envelope",
-        "squared envelope spectrum of w: geometric mean of lines 1, 2 and 3 of the best comb within 2 % of the pass "
-        "order, each / median of the spectrum around it; the strongest counts at most 20 dB more than the second; "
-        "multiples of shaft speeds are left out",
+        "squared envelope spectrum of w: geometric mean of the lines at 1, 2 and 3 times the best order within 2 % of "
+        "the pass order, each / median of the spectrum around it; the strongest counts at most 20 dB more than the "
+        "second; lines at multiples of shaft speeds are left out",
         _RANDALL,
     ),
     _ratio(

@@ -211,9 +211,8 @@ def _shown(designs: Designs) -> list[int]:
 def _checked(loaded: LoadedScene, options: DesignOptions) -> int:
     stages = loaded.scene.stages
     if not 1 <= options.stage <= len(stages):
-        raise InputError(
-            f"--stage {options.stage}: the scene has {len(stages)} stages. Set a number from 1 to {len(stages)}."
-        )
+        allowed = f"a number from 1 to {len(stages)}" if len(stages) > 1 else "1, the only stage of the scene"
+        raise InputError(f"--stage {options.stage}: there is no such stage. Set {allowed}.")
     if stages[options.stage - 1].mesh.model == "iso":
         raise InputError(
             f'stages.{options.stage}.mesh.model = "iso": this model does not contain the effect of modifications on '

@@ -80,7 +80,7 @@ def parse_quantity(text: str, *, sampled: bool) -> Quantity:
         if word not in known:
             near = nearest_name(word, known)
             hint = f"Did you mean {near}? " if near else ""
-            raise InputError(f"{shown(text)}: {shown(word)!r} is no {what}. {hint}Choose one of {', '.join(known)}.")
+            raise InputError(f"{shown(text)}: {shown(word)!r} is not a {what}. {hint}Choose one of {', '.join(known)}.")
     if statistic != NOMINAL and not sampled:
         raise InputError(f"{shown(text)}: there are no deviations to take the {statistic} of. Set --samples 20.")
     return Quantity(name=name, statistic=statistic)

@@ -42,7 +42,7 @@ class RefinementStudy:
             (name, self.units[name], one.values[at], one.limit, one.order, 100 * one.relative_bands[at])
             for name, one in self.quantities.items()
         ]
-        head = ("quantity", "unit", "in use", "limit", "order", "error at most, %")
+        head = ("quantity", "unit", "in use", "extrapolated", "order", "error at most, %")
         return shown_html.table(f"Refined: {self.axis}", head, rows)
 
 

@@ -46,9 +46,9 @@ def convergence_table(name: str, found: RefinementStudy) -> Grid:
         for fineness, value in zip(found.fineness, convergence.values, strict=True):
             row["in use" if fineness == 1.0 else f"x{fineness:.3g}"] = f"{value:.6g}"
         row["order"] = convergence.kind if convergence.order is None else convergence.order
-        row["limit"] = f"{convergence.limit:.6g}"
+        row["extrapolated"] = f"{convergence.limit:.6g}"
         row["error %"] = 100 * convergence.errors[found.in_use]
-        row["band %"] = 100 * convergence.relative_bands[found.in_use]
+        row["band +-%"] = 100 * convergence.relative_bands[found.in_use]
         rows.append(row)
     costs: dict[str, object] = {"quantity": "computing time, s"}
     for fineness, level in zip(found.fineness, found.levels, strict=True):

@@ -279,7 +279,7 @@ def test_what_is_no_housing_is_refused_in_a_sentence(tmp_path, monkeypatch, caps
     (tmp_path / "a.op4").write_text("nothing", encoding="utf-8")
     (tmp_path / "a.txt").write_text("nothing", encoding="utf-8")
     for name, words in (
-        ("a.step", "is no STEP file or is cut off"),
+        ("a.step", "is not a STEP file, or it is cut off"),
         ("a.op4", "cannot be read"),
         ("a.txt", "a mesh file must end in one of"),
     ):

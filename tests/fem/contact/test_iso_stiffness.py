@@ -166,10 +166,10 @@ def test_the_neighbours_of_a_missing_tooth_take_over_at_any_size():
 @pytest.mark.parametrize(
     ("pair", "message"),
     [
-        (gear_pair((20, 55), 2, 35, 30), "beta is 35.000 deg"),
-        (gear_pair((20, 55), 2, 0, 12, tip_mm=-0.7), "eps_alpha is 1.1"),
-        (gear_pair((60, 90), 2, 0, 12, (-0.3, -0.3), tip_mm=-0.1), "x1 [+] x2 is -0.6"),
-        (gear_pair((60, 90), 2, 0, 12, (1.05, 1.05), tip_mm=-0.4), "x1 [+] x2 is 2.1000"),
+        (gear_pair((20, 55), 2, 35, 30), "the helix angle 35 deg is above"),
+        (gear_pair((20, 55), 2, 0, 12, tip_mm=-0.7), "the contact ratio 1.1"),
+        (gear_pair((60, 90), 2, 0, 12, (-0.3, -0.3), tip_mm=-0.1), "sum of profile shifts -0.6 is"),
+        (gear_pair((60, 90), 2, 0, 12, (1.05, 1.05), tip_mm=-0.4), "sum of profile shifts 2.1 is"),
     ],
 )
 def test_outside_the_standard_is_refused(pair, message):

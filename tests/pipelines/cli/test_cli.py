@@ -79,7 +79,7 @@ def test_an_example_prints_what_its_help_shows(capsys, here, own_cache, command)
     code, out, _ = gearcase(capsys, *example.split()[1:])
     assert code == 0
     printed = iter([" ".join(line.split()) for line in out.splitlines()])
-    told = [line for line in shown if line != "..." and command != "cache"] or ["casing 1 entries 0.0 MB"]
+    told = [line for line in shown if line != "..." and command != "cache"] or ["casing 1 entry 0.0 MB"]
     assert [line for line in told if line not in printed] == []
 
 
@@ -145,7 +145,7 @@ def test_an_example_prints_what_its_help_shows(capsys, here, own_cache, command)
         (["check", "bench", "--set", "shafts.1.diameter_mm=3"], "Did you mean shafts.1.sections.1.diameter_mm?"),
         (["dataset"], "Give one of info, check, export"),
         (["gears", "pair", "--torque", "50,100"], "Separate numbers by blanks: 50 100"),
-        (["tradeoff", "minimal", "--error", "2"], "'2' is above 1, that is above 100 %; for 2 per cent write 2%"),
+        (["tradeoff", "minimal", "--error", "2"], "'2' is above 1 (100 %); for 2 per cent write 2%"),
         (
             ["check", "minimal", "--torque", "3"],
             "arguments: --torque 3. --torque is an option of gears, design, inspect. Help:",
@@ -237,7 +237,7 @@ def test_cache_info_verify_and_clear(capsys, own_cache):
     from pipelines.engine.cache import Cache
 
     entry = Cache().store("law", "0" * 64, lambda folder: (folder / "a").write_bytes(b"abc"))
-    assert "law                  1 entries" in gearcase(capsys, "cache")[1]
+    assert "law                  1 entry " in gearcase(capsys, "cache")[1]
     (entry.folder / "a").write_bytes(b"abd")
     code, out, _ = gearcase(capsys, "cache", "verify")
     assert code == 1
@@ -349,7 +349,7 @@ def test_a_plot_that_cannot_be_written_is_refused_before_anything_is_computed(ca
     with pytest.raises(SystemExit) as ended:
         main(["tradeoff", "minimal", "--out", "plot.xyz"])
     assert ended.value.code == 2
-    assert "end it in .png, .svg or .pdf" in capsys.readouterr().err
+    assert "does not end in .png, .svg or .pdf" in capsys.readouterr().err
 
 
 @pytest.mark.slow

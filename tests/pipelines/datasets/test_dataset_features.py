@@ -188,7 +188,7 @@ def test_files_of_a_folder_are_one_table_and_one_without_features_is_named(tmp_p
     np.save("records/short.npy", mesh[:300])
     arguments = ["features", "records", "--machine", "bench.toml", "--processes", "1", "--out", "table.csv"]
     assert main(arguments) == 0
-    assert "records/short.npy has no features." in caplog.text
+    assert "no features of records/short.npy: " in caplog.text
     with open("table.csv", encoding="utf-8") as file:
         assert {line.split(",")[0].strip('"') for line in file} == {"recording", "records/a.npy", "records/b.npy"}
     caplog.clear()
