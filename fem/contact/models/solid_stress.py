@@ -3,7 +3,7 @@
 `stress_field` gives displacement and von Mises stress of whole teeth at one position. `root_stress` gives the stress of
 the fillets by unit forces on the flanks, so that a load distribution of any mesh law costs one product.
 
-The line loads of `fem.contact.wheels.contact` act on the flank rows with the patches of the compliance. Their
+The line loads of `fem.contact.wheels.direct_contact` act on the flank rows with the patches of the compliance. Their
 half-width is 0.2 m_n at the default refinement: the subsurface stress of the Hertz contact is not resolved. The ring
 gives the motion of the cuts, from which the condensed unknowns of each sector are recovered.
 """
@@ -123,7 +123,7 @@ def stress_field(
     ----------
     pair, model : the gears in mesh and their model
     record : compliances of this pair by this model
-    index, line_load : position, and line loads (pair, slice) there, N/m, of `fem.contact.wheels.contact.contact_at`
+    index, line_load : position, and line loads (pair, slice) there, N/m, of `fem.contact.wheels.direct_contact.contact_at`
     """
     turns, place = divmod(index, len(record.position))
     numbers = record.pair + turns

@@ -24,7 +24,7 @@ from pipelines.engine.progress import reported_count
 from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph, Step
 from pipelines.io.errors import InputError
-from pipelines.io.shown import duration
+from pipelines.io.shown_text import duration
 from pipelines.runs.load_map import load_map
 from pipelines.steps import flank_candidates
 from pipelines.steps.flank_candidates import LOADED, CandidateResults, Conditions
