@@ -16,8 +16,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from benchmarks.solids import box_mesh
-from fem.casing.enrichment.added import added_functions
-from fem.casing.mesh.finished import RawMesh, finished_mesh
+from fem.casing.enrichment.added_unknowns import added_functions
+from fem.casing.mesh.finished_mesh import RawMesh, finished_mesh
 from fem.casing.mesh.mesh import CasingMesh
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.elements.materials import CAST_IRON

@@ -9,7 +9,7 @@ import scipy.sparse as sp
 
 from benchmarks.clock import timed
 from benchmarks.rig import casing_parts, keep, kept, read
-from fem.casing.enrichment.added import added_functions
+from fem.casing.enrichment.added_unknowns import added_functions
 from fem.casing.mesh.mesh import CasingMesh
 from fem.casing.models.casing_model import Structure
 from fem.casing.models.craig_bampton import CraigBamptonCasing
@@ -28,12 +28,12 @@ SHIFT = 4e7  # 1/s2: K + SHIFT M of the free body is definite and has the patter
 
 def mesh(folder: Path) -> list[dict[str, Any]]:
     """Geometry and elements, as the scene has them."""
-    plant = read()
-    assert isinstance(plant.casing, ElasticCasing)
-    meshing = plant.casing.meshed(plant.structure).stage
+    machine = read()
+    assert isinstance(machine.casing, ElasticCasing)
+    meshing = machine.casing.meshed(machine.structure).stage
     seconds, found = timed(meshing.build)
     keep(folder, "mesh", found)
-    size = f"{len(found.nodes)} nodes, {len(found.elements)} elements {plant.casing.element}"
+    size = f"{len(found.nodes)} nodes, {len(found.elements)} elements {machine.casing.element}"
     return [{"step": "mesh", "size": size, "solver": "", **seconds}]
 
 
@@ -44,8 +44,8 @@ def free_matrices(mesh: CasingMesh, iron: Material) -> tuple[sp.csr_matrix, sp.c
 
 def factors(folder: Path) -> list[dict[str, Any]]:
     """Assembly of K and M, and their factorisation by every solver that is installed."""
-    plant = read()
-    found, (_, iron) = kept(folder, "mesh"), casing_parts(plant)
+    machine = read()
+    found, (_, iron) = kept(folder, "mesh"), casing_parts(machine)
     seconds, (stiffness, mass) = timed(lambda: free_matrices(found, iron))
     rows = [{"step": "assembly of K and M", "size": f"{stiffness.shape[0]} unknowns", "solver": "", **seconds}]
     shifted = (stiffness + SHIFT * mass).tocsr()
@@ -64,9 +64,9 @@ def factors(folder: Path) -> list[dict[str, Any]]:
 
 def modes(folder: Path) -> list[dict[str, Any]]:
     """Craig-Bampton reduction at the shipped band, and its check-up; keeps the body."""
-    plant = read()
-    found, (box, iron) = kept(folder, "mesh"), casing_parts(plant)
-    model = plant.casing
+    machine = read()
+    found, (box, iron) = kept(folder, "mesh"), casing_parts(machine)
+    model = machine.casing
     assert isinstance(model, CraigBamptonCasing)
     grounding, casing = timed(lambda: assembled_casing(found, iron).held(), repeats=1)
     limit = MODES_OVER_BAND * model.band
@@ -75,7 +75,7 @@ def modes(folder: Path) -> list[dict[str, Any]]:
     )
     checking, checked = timed(lambda: check_up(casing, reduction), repeats=1)
     result = casing_modes(casing, reduction, model="craig-bampton", band_limit=limit)
-    recovery = model.recovery(plant.structure)
+    recovery = model.recovery(machine.structure)
     recovering, body = timed(lambda: recovery.build(modes=(result, checked)))
     keep(folder, "craig-bampton", body)
     size = f"{counted} modes to {limit:.0f} Hz, {len(result.mass)} coordinates"
@@ -89,9 +89,9 @@ def modes(folder: Path) -> list[dict[str, Any]]:
 
 def static(folder: Path) -> list[dict[str, Any]]:
     """Static condensation, check-up included; keeps the body."""
-    plant = read(casing__model="static")
-    found, (box, iron) = kept(folder, "mesh"), casing_parts(plant)
-    model = plant.casing
+    machine = read(casing__model="static")
+    found, (box, iron) = kept(folder, "mesh"), casing_parts(machine)
+    model = machine.casing
     assert isinstance(model, StaticCasing)
     structure = Structure(housing=box, material=iron)
     reduction, recovery = model.reduction(structure), model.recovery(structure)

@@ -21,7 +21,7 @@ import numpy as np
 
 from benchmarks.clock import conditions
 from fem.casing.reduced.reduced_body import ReducedBody
-from fem.casing.uncertainty.draws import CasingDraws, drawn_frequencies, near_modes
+from fem.casing.uncertainty.casing_samples import CasingSamples, near_modes, sampled_frequencies
 from fem.casing.uncertainty.modal_form import ModalForm, modal_form
 from mbd.output.trajectory import Trajectory
 from pipelines.diagnosis.control_diagnosis import Diagnosis, diagnose
@@ -29,7 +29,7 @@ from pipelines.diagnosis.uncertainty.bar_records import LineBars
 from pipelines.diagnosis.uncertainty.uncertain import uncertain
 from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph, Step
-from pipelines.machine.plant import Plant
+from pipelines.machine.machine_model import MachineModel
 from pipelines.machine.system_assembly import assemble_machine, assemble_system
 from pipelines.scene.load_scene import load_scene
 from pipelines.signals.analysis import analyse
@@ -84,7 +84,7 @@ DRAWS, SEED = 44, 7
 class MeshRun:
     """A run of the rig on one mesh, and what its bars are made of."""
 
-    plant: Plant
+    model: MachineModel
     motion: Trajectory
     taken: Mapping[str, Any]
 
@@ -92,15 +92,15 @@ class MeshRun:
 def mesh_run(settings: Mapping[str, Any]) -> MeshRun:
     """The rig with a missing tooth in a casing of one mesh."""
     plan = plan_run(load_scene("rig-missing-tooth", {**SHORT, **settings}), with_control=False, both_loads=False)
-    plant = plan.plant
+    model = plan.model
     step = Step(
         name="inputs",
         kind="inputs",
         build=machine_bars,
-        takes={"laws": plant.law_names, **casing_taken(plan.graph)},
+        takes={"laws": model.law_names, **casing_taken(plan.graph)},
     )
     outcome = Work(processes=1).build(plan.graph, ["simulate", *step.inputs])
-    return MeshRun(plant=plant, motion=outcome.value("simulate"), taken=step.received(outcome.value))
+    return MeshRun(model=model, motion=outcome.value("simulate"), taken=step.received(outcome.value))
 
 
 def first_bars() -> tuple[Diagnosis, LineBars]:
@@ -109,16 +109,16 @@ def first_bars() -> tuple[Diagnosis, LineBars]:
     plan = plan_run(loaded, both_loads=False)
     step, case = bars_step(plan), plan.cases[0]
     assert case.control is not None
-    assert case.own.plant.diagnosis is not None
+    assert case.own.model.diagnosis is not None
     outcome = Work(processes=1).build(Graph([*plan.graph, step]), [step.name, case.own.step, case.control.step])
-    runs = (make_response(outcome.value(case.own.step), case.own.plant.labels),
-            make_response(outcome.value(case.control.step), case.control.plant.labels))  # fmt: skip
-    return diagnose(*runs, case.own.plant.diagnosis), outcome.value(step.name)
+    runs = (make_response(outcome.value(case.own.step), case.own.model.labels),
+            make_response(outcome.value(case.control.step), case.control.model.labels))  # fmt: skip
+    return diagnose(*runs, case.own.model.diagnosis), outcome.value(step.name)
 
 
-def levels(motion: Trajectory, plant: Plant, diagnosis: Diagnosis, bars: LineBars) -> np.ndarray:
+def levels(motion: Trajectory, model: MachineModel, diagnosis: Diagnosis, bars: LineBars) -> np.ndarray:
     """Levels (line,) of a motion in dB, without sensor noise."""
-    run = make_response(motion, plant.labels | {"sensor_noise_m_s2": 0.0})
+    run = make_response(motion, model.labels | {"sensor_noise_m_s2": 0.0})
     found = analyse(run, diagnosis.settings, band=diagnosis.band)
     spectra = [(found.envelopes if bar.kind == "envelope" else found.spectra)[bar.window] for bar in bars.bars]
     lines = [one.lines([bar.frequency])[0] for one, bar in zip(spectra, bars.bars, strict=True)]
@@ -135,7 +135,7 @@ def inside(found: np.ndarray, ends: np.ndarray) -> np.ndarray:
     return (found >= ends[0]) & (found <= ends[1])
 
 
-def drawn_body(body: ReducedBody, form: ModalForm, draws: CasingDraws, number: int) -> ReducedBody:
+def drawn_body(body: ReducedBody, form: ModalForm, draws: CasingSamples, number: int) -> ReducedBody:
     """The casing with the number `number` of some draws.
 
     Parameters
@@ -157,20 +157,20 @@ def drawn_body(body: ReducedBody, form: ModalForm, draws: CasingDraws, number: i
     )
 
 
-def simulated_draws(first: MeshRun, diagnosis: Diagnosis, bars: LineBars) -> np.ndarray:
+def simulated_samples(first: MeshRun, diagnosis: Diagnosis, bars: LineBars) -> np.ndarray:
     """Levels (draw, line) of drawn casings that are simulated, dB over those of the run."""
-    plant, body = first.plant, first.taken["body"]
-    unknown = uncertain(plant.casing, first.taken["modes"][0], first.taken["coarser"], plant.looked_for.damping_spread)
+    model, body = first.model, first.taken["body"]
+    unknown = uncertain(model.casing, first.taken["modes"][0], first.taken["coarser"], model.monitored.damping_spread)
     assert unknown.errors is not None
     form = modal_form(body)
     near = near_modes(form, max(diagnosis.band[1], diagnosis.settings.highest_line))
-    draws = drawn_frequencies(form, near, unknown.errors, DRAWS, SEED)
-    machine = assemble_machine(plant.machine, first.taken["laws"])
-    own, found = levels(first.motion, plant, diagnosis, bars), []
+    draws = sampled_frequencies(form, near, unknown.errors, DRAWS, SEED)
+    machine = assemble_machine(model.machine, first.taken["laws"])
+    own, found = levels(first.motion, model, diagnosis, bars), []
     for number in range(DRAWS):
         other = drawn_body(body, form, draws, number)
-        system = assemble_system(machine, other, plant.recorded, plant.motion.band)
-        found.append(levels(moved(system, plant.motion), plant, diagnosis, bars) - own)
+        system = assemble_system(machine, other, model.recorded, model.motion.band)
+        found.append(levels(moved(system, model.motion), model, diagnosis, bars) - own)
         print(f"draw {number + 1} of {DRAWS}", flush=True)
     return np.array(found)
 
@@ -179,14 +179,14 @@ def main(arguments: Sequence[str]) -> None:
     """Simulate, compare, write."""
     diagnosis, bars = first_bars()
     ends, first = numerical(bars), mesh_run(MESHES[FIRST])
-    drawn = simulated_draws(first, diagnosis, bars)
+    drawn = simulated_samples(first, diagnosis, bars)
     scatter = np.percentile(drawn, (5.0, 95.0), axis=0)
     runs = {name: mesh_run(settings) for name, settings in MESHES.items()}
-    level = {name: levels(run.motion, run.plant, diagnosis, bars) for name, run in runs.items()}
+    level = {name: levels(run.motion, run.model, diagnosis, bars) for name, run in runs.items()}
     others = {name: level[name] - level[FIRST] for name in MESHES if name != FIRST}
     own = {}
     for name, run in runs.items():
-        found = machine_bars(run.plant, make_response(run.motion, run.plant.labels), diagnosis, **run.taken)
+        found = machine_bars(run.model, make_response(run.motion, run.model.labels), diagnosis, **run.taken)
         if name != FINEST and isinstance(found, LineBars) and all(bar.numerical for bar in found.bars):
             own[name] = inside(level[FINEST] - level[name], numerical(found))
     pooled = np.concatenate([inside(drawn, ends), inside(np.array(list(others.values())), ends)])

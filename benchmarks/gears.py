@@ -38,12 +38,12 @@ def laws(folder: Path) -> list[dict[str, Any]]:
 
     Keeps the laws of the rig as shipped.
     """
-    rows, found, plant = [], [], read()
+    rows, found, machine = [], [], read()
     cheap = read(**{f"stages__{n}__mesh__model": "iso" for n in (1, 2, 3)})
     small, wide = gear_pair((17, 23), 2, 15, 10), gear_pair((100, 150), 2, 20, 80, bores_mm=(40, 60))
     plane_law(small, 1, 0.5)  # imports, compiled code and first calls are not the law's
     Solid(refinement=0.6, positions=8).laws(small)
-    for stage, (pair, spec) in enumerate(zip(plant.layout.pairs, plant.laws, strict=True)):
+    for stage, (pair, spec) in enumerate(zip(machine.layout.pairs, machine.laws, strict=True)):
         surface = spec.mesh.crack_surface(pair, "pinion", CRACK)
         works: dict[str, Callable[[], Any]] = {
             "iso": partial(stage_law, cheap, stage),
@@ -64,8 +64,8 @@ def laws(folder: Path) -> list[dict[str, Any]]:
 
 def evaluation(folder: Path) -> list[dict[str, Any]]:
     """Microseconds per call of the compiled law at the load of the rig, stage 1, by model and number of slices."""
-    plant = read()
-    force = plant.facts.stages[0].mesh_force
+    machine = read()
+    force = machine.facts.stages[0].mesh_force
     rows = []
     for model, slices in (("iso", 15), ("plane", 7), ("plane", 15), ("plane", 31)):
         settings = {"stages__1__mesh__model": model, "stages__1__mesh__slices": slices}

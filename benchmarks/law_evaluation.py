@@ -59,10 +59,10 @@ def microseconds(law: MeshLaw) -> dict[str, float]:
 
 def rows() -> list[dict[str, Any]]:
     """One row per stage of the rig and number of slices, uncoupled and coupled along the face."""
-    plant = read()
+    machine = read()
     found = []
     for stage, slices in ((0, 7), (0, 15), (0, 31), (0, 61), (1, 15), (2, 15)):
-        law = plane_law(plant.layout.pairs[stage], slices)[0]
+        law = plane_law(machine.layout.pairs[stage], slices)[0]
         spread = {"spread_compliance": 0.7 * law.compliance, "spread_length": 1.1e-3 * 2}
         coupled = law.replaced(compliance=0.3 * law.compliance, body_compliance=2e-9, tilt_compliance=2e-4, **spread)
         for each, is_coupled in ((law, False), (coupled, True)):

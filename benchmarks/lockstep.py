@@ -20,7 +20,7 @@ from pipelines.datasets.plan import load_plan
 from pipelines.datasets.worker_cache import WorkerCache
 from pipelines.engine.build_step import one_thread
 from pipelines.engine.run_graph import Work
-from pipelines.machine.checks.checked_plant import checked_plant
+from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.steps.motion import moved
 
 BATCHES = (1, 3, 8, 16)
@@ -34,12 +34,12 @@ def lockstep(folder: Path) -> list[dict[str, Any]]:
         path = folder / f"{name}-lockstep.toml"
         path.write_text(PLAN.format(scene=name, count=1, end=1.0, preset=preset), encoding="utf-8")
         plan = load_plan(path)
-        plant = checked_plant(scene_of(plan, sampled_scenes(plan)[0].values).scene, "scene")
+        machine = checked_machine(scene_of(plan, sampled_scenes(plan)[0].values).scene, "scene")
         with one_thread():
-            system = WorkerCache(Work().cache).system(plant)
-            moved(system, plant.motion)
+            system = WorkerCache(Work().cache).system(machine)
+            moved(system, machine.motion)
             start = time.perf_counter()
-            motion = moved(system, plant.motion)
+            motion = moved(system, machine.motion)
             whole = (time.perf_counter() - start) / motion.counter("steps") * 1e6
             modes, forces = len(system.frequencies), len(system.rows)
             columns = {n: _arithmetic(modes, forces, len(system.all_rows), n) for n in BATCHES}

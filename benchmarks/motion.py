@@ -43,18 +43,18 @@ def run(machine: System, end: float, step: float = STEP, method: str = "exponent
 
 def rig(folder: Path, **settings: Any) -> System:
     """The rig with a moving start, from what the earlier parts kept as far as the settings leave it valid."""
-    plant = moving(**settings)
-    laws = kept(folder, "laws") if plant.laws == read().laws else [stage_law(plant, n) for n in range(3)]
-    model = plant.models["casing"]
-    body = kept(folder, model) if model in ("static", "craig-bampton") else casing_body(plant)
-    return system(plant, laws, body)
+    model = moving(**settings)
+    laws = kept(folder, "laws") if model.laws == read().laws else [stage_law(model, n) for n in range(3)]
+    model = model.models["casing"]
+    body = kept(folder, model) if model in ("static", "craig-bampton") else casing_body(model)
+    return system(model, laws, body)
 
 
 def loop(folder: Path) -> list[dict[str, Any]]:
     """Seconds per second of motion of `minimal` and of the full rig at the shipped step."""
     rows = []
-    plant = read("minimal")
-    small = system(plant, [stage_law(plant, 0)], casing_body(plant))
+    model = read("minimal")
+    small = system(model, [stage_law(model, 0)], casing_body(model))
     for name, build, span in (("minimal", lambda: small, 0.5), ("rig-healthy", lambda: rig(folder), 0.2)):
         assembling, machine = timed(build, repeats=1)
         run(machine, SHORT)
@@ -171,7 +171,7 @@ def shares(folder: Path) -> list[dict[str, Any]]:
     recorder.take(start)
     balance.take(start, 0)
     times = STEP * np.arange(n + 1)
-    angles, speeds = machine.machine.profile.angle(times), machine.machine.profile.speed(times)
+    angles, speeds = machine.parts.profile.angle(times), machine.parts.profile.speed(times)
     rates = np.diff(speeds) / STEP
     for first in range(0, n, block):
         at = slice(first, first + block)
@@ -203,7 +203,7 @@ def reference_cost(machine: System) -> str:
     step, n = 10e-6, 2
     method: Integrator = Reference(machine, step)
     method.start(equilibrium(machine))
-    profile = machine.machine.profile
+    profile = machine.parts.profile
     times = step * np.arange(1, n + 1)
     start = time.perf_counter()
     speeds = profile.speed(np.concatenate([[0.0], times]))

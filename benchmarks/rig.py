@@ -14,8 +14,8 @@ from fem.contact.models.plane import Plane
 from fem.elements.materials import Material
 from fem.gears.geometry import GearPair
 from mbd.system.system import System
-from pipelines.machine.machine_conversion import make_plant
-from pipelines.machine.plant import Plant
+from pipelines.machine.machine_conversion import make_machine
+from pipelines.machine.machine_model import MachineModel
 from pipelines.machine.system_assembly import assemble_machine, assemble_system
 from pipelines.scene.load_scene import load_scene
 
@@ -28,19 +28,19 @@ class MissingPart(RuntimeError):
     """A part that an earlier measurement should have left behind is not there."""
 
 
-def read(name: str = SCENE, **settings: Any) -> Plant:
+def read(name: str = SCENE, **settings: Any) -> MachineModel:
     """The plant of a shipped scene with settings (``casing__model="rigid"`` for casing.model)."""
-    return make_plant(load_scene(name, {key.replace("__", "."): value for key, value in settings.items()}).scene)
+    return make_machine(load_scene(name, {key.replace("__", "."): value for key, value in settings.items()}).scene)
 
 
-def moving(name: str = SCENE, **settings: Any) -> Plant:
+def moving(name: str = SCENE, **settings: Any) -> MachineModel:
     """The same with a motor that reaches 900 rpm after 0.05 s."""
     return read(name, **{key.replace(".", "__"): value for key, value in RAMP.items()}, **settings)
 
 
-def stage_law(plant: Plant, stage: int) -> Laws:
+def stage_law(machine: MachineModel, stage: int) -> Laws:
     """The laws of one stage (0-based) by the model of the scene."""
-    return plant.laws[stage].laws()
+    return machine.laws[stage].laws()
 
 
 def plane_law(pair: GearPair, slices: int = 15, refinement: float = 1.0) -> Laws:
@@ -48,22 +48,22 @@ def plane_law(pair: GearPair, slices: int = 15, refinement: float = 1.0) -> Laws
     return Plane(slices=slices, refinement=refinement).laws(pair)
 
 
-def casing_parts(plant: Plant) -> tuple[Housing, Material]:
+def casing_parts(machine: MachineModel) -> tuple[Housing, Material]:
     """Housing with its sensors, and its material."""
-    box, material = plant.structure.housing, plant.structure.material
+    box, material = machine.structure.housing, machine.structure.material
     assert isinstance(box, Housing)
     assert material is not None
     return box, material
 
 
-def casing_body(plant: Plant) -> ReducedBody:
+def casing_body(machine: MachineModel) -> ReducedBody:
     """The casing of a plant by its model."""
-    return body_of(plant.casing.stages(plant.structure))
+    return body_of(machine.casing.stages(machine.structure))
 
 
-def system(plant: Plant, laws: list[Laws], body: ReducedBody) -> System:
+def system(machine: MachineModel, laws: list[Laws], body: ReducedBody) -> System:
     """The assembled machine with all channels of the plant."""
-    return assemble_system(assemble_machine(plant.machine, laws), body, plant.recorded)
+    return assemble_system(assemble_machine(machine.parts, laws), body, machine.recorded)
 
 
 def keep(folder: Path, name: str, value: Any) -> None:

@@ -1,4 +1,4 @@
-"""Contact of many mesh positions by `fem.contact.wheels.contact`, with tilt, clearances of single pairs and energy."""
+"""Contact at many mesh positions by `fem.contact.wheels.direct_contact`, with tilt, clearances of pairs and energy."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from fem.contact.wheels.compliance import ContactCompliance
-from fem.contact.wheels.contact import contact_at
+from fem.contact.wheels.direct_contact import contact_at
 
 
 class ContactStates(NamedTuple):

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipelines.io.errors import InputError
-from pipelines.io.shown import shown, shown_value
+from pipelines.io.shown_text import shown, shown_value
 
 if TYPE_CHECKING:
     import xarray

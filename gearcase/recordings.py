@@ -16,7 +16,7 @@ from pipelines.diagnosis.comparison.labelled_comparison import labelled_comparis
 from pipelines.diagnosis.verdict import Verdict
 from pipelines.recordings.machine_file import read_machine
 from pipelines.recordings.read_recording import read_recording
-from pipelines.runs.recorded import judge_recordings
+from pipelines.runs.judged_recording import judge_recordings
 
 if TYPE_CHECKING:
     import pandas

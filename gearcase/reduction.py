@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from fem.casing.imported.reduce import Point as Point
+from fem.casing.imported.reduce_at_points import Point as Point
 from fem.storage import shown_html
 from gearcase.errors import InputError
 
@@ -84,9 +84,9 @@ def reduce(
     >>> body.coordinate_names
     ('end:ux', 'end:uy', 'end:uz', 'mode_1', 'mode_2', 'mode_3')
     """
-    from fem.casing.imported.foreign_body import ForeignError, foreign_body
-    from fem.casing.imported.matrix_checks import check_foreign
-    from fem.casing.imported.reduce import reduce_foreign
+    from fem.casing.imported.imported_body import MatrixError, imported_body
+    from fem.casing.imported.matrix_checks import check_matrices
+    from fem.casing.imported.reduce_at_points import reduce_imported_body
     from fem.casing.reduced.reduction import ReductionError
     from fem.numerics.linear_solver import SingularMatrixError
 
@@ -94,9 +94,9 @@ def reduce(
         if not isinstance(point, Point):
             raise InputError(f'points["{name}"] = {point!r}: must be a gearcase.Point. Give its nodes and its place.')
     try:
-        body = foreign_body("matrices", stiffness, mass, equations=equations, nodes=nodes, system=units)
-        made = reduce_foreign(body, points, held=held, sprung=() if held else tuple(points), band=band)
-    except (ForeignError, ReductionError, SingularMatrixError) as error:
+        body = imported_body("matrices", stiffness, mass, equations=equations, nodes=nodes, system=units)
+        made = reduce_imported_body(body, points, held=held, sprung=() if held else tuple(points), band=band)
+    except (MatrixError, ReductionError, SingularMatrixError) as error:
         raise InputError(str(error)) from error
     reduction = made.reduction
     modes, all_modes = reduction.n_fixed, len(reduction.frequencies)
@@ -106,5 +106,5 @@ def reduce(
         mass=reduction.mass,
         basis=made.expansion @ reduction.basis,
         coordinate_names=(*made.coordinate_names, *names),
-        report=check_foreign(body).report(),
+        report=check_matrices(body).report(),
     )

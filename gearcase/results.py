@@ -12,7 +12,7 @@ from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.uncertainty.bar_records import LineBars
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError, WorkError
-from pipelines.runs.diagnosed import diagnose_folder, folder_bars
+from pipelines.runs.diagnosed_run import diagnose_folder, folder_bars
 from pipelines.runs.run import run_scene
 from pipelines.runs.run_folder import find_run, loaded_run
 from pipelines.signals.labelled_spectrum import labelled_spectrum

@@ -10,7 +10,7 @@ from typing import Any
 from fem.storage import shown_html
 from gearcase.argument_checks import checked_file, refusal
 from pipelines.io.toml_text import format_value
-from pipelines.runs.checked import Checked, check_scene
+from pipelines.runs.checked_scene import Checked, check_scene
 from pipelines.scene.load_scene import LoadedScene, changed, load_scene, scene_of_tree
 from pipelines.scene.merge import leaves
 from pipelines.scene.presets import preset_on

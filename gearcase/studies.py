@@ -9,11 +9,11 @@ from gearcase.argument_checks import checked_file, refusal
 from gearcase.progress import ProgressFunction
 from gearcase.scenes import Scene, loaded_scene
 from pipelines.engine.run_graph import Work
-from pipelines.machine.checks.checked_plant import checked_plant
+from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.studies.design.design_study import DesignOptions, DesignStudy, design_study
 from pipelines.studies.spread.population_spread import FeatureSpread, run_spread, spread_plan
-from pipelines.studies.trade.axes import AXES
 from pipelines.studies.trade.refinement import RefinementStudy, refine
+from pipelines.studies.trade.refinement_axes import AXES
 from pipelines.studies.trade.tradeoff import Tradeoff, trade
 
 __all__ = [
@@ -100,10 +100,10 @@ def spread(
     (True, 20, 'spread_specimen')
     """
     loaded = loaded_scene(scene)
-    machine = checked_plant(loaded.scene, loaded.source.shown)
+    machine = checked_machine(loaded.scene, loaded.source.shown)
     plan_file = None if over is None else checked_file("over", over, "the plan of a campaign")
     plan = spread_plan(loaded, machine, plan_file, machines)
-    return run_spread(plan, Path(out or f"campaigns/{plan.name}"), machine.looked_for, processes, Work())
+    return run_spread(plan, Path(out or f"campaigns/{plan.name}"), machine.monitored, processes, Work())
 
 
 def tradeoff(scene: Scene, *, processes: int | None = None, progress: ProgressFunction | None = None) -> Tradeoff:

@@ -15,11 +15,11 @@ from fem.casing.mesh.cad_file import read_step
 from fem.casing.mesh.choose_mesher import Geometry
 from fem.casing.mesh.gmsh_session import session
 from fem.casing.mesh.housing_solid import build_solid
-from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
+from fem.casing.mesh.imported_housing import ImportedHousing, Seat, content_hash
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.models.elastic_casing import ElasticCasing
 from fem.elements.materials import CAST_IRON, STEEL, Material
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.scene.load_scene import load_scene
 from pipelines.scene.presets import preset_on
 
@@ -256,8 +256,8 @@ def _bores(axes: dict[float, tuple[float, float]], length: float) -> tuple[Bore,
 
 
 def _shipped(scene: str, reference_size: float, levels: int = 1) -> Case:
-    plant = make_plant(preset_on(load_scene(scene, {"casing.extrapolated": True}), "standard").scene)
-    casing, structure = plant.casing, plant.structure
+    machine = make_machine(preset_on(load_scene(scene, {"casing.extrapolated": True}), "standard").scene)
+    casing, structure = machine.casing, machine.structure
     assert isinstance(casing, ElasticCasing), f"the casing of {scene} has no finite elements"
     return Case(
         name=scene,

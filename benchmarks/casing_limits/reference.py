@@ -25,8 +25,8 @@ from scipy.optimize import brentq
 
 from benchmarks.casing_limits.cubic import cubic_matrices
 from benchmarks.casing_limits.graded import SHARE, graded
+from fem.casing.mesh.gmsh_mesh import tetrahedra
 from fem.casing.mesh.gmsh_session import session
-from fem.casing.mesh.mesher import tetrahedra
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.uncertainty.frequency_limits import EDGE_ORDER
 from fem.casing.uncertainty.pairing import counterparts, sample_nodes

@@ -120,11 +120,11 @@ def _rig_at_rest() -> tuple[State, float, float]:
     from benchmarks.rig import casing_body, read, stage_law, system
 
     iso = {f"stages__{n}__mesh__model": "iso" for n in (1, 2, 3)}
-    plant = read(casing__model="none", sensors=[], **iso)
-    laws = [stage_law(plant, n) for n in range(3)]
-    state = equilibrium(system(plant, laws, casing_body(plant)))
+    model = read(casing__model="none", sensors=[], **iso)
+    laws = [stage_law(model, n) for n in range(3)]
+    state = equilibrium(system(model, laws, casing_body(model)))
     torque = 1000 * STANDARD_GRAVITY * 0.1 / 2 / (55 / 20 * 62 / 21 * 65 / 22)
-    return state, torque, torque / plant.layout.pairs[0].pinion.base_radius
+    return state, torque, torque / model.layout.pairs[0].pinion.base_radius
 
 
 def _at_rest() -> Values:

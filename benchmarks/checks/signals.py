@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks.checks.record import Check, Subject, Values
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.scene.load_scene import load_scene
 from pipelines.signals.spectrum import amplitude_spectrum, cut, envelope, envelope_spectrum, whole_revolutions
 
@@ -14,7 +14,7 @@ WHEEL = MESH / 55
 
 
 def _rig() -> Values:
-    first = make_plant(load_scene("rig-healthy").scene).facts.stages[0]
+    first = make_machine(load_scene("rig-healthy").scene).facts.stages[0]
     return [first.mesh_frequency, first.wheel_frequency]
 
 

@@ -49,9 +49,9 @@ def calculix_positions() -> list[tuple[float, bool, float]]:
 
 @cache
 def _stage_1() -> tuple[float, ContactCompliance]:
-    plant = read()
-    force = plant.facts.stages[0].mesh_force
-    return force, Solid(positions=POSITIONS_PER_CYCLE).compliance(plant.layout.pairs[0])
+    machine = read()
+    force = machine.facts.stages[0].mesh_force
+    return force, Solid(positions=POSITIONS_PER_CYCLE).compliance(machine.layout.pairs[0])
 
 
 def rig_approach(cycle: float, missing: bool) -> float:

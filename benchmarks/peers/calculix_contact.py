@@ -120,8 +120,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.peers.calculix_contact")
     parser.add_argument("--compare", action="store_true", help="only compare the models with the stored figures")
     only = parser.parse_args(arguments).compare
-    plant = read()
-    pair, force = plant.layout.pairs[0], plant.facts.stages[0].mesh_force
+    machine = read()
+    pair, force = machine.layout.pairs[0], machine.facts.stages[0].mesh_force
     result = json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.exists() else {"positions": []}
     if only and not result["positions"]:
         print("skipped: no figures of CalculiX are stored; python -m benchmarks.peers.calculix_contact computes them")

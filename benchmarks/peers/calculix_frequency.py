@@ -60,10 +60,10 @@ def ours(mesh: CasingMesh, material: Material) -> Reduction:
 
 def measure(element_size: float | None = None) -> dict[str, Any]:
     """Frequencies and seconds of both."""
-    plant = read()
-    box, iron = casing_parts(plant)
-    assert isinstance(plant.casing, ElasticCasing)
-    mesh = straightened(mesh_geometry(box, Sizes(element=element_size or plant.casing.element_size)))
+    machine = read()
+    box, iron = casing_parts(machine)
+    assert isinstance(machine.casing, ElasticCasing)
+    mesh = straightened(mesh_geometry(box, Sizes(element=element_size or machine.casing.element_size)))
     taken, reduction = timed(lambda: ours(mesh, iron), repeats=1)
     with tempfile.TemporaryDirectory(prefix="gearcase-calculix-") as folder:
         path = Path(folder) / "casing.inp"

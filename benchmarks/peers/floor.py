@@ -104,13 +104,13 @@ def measure() -> dict[str, Any]:
     from fem.casing.models.elastic_casing import ElasticCasing
     from fem.casing.reduced.grounded import assembled_casing
 
-    plant = read()
-    box, iron = casing_parts(plant)
-    assert isinstance(plant.casing, ElasticCasing)
-    mesh = mesh_geometry(box, Sizes(element=plant.casing.element_size))
+    machine = read()
+    box, iron = casing_parts(machine)
+    assert isinstance(machine.casing, ElasticCasing)
+    mesh = mesh_geometry(box, Sizes(element=machine.casing.element_size))
     machine_rates = rates()
     factor = factor_count(assembled_casing(mesh, iron, interfaces=()).held().K_free)
-    step = step_count(modes=420, rows=17, forces=14, outputs=len(plant.sensors) * 3, iterations=2.0)
+    step = step_count(modes=420, rows=17, forces=14, outputs=len(machine.sensors) * 3, iterations=2.0)
     seconds = {
         "factor": max(factor["flops"] / machine_rates["dgemm"], factor["bytes"] / machine_rates["memory"]),
         "step": max(step["flops"] / machine_rates["dgemm"], step["bytes"] / machine_rates["cache"]),

@@ -14,8 +14,8 @@ import math
 
 import numpy as np
 
-from fem.contact.frame import law_points
 from fem.contact.law import MeshLaw
+from fem.contact.slice_frame import law_points
 from fem.contact.teeth import checked_terms
 from fem.gears.geometry import GearPair
 from fem.gears.prescribed import PrescribedDeviations, measured_gap, rotation_waves

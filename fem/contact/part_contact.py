@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 
-from fem.numerics.inner import INLINE, inner
+from fem.numerics.inner_functions import INLINE, inner
 
 
 @inner(**INLINE)
@@ -35,20 +35,20 @@ def part_of(load, per_whole, even):
 
 
 @inner(**INLINE)
-def spared(even, s):
+def reduction_of(even, s):
     """Reduction r (even: p)."""
     open_part = (1.0 - s) / (1.0 - even)
     return open_part * open_part
 
 
 @inner(**INLINE)
-def spared_compliance(even, s):
+def reduction_of_compliance(even, s):
     """Derivative -dr/du."""
     return (1.0 - s) * (1.0 + even) / ((1.0 - even) * s)
 
 
 @inner(**INLINE)
-def spared_work(even, s):
+def reduction_of_work(even, s):
     """Integral w."""
     rest = 1.0 - even
     return 2.0 * (_work(s) - _work(even)) / (rest * rest * rest * (1.0 + even))

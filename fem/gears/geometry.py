@@ -14,7 +14,7 @@ from fem.elements.materials import STEEL, Material
 from fem.gears.gear import Gear, involute
 from fem.gears.gear_checks import require
 from fem.gears.profile import form_point, form_radius, generate_trochoid
-from fem.numerics.root import brentq
+from fem.numerics.root_finding import brentq
 
 _Places = TypeVar("_Places", float, np.ndarray)
 

@@ -22,7 +22,7 @@ import numpy as np
 
 from fem.gears.gear_checks import GeometryError, require
 from fem.gears.geometry import GearPair
-from fem.numerics.root import brentq
+from fem.numerics.root_finding import brentq
 
 LARGEST_GAP = 100e-6  # m, default largest gap for tip-edge contact
 BRIDGE = 2.05  # pitches: span with which contact passes from the pair before a missing tooth to that after it

@@ -15,7 +15,7 @@ import numpy as np
 
 from fem.gears.gear import Gear
 from fem.gears.gear_checks import require
-from fem.numerics.root import brentq
+from fem.numerics.root_finding import brentq
 
 _FINE = 400  # points on the fillet for its arc length
 

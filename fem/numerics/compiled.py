@@ -44,7 +44,7 @@ from numba.extending import intrinsic, lower_builtin, models, register_model, ty
 from numba.np.arrayobj import populate_array
 
 from fem.numerics import compiled_files
-from fem.numerics.inner import COUNTED, NO_ENTRY, PLAIN, Inner
+from fem.numerics.inner_functions import COUNTED, NO_ENTRY, PLAIN, Inner
 
 FLOAT, INTEGER = types.float64, types.int64
 VECTOR, MATRIX, CUBE, HYPERCUBE = (types.Array(FLOAT, n, "C") for n in (1, 2, 3, 4))

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from fem.numerics.compiled import stored
-from fem.numerics.inner import UNCOUNTED
+from fem.numerics.inner_functions import UNCOUNTED
 
 
 def weighted_samples(

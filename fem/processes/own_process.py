@@ -26,7 +26,7 @@ _MEMORY, _PER_BYTE = 4 << 30, 200  # a STEP file of 3 MB needs 0.55 GB and 20 ti
 DAMAGED = "it is damaged, or its format does not fit its ending. Export it again"
 
 
-def opened_apart(
+def opened_in_own_process(
     file: Path,
     error: type[Exception],
     remedy: str,

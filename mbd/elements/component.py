@@ -14,7 +14,7 @@ import numpy as np
 from mbd.elements.channel_reading import Reading
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element
-from mbd.elements.linear import Part
+from mbd.elements.linear_part import Part
 
 
 class Place(NamedTuple):

@@ -31,7 +31,8 @@ Calls
 -----
 The loop calls a rule through its address (`fem.numerics.compiled.Signature`). A new kind therefore compiles only its
 rule, and a rule that no machine uses is never compiled. A call costs 0.1 to 0.15 us more than code inside the loop
-(rig: 8 elements, 26 us per step), or 0.5 us where references to arrays are counted (`fem.numerics.inner.UNCOUNTED`).
+(rig: 8 elements, 26 us per step), or 0.5 us where references to arrays are counted, see
+`fem.numerics.inner_functions.UNCOUNTED`.
 A static tuple of all rules, unrolled by the compiler, is not faster and compiles every kind into every loop.
 """
 
@@ -145,9 +146,9 @@ class Element:
     contact: Contact | None = None  # if the train is free to move where the contact is open
     in_matrix: bool = False  # the linearised model omits its slopes: a matrix replaces them, or they turn
     signals: tuple[Signal, ...] = ()
-    shakes: tuple[float, ...] = ()  # (3,) direction in which its lambda (m/s2) accelerates ground and accelerometers
-    lets_go: str = ""  # name of the counter of contacts lost
-    touches: str = ""  # name of the counter of contacts made
+    ground_acceleration: tuple[float, ...] = ()  # (3,) direction of its lambda (m/s2)
+    contact_lost: str = ""  # name of the counter of contacts lost
+    contact_made: str = ""  # name of the counter of contacts made
 
     def reference(self, name: str) -> np.ndarray:
         """``stiffness``, ``damping`` or ``guess`` (n,), zeros if empty."""

@@ -9,7 +9,7 @@ import numpy as np
 from numba import types
 
 from fem.numerics.compiled import FLOAT, INTEGER_MATRIX, INTEGERS, MATRIX, VECTOR, by_address, stored
-from fem.numerics.inner import UNCOUNTED, inner
+from fem.numerics.inner_functions import UNCOUNTED, inner
 from mbd.elements.element import (
     BY_ANGLE,
     ENERGY,

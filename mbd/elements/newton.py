@@ -26,7 +26,7 @@ import numpy as np
 from numba import types
 
 from fem.numerics.compiled import CUBE, FLOAT, INTEGER, INTEGER_MATRIX, MATRIX, VECTOR, by_address, stored
-from fem.numerics.inner import UNCOUNTED, inner
+from fem.numerics.inner_functions import UNCOUNTED, inner
 from mbd.elements.element import WIDTH
 from mbd.elements.element_table import (
     CLOCK,

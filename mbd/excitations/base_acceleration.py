@@ -75,5 +75,5 @@ class BaseAcceleration(Excitation):
             scale=(max(self.acceleration.largest, LEAST_SCALE),),
             rolls=True,
             signals=(Signal(base_channel(self.name), "m/s2", force=(-1.0,)),),
-            shakes=tuple(np.eye(3)[axis]),
+            ground_acceleration=tuple(np.eye(3)[axis]),
         )

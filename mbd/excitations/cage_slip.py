@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.numerics.inner import inner
+from fem.numerics.inner_functions import inner
 
 PITCHES = 4096
 

@@ -39,12 +39,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.numerics.inner import inner
+from fem.numerics.inner_functions import inner
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import ENERGY, FROZEN_ENERGY, WIDTH, Answer, Element, Motion, rule
 from mbd.elements.rule_call import call_rule, rule_number
 from mbd.excitations.cage_slip import CageSlip, lag_at
-from mbd.excitations.spall import SURFACES, Spall, check_apart, race_radius
+from mbd.excitations.spall import SURFACES, Spall, check_overlap, race_radius
 from mbd.forces.rolling_bearing import COUNT, FIRST, RATE, START, RollingContacts
 from mbd.parts.bearings import BearingSpec
 from mbd.parts.part_checks import MachineError
@@ -158,7 +158,7 @@ class FaultyContacts:
     def __post_init__(self) -> None:
         for spall in self.spalls:
             spall.check(self.contacts.elements)
-        check_apart(self.spalls, self.contacts.elements)
+        check_overlap(self.spalls, self.contacts.elements)
 
     def values(self, sense: int, ratio: float) -> np.ndarray:
         """Numbers of the rule from the sense of the shaft about +y and its angle per motor angle."""

@@ -31,7 +31,7 @@ import numpy as np
 
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import ENERGY, Element, rule
-from mbd.elements.linear import Part, part_on_rows, springs
+from mbd.elements.linear_part import Part, part_on_rows, springs
 from mbd.elements.mode_words import ModeWords
 from mbd.excitations.turned_direction import turned_direction
 from mbd.parts.couplings import CouplingWithAxes

@@ -64,7 +64,7 @@ def race_radius(elements: RollingElements, race: str) -> float:
     return elements.pitch_diameter / (2 * cosine) * (side + elements.gamma)
 
 
-def check_apart(spalls: Iterable[Spall], elements: RollingElements) -> None:
+def check_overlap(spalls: Iterable[Spall], elements: RollingElements) -> None:
     """Raise MachineError where two spalls of one surface overlap: the path over a spall assumes separate edges."""
     known = list(spalls)
     for i, one in enumerate(known):

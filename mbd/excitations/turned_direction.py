@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from fem.numerics.inner import INLINE, inner
+from fem.numerics.inner_functions import INLINE, inner
 
 
 @inner(**INLINE)

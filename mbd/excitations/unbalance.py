@@ -31,7 +31,7 @@ import numpy as np
 from fem.options import option
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, rule
-from mbd.elements.linear import Matrices, Part, part_on_rows, springs
+from mbd.elements.linear_part import Matrices, Part, part_on_rows, springs
 from mbd.elements.mode_words import ModeWords
 from mbd.excitations.turned_direction import turned_direction
 from mbd.parts.load import TurningForce

@@ -14,9 +14,9 @@ from typing import Literal
 
 import numpy as np
 
-from fem.numerics.inner import inner
+from fem.numerics.inner_functions import inner
 from fem.options import check_options, option
-from mbd.elements.lookup import interpolated
+from mbd.elements.lookup_tables import interpolated
 from mbd.parts.part_checks import MachineError, freeze_pairs
 
 TABLE, SWEEP = 0.0, 1.0  # the first of the packed numbers

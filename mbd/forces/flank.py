@@ -20,7 +20,7 @@ import numpy as np
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.evaluation.kernel import evaluate
 from fem.contact.teeth import least_clearance
-from fem.numerics.inner import UNCOUNTED, inner
+from fem.numerics.inner_functions import UNCOUNTED, inner
 from mbd.elements.element import ENERGY, FROZEN_ENERGY, Contact, Element, Signal, rule
 from mbd.elements.mode_words import ModeWords
 from mbd.parts.gear_mesh import MeshSpec, mesh_channels, mesh_rows
@@ -135,8 +135,8 @@ def elements(assembly: Assembly) -> Iterator[Element]:
                     touching=partial(_touching, evaluators[side], mesh, side),
                 ),
                 signals=(*motions, Signal(forces[side], "N", force=(1.0, 0.0))),
-                lets_go="" if side else f"{mesh.name}:contact_losses",
-                touches=f"{mesh.name}:coast_contacts" if side else "",
+                contact_lost="" if side else f"{mesh.name}:contact_losses",
+                contact_made=f"{mesh.name}:coast_contacts" if side else "",
             )
 
 

@@ -32,8 +32,8 @@ from typing import Literal
 
 import numpy as np
 
-from fem.numerics.inner import UNCOUNTED, inner
-from fem.numerics.root import brentq
+from fem.numerics.inner_functions import UNCOUNTED, inner
+from fem.numerics.root_finding import brentq
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import BY_ANGLE, ENERGY, Element, Rule, Signal, rule
 from mbd.elements.rule_call import evaluated

@@ -22,7 +22,7 @@ from fem.options import option
 from mbd.elements.channel_reading import Reading
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import BY_ANGLE, ENERGY, Element, Signal, rule
-from mbd.elements.linear import Matrices, Part
+from mbd.elements.linear_part import Matrices, Part
 from mbd.elements.mode_words import ModeWords
 from mbd.forces.container_ground import ground
 from mbd.forces.hanging_loads import HangingLoad
@@ -218,7 +218,7 @@ class Rope(Load):
                 damping=(self.loss * math.sqrt(stiffness),),
                 opens=True,
                 signals=(Signal(ROPE_FORCE, "N", force=(1.0,)),),
-                lets_go="rope:slack_events",
+                contact_lost="rope:slack_events",
             )
         hoist = self.hoist
         if hoist.ground_level is not None:

@@ -30,8 +30,8 @@ import numpy as np
 from fem.options import option
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, Rule, Signal, rule
-from mbd.elements.linear import Matrices, Part, part_on_rows
-from mbd.elements.lookup import cell_below, interpolated
+from mbd.elements.linear_part import Matrices, Part, part_on_rows
+from mbd.elements.lookup_tables import cell_below, interpolated
 from mbd.elements.mode_words import ModeWords
 from mbd.forces.torque_source import TorqueSource
 from mbd.parts.speed_drive import SpeedProfile

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from mbd.elements.element import Rule, rule
-from mbd.elements.lookup import interpolated
+from mbd.elements.lookup_tables import interpolated
 from mbd.forces.torque_source import TorqueSource
 from mbd.parts.part_checks import freeze_pairs
 

@@ -18,7 +18,7 @@ from fem.options import inline, option
 from mbd.elements.channel_reading import Reading
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element, Rule, Signal
-from mbd.elements.linear import Matrices, Part, part_on_rows
+from mbd.elements.linear_part import Matrices, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
 from mbd.parts.load import OutsideForce
 from mbd.parts.part_checks import Options

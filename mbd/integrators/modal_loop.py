@@ -18,7 +18,7 @@ import numpy as np
 from numba import types
 
 from fem.numerics.compiled import CUBE, FLOAT, HYPERCUBE, INTEGER, INTEGERS, MATRIX, VECTOR, stored
-from fem.numerics.inner import UNCOUNTED, inner
+from fem.numerics.inner_functions import UNCOUNTED, inner
 from mbd.elements.element import AUDIT_STEPS, WIDTH
 from mbd.elements.element_table import INSTANT, TABLE, Instant, contact_changed, parametric_work
 from mbd.elements.newton import NEAR, WORKSPACE, Workspace, iterate, workspace

@@ -94,7 +94,7 @@ class ElementWork:
         found: dict[str, int] = {}
         for k, i in enumerate(self._opening):
             element = self._elements[i]
-            for name, count in ((element.lets_go, self._let_go[k]), (element.touches, self._touched[k])):
+            for name, count in ((element.contact_lost, self._let_go[k]), (element.contact_made, self._touched[k])):
                 if name:
                     found[name] = found.get(name, 0) + int(count)
             if element.contact is not None and element.contact.side == 0:

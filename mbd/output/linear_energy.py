@@ -12,7 +12,7 @@ import itertools
 
 import numpy as np
 
-from mbd.elements.linear import Part
+from mbd.elements.linear_part import Part
 from mbd.integrators.base import LENGTH, SPEED, Block, Integrator
 from mbd.output.exact_integrals import FlowWork
 from mbd.output.sampled_integrals import SampledWork

@@ -65,7 +65,7 @@ class Repeatability:
         self._apart: list[np.ndarray] = []
         self._distances: list[float] = []  # RMS of a window
         self._signal = 0.0
-        self.parted_at, self.rate = 0.0, 0.0  # s and 1/s; 0 if no neighbour diverged
+        self.diverged_at, self.rate = 0.0, 0.0  # s and 1/s; 0 if no neighbour diverged
 
     def reach(self, done: int) -> int:
         """Steps from ``done`` to the end of a window."""
@@ -111,7 +111,7 @@ class Repeatability:
         if first == 0.0 or left <= 0:
             self._drop(done)
         elif now >= goal:
-            self.parted_at, self.rate = done * self._step, float(np.log(now / first)) / (age * self._step)
+            self.diverged_at, self.rate = done * self._step, float(np.log(now / first)) / (age * self._step)
             self._neighbour, self._next = None, self._n_steps
         elif age and now < first * (goal / first) ** (age / left):
             self._drop(done)

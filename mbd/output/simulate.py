@@ -131,7 +131,7 @@ def _trajectory(
         sensors=sensor_names(rows.names),
         step=step,
         step_error=step_check.error,
-        parted_at=repeatability.parted_at,
+        diverged_at=repeatability.diverged_at,
         parting_rate=repeatability.rate,
         output_rate=settings.output_rate,
         pass_band=PASS_SHARE * settings.output_rate,

@@ -35,7 +35,7 @@ class Trajectory(Record):
     sensors: tuple[str, ...] = names("sensor")
     step: float = scalar(units="s")
     step_error: float = scalar(units="1")  # error of the accelerations by the step, sample by sample; 0: not measured
-    parted_at: float = scalar(units="s")  # divergence time: distance of a neighbouring motion half the signal, 0: never
+    diverged_at: float = scalar(units="s")  # distance of a neighbouring motion half the signal; 0: never
     parting_rate: float = scalar(units="1/s")  # Lyapunov exponent: growth rate of the distance until then
     output_rate: float = scalar(units="Hz")
     pass_band: float = scalar(units="Hz")  # flat up to here; above output_rate - pass_band removed

@@ -25,7 +25,7 @@ from mbd.elements.channel_reading import Reading
 from mbd.elements.component import Component, Place
 from mbd.elements.coordinates import Coordinates
 from mbd.elements.element import Element
-from mbd.elements.linear import Matrices, Part, part_on_rows
+from mbd.elements.linear_part import Matrices, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
 from mbd.parts.part_checks import MachineError
 from mbd.parts.shafts import AXES

@@ -198,10 +198,10 @@ def _shaken(readings: Sequence[Reading], lay: Layout, elements: Sequence[Element
     found = np.zeros((len(readings), sum(len(element.rows) for element in elements)))
     first = 0
     for element in elements:
-        if element.shakes:
+        if element.ground_acceleration:
             for row, reading in zip(found, readings, strict=True):
                 own = np.broadcast_to(reading.acceleration, lay.size) @ lay.translation
-                row[first] = (own if reading.shift is None else reading.shift) @ element.shakes
+                row[first] = (own if reading.shift is None else reading.shift) @ element.ground_acceleration
         first += len(element.rows)
     return found
 

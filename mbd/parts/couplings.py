@@ -16,7 +16,7 @@ import numpy as np
 from fem.options import check_options, option
 from mbd.elements.component import Component, Link, Place
 from mbd.elements.coordinates import Coordinates
-from mbd.elements.linear import Part, part_on_rows, springs
+from mbd.elements.linear_part import Part, part_on_rows, springs
 from mbd.elements.mode_words import ModeWords
 from mbd.parts.part_checks import MachineError
 

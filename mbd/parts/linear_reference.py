@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from mbd.elements.element import Element
-from mbd.elements.linear import Part
+from mbd.elements.linear_part import Part
 from mbd.parts.coordinate_layout import Layout
 from mbd.parts.machine import Machine
 from mbd.parts.mesh_reference import nominal_forces, reference_load

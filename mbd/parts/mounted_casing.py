@@ -10,7 +10,7 @@ import numpy as np
 from fem.casing.reduced.reduced_body import ReducedBody
 from mbd.elements.component import Component
 from mbd.elements.coordinates import Coordinates
-from mbd.elements.linear import Matrices, Part
+from mbd.elements.linear_part import Matrices, Part
 from mbd.elements.mode_words import ModeWords
 
 NAME = "casing"

@@ -15,7 +15,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from fem.numerics.root import brentq
+from fem.numerics.root_finding import brentq
 from fem.options import option
 from mbd.parts.part_checks import MachineError, positive
 from mbd.parts.rolling_catalogue import catalogued

@@ -20,7 +20,7 @@ from fem.options import check_options, option
 from mbd.elements.channel_reading import Reading
 from mbd.elements.component import Component
 from mbd.elements.coordinates import Coordinates, node_at
-from mbd.elements.linear import Matrices, Part
+from mbd.elements.linear_part import Matrices, Part
 from mbd.elements.mode_words import ModeWords
 from mbd.parts.beam import beam_matrices, disk_matrices
 from mbd.parts.part_checks import MachineError, Options

@@ -19,7 +19,7 @@ import numpy as np
 
 from mbd.elements.channel_reading import Reading
 from mbd.elements.component import Component, Place
-from mbd.elements.linear import Matrices, Part, part_on_rows
+from mbd.elements.linear_part import Matrices, Part, part_on_rows
 from mbd.elements.mode_words import ModeWords
 from mbd.parts.part_checks import freeze_pairs
 

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.numerics.inner import inner
+from fem.numerics.inner_functions import inner
 from mbd.elements.element import Element
 from mbd.parts.part_checks import MachineError
 

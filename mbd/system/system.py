@@ -17,7 +17,7 @@ import numpy as np
 from fem.casing.reduced.reduced_body import ReducedBody
 from mbd.elements.element import Element
 from mbd.elements.element_table import ElementTable, element_table
-from mbd.elements.linear import Part
+from mbd.elements.linear_part import Part
 from mbd.forces import drag, efficiency, film, flank, gyroscopic_plane, sliding
 from mbd.parts.channels import ChannelRows, channel_names, channel_rows
 from mbd.parts.coordinate_layout import Layout, layout

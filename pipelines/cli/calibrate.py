@@ -50,19 +50,19 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.errors import SceneWarning
     from pipelines.io.json_text import json_text
     from pipelines.io.user_files import write_whole
-    from pipelines.machine.checks.checked_plant import checked_plant
+    from pipelines.machine.checks.checked_machine import checked_machine
     from pipelines.recordings.machine_file import read_machine
     from pipelines.report.figures.frame_files import save_figure
-    from pipelines.scene.presets import load_asked
+    from pipelines.scene.presets import load_requested
     from pipelines.studies.calibrate.calibration import calibrate
     from pipelines.studies.calibrate.calibration_page import figure, plain, text
     from pipelines.studies.calibrate.free_keys import calibration_plan, parse_free
 
-    loaded = load_asked(options)
+    loaded = load_requested(options)
     if loaded.scene.faults:
         words = "its faults are simulated in all runs. For recordings of a healthy machine add --set faults=[]"
         warnings.warn(f"{loaded.source.shown}: {words}", SceneWarning, stacklevel=1)
-    machine = checked_plant(loaded.scene, loaded.source.shown)
+    machine = checked_machine(loaded.scene, loaded.source.shown)
     free = [parse_free(one) for one in options.free]
     plan = calibration_plan(loaded, machine, free, options.runs)
     yield estimate(plan, sampled_scenes(plan)).text

@@ -290,7 +290,7 @@ def modal_ratios(body: ReducedBody) -> np.ndarray:
 
 def part_table(natural: NaturalModes, ratios: np.ndarray, count: int) -> str:
     """Damping of the natural modes, and what parts of the casing store of their strain energy."""
-    from pipelines.io.grid import grid
+    from pipelines.io.text_table import grid
 
     shares = 100.0 * natural.shares.T
     rows = [
@@ -320,7 +320,7 @@ def mode_table(natural: NaturalModes, count: int, bands: np.ndarray | None = Non
     """Natural frequencies, their uncertainty bands where known, effective masses in percent of mass and inertia."""
     import numpy as np
 
-    from pipelines.io.grid import Grid
+    from pipelines.io.text_table import Grid
 
     share = 100.0 * natural.effective_mass / natural.total
     known = bands is not None and bool(np.isfinite(bands).any())

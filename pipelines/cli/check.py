@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from pipelines.cli.command_line import json_argument, scene_arguments
 
 if TYPE_CHECKING:
-    from pipelines.runs.checked import Checked
+    from pipelines.runs.checked_scene import Checked
     from pipelines.scene.load_scene import LoadedScene
 
 HELP = """\
@@ -35,10 +35,10 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Print ratios, frequencies, torques, cost and warnings; SceneError lists everything that does not fit."""
     from pipelines.io.json_text import json_text
-    from pipelines.runs.checked import check_scene
-    from pipelines.scene.presets import load_asked
+    from pipelines.runs.checked_scene import check_scene
+    from pipelines.scene.presets import load_requested
 
-    loaded = load_asked(options)
+    loaded = load_requested(options)
     found = check_scene(loaded)
     yield json_text(_facts(loaded, found)) if options.json else str(found)
 
@@ -47,13 +47,13 @@ def _facts(loaded: LoadedScene, found: Checked) -> dict[str, Any]:
     """Everything in SI; points of bearings by name."""
     return {
         "scene": loaded.name,
-        "title": found.plant.title,
+        "title": found.machine.title,
         "control": loaded.scene.control,
         "units": "SI",
         "facts": found.facts,
-        "bearings": {f"bearing_{number}": point for number, point in enumerate(found.plant.bearing_points, 1)},
-        "models": found.plant.models,
-        "faults": found.plant.fault_words,
+        "bearings": {f"bearing_{number}": point for number, point in enumerate(found.machine.bearing_points, 1)},
+        "models": found.machine.models,
+        "faults": found.machine.fault_words,
         "cost": found.cost,
         "warnings": found.warnings,
     }

@@ -93,7 +93,7 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Usage and the message on standard error; exit code 2."""
-        from pipelines.io.shown import shown
+        from pipelines.io.shown_text import shown
 
         head, tail = message[:_MESSAGE_END], message[_MESSAGE_END:]
         if len(tail) > _MESSAGE_END:
@@ -115,7 +115,7 @@ def command_parser(top: argparse.ArgumentParser, command: str | None) -> argpars
 
 def _nearest(message: str, options: Iterable[str]) -> str:
     """What was probably meant by a word that is not among the choices or options, or which commands have the option."""
-    from pipelines.io.shown import nearest_name
+    from pipelines.io.shown_text import nearest_name
 
     choice = re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message)
     option = re.search(r"unrecognized arguments: (--[\w-]+)", message)
@@ -237,9 +237,9 @@ def run_argument(sub: argparse.ArgumentParser) -> None:
 
 def scene_and_work(options: argparse.Namespace) -> tuple[LoadedScene, Work]:
     """The scene that is requested with its changes, and how its steps are built."""
-    from pipelines.scene.presets import load_asked
+    from pipelines.scene.presets import load_requested
 
-    return load_asked(options), work_of(options)
+    return load_requested(options), work_of(options)
 
 
 def work_of(options: argparse.Namespace) -> Work:
@@ -251,7 +251,7 @@ def work_of(options: argparse.Namespace) -> Work:
 
 def announce(options: argparse.Namespace) -> None:
     """Name command and scene on standard error, before the imports, which take a while."""
-    from pipelines.io.shown import shown
+    from pipelines.io.shown_text import shown
 
     if not options.quiet:
         sys.stderr.write(f"gearcase {options.command} {shown(str(options.scene))}\n")

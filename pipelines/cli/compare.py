@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 from pipelines.cli.command_line import MACHINE_HELP
 from pipelines.io.argument_types import count, path
 from pipelines.io.errors import InputError
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 from pipelines.io.user_files import is_regular_file, writable_folder, write_whole
 from pipelines.runs import run_folder
-from pipelines.runs.recorded import asked_windows, machine_of, recording_and_window
+from pipelines.runs.judged_recording import machine_of, recording_and_window, requested_windows
 
 if TYPE_CHECKING:
     from pipelines.diagnosis.comparison.compared_features import Features
@@ -122,7 +122,7 @@ def _read(sources: Sequence[str], machine: str | Path | None) -> list[ComparedRe
         with read_recording(file, known) as recording:
             try:
                 parts.append(
-                    compared_recording(name, recording, known.kinematics, asked_windows(source, window, windows))
+                    compared_recording(name, recording, known.kinematics, requested_windows(source, window, windows))
                 )
             except (FeatureError, RotationError) as error:
                 raise InputError(f"{shown(source)}: {error}") from error

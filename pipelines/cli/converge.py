@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from pipelines.cli.command_line import scene_and_work, work_arguments
 from pipelines.io.argument_types import count, picture, share
-from pipelines.studies.trade.axes import AXES
+from pipelines.studies.trade.refinement_axes import AXES
 
 HELP = """\
 Compute a scene with several values of one setting. Print the observed order of convergence, the

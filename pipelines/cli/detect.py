@@ -66,16 +66,16 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.errors import InputError
     from pipelines.io.json_text import json_text
     from pipelines.io.user_files import write_whole
-    from pipelines.machine.checks.checked_plant import checked_plant
+    from pipelines.machine.checks.checked_machine import checked_machine
     from pipelines.report.figures.frame_files import save_figure
-    from pipelines.scene.presets import load_asked
-    from pipelines.studies.detect.design import Design, detection_plan
+    from pipelines.scene.presets import load_requested
     from pipelines.studies.detect.detectability_page import figure, plain, text
-    from pipelines.studies.detect.over import parse_over
-    from pipelines.studies.detect.study import study
+    from pipelines.studies.detect.detection_axis import parse_over
+    from pipelines.studies.detect.detection_campaign import Design, detection_plan
+    from pipelines.studies.detect.detection_study import study
 
-    loaded = load_asked(options)
-    machine = checked_plant(loaded.scene, loaded.source.shown)
+    loaded = load_requested(options)
+    machine = checked_machine(loaded.scene, loaded.source.shown)
     design = Design(
         over=tuple(map(parse_over, options.over)),
         baseline=options.baseline,
@@ -93,10 +93,10 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         return
     folder = Path(options.out or f"campaigns/{plan.name}")
     finished = run_campaign(plan, folder, local_workers(options.processes), work_of(options), quiet=options.quiet)
-    looked_for = machine.looked_for
-    noises = tuple(dict.fromkeys(options.noise)) or (looked_for.noise,)
+    monitored = machine.monitored
+    noises = tuple(dict.fromkeys(options.noise)) or (monitored.noise,)
     with local_workers(options.processes) as workers, reported_count("runs", quiet=options.quiet) as report:
-        found = study(plan, folder, design, looked_for.windows, noises, workers.executor, report)
+        found = study(plan, folder, design, monitored.windows, noises, workers.executor, report)
     words = text(found)
     write_whole(folder / "detectability.txt", words)
     write_whole(folder / "detectability.json", json_text(plain(found)))

@@ -75,7 +75,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Print the verdict and the tables of recordings, or of a run compared with its control, without simulation."""
-    from pipelines.runs.recorded import recording_and_window
+    from pipelines.runs.judged_recording import recording_and_window
     from pipelines.runs.run_folder import RESPONSE
 
     path, asked = recording_and_window(options.records[0])
@@ -90,9 +90,9 @@ def _recordings(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.diagnosis.trend import trend_facts, trend_grid
     from pipelines.io.errors import InputError
     from pipelines.io.json_text import json_text
-    from pipelines.io.shown import shown
+    from pipelines.io.shown_text import shown
     from pipelines.io.user_files import writable_folder
-    from pipelines.runs.recorded import (
+    from pipelines.runs.judged_recording import (
         courses_of,
         file_facts,
         file_words,
@@ -150,11 +150,11 @@ def _recordings(options: argparse.Namespace) -> Iterator[str]:
 
 
 def _run(options: argparse.Namespace, folder: Path) -> Iterator[str]:
-    from pipelines.diagnosis.export import diagnosis_facts
+    from pipelines.diagnosis.result_export import diagnosis_facts
     from pipelines.diagnosis.uncertainty.bar_words import bars_words
     from pipelines.engine.run_graph import Work
     from pipelines.io.json_text import json_text
-    from pipelines.runs.diagnosed import diagnose_folder, folder_bars, judge_folder
+    from pipelines.runs.diagnosed_run import diagnose_folder, folder_bars, judge_folder
     from pipelines.runs.run_folder import RESPONSE, opened_run
     from pipelines.signals.levels import level_grid, levels
     from pipelines.steps.diagnosing import words

@@ -30,10 +30,10 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """Print one line per step, with what changed since a scene like this one was run; nothing is built."""
     from pipelines.engine.cache import Cache
     from pipelines.engine.step import explain
-    from pipelines.scene.presets import load_asked
+    from pipelines.scene.presets import load_requested
     from pipelines.steps.run_plan import plan_run
 
-    graph = plan_run(load_asked(options)).graph
+    graph = plan_run(load_requested(options)).graph
     found = explain(graph, Cache())
     ends = graph.steps.keys() - {name for step in graph for name in step.inputs}
     first = all(status.first for status in found if status.name in ends)

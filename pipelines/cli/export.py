@@ -30,9 +30,9 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Write response.csv, response.mat or response.uff."""
-    from pipelines.diagnosis.export import export
+    from pipelines.diagnosis.result_export import export
     from pipelines.io.errors import InputError
-    from pipelines.io.shown import shown
+    from pipelines.io.shown_text import shown
     from pipelines.io.user_files import whole_file, writable_file
     from pipelines.runs import run_folder
 

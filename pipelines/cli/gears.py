@@ -68,8 +68,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
 def main(options: argparse.Namespace) -> Iterator[str]:
     """Build the laws; print stiffness, transmission error, share and pressure of each pair, healthy and faulty."""
     from pipelines.io.errors import InputError
-    from pipelines.io.grid import grid
     from pipelines.io.json_text import json_text
+    from pipelines.io.text_table import grid
     from pipelines.io.user_files import writable_file
     from pipelines.report.figures.frame_files import save_figure
     from pipelines.report.figures.plots import transmission_error_figure

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from pipelines.io.argument_types import count, path, positive
 
 if TYPE_CHECKING:
-    from fem.casing.recognition.contents import GeometryContents
+    from fem.casing.recognition.housing_contents import GeometryContents
     from fem.casing.recognition.shaft_fit import ShaftFit
 
 HELP = """\
@@ -118,11 +118,11 @@ def _geometry(path: Path, options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.user_files import writable_folder, write_whole
     from pipelines.report.figures.frame_files import save_figure
     from pipelines.studies.housings.bore_picture import housing_picture
+    from pipelines.studies.housings.file_listing import fitted, listing
     from pipelines.studies.housings.housing_page import housing_page
-    from pipelines.studies.housings.listing import fitted, listing
 
     folder = writable_folder(options.out or f"{path.stem}-housing")
-    contents, fit, block, words = _surveyed(path, options)
+    contents, fit, block, words = _contents_of(path, options)
     text = "\n".join([*listing(contents), *words, *([fitted(fit)] if fit is not None else [])])
     yield text
     seats = {} if fit is None else {seat.bore.number: seat.bearing for seat in fit.seats}
@@ -138,7 +138,7 @@ def _geometry(path: Path, options: argparse.Namespace) -> Iterator[str]:
 
 def _matrices(path: Path, options: argparse.Namespace) -> Iterator[str]:
     """Print the checks of stiffness and mass matrices; if points are to be kept, write the reduced body to a file."""
-    from fem.casing.imported.matrix_checks import check_foreign
+    from fem.casing.imported.matrix_checks import check_matrices
     from fem.casing.imported.matrix_files import MatrixFiles, read_body
     from pipelines.io.user_files import writable_folder
 
@@ -151,7 +151,7 @@ def _matrices(path: Path, options: argparse.Namespace) -> Iterator[str]:
             system=options.unit or _SYSTEMS[0],
         )
     )
-    yield check_foreign(body).report()
+    yield check_matrices(body).report()
     from pipelines.studies.housings.reduced_matrices import held_text, reduced_text, write_reduced
 
     if options.hold:
@@ -164,12 +164,12 @@ def _matrices(path: Path, options: argparse.Namespace) -> Iterator[str]:
     yield f"{reduced_text(body, reduced, options.band)}\n{target}"
 
 
-def _surveyed(path: Path, options: argparse.Namespace) -> tuple[GeometryContents, ShaftFit | None, str, list[str]]:
+def _contents_of(path: Path, options: argparse.Namespace) -> tuple[GeometryContents, ShaftFit | None, str, list[str]]:
     """Contents of the file (of the chosen solids), fit of the shafts of the scene, block, and remarks."""
-    from fem.casing.recognition.read import survey
+    from fem.casing.recognition.read_geometry import geometry_contents
     from pipelines.io.errors import InputError
 
-    contents = survey(path, options.unit)
+    contents = geometry_contents(path, options.unit)
     if options.solids:
         known = {solid.number for solid in contents.solids}
         if unknown := set(options.solids) - known:
@@ -184,7 +184,7 @@ def _surveyed(path: Path, options: argparse.Namespace) -> tuple[GeometryContents
             ["To propose bearing seats and write the block [casing.housing], add --scene SCENE"],
         )
     from pipelines.scene.load_scene import load_scene
-    from pipelines.studies.housings.block import housing_block
+    from pipelines.studies.housings.housing_block import housing_block
     from pipelines.studies.housings.seats import fitting_units, shaft_places
 
     loaded = load_scene(options.scene)
@@ -199,7 +199,7 @@ def _surveyed(path: Path, options: argparse.Namespace) -> tuple[GeometryContents
         if contents.declared:
             words.append(f"the file declares {contents.declared}; but its bores match in {best}; export it in {best}")
             return contents, None, "", words
-        contents = survey(path, best)
+        contents = geometry_contents(path, best)
     fit = fits[contents.unit]
     return contents, fit, housing_block(contents, path.name, path.suffix.lower(), fit, loaded.scene), words
 

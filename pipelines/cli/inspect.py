@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from pipelines.engine.run_graph import Outcome, Work
     from pipelines.engine.step import Graph
-    from pipelines.machine.plant import Plant
+    from pipelines.machine.machine_model import MachineModel
     from pipelines.runs.inspect_gears import InspectedStage
 
 HELP = """\
@@ -122,10 +122,10 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     yield from _write_casing(graph, machine, folder, work)
 
 
-def _stress(machine: Plant, graph: Graph, options: argparse.Namespace, work: Work) -> Iterator[str]:
+def _stress(machine: MachineModel, graph: Graph, options: argparse.Namespace, work: Work) -> Iterator[str]:
     """Root stresses, and the files of --stress and --mesh."""
-    from pipelines.io.grid import grid
     from pipelines.io.json_text import json_text
+    from pipelines.io.text_table import grid
     from pipelines.report.figures.stress_pictures import write_stress
     from pipelines.runs.root_stress import loaded_teeth
 
@@ -173,7 +173,7 @@ def _write_mesh(shown: InspectedStage, stem: Path, options: argparse.Namespace, 
     yield from written
 
 
-def _write_casing(graph: Graph, machine: Plant, folder: Path, work: Work) -> Iterator[str]:
+def _write_casing(graph: Graph, machine: MachineModel, folder: Path, work: Work) -> Iterator[str]:
     from pipelines.report.figures.frame_files import save_figure
     from pipelines.report.figures.labelled_pictures import casing_figure
     from pipelines.report.figures.views import NotRendered
@@ -192,7 +192,7 @@ def _write_casing(graph: Graph, machine: Plant, folder: Path, work: Work) -> Ite
     yield str(folder / "casing.png")
 
 
-def _casing_mode(graph: Graph, machine: Plant, number: int | str, folder: Path, work: Work) -> Iterator[str]:
+def _casing_mode(graph: Graph, machine: MachineModel, number: int | str, folder: Path, work: Work) -> Iterator[str]:
     from pipelines.engine.progress import reported_count
     from pipelines.io.errors import InputError
 

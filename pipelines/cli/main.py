@@ -74,7 +74,7 @@ def _streams_open() -> bool:
 
 def _guarded(options: argparse.Namespace) -> int:
     from pipelines.io.errors import CacheWarning, SceneWarning
-    from pipelines.io.shown import shown
+    from pipelines.io.shown_text import shown
 
     _log_to_terminal(options.verbose)
     try:
@@ -139,7 +139,7 @@ def _interrupted_by_sigterm() -> Iterator[None]:
 
 def _report(error: Exception, *, verbose: bool) -> int:
     """Print the message of an error; 2 if it is about the input, else 1."""
-    from pipelines.io.shown import message_text
+    from pipelines.io.shown_text import message_text
 
     ours = type(error).__module__.partition(".")[0] in ("fem", "mbd", "pipelines")
     text = str(error) if ours else f"{type(error).__name__}: {error}"
@@ -163,7 +163,7 @@ def _show_warning(
     file: TextIO | None = None,
     line: str | None = None,
 ) -> None:
-    from pipelines.io.shown import message_text
+    from pipelines.io.shown_text import message_text
 
     sys.stderr.write(f"{message_text(f'warning: {message}')}\n")
 

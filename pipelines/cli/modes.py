@@ -12,8 +12,8 @@ from pipelines.io.argument_types import number, positive
 
 if TYPE_CHECKING:
     from mbd.system.linearised import LinearModes
-    from pipelines.io.grid import Grid
-    from pipelines.machine.plant import Plant
+    from pipelines.io.text_table import Grid
+    from pipelines.machine.machine_model import MachineModel
 
 HELP = """\
 Linearise the loaded machine about its static equilibrium. Print natural frequencies, damping and the share of each
@@ -96,7 +96,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
 
 def mode_table(title: str, modes: LinearModes) -> Grid:
     """One row per mode; shares of its strain and kinetic energy in per cent."""
-    from pipelines.io.grid import grid
+    from pipelines.io.text_table import grid
 
     columns = {kind: words for kind, words in KINDS.items() if kind in modes.part_kinds}
     columns |= {name: name.replace("_", " ") for name in modes.mesh_names}
@@ -114,7 +114,7 @@ def mode_table(title: str, modes: LinearModes) -> Grid:
     return grid(title, rows)
 
 
-def notes(machine: Plant, modes: LinearModes, up_to: float) -> list[str]:
+def notes(machine: MachineModel, modes: LinearModes, up_to: float) -> list[str]:
     """What the table was made with, and what bounds it."""
     from fem.casing.reduced.reduced_body import MODES_OVER_BAND
 

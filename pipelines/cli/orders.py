@@ -87,11 +87,11 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     import numpy as np
 
     from pipelines.engine.run_graph import Work
-    from pipelines.io.shown import shown
+    from pipelines.io.shown_text import shown
     from pipelines.io.user_files import writable_folder
     from pipelines.machine.machine_conversion import make_drivetrain
     from pipelines.report.figures.order_plots import campbell_figure, cuts_figure, waterfall_figure
-    from pipelines.runs.recorded import recording_and_window
+    from pipelines.runs.judged_recording import recording_and_window
     from pipelines.signals.orders.order_spectra import OrderError, frequency_waterfall, order_waterfall
 
     (source, asked), work = recording_and_window(options.run), Work(quiet=options.quiet)
@@ -169,8 +169,8 @@ def _read(folder: Path, options: argparse.Namespace) -> _RunUp:
         raise InputError(f"--shaft {number + 1}: the machine has {shafts} shafts. Give 1 to {shafts}.")
     with run_folder.opened_run(folder / run_folder.RESPONSE) as run:
         known = channel_names(run)
-        sensor = options.sensor or (train.looked_for.sensor if train.looked_for.sensor in known else known[0])
-        axis = options.axis or (train.looked_for.axis if train.looked_for.axis in AXES else AXES[-1])
+        sensor = options.sensor or (train.monitored.sensor if train.monitored.sensor in known else known[0])
+        axis = options.axis or (train.monitored.axis if train.monitored.axis in AXES else AXES[-1])
         try:
             found = channel(run, sensor).sel(axis=axis)
         except DiagnosisError as error:
@@ -197,7 +197,7 @@ def _read_file(options: argparse.Namespace, windowed: bool) -> _RunUp:
     InputError : no such shaft, sensor or axis; the recording or its machine cannot be used
     """
     from pipelines.diagnosis.comparison.compared_recording import chosen_channel
-    from pipelines.runs.recorded import recorded_parts
+    from pipelines.runs.judged_recording import recorded_parts
 
     part = recorded_parts([options.run], options.machine, None)[0]
     inside = (part.time >= part.windows[0].start) & (part.time <= part.windows[0].end) | (not windowed)
@@ -246,7 +246,7 @@ def _natural_over_speed(loaded: LoadedScene, work: Work, speeds: np.ndarray, up_
 
 def _table(found: Waterfall, orders: list[float], read: _RunUp) -> str:
     """Table of the highest amplitude of each order, and the speed at which it occurs."""
-    from pipelines.io.grid import grid
+    from pipelines.io.text_table import grid
 
     rows = []
     for order in orders:

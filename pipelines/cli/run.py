@@ -89,7 +89,7 @@ def _next(options: argparse.Namespace) -> Iterator[tuple[str, str]]:
     import shlex
     import shutil
 
-    from pipelines.io.shown import shown
+    from pipelines.io.shown_text import shown
 
     typed = sys.argv[0]
     program = shlex.quote(typed) if Path(typed).name == "gearcase" and not shutil.which("gearcase") else "gearcase"

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 from pipelines.cli.command_line import RUN_HELP, action_parsers, json_argument, run_argument
 from pipelines.io.argument_types import count, days, path
 from pipelines.io.errors import InputError, WorkError
-from pipelines.io.grid import Grid
 from pipelines.io.json_text import json_text
-from pipelines.io.shown import shown, shown_value
+from pipelines.io.shown_text import shown, shown_value
+from pipelines.io.text_table import Grid
 from pipelines.runs.kept_runs import KeptRun, differing, kept_run, kept_runs, run_grid, run_settings
 from pipelines.runs.run_folder import LATEST, REPORT, RESPONSE, ROOT, find_run, finished_runs, note_latest, opened_run
 

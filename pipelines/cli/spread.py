@@ -48,20 +48,20 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.datasets.campaign_scenes import sampled_scenes
     from pipelines.datasets.estimate import estimate
     from pipelines.io.user_files import whole_file
-    from pipelines.machine.checks.checked_plant import checked_plant
+    from pipelines.machine.checks.checked_machine import checked_machine
     from pipelines.report.figures.frame_files import save_figure
-    from pipelines.scene.presets import load_asked
+    from pipelines.scene.presets import load_requested
     from pipelines.studies.spread.population_spread import run_spread, spread_plan
     from pipelines.studies.spread.spread_page import chosen, figure, text
 
-    loaded = load_asked(options)
-    machine = checked_plant(loaded.scene, loaded.source.shown)
+    loaded = load_requested(options)
+    machine = checked_machine(loaded.scene, loaded.source.shown)
     plan = spread_plan(loaded, machine, options.over, options.machines)
     yield estimate(plan, sampled_scenes(plan)).text
     if options.dry_run:
         return
     folder = Path(options.out or f"campaigns/{plan.name}")
-    found = run_spread(plan, folder, machine.looked_for, options.processes, work_of(options), quiet=options.quiet)
+    found = run_spread(plan, folder, machine.monitored, options.processes, work_of(options), quiet=options.quiet)
     yield text(found)
     with whole_file(folder / "spread.csv") as aside:
         found.table.to_csv(aside, index=False, float_format="%.6g", lineterminator="\n")

@@ -28,12 +28,12 @@ from pipelines.engine.progress import reported_count
 from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph
 from pipelines.io.errors import InputError, SceneError, WorkError
-from pipelines.machine.checks.checked_plant import checked_plant
+from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.machine.checks.cost import cost
 from pipelines.machine.checks.cost import words as size_words
-from pipelines.machine.plant import Plant
+from pipelines.machine.machine_model import MachineModel
 from pipelines.scene.load_scene import LoadedScene
-from pipelines.steps.machine_steps import plant_steps
+from pipelines.steps.machine_steps import machine_steps
 from pipelines.steps.motion import moved
 
 _LAYOUT_TRIES = 20  # scenes that are looked at for one that can be run
@@ -166,12 +166,12 @@ def first_layout(plan: Plan, sampled: Sequence[SampledScene], building: Work) ->
     for one in sampled[:_LAYOUT_TRIES]:
         try:
             loaded = scene_of(plan, one.values)
-            machine = checked_plant(loaded.scene, loaded.source.shown)
+            machine = checked_machine(loaded.scene, loaded.source.shown)
         except (SceneError, ExpressionError) as error:
             failure = failure or error
             continue
         check_memory(loaded.name, machine)
-        graph = Graph(plant_steps(machine))
+        graph = Graph(machine_steps(machine))
         building.build(graph, graph.steps["simulate"].inputs)
         given = machine.motion
         few = replace(given, end=_LAYOUT_SAMPLES / given.output_rate)
@@ -181,7 +181,7 @@ def first_layout(plan: Plan, sampled: Sequence[SampledScene], building: Work) ->
     raise failure
 
 
-def check_memory(name: str, machine: Plant) -> None:
+def check_memory(name: str, machine: MachineModel) -> None:
     """InputError if one run does not fit into the memory of a worker, where it is until it is stored."""
     one = cost(machine)
     if one.bytes > MOST_BYTES:

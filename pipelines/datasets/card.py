@@ -17,7 +17,7 @@ from pipelines.datasets.rows import DONE, FAILED
 from pipelines.datasets.summary import Summary, plan_texts, summarised, words
 from pipelines.datasets.variables_grid import design_words, varied_grid
 from pipelines.io.errors import SceneError
-from pipelines.io.grid import Grid
+from pipelines.io.text_table import Grid
 from pipelines.io.user_files import write_whole
 from pipelines.scene.load_scene import load_scene
 from pipelines.scene.scene import Scene

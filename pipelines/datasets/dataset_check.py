@@ -26,8 +26,8 @@ from pipelines.datasets.signal_layout import RunLayout, read_facts, stored_layou
 from pipelines.datasets.store import SIGNALS, checksum, chunk_path, read_run
 from pipelines.datasets.summary import stretches
 from pipelines.io.errors import InputError, SceneError
-from pipelines.io.shown import shown
-from pipelines.machine.checks.checked_plant import checked_plant
+from pipelines.io.shown_text import shown
+from pipelines.machine.checks.checked_machine import checked_machine
 
 AGAIN = "Delete its file in rows/ and repeat the campaign."
 _MOST_SHOWN = 50
@@ -127,7 +127,7 @@ def _of_row(row: Mapping[str, Any], plan: Plan, sampled: Sequence[SampledScene],
     if row["status"] == DONE:
         try:
             scene = scene_of(plan, row["values"])
-            true = labels(checked_plant(scene.scene, scene.source.shown))
+            true = labels(checked_machine(scene.scene, scene.source.shown))
         except (SceneError, ExpressionError) as error:
             yield f"its values do not give a valid scene ({' '.join(str(error).split())}). {AGAIN}"
             return

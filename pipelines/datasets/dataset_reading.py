@@ -15,7 +15,7 @@ from pipelines.datasets.columns import read_columns
 from pipelines.datasets.signal_layout import read_facts
 from pipelines.datasets.store import SIGNALS
 from pipelines.io.errors import InputError
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 
 if TYPE_CHECKING:
     import xarray

@@ -17,12 +17,12 @@ from pipelines.engine.cache import Cache
 from pipelines.engine.step import Graph, Step
 from pipelines.engine.storage import digest
 from pipelines.io.errors import SceneError
-from pipelines.io.shown import duration
-from pipelines.machine.checks.checked_plant import checked_plant
+from pipelines.io.shown_text import duration
+from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.machine.checks.cost import cost
 from pipelines.machine.checks.cost import words as size_words
-from pipelines.machine.plant import Plant
-from pipelines.steps.machine_steps import plant_steps
+from pipelines.machine.machine_model import MachineModel
+from pipelines.steps.machine_steps import machine_steps
 
 _PARTS = {  # words for kinds of step; {s} and {es}: endings of the plural
     "law": "mesh law{s}",
@@ -68,7 +68,7 @@ def estimate(plan: Plan, sampled: Sequence[SampledScene]) -> Estimate:
     for one in looked:
         try:
             loaded = scene_of(plan, one.values)
-            machine = checked_plant(loaded.scene, loaded.source.shown)
+            machine = checked_machine(loaded.scene, loaded.source.shown)
         except (SceneError, ExpressionError) as error:
             refused.append(error)
             continue
@@ -76,7 +76,7 @@ def estimate(plan: Plan, sampled: Sequence[SampledScene]) -> Estimate:
         motion = cost(machine)
         seconds += motion.seconds
         size += _STORED_SHARE * _SAMPLE_BYTES * motion.samples * _stored_channels(plan, machine, motion.channels)
-        graph = Graph(plant_steps(machine))
+        graph = Graph(machine_steps(machine))
         for step in graph.needed(graph.steps["simulate"].inputs):
             distinct.setdefault(digest([step.kind, step.spec, [step.code]]), step)
     if not found:
@@ -106,12 +106,12 @@ def estimate(plan: Plan, sampled: Sequence[SampledScene]) -> Estimate:
     return Estimate(labels=found, refused=messages, text="".join(f"{line}\n" for line in lines))
 
 
-def _stored_channels(plan: Plan, machine: Plant, channels: int) -> float:
+def _stored_channels(plan: Plan, machine: MachineModel, channels: int) -> float:
     """About how many channels of four bytes are stored of a scene."""
     if plan.table.signals:
         return channels
     vibration = 3 * (len(machine.sensors) or len(machine.bearing_points))
-    return vibration + 2 * len(machine.machine.shafts) + 3 * max(1, len(machine.machine.couplings))
+    return vibration + 2 * len(machine.parts.shafts) + 3 * max(1, len(machine.parts.couplings))
 
 
 def _stored(step: Step, cache: Cache) -> bool:

@@ -20,15 +20,15 @@ from pipelines.datasets.feature_tables import stored_table, table_job
 from pipelines.datasets.plan import stored_plan
 from pipelines.datasets.rows import DONE, compute_rows, numbers, read_rows, row_path
 from pipelines.datasets.signal_layout import FACTS, read_facts
-from pipelines.diagnosis.simulated import FeatureSettings
+from pipelines.diagnosis.simulated_features import FeatureSettings
 from pipelines.io.errors import InputError
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 from pipelines.io.user_files import whole_file
 from pipelines.machine.layout import lay_out
 from pipelines.machine.scene_bearings import rolling_bearings
 from pipelines.machine.scene_kinematics import kinematics_of
 from pipelines.recordings.formats import BY_ENDING
-from pipelines.runs.recorded import asked_windows, machine_of, read_features, recording_and_window
+from pipelines.runs.judged_recording import machine_of, read_features, recording_and_window, requested_windows
 from pipelines.runs.run_folder import RESPONSE
 
 if TYPE_CHECKING:
@@ -151,7 +151,7 @@ def _of_recording(
     try:
         path, asked = recording_and_window(source)
         known, of_scene = machine_of(path, machine)
-        chosen = asked_windows(source, asked, of_scene) if asked else windows
+        chosen = requested_windows(source, asked, of_scene) if asked else windows
         return read_features(path, known, chosen, noise).table.columns(), ""
     except InputError as error:
         return {}, str(error)

@@ -17,7 +17,7 @@ import numpy as np
 from pipelines.datasets.rows import RowJob, compute_rows, read_row
 from pipelines.datasets.signal_layout import RunLayout, read_facts, stored_layout
 from pipelines.datasets.store import read_run
-from pipelines.diagnosis.simulated import FeatureSettings, run_features
+from pipelines.diagnosis.simulated_features import FeatureSettings, run_features
 from pipelines.engine.code_version import code_version
 from pipelines.io.errors import InputError
 from pipelines.signals.features.feature_table import FeatureTable
@@ -49,7 +49,7 @@ def table_job(
     rows : folder of the rows; by default one for each noise
     """
     windows = {name: list(window) for name, window in settings.windows.items()}
-    code = code_version("pipelines.diagnosis.simulated")
+    code = code_version("pipelines.diagnosis.simulated_features")
     return RowJob(
         folder=folder,
         run=run,

@@ -29,7 +29,7 @@ from pipelines.datasets.signal_layout import FACTS, RunLayout, stored_layout
 from pipelines.datasets.store import create_store
 from pipelines.engine.code_version import code_version, library_versions
 from pipelines.io.errors import InputError, WorkError
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 from pipelines.io.user_files import writable_folder, write_whole
 
 LOCK = ".lock"

@@ -27,7 +27,7 @@ from pipelines.datasets.worker_cache import WorkerCache
 from pipelines.engine.build_step import one_thread
 from pipelines.engine.cache import Cache
 from pipelines.io.errors import CacheWarning
-from pipelines.machine.checks.checked_plant import checked_plant
+from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.signals.motion_warnings import motion_warnings
 from pipelines.steps.motion import moved
 
@@ -90,7 +90,7 @@ def work(job: Job) -> Done:
 
 def _simulated(job: Job) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     loaded = scene_of(job.plan, job.sample.values)
-    machine = checked_plant(loaded.scene, loaded.source.shown)
+    machine = checked_machine(loaded.scene, loaded.source.shown)
     system = _worker_cache(str(Cache().folder)).system(machine)
     begun = time.perf_counter()
     motion = moved(system, machine.motion)
@@ -108,7 +108,7 @@ def quality(motion: Trajectory) -> dict[str, Any]:
     """Quality of a motion: error of the accelerations by the time step, time for which it is repeatable, warnings."""
     return {
         "step_error": motion.step_error,
-        "repeatable_until_s": motion.parted_at or float(motion.time[-1]),
+        "repeatable_until_s": motion.diverged_at or float(motion.time[-1]),
         "warnings": "; ".join(motion_warnings(motion)),
     }
 

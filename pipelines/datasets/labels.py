@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from pipelines.machine.plant import Plant
+from pipelines.machine.machine_model import MachineModel
 
 HEALTHY = "healthy"
 COLUMNS = {  # meaning of all columns of a data set that are not variables of its plan
@@ -31,7 +31,7 @@ COLUMNS = {  # meaning of all columns of a data set that are not variables of it
 _SIZES = ("depth_mm", "depth_um", "unbalance_g_mm", "eccentricity_um", "bow_um")  # of faults; zero without the fault
 
 
-def labels(machine: Plant) -> dict[str, Any]:
+def labels(machine: MachineModel) -> dict[str, Any]:
     """Labels of a scene: kinds and places of all faults in words, the size of the first one, and all tables.
 
     `severity` is the value of the key `severity_key` in the scene; None without a fault, or where the fault has no

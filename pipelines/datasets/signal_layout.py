@@ -12,8 +12,8 @@ import numpy as np
 
 from mbd.output.trajectory import Trajectory
 from pipelines.io.errors import InputError, WorkError
-from pipelines.io.shown import shown
-from pipelines.signals.labelled import coordinates, read, signals
+from pipelines.io.shown_text import shown
+from pipelines.signals.labelled_signals import coordinates, read, signals
 
 FACTS = "campaign.json"  # identity and layout of a data set, written when its campaign begins
 CASING_SIGNALS = ("acceleration", "shaft_angle", "motor_speed", "motor_torque")

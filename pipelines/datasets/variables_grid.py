@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from pipelines.datasets.plan import expressions
-from pipelines.io.grid import Grid, grid
+from pipelines.io.text_table import Grid, grid
 
 _DESIGNS = {
     "grid": "every point of a grid",

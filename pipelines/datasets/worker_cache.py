@@ -17,8 +17,8 @@ from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import Outcome, run_graph
 from pipelines.engine.step import Graph, stored_contents
 from pipelines.engine.storage import digest
-from pipelines.machine.plant import Plant
-from pipelines.steps.machine_steps import plant_steps
+from pipelines.machine.machine_model import MachineModel
+from pipelines.steps.machine_steps import machine_steps
 from pipelines.steps.motion import MotionSpec, assembled
 
 _MOST_VALUES = 16  # laws and casings
@@ -34,14 +34,14 @@ class WorkerCache:
         self._values: OrderedDict[str, Any] = OrderedDict()  # by the digest of their content
         self._systems: OrderedDict[str, System] = OrderedDict()
 
-    def system(self, machine: Plant) -> System:
+    def system(self, machine: MachineModel) -> System:
         """The system of a machine in its casing; missing laws and casings are built.
 
         Raises
         ------
         any error of a step
         """
-        graph = Graph(plant_steps(machine))
+        graph = Graph(machine_steps(machine))
         motion = graph.steps["simulate"]
         spec: MotionSpec = motion.spec
         contents = self._contents(graph, motion.inputs)

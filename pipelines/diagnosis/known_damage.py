@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from pipelines.diagnosis import verdict_words
 from pipelines.diagnosis.verdict import Finding, Verdict, decibels
-from pipelines.io.grid import Grid
+from pipelines.io.text_table import Grid
 from pipelines.signals.line_table import LOADS
 
 

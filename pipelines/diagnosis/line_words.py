@@ -8,7 +8,7 @@ import numpy as np
 
 from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.known_damage import deviation_words
-from pipelines.io.grid import Grid
+from pipelines.io.text_table import Grid
 from pipelines.signals.analysis import DiagnosisSettings
 from pipelines.signals.line_table import IN_ENVELOPE, LOADS, LineTable
 

@@ -18,7 +18,7 @@ from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P, LEAST_SPREAD,
 from pipelines.diagnosis.impacts import CLEAR, Impacts
 from pipelines.diagnosis.verdict import DIFFERENT, Verdict
 from pipelines.diagnosis.verdict_words import STRENGTH
-from pipelines.io.grid import Grid
+from pipelines.io.text_table import Grid
 from pipelines.signals.levels import ChannelLevel
 
 _LEVELS = (("acceleration", "m/s²", 1.0), ("velocity", "mm/s", 1000.0))  # name, unit, factor from SI

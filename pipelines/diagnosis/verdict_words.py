@@ -5,7 +5,7 @@ from __future__ import annotations
 from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
 from pipelines.diagnosis.impacts import CLEAR
 from pipelines.diagnosis.verdict import ALARM, DIFFERENT, Evidence, Finding, Verdict, decibels
-from pipelines.io.grid import Grid
+from pipelines.io.text_table import Grid
 from pipelines.signals.features.definitions import BY_NAME
 
 STRENGTH = "evidence / limit"  # heading

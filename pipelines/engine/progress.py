@@ -15,7 +15,7 @@ from pipelines.engine.build_step import Event, StepRecord
 from pipelines.engine.cache import Cache
 from pipelines.engine.remaining import Remaining, expected
 from pipelines.engine.step import LONG_SECONDS, Step
-from pipelines.io.shown import duration
+from pipelines.io.shown_text import duration
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID

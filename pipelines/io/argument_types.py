@@ -47,7 +47,7 @@ def several(text: str) -> int:
 
 def number(text: str) -> float:
     """A finite number."""
-    from pipelines.io.shown import number_of
+    from pipelines.io.shown_text import number_of
 
     parts = text.replace(";", ",").split(",")
     remedy = f". Separate numbers by blanks: {' '.join(parts)}" if len(parts) > 1 and all(parts) else ""
@@ -92,7 +92,7 @@ def seconds(text: str) -> float:
 
 def days(text: str) -> float:
     """Days from 0."""
-    from pipelines.io.shown import number_of
+    from pipelines.io.shown_text import number_of
 
     value = number_of(text)
     return _accepted(value, 0 <= value < math.inf, f"{text!r} is not a number of days, 0 or more")

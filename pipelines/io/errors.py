@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from fem.storage.cache_folder import CacheWarning as CacheWarning
-from pipelines.io.shown import MOST_LINES, shown
+from pipelines.io.shown_text import MOST_LINES, shown
 
 
 class InputError(ValueError):

@@ -12,7 +12,7 @@ from fem.casing.geometry.dimensions import Bore, HousingError
 from fem.casing.geometry.housing import Housing
 from fem.casing.parts.bolted_joint import BoltedJoint
 from fem.casing.parts.bolts import Bolt, BoltError
-from fem.casing.parts.split import SplitPlane
+from fem.casing.parts.split_mesh import SplitPlane
 from fem.elements.materials import Material
 from pipelines.io.errors import Problem, SceneError
 from pipelines.scene.tables.housing import CoverJointTable, PlaneJointTable

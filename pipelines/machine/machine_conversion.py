@@ -12,9 +12,9 @@ from dataclasses import replace
 from functools import partial
 
 from fem.casing.geometry.dimensions import HousingError
-from fem.contact.frame import ModelError
 from fem.contact.models.mesh_model import LawSpec
 from fem.contact.models.mesh_model_registry import loaded_model
+from fem.contact.slice_frame import ModelError
 from fem.gears.gear import Gear
 from fem.gears.gear_checks import GeometryError
 from fem.gears.geometry import GearPair
@@ -25,14 +25,14 @@ from mbd.parts.oil_film import Film
 from mbd.parts.part_checks import MachineError
 from mbd.parts.shafts import Disk, ShaftSpec
 from pipelines.io.errors import InputError, Problem, Problems
-from pipelines.machine.casing import casing
 from pipelines.machine.drives import motor_couplings, motor_torques, speed_profile
 from pipelines.machine.flanks import GEARS, Fault, damaged_teeth, flanks_spec, prescribed_deviations, tooth_faults
 from pipelines.machine.layout import TrainLayout, lay_out
 from pipelines.machine.loads import hanging_load, load_places, suspended_load, torque_load
-from pipelines.machine.parts import GearMesh, GearTeeth, MachineParts, Recorded
-from pipelines.machine.plant import Drivetrain, Plant, labels
+from pipelines.machine.machine_model import Drivetrain, MachineModel, labels
+from pipelines.machine.machine_parts import GearMesh, GearTeeth, MachineParts, Recorded
 from pipelines.machine.scene_bearings import bearing_faults, bearing_points, bearing_specs, rolling_bearings
+from pipelines.machine.scene_casing import casing
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import shaft_faults
 from pipelines.scene.tables.drive_and_load import LoadBase, SpeedDrive
@@ -42,8 +42,8 @@ from pipelines.scene.tables.stages import DeviationTable, StageTable
 REFUSALS = (MachineError, GeometryError, ModelError, HousingError, InputError)
 
 
-def make_plant(scene: Scene, source: str = "scene") -> Plant:
-    """The machine model of a scene, without the further checks of `checked_plant`.
+def make_machine(scene: Scene, source: str = "scene") -> MachineModel:
+    """The machine model of a scene, without the further checks of `checked_machine`.
 
     Raises
     ------
@@ -57,7 +57,7 @@ def make_plant(scene: Scene, source: str = "scene") -> Plant:
 
 
 def make_drivetrain(scene: Scene, source: str = "scene") -> Drivetrain:
-    """The machine model of a scene without its casing; SceneError as for `make_plant`."""
+    """The machine model of a scene without its casing; SceneError as for `make_machine`."""
     problems = Problems(*REFUSALS)
     train = drivetrain(scene, lay_out(scene, source), problems)
     if problems:
@@ -65,7 +65,7 @@ def make_drivetrain(scene: Scene, source: str = "scene") -> Drivetrain:
     return train
 
 
-def in_casing(train: Drivetrain, scene: Scene, problems: Problems) -> Plant | None:
+def in_casing(train: Drivetrain, scene: Scene, problems: Problems) -> MachineModel | None:
     """The drivetrain in its casing; None if there are problems.
 
     Parameters
@@ -73,11 +73,11 @@ def in_casing(train: Drivetrain, scene: Scene, problems: Problems) -> Plant | No
     train, scene : the drivetrain, and the scene that it was made from
     problems : problems of the drivetrain; collects errors of its mesh laws and its casing
     """
-    made = problems.made("casing.housing", casing, scene, train.layout, train.machine)
+    made = problems.made("casing.housing", casing, scene, train.layout, train.parts)
     for number, spec in enumerate(train.laws, 1):
         if reason := _law_refusal(spec):
             problems.append(Problem(f"stages.{number}.mesh", reason))
-    return None if problems else Plant(**vars(train), casing=made[0], structure=made[1])
+    return None if problems else MachineModel(**vars(train), casing=made[0], structure=made[1])
 
 
 def drivetrain(scene: Scene, layout: TrainLayout, problems: Problems) -> Drivetrain:
@@ -96,7 +96,7 @@ def drivetrain(scene: Scene, layout: TrainLayout, problems: Problems) -> Drivetr
             flanks_spec(pair, modifications, faults, number)
             for number, (pair, modifications) in enumerate(zip(layout.pairs, layout.modifications, strict=True), 1)
         ),
-        machine=machine_parts(scene, layout, faults, problems),
+        parts=machine_parts(scene, layout, faults, problems),
         hoist=suspended_load(scene.load),
         rolling=() if problems else rolling_bearings(scene),
         faults=faults,
@@ -109,7 +109,7 @@ def drivetrain(scene: Scene, layout: TrainLayout, problems: Problems) -> Drivetr
             journals=scene.housing is None,
         ),
         motion=scene.simulation.made(),
-        looked_for=scene.diagnosis.made(
+        monitored=scene.diagnosis.made(
             sensor=scene.diagnosis.sensor or (scene.sensors[0].name if scene.sensors else ""),
             windows=dict(scene.diagnosis.windows_s),
             possible=bool(scene.diagnosis.windows_s and scene.sensors),

@@ -9,7 +9,7 @@ from fem.contact.deviating_teeth import deviating_law
 from fem.contact.law import MeshLaw
 from mbd.parts.gear_mesh import MeshSpec
 from mbd.parts.machine import Machine
-from pipelines.machine.parts import GearMesh, MachineParts, Recorded
+from pipelines.machine.machine_parts import GearMesh, MachineParts, Recorded
 from pipelines.machine.tooth_terms import clearances
 
 if TYPE_CHECKING:

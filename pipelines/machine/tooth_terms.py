@@ -9,7 +9,7 @@ from fem.gears.deviations import sample_pitch_deviations
 from fem.gears.flank_deviations import sample_flank_deviations
 from fem.gears.geometry import GearPair
 from fem.gears.prescribed import single_tooth_terms
-from pipelines.machine.parts import GearMesh, GearTeeth
+from pipelines.machine.machine_parts import GearMesh, GearTeeth
 
 
 def clearances(pair: GearPair, pinion: GearTeeth, wheel: GearTeeth) -> dict[str, np.ndarray]:

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from pipelines.io.errors import InputError
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 from pipelines.recordings.recording_channels import (
     DATE,
     RecordedChannel,

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from pipelines.io.errors import InputError
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 from pipelines.recordings import delimited
 from pipelines.recordings.recording_channels import RecordedContents
 

@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 
 from pipelines.io.errors import InputError
-from pipelines.io.shown import nearest_name, shown
+from pipelines.io.shown_text import nearest_name, shown
 from pipelines.io.user_files import regular_file, sibling_names
 from pipelines.recordings.recording_channels import RecordedContents
 

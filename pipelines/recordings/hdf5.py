@@ -10,7 +10,7 @@ import numpy as np
 
 from fem.storage.hdf5_file import blocks_missing
 from pipelines.io.errors import InputError
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 from pipelines.recordings.recording_channels import RecordedChannel, RecordedContents, array_channels, says_rate
 
 _REFERENCES = "#refs#"  # where MATLAB keeps what its cells hold

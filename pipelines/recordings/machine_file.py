@@ -12,7 +12,7 @@ from pathlib import Path
 
 from pipelines.io.errors import InputError, Problem, SceneError
 from pipelines.io.other_files import MACHINE_KEYS, SCENE_KEYS
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 from pipelines.recordings.machine_table import BearingTable, MachineTable
 from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 

@@ -18,7 +18,7 @@ from xarray.backends import BackendArray
 from xarray.core import indexing
 
 from pipelines.io.errors import InputError
-from pipelines.io.shown import nearest_name, shown
+from pipelines.io.shown_text import nearest_name, shown
 from pipelines.recordings.formats import damage_refused, format_of, memory_needed, open_channels
 from pipelines.recordings.hdf5 import holds_recording
 from pipelines.recordings.machine_file import MeasuredMachine, shaft_name

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 
 LEAST_VALUES = 2  # fewer values are a setting, not a signal
 _NAME = re.compile(r"(?P<name>.*?)\s*[\[(](?P<units>[^\[\]()]*)[\])]\s*")

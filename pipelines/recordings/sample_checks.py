@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pipelines.io.errors import InputError
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 from pipelines.recordings.recording_channels import RecordedChannel
 
 LEAST_SAMPLES = 256

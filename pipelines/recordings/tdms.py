@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from pipelines.io.errors import InputError
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 from pipelines.recordings.recording_channels import RecordedChannel, RecordedContents, of_array
 
 _INCREMENT = "wf_increment"  # s, of a waveform

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from pipelines.io.errors import InputError
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 from pipelines.recordings.recording_channels import RecordedChannel, RecordedContents
 
 _UNSAID = 0xFFFFFFFF  # size in the header of a file that was written as a stream

@@ -12,16 +12,16 @@ from pipelines.diagnosis import verdict_words
 from pipelines.diagnosis.control_diagnosis import Diagnosis
 from pipelines.diagnosis.known_damage import Case, Damage, any_found, sentences
 from pipelines.diagnosis.verdict import Finding, Verdict, decibels
-from pipelines.io.grid import grid
-from pipelines.machine.plant import Plant
+from pipelines.io.text_table import grid
+from pipelines.machine.machine_model import MachineModel
 from pipelines.machine.scene_kinematics import kinematics_of
 from pipelines.report import page
 from pipelines.report.chart_data import ENVELOPE_ORDERS, streams
 from pipelines.report.first_figures import average_figure, envelope_figure
-from pipelines.scene.tables.diagnosis import LookedFor
+from pipelines.scene.tables.diagnosis import Monitored
 from pipelines.signals.analysis import DiagnosisSettings, analyse, noisy_signal
-from pipelines.signals.features.average import FEWEST_TURNS, average
-from pipelines.signals.features.turns import cut_turns
+from pipelines.signals.features.shaft_turns import cut_turns
+from pipelines.signals.features.synchronous_averages import FEWEST_TURNS, average
 from pipelines.signals.orders.kinematics import Gear, Kinematics
 from pipelines.signals.orders.rotation import Rotation
 
@@ -33,7 +33,7 @@ IN_MESH = 1.0  # pitches on either side of the pitch point, approximate range in
 
 
 def first_screen(
-    machine: Plant,
+    machine: MachineModel,
     settings: DiagnosisSettings | None,
     diagnoses: Sequence[Diagnosis],
     runs: Sequence[xarray.Dataset],
@@ -134,20 +134,20 @@ def _ranking_note(verdict: Verdict) -> str:
     return " ".join(texts)
 
 
-def _no_verdict(machine: Plant, failure: str) -> str:
+def _no_verdict(machine: MachineModel, failure: str) -> str:
     if failure:
         reason = failure
     elif not machine.fault_words:
         reason = "the scene has no fault. To simulate a fault, add a table [[faults]]."
-    elif not machine.looked_for.possible:
+    elif not machine.monitored.possible:
         reason = "the scene has no sensor, or no window of constant speed. Add sensors or diagnosis.windows_s."
     else:
         reason = 'there is no healthy control to compare with. Set control = "without-faults".'
     return f"No verdict: {reason}"
 
 
-def _numbers(machine: Plant, settings: DiagnosisSettings | None) -> list[tuple[str, str]]:
-    monitored, layout = machine.looked_for, machine.layout
+def _numbers(machine: MachineModel, settings: DiagnosisSettings | None) -> list[tuple[str, str]]:
+    monitored, layout = machine.monitored, machine.layout
     stage = machine.facts.stages[monitored.stage - 1]
     shaft = layout.pair_shafts[monitored.stage - 1][monitored.gear == "wheel"]
     f_m = stage.mesh_frequency if settings is None else settings.mesh_frequency
@@ -166,22 +166,22 @@ def _numbers(machine: Plant, settings: DiagnosisSettings | None) -> list[tuple[s
     return found + ([("Channel in the diagrams", _channel(monitored))] if monitored.sensor else [])
 
 
-def _channel(monitored: LookedFor) -> str:
+def _channel(monitored: Monitored) -> str:
     return f"{monitored.sensor}, {'all axes' if monitored.axis == 'resultant' else monitored.axis}"
 
 
-def shown_gear(machine: Plant, verdict: Verdict | None, kinematics: Kinematics) -> Gear:
+def shown_gear(machine: MachineModel, verdict: Verdict | None, kinematics: Kinematics) -> Gear:
     """The gear that ranks first if it is found damaged, else the monitored gear of the scene."""
     gears = {gear.name: gear for gear in kinematics.gears}
     if verdict is not None and verdict.damaged:
         ranked = [gears[finding.component] for finding in verdict.findings[:1] if finding.component in gears]
         if ranked:
             return ranked[0]
-    return gears[f"stage {machine.looked_for.stage} {machine.looked_for.gear}"]
+    return gears[f"stage {machine.monitored.stage} {machine.monitored.gear}"]
 
 
 def _average(
-    machine: Plant, settings: DiagnosisSettings, runs: Sequence[xarray.Dataset], verdict: Verdict | None
+    machine: MachineModel, settings: DiagnosisSettings, runs: Sequence[xarray.Dataset], verdict: Verdict | None
 ) -> list[str]:
     """The figure of the time-synchronous average over the teeth of a gear with a marked tooth in the middle.
 
@@ -211,7 +211,7 @@ def _average(
     reference = None if other is None else np.interp(place, other[0], other[1][axis], period=gear.teeth)
     across = f"teeth of the {gear.name}"
     caption = (
-        f"Time-synchronous average of the acceleration at {_channel(machine.looked_for)} over {turns} revolutions of "
+        f"Time-synchronous average of the acceleration at {_channel(machine.monitored)} over {turns} revolutions of "
         f"{gear.shaft.replace('_', ' ')} in the window {window}, without the mesh orders (residual signal)."
     )
     if reference is not None:

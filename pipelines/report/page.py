@@ -9,7 +9,7 @@ from importlib.resources import files
 
 from matplotlib.figure import Figure
 
-from pipelines.io.grid import Grid
+from pipelines.io.text_table import Grid
 from pipelines.report.figure_svg import svg
 
 WIDEST = 10  # columns of a table that a sheet of paper holds

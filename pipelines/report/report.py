@@ -12,7 +12,7 @@ from pipelines.diagnosis.known_damage import Case, Damage, cases_grid
 from pipelines.diagnosis.line_words import criterion, directions
 from pipelines.diagnosis.verdict_words import note
 from pipelines.engine.progress import step_words
-from pipelines.io.grid import Grid, cell, grid, turned
+from pipelines.io.text_table import Grid, cell, grid, turned
 from pipelines.report import page, spectra
 from pipelines.report.figures.plots import drive_figure
 from pipelines.report.figures.views import LeftOut

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from pipelines.io.errors import InputError
-from pipelines.io.shown import number_of, shown
+from pipelines.io.shown_text import number_of, shown
 
 _UNITS = {  # unit: (quantity, factor to the first unit of that quantity)
     "mm": ("length", 1.0),

@@ -8,7 +8,7 @@ import zlib
 from pathlib import Path
 
 from pipelines.io.errors import InputError
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 from pipelines.io.user_files import checked_path, regular_file
 from pipelines.rexs.document import Document, RexsError
 from pipelines.rexs.json_form import document_of_json

@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pipelines.io.shown import shown, shown_value
+from pipelines.io.shown_text import shown, shown_value
 from pipelines.rexs.document import Attribute, Document, Relation, RexsComponent, RexsError, by_number
 
 _ABOUT = ("id", "unit")  # keys of an attribute, except the key of its value

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from pipelines.io.shown import number_of, shown
+from pipelines.io.shown_text import number_of, shown
 from pipelines.rexs.document import Document
 from pipelines.rexs.gear_unit import Note
 

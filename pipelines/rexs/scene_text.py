@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 from pipelines.io.toml_text import format_value
 from pipelines.rexs.bearing_tables import bearing_table, between_table
 from pipelines.rexs.document import RexsError

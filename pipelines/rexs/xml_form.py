@@ -5,7 +5,7 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from typing import Any
 
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 from pipelines.rexs.document import Document, RexsError
 from pipelines.rexs.json_form import document_of_model
 

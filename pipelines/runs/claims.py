@@ -26,7 +26,7 @@ from typing import BinaryIO
 
 from fem.storage.locks import lock_file, same_file
 from pipelines.io.errors import InputError, WorkError
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 from pipelines.io.user_files import writable_folder
 from pipelines.runs.run_folder import RESPONSE, ROOT
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from fem.contact.evaluation.contact_pattern import contact_pattern, damaged_part
 from fem.contact.faults.cracked_tooth import CrackedTooth
-from pipelines.machine.plant import Plant
+from pipelines.machine.machine_model import MachineModel
 from pipelines.report.figures.damage import crack_depth
 from pipelines.report.figures.frame_files import save_figure
 from pipelines.report.figures.pattern_pictures import pattern_figure
@@ -23,7 +23,7 @@ from pipelines.steps.pair_curves import PairLaws
 class InspectedStage:
     """A stage of a machine with its mesh laws, and the pictures of it."""
 
-    machine: Plant
+    machine: MachineModel
     laws: PairLaws
 
     @property

@@ -14,13 +14,13 @@ from pathlib import Path
 from typing import Any
 
 from pipelines.io.errors import InputError
-from pipelines.io.grid import Grid, grid
-from pipelines.io.shown import shown, shown_value
+from pipelines.io.shown_text import shown, shown_value
+from pipelines.io.text_table import Grid, grid
 from pipelines.io.toml_text import TomlError, read_toml
 from pipelines.io.user_files import is_regular_file, read_text
 from pipelines.runs.run_folder import RESOLVED, RESPONSE, finished_runs
-from pipelines.scene.limits import MOST_BYTES
 from pipelines.scene.merge import leaves
+from pipelines.scene.tree_limits import MOST_BYTES
 
 _VERDICTS = ("verdict.txt", "diagnosis.txt")  # their first lines answer
 _MOST_SHOWN = 3  # settings in a row of the table

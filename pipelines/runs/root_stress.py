@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from fem.gears.geometry import GearPair
     from pipelines.engine.run_graph import Work
     from pipelines.engine.step import Graph, Step
-    from pipelines.machine.plant import Plant
+    from pipelines.machine.machine_model import MachineModel
     from pipelines.report.figures.stress_pictures import StressView
     from pipelines.report.figures.views import Teeth
 
@@ -30,7 +30,7 @@ _REMEDY = (
 
 
 def loaded_teeth(
-    machine: Plant, graph: Graph, options: argparse.Namespace, work: Work
+    machine: MachineModel, graph: Graph, options: argparse.Namespace, work: Work
 ) -> tuple[list[dict[str, Any]], StressView]:
     """Compute the stress of loaded teeth and write the mesh file of `--mesh`; root stresses, and what a picture shows.
 
@@ -141,7 +141,7 @@ def stress_model(law: LawSpec) -> Solid:
     return Solid(slices=mesh.slices, refinement=mesh.refinement) if isinstance(mesh, Solid) else Solid()
 
 
-def _stress_steps(machine: Plant, stage: int, index: int, force: float) -> list[Step]:
+def _stress_steps(machine: MachineModel, stage: int, index: int, force: float) -> list[Step]:
     """Steps of the compliance of a stage and of the stress of its teeth, healthy and, with faults, faulty."""
     import numpy as np
 
@@ -166,7 +166,7 @@ def _stress_steps(machine: Plant, stage: int, index: int, force: float) -> list[
     even = np.zeros(pair.pinion.teeth), np.zeros(pair.wheel.teeth)
     cases = [("healthy", modified.healthy, even)]
     if any(fault.kind != CRACK for fault in machine.faults_of(stage)):  # a crack is not in these finite elements
-        cases.append(("faulty", worn, mesh_faults(machine.machine.meshes[stage - 1])))
+        cases.append(("faulty", worn, mesh_faults(machine.parts.meshes[stage - 1])))
     for name, spec, (pinion, wheel) in cases:
         found.append(
             Step(

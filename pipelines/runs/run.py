@@ -24,7 +24,7 @@ from pipelines.engine.step import Graph, Step, StepRecord
 from pipelines.io.errors import WorkError
 from pipelines.io.json_text import json_text
 from pipelines.io.user_files import write_whole
-from pipelines.machine.plant import Plant
+from pipelines.machine.machine_model import MachineModel
 from pipelines.runs import run_folder
 from pipelines.runs.claims import claimed
 from pipelines.scene.load_scene import LoadedScene, control_differences
@@ -168,7 +168,7 @@ class _Files:
         if "casing" in results:
             from pipelines.steps.casing import misread_sensors
 
-            positions = {sensor.name: sensor.position for sensor in plan.plant.sensors}
+            positions = {sensor.name: sensor.position for sensor in plan.machine.sensors}
             for words in misread_sensors(results["casing"].load(), positions):
                 _LOG.warning("%s", words)
         (self._folder / run_folder.ASKED).write_text(loaded.asked(), encoding="utf-8")
@@ -176,12 +176,12 @@ class _Files:
         resolved = loaded.resolved(own_control=own_control)
         (self._folder / run_folder.RESOLVED).write_text(resolved, encoding="utf-8")
         needed = plan.graph.needed(plan.motions).steps
-        facts = _facts(loaded.name, plan.plant, Outcome({name: results[name] for name in needed}))
+        facts = _facts(loaded.name, plan.machine, Outcome({name: results[name] for name in needed}))
         write_whole(self._folder / run_folder.RUN, json_text(facts))
         case = plan.cases[0]
-        _write_response(self._folder / run_folder.RESPONSE, results[case.own.step].load(), case.own.plant, facts)
+        _write_response(self._folder / run_folder.RESPONSE, results[case.own.step].load(), case.own.machine, facts)
         if (control := case.control) is not None:
-            _write_response(self._folder / run_folder.CONTROL, results[control.step].load(), control.plant, facts)
+            _write_response(self._folder / run_folder.CONTROL, results[control.step].load(), control.machine, facts)
 
     def _write_verdict(self, found: Mapping[str, Any]) -> None:
         if found["failure"]:
@@ -206,13 +206,13 @@ class _Files:
     def _write_report(self, found: Mapping[str, Any]) -> None:
         from pipelines.report.report import write_report
 
-        facts = _facts(self._loaded.name, self._plan.plant, self.outcome)
-        write_report(self._folder / run_folder.REPORT, self._plan.plant.title, found["body"], facts)
+        facts = _facts(self._loaded.name, self._plan.machine, self.outcome)
+        write_report(self._folder / run_folder.REPORT, self._plan.machine.title, found["body"], facts)
         write_whole(self._folder / run_folder.RUN, json_text(facts))
         self.left_out += found["left_out"]
 
 
-def _facts(name: str, machine: Plant, outcome: Outcome) -> dict[str, Any]:
+def _facts(name: str, machine: MachineModel, outcome: Outcome) -> dict[str, Any]:
     """Of the steps so far: versions, models and keys, the same for the same result; ledger and cost. `name` of the
     scene."""
     used = {library: version for record in outcome.records for library, version in record.libraries.items()}
@@ -236,7 +236,7 @@ def _facts(name: str, machine: Plant, outcome: Outcome) -> dict[str, Any]:
     }
 
 
-def _write_response(path: Path, motion: Trajectory, machine: Plant, facts: Mapping[str, Any]) -> None:
+def _write_response(path: Path, motion: Trajectory, machine: MachineModel, facts: Mapping[str, Any]) -> None:
     """The labelled signals with the facts of this run as attributes."""
     from pipelines.signals.response_file import write_response
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipelines.io.errors import InputError, WorkError
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 from pipelines.io.user_files import folder_name, is_regular_file, read_text, write_whole
 
 if TYPE_CHECKING:

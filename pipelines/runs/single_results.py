@@ -16,19 +16,19 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray
 
-    from fem.casing.imported.imported_casing import ForeignHousing
+    from fem.casing.imported.imported_casing import ImportedMatrices
     from fem.casing.mesh.choose_mesher import Geometry
     from fem.casing.mesh.mesh import CasingMesh
-    from fem.casing.reduced.accuracy import ErrorStatement
     from fem.casing.reduced.casing_modes import CasingModes, NaturalModes
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.reduced_body import ReducedBody
+    from fem.casing.reduced.reduction_error import ErrorStatement
     from fem.casing.uncertainty.frequency_limits import FrequencyLimits
     from mbd.system.linearised import LinearModes
     from mbd.system.system import System
     from pipelines.engine.run_graph import Work
     from pipelines.engine.step import Graph, StepRecord
-    from pipelines.machine.plant import Plant
+    from pipelines.machine.machine_model import MachineModel
     from pipelines.scene.load_scene import LoadedScene
     from pipelines.steps.pair_curves import PairLaws
 
@@ -52,7 +52,7 @@ class Casing:
     participation: np.ndarray | None = None  # T^T M R (coordinate, 6) about the centre of gravity, of an elastic casing
     requested_error: float | None = None  # in half of its frequencies, from which the element size was chosen
     joint: str = ""  # joint of its halves in words; the mesh is then divided there
-    housing: Geometry | ForeignHousing | None = None
+    housing: Geometry | ImportedMatrices | None = None
 
     @property
     def frequencies(self) -> np.ndarray:
@@ -122,10 +122,10 @@ def mode_shapes(modes: CasingModes, natural: NaturalModes, numbers: Sequence[int
     return shapes
 
 
-def scene_graph(loaded: LoadedScene) -> tuple[Graph, Plant]:
+def scene_graph(loaded: LoadedScene) -> tuple[Graph, MachineModel]:
     """The steps of a scene without its control, and its machine in SI."""
     plan = plan_run(loaded, with_control=False, both_loads=False)
-    return plan.graph, plan.plant
+    return plan.graph, plan.machine
 
 
 def build_pairs(loaded: LoadedScene, work: Work) -> tuple[PairLaws, ...]:
@@ -182,7 +182,7 @@ def build_casing(loaded: LoadedScene, work: Work, *, error_check: bool = False) 
     words = ""
     if mesh is not None and structure.joint is not None and structure.material is not None:
         from fem.casing.parts.bolted_joint import contact_areas
-        from fem.casing.parts.split import split_mesh
+        from fem.casing.parts.split_mesh import split_mesh
 
         joint = structure.joint
         split = split_mesh(mesh, joint.plane)
@@ -239,7 +239,7 @@ def build_system(loaded: LoadedScene, work: Work, band: float | None = None, cyc
 
     graph, machine = scene_graph(loaded)
     outcome = work.build(graph, [*machine.law_names, "casing"])
-    train = assemble_machine(machine.machine, [outcome.value(name) for name in machine.law_names])
+    train = assemble_machine(machine.parts, [outcome.value(name) for name in machine.law_names])
     if cycle is not None:
         first = train.meshes[0]
         train = turned(train, (cycle - first.cycle_at_start) / first.cycles_per_radian)

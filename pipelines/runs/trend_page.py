@@ -11,7 +11,7 @@ from pipelines.diagnosis.trend import LEVELS, Course, trend_grid
 from pipelines.io.user_files import write_whole
 from pipelines.report import page
 from pipelines.report.figures.trend_plots import trend_figure
-from pipelines.runs.recorded import JudgedFile, files_grid
+from pipelines.runs.judged_recording import JudgedFile, files_grid
 
 _CAPTION = (
     " of every recording. Dashed: limit. Shaded: range of the healthy recordings. Red: the limit is reached; the title "
@@ -29,7 +29,7 @@ def write_trend_page(
     path : of the file; the page of recording 1 is 1/report.html in its folder
     names, judged : of the recordings, in the order of the trend
     order, timed : this order in words, and whether it is that of time
-    courses : from `pipelines.runs.recorded.courses_of`
+    courses : from `pipelines.runs.judged_recording.courses_of`
     """
     title = f"Trend over {len(judged)} recordings"
     begins = [one.recorded.begin for one in judged if one.recorded.begin is not None] if timed else None

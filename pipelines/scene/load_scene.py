@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 from pipelines.io.errors import InputError, Problem, SceneError, SceneWarning
 from pipelines.io.other_files import refuse_other_file
-from pipelines.io.shown import nearest_name, shown, shown_value
+from pipelines.io.shown_text import nearest_name, shown, shown_value
 from pipelines.io.toml_text import TomlError, format_document, read_toml
 from pipelines.io.user_files import checked_path, folder_name, read_text, sibling_names
-from pipelines.scene.limits import LONGEST_CHAIN, MOST_BYTES, over_limits
 from pipelines.scene.merge import Merged, Whole, differences, merge, settings_tree, without
 from pipelines.scene.shipped_files import anchored
+from pipelines.scene.tree_limits import LONGEST_CHAIN, MOST_BYTES, over_limits
 
 if TYPE_CHECKING:
     from pydantic import BaseModel

@@ -12,7 +12,7 @@ import numpy as np
 
 from fem.gears.prescribed import FLANKS, MeasuredFlanks
 from pipelines.io.errors import SceneError
-from pipelines.io.shown import number_of, shown
+from pipelines.io.shown_text import number_of, shown
 from pipelines.io.user_files import read_text
 from pipelines.scene.tables.series import reading, refused
 

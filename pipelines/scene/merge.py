@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from pipelines.io.errors import Problem
-from pipelines.io.shown import shown, shown_value
+from pipelines.io.shown_text import shown, shown_value
 from pipelines.io.toml_text import DEEPEST, TomlError, TomlLimitError, format_value, read_toml
-from pipelines.scene.limits import over_limits
+from pipelines.scene.tree_limits import over_limits
 
 Path = tuple[str, ...]
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipelines.io.errors import InputError
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 from pipelines.io.toml_text import TomlError, format_document, read_toml
 from pipelines.io.user_files import checked_path
 from pipelines.scene.load_scene import WITHOUT_FAULTS, Source, find_source, load_scene

@@ -190,7 +190,7 @@ def preset_on(loaded: LoadedScene, preset: str) -> LoadedScene:
     SceneError : the preset does not fit the scene
     """
     from pipelines.io.errors import InputError
-    from pipelines.io.shown import shown
+    from pipelines.io.shown_text import shown
     from pipelines.scene.load_scene import changed, user_states
 
     if preset not in LEVELS:
@@ -214,7 +214,7 @@ def replaced(before: LoadedScene, after: LoadedScene) -> str:
     )
 
 
-def load_asked(options: argparse.Namespace) -> LoadedScene:
+def load_requested(options: argparse.Namespace) -> LoadedScene:
     """The scene of a command line.
 
     Raises

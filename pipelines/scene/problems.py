@@ -16,7 +16,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from pipelines.io.errors import Problem, problem_of
-from pipelines.io.shown import MOST_CHARACTERS, nearest_name, shown_value
+from pipelines.io.shown_text import MOST_CHARACTERS, nearest_name, shown_value
 from pipelines.scene.merge import no_item
 from pipelines.scene.tables.scene_table import is_list, tables, tags
 

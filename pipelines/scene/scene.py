@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 
 from mbd.forces.bearing_models import LinearBearings
 from mbd.parts.losses import NoLosses
-from pipelines.io.shown import shown_value
+from pipelines.io.shown_text import shown_value
 from pipelines.scene.shaft_places import stage_shafts
 from pipelines.scene.tables.bearings import BearingModel
 from pipelines.scene.tables.casing import (

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from pipelines.io.errors import InputError
-from pipelines.io.shown import nearest_name, shown
+from pipelines.io.shown_text import nearest_name, shown
 from pipelines.io.user_files import checked_path, is_regular_file, regular_file, sibling_names
 
 _MOST_BYTES = 1_000_000_000  # of a STEP file or a mesh

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipelines.io.grid import Grid, grid
+from pipelines.io.text_table import Grid, grid
 
 if TYPE_CHECKING:
     import xarray

@@ -24,10 +24,10 @@ def motion_warnings(trajectory: Trajectory) -> dict[str, str]:
     found = {}
     if trajectory.step_error > LARGEST_STEP_ERROR:
         found["step"] = _step_sentence(trajectory)
-    if trajectory.parted_at > 0.0:
+    if trajectory.diverged_at > 0.0:
         found["repeat"] = (
             f"The motion is chaotic and cannot be repeated sample by sample: an initial difference of a millionth "
-            f"reaches the size of the signal at {trajectory.parted_at:.3g} s (it doubles every "
+            f"reaches the size of the signal at {trajectory.diverged_at:.3g} s (it doubles every "
             f"{math.log(2.0) / trajectory.parting_rate * 1000:.2g} ms). A smaller time step does not help. Use levels, "
             f'spectra and lines, not the waveform; "{STARTS}" estimates their spread over several initial states.'
         )

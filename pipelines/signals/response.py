@@ -15,7 +15,7 @@ from xarray.backends import BackendArray
 from xarray.core import indexing
 
 from mbd.output.trajectory import Trajectory
-from pipelines.signals.labelled import LabelledSignal, coordinates, facts, read, signals
+from pipelines.signals.labelled_signals import LabelledSignal, coordinates, facts, read, signals
 
 
 def make_response(motion: Trajectory, labels: Mapping[str, Any]) -> xarray.Dataset:

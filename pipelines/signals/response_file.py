@@ -22,9 +22,9 @@ import numpy as np
 from fem.storage.hdf5_file import CarefulFile, blocks_missing, careful_file
 from mbd.output.trajectory import Trajectory
 from pipelines.io.errors import InputError
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 from pipelines.io.user_files import regular_file
-from pipelines.signals.labelled import coordinates, facts, read, signals
+from pipelines.signals.labelled_signals import coordinates, facts, read, signals
 
 if TYPE_CHECKING:
     import xarray

@@ -36,8 +36,8 @@ def build(
     cases : all comparisons
     labels, motions : of the motions in the order faulty, healthy, faulty, ...
     """
-    from pipelines.diagnosis.export import save_diagnoses
     from pipelines.diagnosis.line_words import markdown
+    from pipelines.diagnosis.result_export import save_diagnoses
     from pipelines.signals.analysis import DiagnosisError
     from pipelines.signals.response import make_response
     from pipelines.signals.spectrum import SpectrumError

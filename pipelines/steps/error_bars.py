@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from pipelines.diagnosis.uncertainty.bar_records import LineBars
-from pipelines.machine.plant import Plant
+from pipelines.machine.machine_model import MachineModel
 
 if TYPE_CHECKING:
     import xarray
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 
 def build(
-    machine: Plant,
-    healthy: Plant,
+    machine: MachineModel,
+    healthy: MachineModel,
     *,
     motion: Trajectory,
     control: Trajectory,
@@ -56,7 +56,7 @@ def build(
 
 
 def machine_bars(
-    machine: Plant,
+    machine: MachineModel,
     run: xarray.Dataset,
     diagnosis: Diagnosis,
     *,
@@ -78,10 +78,10 @@ def machine_bars(
     from pipelines.machine.system_assembly import assemble_machine, assemble_system
 
     unknown = uncertain(
-        machine.casing, None if modes is None else modes[0], list(coarser), machine.looked_for.damping_spread
+        machine.casing, None if modes is None else modes[0], list(coarser), machine.monitored.damping_spread
     )
     try:
-        system = assemble_system(assemble_machine(machine.machine, laws), body, machine.recorded, machine.motion.band)
+        system = assemble_system(assemble_machine(machine.parts, laws), body, machine.recorded, machine.motion.band)
         return line_bars(run, diagnosis, system, unknown)
     except (BarsError, MachineError, EquilibriumError) as error:
         return f"No error bars. {error}"

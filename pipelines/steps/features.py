@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     import xarray
 
     from mbd.output.trajectory import Trajectory
-    from pipelines.diagnosis.simulated import FeatureSettings
+    from pipelines.diagnosis.simulated_features import FeatureSettings
 
 
 def build(settings: FeatureSettings, labels: Mapping[str, Any], samples: int, *, motion: Trajectory) -> dict[str, Any]:
@@ -36,7 +36,7 @@ def of_response(run: xarray.Dataset, settings: FeatureSettings, samples: int) ->
     settings : machine and windows
     samples : number of samples of sensor noise that are added
     """
-    from pipelines.diagnosis.simulated import window_features
+    from pipelines.diagnosis.simulated_features import window_features
     from pipelines.signals.features.recording_features import FeatureError
     from pipelines.signals.orders.rotation import RotationError
 

@@ -17,7 +17,7 @@ from fem.contact.models.mesh_model import LawSpec
 from mbd.integrators.methods import METHODS
 from pipelines.engine.step import Step
 from pipelines.machine.flanks_spec import FlanksSpec
-from pipelines.machine.plant import Plant
+from pipelines.machine.machine_model import MachineModel
 from pipelines.steps import casing
 
 # s to compile code by prefix of its name: of any motion, of one with coupled slices, of a law, of casing modes
@@ -27,7 +27,7 @@ _SOLID_CODE = {"fem.elements.nested_condensation.": 3.0}
 _NUMERIC = ("numpy", "scipy", "numba")
 
 
-def plant_steps(machine: Plant) -> list[Step]:
+def machine_steps(machine: MachineModel) -> list[Step]:
     """The steps of a machine in order."""
     from pipelines.steps import motion
 
@@ -41,7 +41,7 @@ def plant_steps(machine: Plant) -> list[Step]:
             name="simulate",
             kind="simulate",
             build=motion.build,
-            spec=motion.MotionSpec(machine=machine.machine, recorded=machine.recorded, motion=machine.motion),
+            spec=motion.MotionSpec(machine=machine.parts, recorded=machine.recorded, motion=machine.motion),
             takes={"body": casing_steps[-1].name, "laws": machine.law_names},
             modules=("mbd.output.simulate", METHODS[machine.motion.integrator][0]),
             libraries=_NUMERIC,
@@ -56,11 +56,11 @@ def plant_steps(machine: Plant) -> list[Step]:
     ]
 
 
-def _law_steps(machine: Plant) -> list[Step]:
+def _law_steps(machine: MachineModel) -> list[Step]:
     from pipelines.steps import flanks
 
     steps = []
-    names = zip(machine.law_names, machine.sound_law_names, strict=True)
+    names = zip(machine.law_names, machine.healthy_law_names, strict=True)
     parts = zip(names, machine.laws, machine.flanks, machine.models["mesh"], strict=True)
     for (name, unmodified), spec, added, model in parts:
         steps.append(

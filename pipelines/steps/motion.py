@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mbd.integrators.settings import MotionSettings
     from mbd.output.trajectory import Trajectory
     from mbd.system.system import System
-    from pipelines.machine.parts import MachineParts, Recorded
+    from pipelines.machine.machine_parts import MachineParts, Recorded
 
 
 _SAMPLES_AHEAD = 10

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from fem.contact.evaluation.stiffness_curve import StiffnessCurve
     from fem.contact.law import MeshLaw
-    from pipelines.machine.plant import Plant
+    from pipelines.machine.machine_model import MachineModel
 
 PITCHES_SHOWN = 3.0  # on each side of a damaged tooth
 POSITIONS = 241  # in this range
@@ -227,15 +227,15 @@ def acting(found: PairLaws) -> float:
     return float(error.cycle.values[int(moved.argmax())])
 
 
-def law_names(machine: Plant) -> tuple[str, ...]:
+def law_names(machine: MachineModel) -> tuple[str, ...]:
     """Names of the steps whose results `pair_laws` needs."""
-    return tuple(dict.fromkeys([*machine.law_names, *machine.sound_law_names]))
+    return tuple(dict.fromkeys([*machine.law_names, *machine.healthy_law_names]))
 
 
-def pair_states(machine: Plant) -> tuple[PairState, ...]:
+def pair_states(machine: MachineModel) -> tuple[PairState, ...]:
     """The pairs of a machine by stage, without mesh laws."""
     found = []
-    for number, (mesh, facts) in enumerate(zip(machine.machine.meshes, machine.facts.stages, strict=True), 1):
+    for number, (mesh, facts) in enumerate(zip(machine.parts.meshes, machine.facts.stages, strict=True), 1):
         faults = machine.faults_of(number)
         pinion, wheel = mesh_faults(mesh)
         found.append(
@@ -254,9 +254,9 @@ def pair_states(machine: Plant) -> tuple[PairState, ...]:
     return tuple(found)
 
 
-def pair_laws(machine: Plant, law: Callable[[str], Laws]) -> tuple[PairLaws, ...]:
+def pair_laws(machine: MachineModel, law: Callable[[str], Laws]) -> tuple[PairLaws, ...]:
     """The pairs of a machine by stage; `law` returns the laws of both flanks for each of the `law_names`."""
-    names = zip(pair_states(machine), machine.law_names, machine.sound_law_names, strict=True)
+    names = zip(pair_states(machine), machine.law_names, machine.healthy_law_names, strict=True)
     return tuple(state.with_laws(law(name), law(unmodified)) for state, name, unmodified in names)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from fem.casing.geometry.dimensions import Sensor
 from pipelines.engine.step import Step, Unkept
-from pipelines.machine.plant import Plant
+from pipelines.machine.machine_model import MachineModel
 from pipelines.report.figures.damage import needs_law
 from pipelines.report.figures.placed_geometry import PlacedPair, placed_pair
 from pipelines.report.figures.views import LeftOut, NotRendered, Picture
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 GEARS, CURVES, CASING = "gear picture", "stiffness curves", "casing picture"
 
 
-def picture_steps(machine: Plant, names: Iterable[str]) -> list[Step]:
+def picture_steps(machine: MachineModel, names: Iterable[str]) -> list[Step]:
     """The picture steps of a machine; `names` are those of its other steps."""
-    stage = machine.looked_for.stage
+    stage = machine.monitored.stage
     placed = placed_pair(machine, stage)
     steps = [
         Step(
@@ -37,7 +37,7 @@ def picture_steps(machine: Plant, names: Iterable[str]) -> list[Step]:
             kind="gear-picture",
             build=build_gears,
             spec=placed,
-            takes={"laws": machine.sound_law_names[stage - 1]} if needs_law(placed.damage) else {},
+            takes={"laws": machine.healthy_law_names[stage - 1]} if needs_law(placed.damage) else {},
             libraries=("numpy", "pyvista"),
             seconds=2.0,
         ),
@@ -46,7 +46,7 @@ def picture_steps(machine: Plant, names: Iterable[str]) -> list[Step]:
             kind="stiffness-curves",
             build=build_curves,
             spec={"pairs": pair_states(machine), "first": stage, "names": gear_names(placed)},
-            takes={"picture": GEARS, "laws": machine.law_names, "unmodified": machine.sound_law_names},
+            takes={"picture": GEARS, "laws": machine.law_names, "unmodified": machine.healthy_law_names},
             libraries=("numpy", "matplotlib"),
         ),
     ]

@@ -19,7 +19,7 @@ from fem.gears.modifications import EndRelief, FlankModifications, Relief
 from fem.options import options_of
 from pipelines.engine.step import Unkept
 from pipelines.machine.layout import TrainLayout
-from pipelines.machine.plant import Plant
+from pipelines.machine.machine_model import MachineModel
 from pipelines.machine.scene_kinematics import pass_rates, shaft_lines
 from pipelines.signals.motion_warnings import gathered, stored_warnings
 from pipelines.steps.casing import misread_sensors
@@ -43,7 +43,7 @@ class ReportSpec:
     """Machine of a run; its cases and labels as in `pipelines.steps.diagnosing.build`, without a diagnosis only the
     labels of the scene; names of the runs in the report, first that of the scene."""
 
-    machine: Plant
+    machine: MachineModel
     cases: Sequence[CaseSpec]
     labels: Sequence[Mapping[str, Any]]
     responses: Sequence[str]
@@ -111,7 +111,7 @@ def sections(
     from pipelines.report.figures.views import LeftOut
     from pipelines.report.report import report_sections
 
-    machine, monitored = spec.machine, spec.machine.looked_for
+    machine, monitored = spec.machine, spec.machine.monitored
     every, found, settings, _ = _diagnosed(spec, motions, diagnosis)
     with _collector_paused():
         made = report_sections(
@@ -179,7 +179,7 @@ def _diagnosed(
     return every, found, settings, failure
 
 
-def _summary(machine: Plant) -> dict[str, Any]:
+def _summary(machine: MachineModel) -> dict[str, Any]:
     facts, models, labels = machine.facts, machine.models, machine.labels
     hoist = {}
     if machine.hoist is not None:
@@ -206,7 +206,7 @@ def _summary(machine: Plant) -> dict[str, Any]:
     }
 
 
-def gear_rows(machine: Plant) -> list[dict[str, Any]]:
+def gear_rows(machine: MachineModel) -> list[dict[str, Any]]:
     """Rows of the gear table, two for each stage."""
     rows = []
     stages = zip(machine.layout.pairs, machine.facts.stages, machine.layout.modifications, strict=True)
@@ -252,7 +252,7 @@ def _modification_words(own: FlankModifications, layout: TrainLayout, stage: int
     return "; ".join(words) or "none"
 
 
-def rolling_rows(machine: Plant) -> list[dict[str, Any]]:
+def rolling_rows(machine: MachineModel) -> list[dict[str, Any]]:
     """Rows of the rolling bearings with their pass frequencies and faults."""
     rows = []
     for bearing in machine.rolling:
@@ -263,7 +263,7 @@ def rolling_rows(machine: Plant) -> list[dict[str, Any]]:
     return rows
 
 
-def shaft_rows(machine: Plant) -> list[dict[str, Any]]:
+def shaft_rows(machine: MachineModel) -> list[dict[str, Any]]:
     """Rows of the faults of shafts with their orders."""
     rows = []
     for fault in machine.shaft_faults:

@@ -20,7 +20,7 @@ VERDICT, DIAGNOSIS, BARS, SECTIONS, REPORT = "verdict", "diagnose", "error bars"
 
 def result_steps(loaded: LoadedScene, plan: RunPlan) -> list[Step]:
     """All of them that apply to the run of a loaded scene, in order."""
-    steps = [*picture_steps(plan.plant, plan.graph.steps), *verdict_steps(plan)]
+    steps = [*picture_steps(plan.machine, plan.graph.steps), *verdict_steps(plan)]
     compared = diagnosis_step(plan)
     steps += [compared, bars_step(plan)] if compared else []
     return [*steps, *_report_steps(loaded, plan, {step.name: step for step in [*plan.graph, *steps]})]
@@ -33,28 +33,28 @@ def verdict_steps(plan: RunPlan) -> list[Step]:
     """
     from pipelines.diagnosis.control_diagnosis import deviation_name
     from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
-    from pipelines.diagnosis.simulated import FeatureSettings
+    from pipelines.diagnosis.simulated_features import FeatureSettings
     from pipelines.machine.scene_kinematics import kinematics_of
 
-    machine, exact = plan.plant, not plan.baseline
+    machine, exact = plan.machine, not plan.baseline
     cases = plan.cases if exact else plan.cases[:1]
     healthy = [*plan.baseline]
     if exact:  # a scene without faults is its own control
         healthy = [one.control for one in cases if one.control is not None and one.control.step != one.own.step]
-    if not healthy or not machine.looked_for.possible:
+    if not healthy or not machine.monitored.possible:
         return []
     kinematics = kinematics_of(machine.layout, machine.rolling)
-    settings = FeatureSettings(kinematics=kinematics, windows=machine.looked_for.windows)
+    settings = FeatureSettings(kinematics=kinematics, windows=machine.monitored.windows)
     made = {
         one.step: Step(
             name=f"features {one.step}",
             kind="features",
             build=features.build,
-            spec={"settings": settings, "labels": one.plant.labels, "samples": samples},
+            spec={"settings": settings, "labels": one.machine.labels, "samples": samples},
             takes={"motion": one.step},
             libraries=_NUMERIC,
-            modules=("pipelines.diagnosis.simulated", "pipelines.signals.response"),
-            seconds=_FEATURES * samples * len(one.plant.sensors) * one.plant.motion.n_samples,
+            modules=("pipelines.diagnosis.simulated_features", "pipelines.signals.response"),
+            seconds=_FEATURES * samples * len(one.machine.sensors) * one.machine.motion.n_samples,
         )
         for one, samples in [
             *((case.own, 1) for case in cases),
@@ -64,7 +64,7 @@ def verdict_steps(plan: RunPlan) -> list[Step]:
     spec = {
         "kinematics": kinematics,
         "damages": verdict.known_damages(machine),
-        "cases": tuple((str(one.own.plant.labels["load"]), deviation_name(one.own.plant.labels)) for one in cases),
+        "cases": tuple((str(one.own.machine.labels["load"]), deviation_name(one.own.machine.labels)) for one in cases),
         "exact": exact,
     }
     takes = {
@@ -79,12 +79,12 @@ def diagnosis_step(plan: RunPlan) -> Step | None:
     """All cases against their controls; None without a control, a fault to look for, windows or sensors."""
     cases, motions, labels = [], [], []
     for number, case in enumerate(plan.cases):
-        settings = case.own.plant.diagnosis
+        settings = case.own.machine.diagnosis
         if settings is None or case.control is None:
             return None
         cases.append(diagnosing.CaseSpec(settings=settings, full=number == 0 or case.label == "torque"))
         motions += [case.own.step, case.control.step]
-        labels += [case.own.plant.labels, case.control.plant.labels]
+        labels += [case.own.machine.labels, case.control.machine.labels]
     return Step(
         name=DIAGNOSIS,
         kind="diagnose",
@@ -97,13 +97,13 @@ def diagnosis_step(plan: RunPlan) -> Step | None:
 
 def bars_step(plan: RunPlan) -> Step:
     """The error bars of the lines of the first case of a run that has a control."""
-    case, laws = plan.cases[0], plan.plant.law_names
+    case, laws = plan.cases[0], plan.machine.law_names
     assert case.control is not None, "a diagnosis has one"
     return Step(
         name=BARS,
         kind="error-bars",
         build=bars.build,
-        spec={"machine": case.own.plant, "healthy": case.control.plant},
+        spec={"machine": case.own.machine, "healthy": case.control.machine},
         takes={"motion": case.own.step, "control": case.control.step, "laws": laws, **casing_taken(plan.graph)},
         libraries=_NUMERIC,
         seconds=1.5,  # short, so that it is built in parallel with the motions of other cases
@@ -120,7 +120,7 @@ def _report_steps(loaded: LoadedScene, plan: RunPlan, known: dict[str, Step]) ->
     """The sections of the report that do not depend on the verdict, and the report."""
     from pipelines.steps.run_plan import scene_warnings
 
-    machine, compared = plan.plant, known.get(DIAGNOSIS)
+    machine, compared = plan.machine, known.get(DIAGNOSIS)
     kinds = [*(fault.kind for fault in machine.faults), *("bearing-spall" for _ in machine.spalls)]
     kinds += [*(fault.kind for fault in machine.shaft_faults), "healthy"]
     optional = {"casing": CASING, "modes": "casing modes", "diagnosis": DIAGNOSIS, "error_bars": BARS}

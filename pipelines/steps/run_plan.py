@@ -14,14 +14,14 @@ from itertools import islice
 from pipelines.engine.step import Graph, Step
 from pipelines.engine.storage import digest
 from pipelines.io.errors import InputError
-from pipelines.machine.checks.checked_plant import checked_plant
+from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.machine.checks.cost import check_room
-from pipelines.machine.plant import Plant, fault_labels
+from pipelines.machine.machine_model import MachineModel, fault_labels
 from pipelines.scene.load_scene import LoadedScene, control_differences, control_of
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.drive_and_load import LoadModel, StaticTorqueTable
 from pipelines.scene.tables.stages import DeviationTable
-from pipelines.steps.machine_steps import plant_steps
+from pipelines.steps.machine_steps import machine_steps
 
 MOST_DIFFERENCES = 10  # of scene and control that are listed; more belong to another machine
 HEALTHY = "healthy "  # prefix of the steps that only a control has
@@ -31,7 +31,7 @@ HEALTHY = "healthy "  # prefix of the steps that only a control has
 class PlannedMotion:
     """A machine, and the name of the step of its motion."""
 
-    plant: Plant
+    machine: MachineModel
     step: str
 
 
@@ -54,15 +54,15 @@ class RunPlan:
     baseline: tuple[PlannedMotion, ...] = ()
 
     @property
-    def plant(self) -> Plant:
+    def machine(self) -> MachineModel:
         """The machine of the scene in SI."""
-        return self.cases[0].own.plant
+        return self.cases[0].own.machine
 
     @property
-    def machines(self) -> dict[str, Plant]:
+    def machines(self) -> dict[str, MachineModel]:
         """The machine of every motion by the name of its step, first that of the scene, then that of its control."""
         of_cases = [one for case in self.cases for one in (case.own, case.control) if one is not None]
-        return {one.step: one.plant for one in (*of_cases, *self.baseline)}
+        return {one.step: one.machine for one in (*of_cases, *self.baseline)}
 
     @property
     def motions(self) -> tuple[str, ...]:
@@ -98,15 +98,15 @@ def plan_run(
     steps: list[Step] = []
     cases: list[PlannedCase] = []
 
-    def added(machine: Plant, prefix: str) -> PlannedMotion:
-        return PlannedMotion(plant=machine, step=list(add_steps(steps, plant_steps(machine), prefix).values())[-1])
+    def added(machine: MachineModel, prefix: str) -> PlannedMotion:
+        return PlannedMotion(machine=machine, step=list(add_steps(steps, machine_steps(machine), prefix).values())[-1])
 
     for label, scene in _variants(loaded.scene, both_loads and control is not None, seeds):
-        own = added(checked_plant(scene, source), label)
+        own = added(checked_machine(scene, source), label)
         healthy = None
         if control is not None:
             like = _like(control.scene, scene, scene.deviations)
-            healthy = added(checked_plant(like, control.source.shown), f"{label}{HEALTHY}")
+            healthy = added(checked_machine(like, control.source.shown), f"{label}{HEALTHY}")
         cases.append(PlannedCase(label=label.strip(), own=own, control=healthy))
     others = [added(machine, f"healthy seed {seed} ") for seed, machine in _baseline(loaded, control, baseline)]
     plan = RunPlan(graph=Graph(steps), cases=tuple(cases), control=control, baseline=tuple(others))
@@ -118,7 +118,7 @@ def scene_warnings(loaded: LoadedScene, plan: RunPlan) -> tuple[str, ...]:
     """What is questionable in a scene, and how its control differs in more than the fault."""
     from pipelines.machine.checks.design_warnings import design_warnings
 
-    warnings = list(design_warnings(loaded.scene, plan.plant))
+    warnings = list(design_warnings(loaded.scene, plan.machine))
     if plan.control is not None:
         lines = control_differences(loaded, plan.control)
         head = f"the control {plan.control.name} differs in more than the fault"
@@ -128,7 +128,7 @@ def scene_warnings(loaded: LoadedScene, plan: RunPlan) -> tuple[str, ...]:
     return tuple(warnings)
 
 
-def _baseline(loaded: LoadedScene, control: LoadedScene | None, count: int) -> Iterator[tuple[int, Plant]]:
+def _baseline(loaded: LoadedScene, control: LoadedScene | None, count: int) -> Iterator[tuple[int, MachineModel]]:
     """Healthy machines with the seeds 1, 2, ... of their deviations, without that of the scene."""
     if not count:
         return
@@ -145,7 +145,7 @@ def _baseline(loaded: LoadedScene, control: LoadedScene | None, count: int) -> I
         )
     for seed in islice((seed for seed in count_from(1) if seed != deviations.seed), count):
         other = scene.model_copy(update={"deviations": deviations.model_copy(update={"seed": seed})})
-        yield seed, checked_plant(_like(other, loaded.scene, other.deviations), source.source.shown)
+        yield seed, checked_machine(_like(other, loaded.scene, other.deviations), source.source.shown)
 
 
 def _variants(scene: Scene, both_loads: bool, seeds: int) -> list[tuple[str, Scene]]:

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem.contact.frame import law_points
 from fem.contact.law import MeshLaw
 from fem.contact.models.mesh_model import LawSpec
 from fem.contact.models.solid import Solid
 from fem.contact.models.solid_stress import LoadedTeeth, stress_field
+from fem.contact.slice_frame import law_points
 from fem.contact.teeth import checked_terms
 from fem.contact.wheels.compliance import ContactCompliance
-from fem.contact.wheels.contact import contact_at
+from fem.contact.wheels.direct_contact import contact_at
 from fem.gears.modifications import lead_gap, profile_gap
 from pipelines.machine.flanks_spec import FlanksSpec
 

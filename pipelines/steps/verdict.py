@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from pipelines.diagnosis.known_damage import Damage
-    from pipelines.machine.plant import Drivetrain
+    from pipelines.machine.machine_model import Drivetrain
     from pipelines.signals.orders.kinematics import Kinematics
 
 STRIKES = {"outer-ring": "BPFO", "inner-ring": "BPFI", "element": "2 BSF"}

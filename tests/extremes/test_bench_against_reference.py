@@ -32,10 +32,10 @@ WINDOW = 0.05  # s
 @pytest.fixture(scope="module")
 def system():
     loaded = load_scene("bench", BENCH)
-    graph, plant = scene_graph(loaded)
-    outcome = Work().build(graph, [*plant.law_names, "casing"])
-    machine = assemble_machine(plant.machine, [outcome.value(name) for name in plant.law_names])
-    return assemble_system(machine, outcome.value("casing"), plant.recorded, 20e3)
+    graph, model = scene_graph(loaded)
+    outcome = Work().build(graph, [*model.law_names, "casing"])
+    machine = assemble_machine(model.machine, [outcome.value(name) for name in model.law_names])
+    return assemble_system(machine, outcome.value("casing"), model.recorded, 20e3)
 
 
 def test_accelerations_agree_within_half_a_per_cent(system):

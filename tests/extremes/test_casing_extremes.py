@@ -8,14 +8,14 @@ import scipy.linalg as la
 from housings import small_housing
 
 from fem.casing.geometry.dimensions import HousingError, Sensor
-from fem.casing.mesh.mesher import mesh_housing
+from fem.casing.mesh.gmsh_mesh import mesh_housing
 from fem.casing.models.casing_model import Structure
 from fem.casing.models.static_casing import StaticCasing
-from fem.casing.reduced.accuracy import reduced_response
 from fem.casing.reduced.casing_modes import casing_modes, reduced_body
 from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.reduction import reduce_body
-from fem.casing.reduced.rigid import housing_mass, rigid_from_mesh
+from fem.casing.reduced.reduction_error import reduced_response
+from fem.casing.reduced.rigid_on_mounts import housing_mass, rigid_from_mesh
 from fem.elements.materials import Material
 from fem.elements.solids import mass_properties
 

@@ -12,7 +12,7 @@ import pytest
 from scenes import mutated, shipped_tree, simulated, unexplained
 
 from pipelines.io.errors import InputError
-from pipelines.machine.checks.checked_plant import checked_plant
+from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.scene.load_scene import LoadedScene, Source, validate
 from pipelines.scene.merge import Merged
 from pipelines.scene.scene import Scene
@@ -47,7 +47,7 @@ def outcome(tree, cache) -> str:
     """ "refused" or "moved"; anything else is an exception."""
     try:
         scene, merged = validate(Merged(tree), Scene, "fuzzed")
-        checked_plant(scene, "fuzzed")
+        checked_machine(scene, "fuzzed")
     except InputError as error:
         return said("refused", error)
     if scene.casing.model not in ("none", "rigid") or any(stage.mesh.model != "iso" for stage in scene.stages):

@@ -15,11 +15,11 @@ import pytest
 from benchmarks.gear_pairs import gear_pair
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.evaluation.stiffness_curve import stiffness_curve
-from fem.contact.frame import ModelError
 from fem.contact.models.energy import Energy
 from fem.contact.models.iso import Iso
 from fem.contact.models.plane import Plane
 from fem.contact.models.solid import Solid
+from fem.contact.slice_frame import ModelError
 from fem.gears.geometry import GearPair
 
 NOMINAL = 100e3  # N/m

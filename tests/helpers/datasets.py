@@ -11,7 +11,7 @@ from pipelines.datasets.plan import load_plan
 from pipelines.datasets.rows import DONE, FAILED, write_row, write_table
 from pipelines.datasets.signal_layout import RunLayout, SignalLayout
 from pipelines.datasets.store import write_run
-from pipelines.machine.checks.checked_plant import checked_plant
+from pipelines.machine.checks.checked_machine import checked_machine
 
 RATE, SAMPLES = 5000.0, 4000
 TEETH = (20, 55)  # of the scene
@@ -96,7 +96,7 @@ def make_run(folder, plan, sample, *, failed=False):
     if not failed:
         scene = scene_of(plan, sample.values)
         row |= {"key": scene_key(scene), "status": DONE, "reason": ""}
-        row["labels"] = labels(checked_plant(scene.scene, scene.source.shown))
+        row["labels"] = labels(checked_machine(scene.scene, scene.source.shown))
         row["quality"] = {"step_error": 1e-3 * (1 + sample.run), "repeatable_until_s": 0.8 - 1 / RATE, "warnings": ""}
         row["loop_seconds"] = 0.5
         row["checksums"] = write_run(folder, sample.run, signals(sample.run, sample.values.get("speed_rpm", 900.0)))

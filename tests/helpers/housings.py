@@ -11,7 +11,7 @@ from benchmarks.solids import box_mesh
 from fem.casing.geometry.dimensions import Bore, Sensor
 from fem.casing.geometry.housing import Housing
 from fem.casing.geometry.housing_features import Feet
-from fem.casing.mesh.finished import RawMesh, finished_mesh
+from fem.casing.mesh.finished_mesh import RawMesh, finished_mesh
 from fem.casing.mesh.mesh import CasingMesh
 from fem.elements.solid_elements import SOLIDS
 

@@ -7,11 +7,11 @@ import pytest
 from housings import short_housing
 from mbd_rigs import no_casing, rigid_casing, train
 
-from fem.casing.mesh.mesher import mesh_housing
-from fem.casing.reduced.accuracy import sensor_rows
+from fem.casing.mesh.gmsh_mesh import mesh_housing
 from fem.casing.reduced.casing_modes import casing_modes, reduced_body
 from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.reduction import reduce_body
+from fem.casing.reduced.reduction_error import sensor_rows
 from fem.elements.materials import CAST_IRON
 from fem.elements.solids import rigid_body_modes
 from mbd.excitations.base_acceleration import AccelerationSweep, AccelerationTable, BaseAcceleration
@@ -24,7 +24,7 @@ from mbd.system.linearised import tangent
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 from pipelines.io.errors import SceneError
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.scene.load_scene import load_scene
 
 STANDING = SpeedProfile(times=np.zeros(1), speeds=np.zeros(1))
@@ -144,7 +144,7 @@ def test_base_acceleration_of_a_scene_in_si():
     }  # fmt: skip
     table = {"model": "table", "times_s": [0.0, 0.1], "accelerations_m_s2": [0.0, 2.0]}
     forces = [{"model": "base-acceleration", "axis": "z", "acceleration": wave} for wave in (sweep, table)]
-    one, other = make_plant(load_scene("minimal", {"forces": forces}).scene).machine.forces
+    one, other = make_machine(load_scene("minimal", {"forces": forces}).scene).machine.forces
     assert (one.axis, one.acceleration.amplitude) == ("z", 3.0)
     np.testing.assert_array_equal(other.acceleration.levels, [0.0, 2.0])
 

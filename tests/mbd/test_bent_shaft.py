@@ -15,7 +15,7 @@ from mbd.output.simulate import simulate
 from mbd.parts.part_checks import MachineError
 from mbd.system.system import assemble
 from pipelines.io.errors import SceneError
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.scene.load_scene import load_scene
 
 BOW, ANGLE = 20e-6, 0.3
@@ -104,7 +104,7 @@ TABLE = {"model": "bent-shaft", "shaft": 2, "position_mm": 10.0, "bow_um": 30.0,
 
 
 def test_a_bent_shaft_of_a_scene_in_si():
-    (force,) = make_plant(load_scene("minimal", {"forces": [TABLE | {"angle_deg": 45.0}]}).scene).machine.forces
+    (force,) = make_machine(load_scene("minimal", {"forces": [TABLE | {"angle_deg": 45.0}]}).scene).machine.forces
     assert (force.shaft, force.y, force.bow) == ("shaft_2", 0.01, pytest.approx(3e-5))
     assert force.straight == (-0.02, 0.025)
     assert force.angle == pytest.approx(math.pi / 4)

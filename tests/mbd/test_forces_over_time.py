@@ -8,11 +8,11 @@ from housings import small_housing
 from mbd_rigs import no_casing, rigid_casing, train
 
 import gearcase
-from fem.casing.mesh.mesher import mesh_housing
-from fem.casing.reduced.accuracy import sensor_rows
+from fem.casing.mesh.gmsh_mesh import mesh_housing
 from fem.casing.reduced.casing_modes import casing_modes, reduced_body
 from fem.casing.reduced.grounded import ForcedPoint, assembled_casing
 from fem.casing.reduced.reduction import reduce_body
+from fem.casing.reduced.reduction_error import sensor_rows
 from fem.elements.materials import CAST_IRON
 from mbd.excitations.outside_force import CasingForce, ForceSweep, ForceTable, ShaftForce
 from mbd.excitations.waveform import wave_value
@@ -23,9 +23,9 @@ from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.frequency_response import frequency_response
 from mbd.system.system import assemble
 from pipelines.io.errors import SceneError
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.scene.load_scene import load_scene
-from pipelines.steps.machine_steps import plant_steps
+from pipelines.steps.machine_steps import machine_steps
 
 RATE = 5e3
 SWEEP = ForceSweep(start=0.0, end=0.6, first=20.0, last=1200.0, ramp=0.05, amplitude=2.0)
@@ -128,12 +128,12 @@ def test_forces_of_a_scene_in_si_and_the_casing_that_bears_them():
     table = {"model": "table", "times_s": [0.0, 0.1], "forces_N": [0.0, 20.0]}
     shaft = {"model": "shaft-force", "shaft": 2, "position_mm": 10.0, "axis": "x", "force": table}
     elastic = {"casing.model": "craig-bampton", "casing.band_Hz": 1000.0, "casing.element_size_mm": 40.0}
-    plant = make_plant(load_scene("minimal", elastic | {"forces": [PUSHED, shaft]}).scene)
-    casing, on_shaft = plant.machine.forces
+    model = make_machine(load_scene("minimal", elastic | {"forces": [PUSHED, shaft]}).scene)
+    casing, on_shaft = model.machine.forces
     assert (casing.casing_rows, casing.force.amplitude, casing.force.last) == (("sensor_3:uz",), 30.0, 500.0)
     assert (on_shaft.shaft, on_shaft.y, on_shaft.axis) == ("shaft_2", 0.01, "x")
     np.testing.assert_array_equal(on_shaft.force.levels, [0.0, 20.0])
-    modes = next(step for step in plant_steps(plant) if step.name == "casing modes")
+    modes = next(step for step in machine_steps(model) if step.name == "casing modes")
     assert [(point.sensor.name, point.axes) for point in modes.spec.forced] == [("sensor_3", ("uz",))]
 
 
@@ -174,7 +174,7 @@ def test_the_response_holds_what_excited_it(tmp_path, monkeypatch):
     assert response.outside_force.dims == ("time", "force")
     assert list(response.force.values) == ["force_1"]
     assert list(response.base.values) == ["force_2"]
-    (wave,) = (force.force for force in make_plant(load_scene("minimal", {"forces": [PUSHED]}).scene).machine.forces)
+    (wave,) = (force.force for force in make_machine(load_scene("minimal", {"forces": [PUSHED]}).scene).machine.forces)
     inside = slice(None, -20)
     wanted = wave.values(response.time.values)
     assert abs(response.outside_force.values[inside, 0] - wanted[inside]).max() < 0.02 * abs(wanted).max()

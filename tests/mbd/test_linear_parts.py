@@ -11,7 +11,7 @@ from mbd_rigs import hoisting, rigid_casing, swinging
 
 import mbd
 from mbd.elements.component import Component
-from mbd.elements.linear import part_on_rows, springs
+from mbd.elements.linear_part import part_on_rows, springs
 from mbd.elements.mode_words import ModeWords
 from mbd.excitations.misaligned_coupling import MisalignedCoupling
 from mbd.excitations.unbalance import Unbalance

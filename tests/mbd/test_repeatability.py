@@ -16,11 +16,11 @@ from pipelines.cli.main import main
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph
-from pipelines.io.grid import Grid
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.io.text_table import Grid
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.scene.load_scene import load_scene
 from pipelines.signals.motion_warnings import motion_warnings
-from pipelines.steps.machine_steps import plant_steps
+from pipelines.steps.machine_steps import machine_steps
 from pipelines.studies.trade.probes import Value
 from pipelines.studies.trade.starts_table import spread_table
 
@@ -36,14 +36,14 @@ JERK = SpeedProfile(times=np.array([0.01, 0.0105]), speeds=np.array([0.0, -94.25
 
 def motion(name, settings):
     loaded = load_scene(name, settings)
-    stages = Graph(plant_steps(make_plant(loaded.scene, loaded.source.shown)))
+    stages = Graph(machine_steps(make_machine(loaded.scene, loaded.source.shown)))
     return run_graph(stages, Cache(), ["simulate"], processes=1).value("simulate")
 
 
 def test_rattle_is_told_with_what_to_do():
     """In 0.4 s of motion, with the rate at which neighbours part and the command that helps."""
     rattling = motion("minimal", RATTLE | ALONE | SHORT)
-    assert rattling.parted_at > 0.05
+    assert rattling.diverged_at > 0.05
     assert 50 < rattling.parting_rate < 1000
     sentence = motion_warnings(rattling)["repeat"]
     assert "cannot be repeated sample by sample" in sentence
@@ -56,7 +56,7 @@ def test_rattle_is_told_with_what_to_do():
 def test_regular_motion_is_not_called_unrepeatable(settings):
     """Loaded; light, with contacts that open; loaded on bearings with clearance."""
     regular = motion("minimal", settings | ALONE | SHORT)
-    assert regular.parted_at == 0.0
+    assert regular.diverged_at == 0.0
     assert motion_warnings(regular) == {}
 
 
@@ -83,7 +83,7 @@ def test_a_neighbour_takes_the_cuts_of_the_motion():
 def test_the_other_integrators_tell_rattle_as_well(integrator):
     """In 0.8 s: rounding, which differs from processor to processor, decides when in the first half neighbours part."""
     scene = RATTLE | ALONE | {"simulation.end_s": 0.8, "simulation.integrator": integrator, "simulation.step_us": 50.0}
-    assert motion("minimal", scene).parted_at > 0.0
+    assert motion("minimal", scene).diverged_at > 0.0
 
 
 def test_other_starts_lie_beside_the_rest():
@@ -124,11 +124,11 @@ def test_no_warning_on_the_rig_over_twenty_seeds():
 @pytest.mark.slow
 def test_a_warning_in_twenty_of_twenty_rattling_starts():
     scene = RATTLE | {"shaft_model.model": "timoshenko", "simulation.end_s": 0.6, "diagnosis.windows_s": {}}
-    found = [motion("minimal", scene | {"simulation.start": start}).parted_at for start in range(1, 21)]
+    found = [motion("minimal", scene | {"simulation.start": start}).diverged_at for start in range(1, 21)]
     assert all(found), found
 
 
 def test_settings_of_the_library_measure_too():
     machine = train(1)
     system = assemble(machine, rigid_casing(machine), ("sensor_1:az",))
-    assert simulate(system, MotionSettings(end=0.05, step=2e-5)).parted_at == 0.0
+    assert simulate(system, MotionSettings(end=0.05, step=2e-5)).diverged_at == 0.0

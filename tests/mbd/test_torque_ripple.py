@@ -15,7 +15,7 @@ from mbd.parts.part_checks import MachineError
 from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.frequency_response import frequency_response
 from mbd.system.system import assemble
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.scene.load_scene import load_scene
 
 SPEED = 100.0  # rad/s
@@ -74,7 +74,7 @@ def test_a_ripple_of_a_scene_in_si():
         "model": "torque-ripple", "shaft": 2, "position_mm": 10.0,
         "amplitude_N_m": 2.0, "order": 6.0, "phase_deg": 90.0,
     }  # fmt: skip
-    (force,) = make_plant(load_scene("minimal", {"forces": [table]}).scene).machine.forces
+    (force,) = make_machine(load_scene("minimal", {"forces": [table]}).scene).machine.forces
     assert (force.shaft, force.y, force.amplitude, force.order) == ("shaft_2", 0.01, 2.0, 6.0)
     assert force.angle == pytest.approx(math.pi / 2)
 

@@ -19,7 +19,7 @@ from mbd.system.linearised import linear_modes
 from mbd.system.statics import equilibrium
 from mbd.system.system import assemble, natural_frequencies
 from pipelines.io.errors import SceneError
-from pipelines.machine.checks.checked_plant import checked_plant
+from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.machine.layout import lay_out
 from pipelines.scene.load_scene import load_scene
 
@@ -270,4 +270,4 @@ def test_a_scene_with_a_branch_on_the_input_shaft():
 )
 def test_contradictory_trains_are_refused(changes, message):
     with pytest.raises(SceneError, match=message):
-        checked_plant(load_scene("rig-healthy", changes).scene, "scene")
+        checked_machine(load_scene("rig-healthy", changes).scene, "scene")

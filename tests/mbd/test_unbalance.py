@@ -17,7 +17,7 @@ from mbd.parts.speed_drive import SpeedProfile
 from mbd.system.linearised import linear_modes
 from mbd.system.system import assemble
 from pipelines.io.errors import SceneError
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.scene.load_scene import load_scene
 
 ECCENTRIC = 10e-6  # m
@@ -110,7 +110,7 @@ def test_no_unbalance_is_refused(size):
 
 
 def forces_of(**changes):
-    return make_plant(load_scene("minimal", changes).scene).machine.forces
+    return make_machine(load_scene("minimal", changes).scene).machine.forces
 
 
 def test_unbalance_and_eccentric_disks_of_a_scene_in_si():

@@ -24,9 +24,9 @@ from functools import lru_cache
 import numpy as np
 import scipy.sparse as sp
 
+from fem.casing.enrichment.enrichment_functions import ALONG, profiles
+from fem.casing.enrichment.enrichment_integrals import added_entries
 from fem.casing.enrichment.graded_functions import GRID, gauss, graded
-from fem.casing.enrichment.integrals import added_entries
-from fem.casing.enrichment.profiles import ALONG, profiles
 from fem.casing.enrichment.singular_edges import Fan, chains, continuation
 from fem.casing.enrichment.topology import Sector, Topology
 from fem.casing.mesh.mesh import CasingMesh

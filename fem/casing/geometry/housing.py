@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from fem.casing.geometry.dimension_checks import housing_problems
 from fem.casing.geometry.dimensions import Dimensions, HousingError
-from fem.casing.geometry.soundness import housing_problems
 
 
 @dataclass(frozen=True, kw_only=True)

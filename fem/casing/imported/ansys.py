@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import scipy.sparse as sp
 
-from fem.casing.imported.foreign_body import ForeignError
+from fem.casing.imported.imported_body import MatrixError
 
 AXES = {"UX": 1, "UY": 2, "UZ": 3, "ROTX": 4, "ROTY": 5, "ROTZ": 6}
 
@@ -29,11 +29,11 @@ def harwell_boeing(path: Path) -> sp.coo_matrix:
     """
     lines = path.read_text(encoding="latin-1").splitlines()
     if len(lines) < 5 or not re.match(r"[A-Z]{3}\s", lines[2].upper()):
-        raise ForeignError(f"{path.name} is no Harwell-Boeing file in ASCII; write it by HBMAT,Fname,Ext,,ASCII,STIFF")
+        raise MatrixError(f"{path.name} is no Harwell-Boeing file in ASCII; write it by HBMAT,Fname,Ext,,ASCII,STIFF")
     counts = [int(word) for word in lines[1].split()]
     kind, (rows, columns, entries) = lines[2][:3].upper(), (int(word) for word in lines[2][3:].split()[:3])
     if kind not in ("RSA", "RUA"):
-        raise ForeignError(
+        raise MatrixError(
             f"{path.name} is of the type {kind}; real assembled matrices (RSA, RUA) are read: no damping by HBMAT"
         )
     start = 5 if len(counts) > 4 and counts[4] else 4
@@ -44,7 +44,7 @@ def harwell_boeing(path: Path) -> sp.coo_matrix:
         start += count
     pointers, indices, values = (np.array(one, float) for one in found)
     if len(pointers) != columns + 1 or len(indices) != entries or len(values) != entries:
-        raise ForeignError(
+        raise MatrixError(
             f"{path.name} is cut off: it holds {len(values)} of {entries} values of {columns} columns. Export it again"
         )
     packed = sp.csc_matrix((values, indices.astype(int) - 1, pointers.astype(int) - 1), shape=(rows, columns))
@@ -76,11 +76,11 @@ def mapped_equations(path: Path) -> np.ndarray:
     rows = [line.split() for line in path.read_text(encoding="latin-1").splitlines()]
     rows = [row for row in rows if len(row) == 3 and row[0].isdecimal() and row[1].isdecimal()]
     if unknown := {row[2].upper() for row in rows} - set(AXES):
-        raise ForeignError(
+        raise MatrixError(
             f"{path.name} has the unknowns {', '.join(sorted(unknown))}; only "
             f"{', '.join(AXES)} are read. Export a structural model"
         )
     found = np.array(sorted((int(row[0]), int(row[1]), AXES[row[2].upper()]) for row in rows)).reshape(-1, 3)
     if not len(found) or (found[:, 0] != np.arange(1, len(found) + 1)).any():
-        raise ForeignError(f"{path.name} does not number the equations from 1 without gaps; export it again")
+        raise MatrixError(f"{path.name} does not number the equations from 1 without gaps; export it again")
     return found[:, 1:]

@@ -12,12 +12,12 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from fem.casing.geometry.dimensions import Sensor
-from fem.casing.imported.foreign_body import ForeignBody, ForeignError
-from fem.casing.imported.matrix_checks import ForeignCheck, check_foreign, rigid_motion
+from fem.casing.imported.imported_body import ImportedBody, MatrixError
+from fem.casing.imported.matrix_checks import MatrixCheck, check_matrices, rigid_motion
 from fem.casing.imported.matrix_files import MatrixFiles, read_body
-from fem.casing.imported.reduce import Point, ReducedForeign, reduce_foreign
+from fem.casing.imported.reduce_at_points import Point, ReducedImportedBody, reduce_imported_body
+from fem.casing.parts.casing_choices import Attachment
 from fem.casing.parts.feet import clamped_reactions, foot_sums
-from fem.casing.parts.names import Attachment
 from fem.casing.reduced.casing_modes import CasingModes
 from fem.casing.reduced.checkup import CheckUp
 from fem.casing.reduced.grounded import GROUND_AXES
@@ -26,11 +26,11 @@ from fem.numerics.message_places import in_mm
 
 _OFF = 0.0005  # m: largest distance of a single node from its bearing point, and
 _OFF_SHARE = 0.3  # of the middle of several nodes, as a share of their mean distance from it
-_CHECKED = ("reduced_mass_definite", "reduced_stiffness_definite")  # `ForeignCheck` checks the file itself
+_CHECKED = ("reduced_mass_definite", "reduced_stiffness_definite")  # `MatrixCheck` checks the file itself
 
 
 @dataclass(frozen=True, kw_only=True)
-class ForeignHousing:
+class ImportedMatrices:
     """Imported matrices with the node numbers of bearings and feet; `origin` (m): origin of the file."""
 
     files: MatrixFiles
@@ -50,12 +50,12 @@ def file_digests(files: MatrixFiles) -> tuple[str, ...]:
             with Path(name).open("rb") as file:
                 found.append(hashlib.file_digest(file, "sha256").hexdigest())
         except OSError as error:
-            raise ForeignError(f"{name}: cannot be read ({error.strerror})") from error
+            raise MatrixError(f"{name}: cannot be read ({error.strerror})") from error
     return tuple(found)
 
 
-def foreign_casing(
-    housing: ForeignHousing,
+def imported_casing(
+    housing: ImportedMatrices,
     *,
     model: str,
     interfaces: Mapping[str, Sequence[str]],
@@ -77,35 +77,35 @@ def foreign_casing(
     ForeignError : files, nodes or the body cannot be used; the message lists the errors of the check-up
     """
     if file_digests(housing.files) != housing.files.digests:
-        raise ForeignError(f"{housing.files.stiffness} was changed while the scene was being built; run again")
+        raise MatrixError(f"{housing.files.stiffness} was changed while the scene was being built; run again")
     body = read_body(housing.files)
     body = replace(body, places=body.places + np.array(housing.origin))
-    check = check_foreign(body)
+    check = check_matrices(body)
     if not body.located:
-        raise ForeignError(f"{body.name} holds no node coordinates; set nodes_file")
+        raise MatrixError(f"{body.name} holds no node coordinates; set nodes_file")
     if check.wrong:
-        raise ForeignError(f"{body.name}: {'; '.join(check.wrong)}")
+        raise MatrixError(f"{body.name}: {'; '.join(check.wrong)}")
     points = {name: Point(nodes=nodes, axes=GROUND_AXES) for name, nodes in _feet(housing) if ground == "springs"}
     for name, nodes, wanted in housing.seats:
         _check_place(body, name, nodes, wanted)
         points[name] = Point(nodes=nodes, place=wanted, axes=tuple(interfaces[name]), coupling=attachment)
     feet = tuple(name for name, _ in _feet(housing))
     held = [] if ground == "springs" else sorted({number for nodes in housing.grounds for number in nodes})
-    reduced = reduce_foreign(body, points, held=held, sprung=feet if ground == "springs" else (), band=limit)
+    reduced = reduce_imported_body(body, points, held=held, sprung=feet if ground == "springs" else (), band=limit)
     return _modes(housing, reduced, check, model, ground, attachment, limit), _check_up(reduced, check)
 
 
-def _feet(housing: ForeignHousing) -> list[tuple[str, tuple[int, ...]]]:
+def _feet(housing: ImportedMatrices) -> list[tuple[str, tuple[int, ...]]]:
     return [(f"ground_{number}", nodes) for number, nodes in enumerate(housing.grounds, 1)]
 
 
-def _check_place(body: ForeignBody, name: str, nodes: tuple[int, ...], wanted: tuple[float, float, float]) -> None:
+def _check_place(body: ImportedBody, name: str, nodes: tuple[int, ...], wanted: tuple[float, float, float]) -> None:
     places = np.array([body.place(number) for number in nodes])
     reach = float(np.linalg.norm((places - wanted)[:, [0, 2]], axis=1).mean())
     off = float(np.linalg.norm(places.mean(axis=0) - wanted))
     limit = max(_OFF, _OFF_SHARE * reach if len(nodes) > 1 else 0.0)
     if off > limit:
-        raise ForeignError(
+        raise MatrixError(
             f"{name}: the middle of its {len(nodes)} nodes at {in_mm(places.mean(axis=0))} is "
             f"{1000 * off:.4g} mm from the bearing at {in_mm(wanted)} "
             f"(limit {1000 * limit:.3g} mm). Correct the nodes, origin_mm or units"
@@ -113,9 +113,9 @@ def _check_place(body: ForeignBody, name: str, nodes: tuple[int, ...], wanted: t
 
 
 def _modes(
-    housing: ForeignHousing,
-    reduced: ReducedForeign,
-    check: ForeignCheck,
+    housing: ImportedMatrices,
+    reduced: ReducedImportedBody,
+    check: MatrixCheck,
     model: str,
     ground: str,
     attachment: str,
@@ -160,7 +160,7 @@ def _modes(
 
 
 def _clamped_feet(
-    housing: ForeignHousing, reduced: ReducedForeign, MX: np.ndarray, ground: str
+    housing: ImportedMatrices, reduced: ReducedImportedBody, MX: np.ndarray, ground: str
 ) -> tuple[np.ndarray, np.ndarray]:
     """Results of `clamped_reactions`; zeros where the feet are on springs."""
     body, interface, count = reduced.body, reduced.interface, 3 * len(housing.grounds)
@@ -175,7 +175,7 @@ def _clamped_feet(
     return clamped_reactions(sums, body.stiffness, MX, reduced.expansion, interface.constraint, interface.inverse)
 
 
-def _check_up(reduced: ReducedForeign, check: ForeignCheck) -> CheckUp:
+def _check_up(reduced: ReducedImportedBody, check: MatrixCheck) -> CheckUp:
     """The items of the check-up that need no mesh."""
     reduction = reduced.reduction
     held = on_springs(reduction.stiffness, reduced.springs)

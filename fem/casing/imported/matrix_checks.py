@@ -10,7 +10,7 @@ import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
 
-from fem.casing.imported.foreign_body import ForeignBody
+from fem.casing.imported.imported_body import ImportedBody
 from fem.elements.solids import rigid_body_modes
 
 _SYMMETRIC = 1e-9
@@ -23,7 +23,7 @@ _USUAL_FIRST = (1.0, 1e5)  # Hz, first elastic mode
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ForeignCheck:
+class MatrixCheck:
     """Results of the check-up of an imported body, and its errors and warnings as text."""
 
     equations: int
@@ -65,7 +65,7 @@ def frequency_lines(frequencies: np.ndarray) -> list[str]:
     return ["    " + "  ".join(f"{one:12.7g}" for one in row) for row in rows]
 
 
-def check_foreign(body: ForeignBody, count: int = 30) -> ForeignCheck:
+def check_matrices(body: ImportedBody, count: int = 30) -> MatrixCheck:
     """Check up an imported body.
 
     Parameters
@@ -90,7 +90,7 @@ def check_foreign(body: ForeignBody, count: int = 30) -> ForeignCheck:
             scale = abs(K).max() * np.maximum(abs(about).max(axis=0), 1e-300)
             grounding = float((abs(K @ about) / scale).max())
     wrong = _wrong(asymmetry, mass, grounding, rigid, negative)
-    return ForeignCheck(
+    return MatrixCheck(
         equations=K.shape[0],
         nodes=len(body.numbers),
         dropped=body.dropped,
@@ -107,7 +107,7 @@ def check_foreign(body: ForeignBody, count: int = 30) -> ForeignCheck:
     )
 
 
-def rigid_motion(body: ForeignBody, centre: np.ndarray) -> np.ndarray:
+def rigid_motion(body: ImportedBody, centre: np.ndarray) -> np.ndarray:
     """Rigid motions (n, 6) about a point; 0 in modal coordinates."""
     found, turning = np.zeros((len(body.node), 6)), np.flatnonzero(body.axis >= 3)
     found[turning, body.axis[turning]] = 1.0
@@ -190,7 +190,7 @@ def _wrong(asymmetry: list[float], mass: float, grounding: float, rigid: int, ne
         yield "its mass is zero: no densities in the model, or a mass matrix of other equations"
 
 
-def _doubtful(body: ForeignBody, mass: float, elastic: np.ndarray) -> Iterator[str]:
+def _doubtful(body: ImportedBody, mass: float, elastic: np.ndarray) -> Iterator[str]:
     if np.isfinite(mass) and mass > 0.0:
         size = np.ptp(body.places, axis=0)
         reduced = bool((body.axis < 0).any())  # its nodes do not span the body

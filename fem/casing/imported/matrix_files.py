@@ -28,10 +28,10 @@ import scipy.io
 import scipy.sparse as sp
 
 from fem.casing.imported.ansys import harwell_boeing, mapped_equations
-from fem.casing.imported.foreign_body import ForeignBody, ForeignError, foreign_body
+from fem.casing.imported.imported_body import ImportedBody, MatrixError, imported_body
 from fem.casing.imported.nastran import SUFFIXES as NASTRAN
 from fem.casing.imported.nastran import grid_points, output4, punched, superelement_equations
-from fem.processes.own_process import DAMAGED, opened_apart
+from fem.processes.own_process import DAMAGED, opened_in_own_process
 from fem.storage.hdf5_file import blocks_missing
 
 if TYPE_CHECKING:
@@ -72,12 +72,12 @@ class MatrixFiles:
     digests: tuple[str, ...] = field(default=())  # of the files, in this order
 
 
-def read_body(files: MatrixFiles) -> ForeignBody:
+def read_body(files: MatrixFiles) -> ImportedBody:
     """The imported body in SI.
 
     Raises
     ------
-    ForeignError : unreadable, of unknown kind, ambiguous matrices, or see `foreign_body`
+    ForeignError : unreadable, of unknown kind, ambiguous matrices, or see `imported_body`
     """
     path = Path(files.stiffness)
     first = read_matrices(path)
@@ -87,7 +87,7 @@ def read_body(files: MatrixFiles) -> ForeignBody:
     given = files.nodes or (files.stiffness if _holds_grid(path) else None)
     nodes, frames = (first.nodes, None) if given is None else _nodes(Path(given))
     equations = first.equations if files.equations is None else _equations(Path(files.equations))
-    return foreign_body(
+    return imported_body(
         path.name,
         _chosen(path, first, _STIFFNESS, "stiffness", alone=files.mass is not None),
         _chosen(Path(files.mass or path), second, _MASS, "mass", alone=files.mass is not None),
@@ -106,9 +106,9 @@ def read_matrices(path: Path) -> Found:
     ForeignError : unreadable, of unknown kind, or a package is missing, which the message names
     """
     if path.suffix.lower() not in _READERS:
-        raise ForeignError(f"{path.name}: matrices are read from {', '.join(SUFFIXES)}; convert it")
+        raise MatrixError(f"{path.name}: matrices are read from {', '.join(SUFFIXES)}; convert it")
     if path.suffix.lower() in _COMPILED:
-        return opened_apart(path, ForeignError, DAMAGED, _read, path)
+        return opened_in_own_process(path, MatrixError, DAMAGED, _read, path)
     return _read(path)
 
 
@@ -124,15 +124,15 @@ def _in_our_words(path: Path) -> Iterator[None]:
     try:
         with redirect_stdout(said), redirect_stderr(said):
             yield
-    except ForeignError:
+    except MatrixError:
         raise
     except ImportError as error:
-        raise ForeignError(f"{path.name} needs the package pyyeti: pip install 'gearcase[nastran]'") from error
+        raise MatrixError(f"{path.name} needs the package pyyeti: pip install 'gearcase[nastran]'") from error
     except FileNotFoundError as error:
-        raise ForeignError(f"{error.filename}: no such file") from error
+        raise MatrixError(f"{error.filename}: no such file") from error
     except (Exception, SystemExit) as error:
         _log.info("%s: %s %s", path.name, error, said.getvalue())
-        raise ForeignError(f"{path.name} cannot be read; {DAMAGED}") from error
+        raise MatrixError(f"{path.name} cannot be read; {DAMAGED}") from error
 
 
 def _chosen(path: Path, found: Found, names: tuple[str, ...], what: str, *, alone: bool) -> sp.spmatrix:
@@ -140,7 +140,7 @@ def _chosen(path: Path, found: Found, names: tuple[str, ...], what: str, *, alon
     if alone and len(found.matrices) == 1:
         return next(iter(found.matrices.values()))
     if not (known := [name for name in names if name in found.matrices]):
-        raise ForeignError(
+        raise MatrixError(
             f"{path.name} has no {what} matrix under the names {', '.join(names)}; it holds "
             f"{', '.join(found.matrices) or 'nothing'}. Give it in a separate file"
         )
@@ -160,7 +160,7 @@ def _matrix_text(path: Path) -> Found:
         one, two = rows[:, :2].astype(int).T - 1
         return Found({"matrix": sp.coo_matrix((rows[:, 2], (one, two)), shape=(1 + max(one.max(), two.max()),) * 2)})
     if rows.shape[1] != 5:
-        raise ForeignError(
+        raise MatrixError(
             f"{path.name}: its rows of {rows.shape[1]} numbers are in no known format. Export Matrix Market "
             "(first line %%MatrixMarket), or from Abaqus FORMAT=MATRIX INPUT (node, axis, node, axis, value) or "
             "COORDINATE (row, column, value)"
@@ -206,7 +206,7 @@ def _hdf5(path: Path) -> Found:
                 square = item.shape[0] == item.shape[1]  # such a matrix may omit blocks of zeros
                 arrays[name.lower()] = item[:] if square else _complete(item, path)
     if "ground_inertia" in arrays:
-        raise ForeignError(
+        raise MatrixError(
             f"{path.name} is a casing on its ground, which cannot be imported. Export the free body instead: gearcase "
             "casing SCENE --export casing.npz (or .mtx, .op4, .pch)"
         )
@@ -216,7 +216,7 @@ def _hdf5(path: Path) -> Found:
 def _complete(dataset: h5py.Dataset, path: Path) -> np.ndarray:
     """The values of a dataset of HDF5. ForeignError if the file is incomplete."""
     if problem := blocks_missing(dataset):
-        raise ForeignError(f"{path.name}: {str(dataset.name).strip('/')} {problem}; {DAMAGED}")
+        raise MatrixError(f"{path.name}: {str(dataset.name).strip('/')} {problem}; {DAMAGED}")
     return dataset[:]
 
 
@@ -257,10 +257,10 @@ def _abaqus_nodes(path: Path) -> np.ndarray:
         elif inside and line.strip():
             rows.append([float(word) for word in line.split(",")[:4]])
     if not rows:
-        raise ForeignError(f"{path.name} has no *NODE block")
+        raise MatrixError(f"{path.name} has no *NODE block")
     found = np.array(rows)
     if len(np.unique(found[:, 0])) < len(found):
-        raise ForeignError(f"{path.name} numbers nodes twice, by parts; write it flat (a job without parts)")
+        raise MatrixError(f"{path.name} numbers nodes twice, by parts; write it flat (a job without parts)")
     return found
 
 
@@ -278,10 +278,10 @@ def _table(path: Path, what: str, columns: tuple[int, ...]) -> np.ndarray:
         text = path.read_text(encoding="latin-1").replace(",", " ").replace(";", " ")
         rows = [line.split() for line in text.splitlines() if line.strip() and line.strip()[0] in "-+.0123456789"]
         if len({len(row) for row in rows}) > 1:
-            raise ForeignError(f"{path.name}: the rows of the {what} do not all have the same count of numbers")
+            raise MatrixError(f"{path.name}: the rows of the {what} do not all have the same count of numbers")
         found = np.array(rows, float)
     if found.ndim != 2 or found.shape[1] not in columns:
-        raise ForeignError(f"{path.name}: {what} are rows of {columns[-1]} numbers; these have the shape {found.shape}")
+        raise MatrixError(f"{path.name}: {what} are rows of {columns[-1]} numbers; these have the shape {found.shape}")
     return found
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import scipy.sparse as sp
 
-from fem.casing.imported.foreign_body import ForeignError
+from fem.casing.imported.imported_body import MatrixError
 
 SUFFIXES = (".bdf", ".dat", ".nas", ".blk", ".pch", ".asm")  # of files with GRID or EXTRN cards
 
@@ -38,7 +38,7 @@ def punched(path: Path) -> tuple[dict[str, sp.coo_matrix], np.ndarray]:
     tables = bulk.rddmig(str(path), expanded=False, square=True)
     square = {name.lower(): table for name, table in tables.items() if table.shape[0] == table.shape[1]}
     if not square:
-        raise ForeignError(f"{path.name} holds no square DMIG matrix; export KAAX and MAAX (PARAM,EXTOUT,DMIGPCH)")
+        raise MatrixError(f"{path.name} holds no square DMIG matrix; export KAAX and MAAX (PARAM,EXTOUT,DMIGPCH)")
     every = sorted(set().union(*(set(table.index) for table in square.values())))
     place = {label: number for number, label in enumerate(every)}
     matrices = {}
@@ -60,7 +60,7 @@ def superelement_equations(path: Path) -> np.ndarray:
     from pyyeti.nastran import bulk
 
     if "EXTRN" not in path.read_text(encoding="latin-1").upper():
-        raise ForeignError(f"{path.name} has no EXTRN card, which names the equations of a superelement (EXTSEOUT)")
+        raise MatrixError(f"{path.name} has no EXTRN card, which names the equations of a superelement (EXTSEOUT)")
     return np.asarray(bulk.rdextrn(str(path)), int)
 
 
@@ -75,10 +75,10 @@ def grid_points(path: Path) -> tuple[np.ndarray, np.ndarray]:
 
     cards = bulk.rdgrids(str(path))
     if cards is None:
-        raise ForeignError(f"{path.name} has no GRID cards")
+        raise MatrixError(f"{path.name} has no GRID cards")
     known = {0, *bulk.rdcord2cards(str(path))}
     if unknown := set(np.unique(cards[:, [1, 5]]).astype(int)) - known:
-        raise ForeignError(
+        raise MatrixError(
             f"{path.name}: nodes use the coordinate system {min(unknown)}, which no CORD2R, CORD2C or CORD2S card of "
             "the file defines; write it as one of these, or export the nodes in the basic system"
         )

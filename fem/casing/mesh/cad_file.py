@@ -17,7 +17,7 @@ import numpy as np
 
 from fem.casing.geometry.locators import ByCylinder
 from fem.casing.mesh.gmsh_session import numbered_nodes
-from fem.casing.mesh.imported import (
+from fem.casing.mesh.imported_housing import (
     CAD_FORMATS,
     STL_SUFFIXES,
     UNITS,
@@ -28,7 +28,7 @@ from fem.casing.mesh.imported import (
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.sizes import MM, Refinement, Sizes
 from fem.casing.mesh.surface import Surface
-from fem.numerics.connected import connected_parts
+from fem.numerics.connected_parts import connected_parts
 from fem.numerics.message_places import in_mm
 from fem.processes.own_process import DAMAGED, bounded_memory
 

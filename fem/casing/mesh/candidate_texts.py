@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from fem.casing.mesh.surface import Surface
-from fem.numerics.connected import connected_parts, shared_sides
+from fem.numerics.connected_parts import connected_parts, shared_sides
 from fem.numerics.fitted_circle import fitted_circle
 from fem.numerics.message_places import in_mm
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fem.casing.geometry.housing import Housing
 from fem.casing.mesh.extruded import mesh_extruded
-from fem.casing.mesh.imported import ImportedHousing, mesh_from_file
+from fem.casing.mesh.imported_housing import ImportedHousing, mesh_from_file
 from fem.casing.mesh.mesh import CasingMesh
 from fem.casing.mesh.sizes import Sizes
 from fem.elements.solid_elements import SOLIDS
@@ -17,14 +17,14 @@ def mesh_geometry(geometry: Geometry, sizes: Sizes, element: str = "tetrahedron-
 
     Raises
     ------
-    MeshError : see `mesher.mesh_housing`, `mesher.mesh_step`, `imported.mesh_from_file` and `extruded.mesh_extruded`
+    MeshError : see `mesh_housing` and `mesh_step` of `gmsh_mesh`, `mesh_from_file` and `mesh_extruded`
     """
     if isinstance(geometry, ImportedHousing) and not geometry.is_step:
         return mesh_from_file(geometry, element)
     if isinstance(geometry, Housing) and SOLIDS[element].corners == 8:
         return mesh_extruded(geometry, sizes, element)
-    from fem.casing.mesh import mesher
+    from fem.casing.mesh import gmsh_mesh
 
     if isinstance(geometry, ImportedHousing):
-        return mesher.mesh_step(geometry, sizes, element)
-    return mesher.mesh_housing(geometry, sizes=sizes, element=element)
+        return gmsh_mesh.mesh_step(geometry, sizes, element)
+    return gmsh_mesh.mesh_housing(geometry, sizes=sizes, element=element)

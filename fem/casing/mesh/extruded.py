@@ -11,9 +11,9 @@ import numpy as np
 
 from fem.casing.geometry.dimensions import HousingError
 from fem.casing.geometry.housing import Housing
-from fem.casing.mesh.finished import RawMesh, finished_mesh
+from fem.casing.mesh.finished_mesh import RawMesh, finished_mesh
+from fem.casing.mesh.housing_section import SectionMesh, divided, lines_across, section, shaft_places
 from fem.casing.mesh.mesh import CasingMesh, MeshError
-from fem.casing.mesh.section import SectionMesh, divided, lines_across, section, shaft_places
 from fem.casing.mesh.sizes import MM, Sizes
 from fem.elements.solid_elements import SOLIDS
 from fem.numerics.quadratic_grids import with_middles

@@ -4,7 +4,7 @@
 
 A bolted cover is cut off where it begins (`Dimensions.cover_start`).
 
-Functions take the gmsh module of an open session (`fem.casing.mesh.mesher`) and work on its current model.
+Functions take the gmsh module of an open session (`fem.casing.mesh.gmsh_mesh`) and work on its current model.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fem.numerics.connected import connected_parts, shared_sides
+from fem.numerics.connected_parts import connected_parts, shared_sides
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from fem.casing.geometry.dimensions import Sensor
     from fem.casing.geometry.housing import Housing
     from fem.casing.mesh.mesh import CasingMesh
-    from fem.casing.parts.names import DampingRatio
+    from fem.casing.parts.casing_choices import DampingRatio
     from fem.casing.reduced.casing_modes import CasingModes
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.reduced_body import ReducedBody
@@ -73,7 +73,7 @@ class RigidRecovery(Stage):
 
     def build(self, *, mesh: CasingMesh | None = None) -> ReducedBody:
         """Six coordinates; `mesh` is that of the housing, if it needs one."""
-        from fem.casing.reduced.rigid import rigid_body, rigid_from_mesh
+        from fem.casing.reduced.rigid_on_mounts import rigid_body, rigid_from_mesh
 
         options = {key: value for key, value in vars(self).items() if key != "housing"}
         if self.housing is not None:

@@ -18,7 +18,7 @@ from fem.options import Option, option
 
 if TYPE_CHECKING:
     from fem.casing.geometry.dimensions import Sensor
-    from fem.casing.imported.imported_casing import ForeignHousing
+    from fem.casing.imported.imported_casing import ImportedMatrices
     from fem.casing.mesh.choose_mesher import Geometry
     from fem.casing.mesh.sizes import Sizes
     from fem.casing.parts.bolted_joint import BoltedJoint
@@ -42,7 +42,7 @@ class Structure:
     between two halves.
     """
 
-    housing: Geometry | ForeignHousing | None = None
+    housing: Geometry | ImportedMatrices | None = None
     material: Material | None = None
     bearings: Mapping[str, Sequence[float]] = field(default_factory=dict)
     interfaces: Mapping[str, Sequence[str]] | None = None

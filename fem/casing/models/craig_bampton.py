@@ -9,7 +9,7 @@ from fem.casing.models.body_stages import Recovery
 from fem.casing.models.casing_model import Structure
 from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.models.reduction_stages import CasingReduction
-from fem.casing.parts.names import MODES_OVER_BAND
+from fem.casing.parts.casing_choices import MODES_OVER_BAND
 from fem.options import option
 
 if TYPE_CHECKING:

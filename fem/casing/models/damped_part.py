@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from fem.casing.parts.names import COVER, FEET, JOINTS, LARGEST_LOSS_FACTOR, MOUNTS
+from fem.casing.parts.casing_choices import COVER, FEET, JOINTS, LARGEST_LOSS_FACTOR, MOUNTS
 from fem.options import option
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from fem.casing.models.damped_part import DampedPart
 from fem.casing.models.meshing import Meshing, SizedMeshing
 from fem.casing.models.reduction_stages import CasingReduction, ErrorCheck, Holding, QuadraticModes
 from fem.casing.models.stage import BODY, MESH, MODES, PlannedStage
-from fem.casing.parts.names import MODES_OVER_BAND, MOUNTS, Attachment, Ground
+from fem.casing.parts.casing_choices import MODES_OVER_BAND, MOUNTS, Attachment, Ground
 from fem.elements.solid_elements import SOLIDS
 from fem.options import option
 

@@ -11,8 +11,8 @@ from fem.casing.models.elastic_casing import ElasticCasing
 from fem.casing.models.stage import MODES, CasingError, CasingInputError, PlannedStage, Stage
 
 if TYPE_CHECKING:
-    from fem.casing.imported.imported_casing import ForeignHousing
-    from fem.casing.parts.names import Attachment, Ground
+    from fem.casing.imported.imported_casing import ImportedMatrices
+    from fem.casing.parts.casing_choices import Attachment, Ground
     from fem.casing.reduced.casing_modes import CasingModes
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.grounded import ForcedPoint
@@ -24,7 +24,7 @@ class MatricesReduction(Stage):
 
     kind: ClassVar[str] = "casing-matrices"
     libraries: ClassVar[tuple[str, ...]] = ("numpy", "scipy", "pyyeti")
-    housing: ForeignHousing
+    housing: ImportedMatrices
     model: str
     interfaces: Mapping[str, Sequence[str]]
     forced: tuple[ForcedPoint, ...]
@@ -40,8 +40,8 @@ class MatricesReduction(Stage):
         CasingInputError : the matrices cannot be used
         CasingError : the reduction fails
         """
-        from fem.casing.imported.foreign_body import ForeignError
-        from fem.casing.imported.imported_casing import foreign_casing
+        from fem.casing.imported.imported_body import MatrixError
+        from fem.casing.imported.imported_casing import imported_casing
         from fem.casing.reduced.reduction import ReductionError
         from fem.numerics.linear_solver import SingularMatrixError
 
@@ -50,8 +50,8 @@ class MatricesReduction(Stage):
                 "excitations of the model casing-force need a meshed casing, not matrices. Leave them out."
             )
         try:
-            return foreign_casing(**{key: value for key, value in vars(self).items() if key != "forced"})
-        except ForeignError as error:
+            return imported_casing(**{key: value for key, value in vars(self).items() if key != "forced"})
+        except MatrixError as error:
             raise CasingInputError(str(error)) from error
         except (ReductionError, SingularMatrixError) as error:
             raise CasingError(f"casing of matrices: {error}") from error

@@ -89,13 +89,13 @@ class SizedMeshing(Meshing):
         """
         from fem.casing.uncertainty.extrapolation import ExtrapolationError, limits_from
         from fem.casing.uncertainty.frequency_limits import LEAST_MODES
-        from fem.casing.uncertainty.wanted_size import wanted_factor
+        from fem.casing.uncertainty.target_size import target_factor
 
         count = int((trial.frequencies <= self.band).sum()) if self.band else len(trial.frequencies)
         inside = slice(max(count, 2 * LEAST_MODES))
         try:
             limits = limits_from(trial.frequencies[inside], trial.shapes[:, inside], trial.element_size, coarser)
-            factor = wanted_factor(limits, self.error, trial, coarser[0])
+            factor = target_factor(limits, self.error, trial, coarser[0])
         except ExtrapolationError as error:
             raise CasingError(str(error)) from error
         return self.with_sizes(self.sizes.times(factor))

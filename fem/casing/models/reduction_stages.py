@@ -13,14 +13,14 @@ if TYPE_CHECKING:
     from fem.casing.mesh.mesh import CasingMesh
     from fem.casing.models.body_stages import Recovery
     from fem.casing.parts.bolted_joint import BoltedJoint
-    from fem.casing.parts.names import Attachment, Ground
+    from fem.casing.parts.casing_choices import Attachment, Ground
     from fem.casing.parts.regions import Region
-    from fem.casing.reduced.accuracy import ErrorStatement
     from fem.casing.reduced.casing_modes import CasingModes
     from fem.casing.reduced.checkup import CheckUp
     from fem.casing.reduced.grounded import AssembledCasing, ForcedPoint, GroundedCasing
     from fem.casing.reduced.reduced_body import ReducedBody
     from fem.casing.reduced.reduction import Reduction
+    from fem.casing.reduced.reduction_error import ErrorStatement
     from fem.casing.uncertainty.extrapolation import LowestModes
     from fem.elements.materials import Material
 
@@ -149,7 +149,7 @@ class ErrorCheck(Stage):
         ----------
         mesh, modes, body : results of the other stages
         """
-        from fem.casing.reduced.accuracy import state_error
+        from fem.casing.reduced.reduction_error import state_error
 
         held, recovery = self.reduction.held, self.recovery
         iron = replace(held.material, elastic_modulus=body.stiffness_factor * held.material.elastic_modulus)

@@ -25,7 +25,7 @@ import scipy.sparse as sp
 
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.parts.bolts import Bolt
-from fem.casing.parts.split import SplitMesh, SplitPlane
+from fem.casing.parts.split_mesh import SplitMesh, SplitPlane
 from fem.elements.facets import facet_element
 from fem.elements.materials import Material
 from fem.elements.solid_elements import shapes

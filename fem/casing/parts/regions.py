@@ -1,7 +1,7 @@
 """Parts of a meshed housing: the elements whose centre is in a box.
 
 Elements in no region form the rest of the housing. Mounts under the feet and bolted joints are also parts, but without
-elements (`fem.casing.parts.names`).
+elements (`fem.casing.parts.casing_choices`).
 """
 
 from __future__ import annotations

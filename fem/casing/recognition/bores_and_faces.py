@@ -9,8 +9,8 @@ from itertools import groupby, pairwise
 
 import numpy as np
 
-from fem.casing.recognition.contents import BoltPattern, FlatFace, FoundBore
 from fem.casing.recognition.cylinders import Cylinder, fitted_cylinder, is_flat, turn
+from fem.casing.recognition.housing_contents import BoltPattern, FlatFace, FoundBore
 from fem.numerics.fitted_circle import fitted_circle
 
 _SAME_AXIS = 2e-5  # m, and

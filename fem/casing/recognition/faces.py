@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem.numerics.connected import connected_parts, shared_sides
+from fem.numerics.connected_parts import connected_parts, shared_sides
 
 _PLANE = np.cos(np.radians(0.5))
 _SMOOTH = np.cos(np.radians(40.0))

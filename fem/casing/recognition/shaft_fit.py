@@ -16,7 +16,7 @@ from itertools import permutations
 
 import numpy as np
 
-from fem.casing.recognition.contents import FoundBore
+from fem.casing.recognition.housing_contents import FoundBore
 
 OFF = 0.002  # m, or
 OFF_SHARE = 0.03  # of the distance: tolerance of centre distances between file and machine

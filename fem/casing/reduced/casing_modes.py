@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.casing.geometry.dimensions import Sensor
+from fem.casing.parts.casing_choices import MOUNTS, DampingRatio
 from fem.casing.parts.feet import clamped_reactions, foot_sums
-from fem.casing.parts.names import MOUNTS, DampingRatio
 from fem.casing.reduced.attachment import nearest_surface_point
 from fem.casing.reduced.damping import energy_shares, modal_damping
 from fem.casing.reduced.fewer_modes import ModeSet, fewest_modes, kept

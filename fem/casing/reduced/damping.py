@@ -18,7 +18,7 @@ from collections.abc import Sequence
 import numpy as np
 import scipy.linalg as la
 
-from fem.casing.parts.names import DampingRatio
+from fem.casing.parts.casing_choices import DampingRatio
 
 
 def damping_ratios(damping: DampingRatio, frequencies: np.ndarray) -> np.ndarray:

@@ -16,13 +16,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.sparse as sp
 
-from fem.casing.enrichment.added import KINDS_APART, AddedUnknowns, added_functions, extended
+from fem.casing.enrichment.added_unknowns import KINDS_APART, AddedUnknowns, added_functions, extended
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.mesh.mesh import CasingMesh
 from fem.casing.parts.bolted_joint import BoltedJoint, joint_stiffness
-from fem.casing.parts.names import FEWEST_MOUNTS, JOINTS, Attachment, Ground, few_feet
+from fem.casing.parts.casing_choices import FEWEST_MOUNTS, JOINTS, Attachment, Ground, few_feet
 from fem.casing.parts.regions import Region, elements_inside
-from fem.casing.parts.split import split_mesh
+from fem.casing.parts.split_mesh import split_mesh
 from fem.casing.reduced.attachment import AXES, AttachmentError, mean_motion_rows, nearest_surface_point
 from fem.casing.reduced.halves import Places, choice_of, interface_of
 from fem.casing.reduced.reduced_body import BEARING_AXES

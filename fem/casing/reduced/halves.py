@@ -94,7 +94,7 @@ class Places:
     """Positions of the unknowns u: three at every node, then the added ones."""
 
     nodes: np.ndarray  # (n, 3), m
-    functions: np.ndarray  # (m, 3), m, those of `fem.casing.enrichment.added.AddedUnknowns`
+    functions: np.ndarray  # (m, 3), m, those of `fem.casing.enrichment.added_unknowns.AddedUnknowns`
     numbers: np.ndarray  # (m,)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.casing.parts.names import MODES_OVER_BAND as MODES_OVER_BAND
+from fem.casing.parts.casing_choices import MODES_OVER_BAND as MODES_OVER_BAND
 from fem.storage.records import Record, array, names, scalar, text
 
 BEARING_AXES = ("ux", "uy", "uz", "rx", "rz")  # load-carrying axes of a bearing; the rotation ry is free

@@ -19,7 +19,7 @@ import numpy as np
 import scipy.linalg as la
 from threadpoolctl import threadpool_limits
 
-from fem.casing.parts.names import Ground
+from fem.casing.parts.casing_choices import Ground
 from fem.casing.reduced.casing_modes import CasingModes
 from fem.casing.reduced.grounded import AssembledCasing, GroundedCasing
 from fem.casing.reduced.halves import lowest

@@ -33,7 +33,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.numerics.root import brentq
+from fem.numerics.root_finding import brentq
 
 EDGE_ORDER = 1.09  # of a right-angled re-entrant edge
 SMOOTH_ORDER = 4.0  # of a smooth body, the upper bound that is accepted

@@ -25,9 +25,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.contact.evaluation.contacts import NEAR_ROOM
 from fem.contact.evaluation.kernel import approach_many, evaluate_many, first_touch
 from fem.contact.evaluation.law_tables import LARGEST_NEAR, MAX_SPAN, pack
+from fem.contact.evaluation.slice_contacts import NEAR_ROOM
 from fem.contact.law import MeshLaw
 from fem.contact.teeth import LawError, checked_terms
 

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import math
 
-from fem.contact.evaluation.contacts import near_pairs, nearest_approach
 from fem.contact.evaluation.law_tables import unpacked
+from fem.contact.evaluation.slice_contacts import near_pairs, nearest_approach
 from fem.contact.evaluation.solver import respond
 from fem.numerics.compiled import stored
-from fem.numerics.inner import UNCOUNTED
+from fem.numerics.inner_functions import UNCOUNTED
 
 ROUNDS = 200
 CLOSE = 1e-12  # of the force

@@ -16,7 +16,7 @@ from numba.np.unsafe.ndarray import to_fixed_tuple
 from fem.contact.law import MeshLaw
 from fem.contact.slice_means import FINER, slice_means
 from fem.numerics.compiled import views
-from fem.numerics.inner import INLINE, inner
+from fem.numerics.inner_functions import INLINE, inner
 
 LANES = 16
 MAX_SPAN = 10  # pitches that the position grid may span

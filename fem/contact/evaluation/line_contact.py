@@ -18,8 +18,8 @@ from __future__ import annotations
 
 import math
 
-from fem.contact.part_contact import part_of, spared, spared_compliance, touch
-from fem.numerics.inner import INLINE, inner
+from fem.contact.part_contact import part_of, reduction_of, reduction_of_compliance, touch
+from fem.numerics.inner_functions import INLINE, inner
 
 CLOSE = 1e-8  # a Newton step this small (relative) leaves an error of about its square times 0.1
 SERIES = 0.02  # largest change for `log_of_growth`
@@ -73,8 +73,8 @@ def single_load(x, compliance, slope, offset, part):
     for _ in range(60):
         depth = offset - log
         s = part_of(f, per_whole, even)
-        rest = x + rise * spared(even, s) - f * (compliance + slope * hertz_depth(depth, hertz_validity(depth)))
-        stiff = compliance_of(compliance, slope, depth) + rise * per_whole * spared_compliance(even, s)
+        rest = x + rise * reduction_of(even, s) - f * (compliance + slope * hertz_depth(depth, hertz_validity(depth)))
+        stiff = compliance_of(compliance, slope, depth) + rise * per_whole * reduction_of_compliance(even, s)
         step = rest / (stiff * f)
         if abs(step) <= CLOSE:
             return f * (1.0 + step), log + step

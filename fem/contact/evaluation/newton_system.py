@@ -17,7 +17,9 @@ from __future__ import annotations
 
 from numba import njit
 
-from fem.contact.evaluation.contacts import (
+from fem.contact.evaluation.law_tables import LANES, WIDTH, Y
+from fem.contact.evaluation.line_contact import compliance_of, hertz_depth
+from fem.contact.evaluation.slice_contacts import (
     BEYOND,
     BODIES,
     COUPLED,
@@ -53,11 +55,9 @@ from fem.contact.evaluation.contacts import (
     TARGET,
     mode_field,
 )
-from fem.contact.evaluation.law_tables import LANES, WIDTH, Y
-from fem.contact.evaluation.line_contact import compliance_of, hertz_depth
-from fem.contact.part_contact import part_of, spared, spared_compliance
+from fem.contact.part_contact import part_of, reduction_of, reduction_of_compliance
 from fem.numerics.compiled import SPREAD, SUMS
-from fem.numerics.inner import INLINE, inner
+from fem.numerics.inner_functions import INLINE, inner
 
 
 @njit(**SPREAD)
@@ -103,14 +103,14 @@ def _linearise(slope, face, block, rows, modes, r):
             soft, rise, per_whole = r[block, a, SOFTNESS, s], r[block, a, RISE, s], r[block, a, PER_WHOLE, s]
             part = part_of(f, per_whole, even)
             rest = r[block, a, FREE, s] - f * (soft + slope * hertz_depth(depth, r[block, a, BEYOND, s]))
-            rest += rise * spared(even, part)
+            rest += rise * reduction_of(even, part)
             for b in range(rows):
                 if b != a:
                     both = r[block, a, ON, s] * r[block, b, ON, s]
                     pull = both * r[block, a, COUPLED + PAIR_FIELDS * b, s] * r[block, b, PHI, s]
                     r[block, a, SYSTEM + PAIR_FIELDS * b, s] = pull
                     rest -= pull * r[block, b, LOAD, s]
-            own = compliance_of(soft, slope, depth) + rise * per_whole * spared_compliance(even, part)
+            own = compliance_of(soft, slope, depth) + rise * per_whole * reduction_of_compliance(even, part)
             r[block, a, SYSTEM + PAIR_FIELDS * a, s] = own
             r[block, a, REST, s] = r[block, a, ON, s] * rest
         _invert(block, s, rows, SYSTEM, r)

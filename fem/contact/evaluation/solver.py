@@ -29,7 +29,17 @@ import math
 import numpy as np
 from numba import njit, types
 
-from fem.contact.evaluation.contacts import (
+from fem.contact.evaluation.law_tables import LANES, LARGEST_NEAR, SHIFT, WIDTH, Y, blocks_of, unpacked
+from fem.contact.evaluation.line_contact import (
+    SERIES,
+    hertz_validity,
+    log_of_growth,
+    logarithm,
+    rough_log,
+    single_load,
+)
+from fem.contact.evaluation.newton_system import bodies_in_series, newton_step
+from fem.contact.evaluation.slice_contacts import (
     BEND,
     BEYOND,
     BODIES,
@@ -66,19 +76,9 @@ from fem.contact.evaluation.contacts import (
     mode_at,
     near_pairs,
 )
-from fem.contact.evaluation.law_tables import LANES, LARGEST_NEAR, SHIFT, WIDTH, Y, blocks_of, unpacked
-from fem.contact.evaluation.line_contact import (
-    SERIES,
-    hertz_validity,
-    log_of_growth,
-    logarithm,
-    rough_log,
-    single_load,
-)
-from fem.contact.evaluation.newton_system import bodies_in_series, newton_step
-from fem.contact.part_contact import part_of, spared_work, touch
+from fem.contact.part_contact import part_of, reduction_of_work, touch
 from fem.numerics.compiled import FLOAT, MATRIX, SPREAD, SUMS, VECTOR, by_address, stored, views
-from fem.numerics.inner import INLINE, inner
+from fem.numerics.inner_functions import INLINE, inner
 
 STEPS = 14
 ASIDE = 0.25  # of the approach: pairs this far apart are gathered, for modes that lift a tooth towards its mate
@@ -461,7 +461,7 @@ def _block_sums(slope, face, block, rows, r):
             bent = slope * (max(depth, 1.0) + 0.5 + 2.0 * (t - 0.25 * t * t - 0.75))
             left = r[block, a, FREE, s] - r[block, a, MOVED, s] + 0.5 * r[block, a, GAIN, s] * r[block, a, FIELD, s]
             own = left * f - 0.5 * f * f * (r[block, a, SOFTNESS, s] + bent)
-            own += rise / r[block, a, PER_WHOLE, s] * spared_work(even, part)
+            own += rise / r[block, a, PER_WHOLE, s] * reduction_of_work(even, part)
             load = w * r[block, a, PHI, s] * f
             force += load
             moment += load * y

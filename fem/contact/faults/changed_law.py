@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.contact.faults.tooth_fault import ToothFault
-from fem.contact.frame import law_points
 from fem.contact.law import MeshLaw
+from fem.contact.slice_frame import law_points
 from fem.contact.teeth import with_variants
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import PairModifications, check_modifications, lead_gap, lead_points, profile_gap

@@ -16,8 +16,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from fem.contact.frame import law_points
 from fem.contact.law import MeshLaw
+from fem.contact.slice_frame import law_points
 from fem.contact.wheels.crack_surface import CrackSurface, load_weights, opened
 from fem.elements.twisted_hexahedra import slice_means
 from fem.gears.geometry import GearPair

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from fem.contact.faults.tooth_fault import END, ToothFault, from_end
-from fem.contact.frame import law_points
 from fem.contact.law import MeshLaw
+from fem.contact.slice_frame import law_points
 from fem.gears.gear import Gear
 from fem.gears.gear_checks import require
 from fem.gears.geometry import GearPair

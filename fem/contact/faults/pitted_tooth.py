@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.contact.faults.patches import DEEPEST, FlankDamage, Patch, arc_at, radius_at
+from fem.contact.faults.broken_patches import DEEPEST, FlankDamage, Patch, arc_at, radius_at
 from fem.contact.faults.tooth_fault import lost_share
 from fem.gears.gear import Gear
 from fem.gears.gear_checks import require

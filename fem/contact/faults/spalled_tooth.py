@@ -1,11 +1,11 @@
-"""A spall: one patch broken out of a flank, see `fem.contact.faults.patches`."""
+"""A spall: one patch broken out of a flank, see `fem.contact.faults.broken_patches`."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Literal
 
-from fem.contact.faults.patches import FlankDamage, Patch
+from fem.contact.faults.broken_patches import FlankDamage, Patch
 from fem.contact.faults.tooth_fault import lost_share
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair

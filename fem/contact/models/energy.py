@@ -34,9 +34,9 @@ from typing import Literal
 
 import numpy as np
 
-from fem.contact.frame import FLANKS, ModelError, flank_frame, window_fraction
 from fem.contact.law import MeshLaw
 from fem.contact.models.mesh_model import MeshModel
+from fem.contact.slice_frame import FLANKS, ModelError, flank_frame, window_fraction
 from fem.contact.wheels.cantilever import beam_contour, cantilever
 from fem.contact.wheels.plane_section import EDGE_GAP, POSITIONS
 from fem.elements.materials import Material

@@ -25,9 +25,9 @@ from typing import Literal
 
 import numpy as np
 
-from fem.contact.frame import FLANKS, ModelError, flank_frame, window_fraction
 from fem.contact.law import MeshLaw
 from fem.contact.models.mesh_model import MeshModel
+from fem.contact.slice_frame import FLANKS, ModelError, flank_frame, window_fraction
 from fem.contact.wheels.plane_section import EDGE_GAP
 from fem.elements.materials import STEEL
 from fem.gears.gear import Gear

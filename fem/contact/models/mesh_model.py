@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from fem.contact.frame import FLANKS, ModelError
 from fem.contact.law import MeshLaw
+from fem.contact.slice_frame import FLANKS, ModelError
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import PairModifications
 from fem.options import check_options, option

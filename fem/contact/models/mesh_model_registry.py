@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 
-from fem.contact.frame import ModelError
 from fem.contact.models.mesh_model import MeshModel
+from fem.contact.slice_frame import ModelError
 from fem.named_classes import named_class
 
 MODELS = {

@@ -8,9 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-from fem.contact.frame import FLANKS, flank_frame, window_fraction
 from fem.contact.law import MeshLaw
 from fem.contact.models.mesh_model import MeshModel
+from fem.contact.slice_frame import FLANKS, flank_frame, window_fraction
 from fem.contact.wheels.plane_section import PlaneSection
 from fem.gears.geometry import GearPair
 

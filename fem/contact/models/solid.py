@@ -4,7 +4,7 @@ One sector of each wheel, in 27-node hexahedra, is condensed and closed to the r
 (`fem.contact.wheels.solid_ring`). The compliances between all contacts are stored (`fem.contact.wheels.compliance`):
 the effect of a load on its neighbours along the face, on the tooth pairs before and after it, and at the ends of the
 face. Loads, tilts, reliefs, missing teeth and both flanks are solutions with this one tensor
-(`fem.contact.wheels.contact`).
+(`fem.contact.wheels.direct_contact`).
 
 Range: bodies with free end faces, solid or a rim on a web at its position along the face. A web wider than the face is
 modelled as a ring with its modulus raised by b_s / b. The Hertz contact should be narrower than a slice.

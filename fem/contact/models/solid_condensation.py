@@ -38,8 +38,8 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
-from fem.contact.frame import flank_frame, window_fraction
 from fem.contact.law import MeshLaw
+from fem.contact.slice_frame import flank_frame, window_fraction
 from fem.contact.wheels.compliance import ContactCompliance
 from fem.contact.wheels.hertz_terms import contact_radius
 from fem.contact.wheels.plane_section import PlaneSection

@@ -2,7 +2,7 @@
 
 The largest stress of each root is found by `pipelines.runs.root_stress.root_stresses`.
 
-The line loads of `fem.contact.wheels.contact` act on the flank rows with the patches of the compliance. Their
+The line loads of `fem.contact.wheels.direct_contact` act on the flank rows with the patches of the compliance. Their
 half-width is 0.2 m_n at the default refinement: the subsurface stress of the Hertz contact is not resolved. The ring
 gives the motion of the cuts, from which the condensed unknowns of each sector are recovered.
 """
@@ -72,7 +72,8 @@ def stress_field(
     ----------
     pair, model : the gears in mesh and their model
     record : compliances of this pair by this model
-    index, line_load : position, and line loads (pair, slice) there, N/m, of `fem.contact.wheels.contact.contact_at`
+    index, line_load : position, and line loads (pair, slice) there in N/m, of
+        `fem.contact.wheels.direct_contact.contact_at`
     """
     turns, place = divmod(index, len(record.position))
     numbers = record.pair + turns

@@ -34,7 +34,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.contact.frame import ModelError
+from fem.contact.slice_frame import ModelError
 from fem.contact.wheels.hertz_terms import contact_terms
 from fem.gears.geometry import GearPair
 from fem.gears.path import PathPoints, bridging_window, path_points

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.numerics.sinc_interpolation import interpolated
-from pipelines.diagnosis.simulated import with_stated_noise
+from pipelines.diagnosis.simulated_features import with_stated_noise
 from pipelines.io.errors import InputError
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 from pipelines.signals.features.recording_features import FeatureError, recorded_channels
 from pipelines.signals.motion_warnings import stored_warnings
 from pipelines.signals.orders.kinematics import Kinematics

@@ -10,7 +10,7 @@ import numpy as np
 
 from pipelines.diagnosis.comparison.compared_features import Features
 from pipelines.diagnosis.comparison.compared_recording import ComparedRecording
-from pipelines.io.grid import Grid
+from pipelines.io.text_table import Grid
 from pipelines.signals.features.definitions import BY_NAME
 from pipelines.signals.orders.revolutions import HIGHEST
 

@@ -11,7 +11,7 @@ import numpy as np
 from pipelines.diagnosis.comparison.compared_features import features_of
 from pipelines.diagnosis.comparison.compared_recording import brought_together, compared_recording
 from pipelines.io.errors import InputError
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 from pipelines.signals.features.recording_features import FeatureError
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.signals.orders.rotation import RotationError

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from pipelines.diagnosis.uncertainty.bar_records import Band, LineBar, LineBars
-from pipelines.io.grid import Grid
+from pipelines.io.text_table import Grid
 
 
 def bars_grid(bars: Sequence[LineBar], window: str) -> Grid:

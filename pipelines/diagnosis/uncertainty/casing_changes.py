@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.casing.uncertainty.draws import CasingDraws, undrawn
+from fem.casing.uncertainty.casing_samples import CasingSamples, nominal_samples
 from fem.casing.uncertainty.modal_form import ModalForm
 from mbd.system.blocked_forces import MachineAtSeats, blocked_forces
 
@@ -37,7 +37,7 @@ class CasingPath:
     forced: np.ndarray  # (force, coordinate) rows on which the known forces of the bearings act
 
     def accelerations(
-        self, frequency: float, forces: np.ndarray, casings: CasingDraws
+        self, frequency: float, forces: np.ndarray, casings: CasingSamples
     ) -> tuple[np.ndarray, np.ndarray]:
         """Complex amplitudes (m/s2) at the sensor on the nominal casing (axis,) and on sampled ones (sample, axis).
 
@@ -55,7 +55,7 @@ class CasingPath:
         rest, rest_slope = ((rows[:, near:] * part) @ rows[:, near:].T for part in (above, slope))
         to_sensor, to_sensor_slope = ((read[:, near:] * part) @ rows[:, near:].T for part in (above, slope))
         shapes, seen = rows[:, :near], read[:, :near]
-        own = rest + (shapes / self._near(omega, undrawn(self.form, near))[0]) @ shapes.T
+        own = rest + (shapes / self._near(omega, nominal_samples(self.form, near))[0]) @ shapes.T
         blocked = blocked_forces(stiffness, own, (self.forced.T @ forces)[seats], known, flanks)
         # the columns of `taken` are C f and C P U, those of `taken_slope` their derivatives with respect to s
         taken = np.linalg.solve(np.eye(len(seats)) + stiffness @ rest, np.column_stack([blocked, stiffness @ shapes]))
@@ -63,16 +63,16 @@ class CasingPath:
         pushed = shapes.T @ taken, shapes.T @ taken_slope
         sensed = to_sensor @ taken, to_sensor_slope @ taken + to_sensor @ taken_slope
 
-        def found(some: CasingDraws) -> np.ndarray:
+        def found(some: CasingSamples) -> np.ndarray:
             at = some.stiffening[:, None, None]
             push, sense = (value + at * by_s for value, by_s in (pushed, sensed))
             held = (some.turns * self._near(omega, some)[:, None, :]) @ some.turns.transpose(0, 2, 1)
             eta = np.linalg.solve(held + push[..., 1:], push[..., :1])
             return -(omega**2) * (sense[..., :1] + (seen - sense[..., 1:]) @ eta)[..., 0]
 
-        return found(undrawn(self.form, near))[0], found(casings)
+        return found(nominal_samples(self.form, near))[0], found(casings)
 
-    def _near(self, omega: float, casings: CasingDraws) -> np.ndarray:
+    def _near(self, omega: float, casings: CasingSamples) -> np.ndarray:
         """Dynamic stiffness (sample, near) of the sampled modes."""
         damped = 2j * omega * np.outer(casings.damping, self.form.ratios[: self.near]) * np.sqrt(casings.squares)
         return casings.squares - omega**2 + damped

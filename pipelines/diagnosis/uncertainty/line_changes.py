@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import fft
 
-from fem.casing.uncertainty.draws import CasingDraws
+from fem.casing.uncertainty.casing_samples import CasingSamples
 from pipelines.diagnosis.uncertainty.casing_changes import CasingPath
 from pipelines.signals.spectrum import Segment, bin_kernel, complex_amplitudes
 
@@ -40,7 +40,7 @@ class CutRun:
 
 
 def spectrum_changes(
-    run: CutRun, path: CasingPath, frequencies: Sequence[float], casings: CasingDraws
+    run: CutRun, path: CasingPath, frequencies: Sequence[float], casings: CasingSamples
 ) -> tuple[np.ndarray, np.ndarray]:
     """Changes of spectrum lines (sample, line), dB, and the error of the path on the nominal casing (line,), dB.
 
@@ -67,7 +67,7 @@ def spectrum_changes(
 
 def envelope_changes(
     run: CutRun, path: CasingPath, orders: Sequence[int], revolution_frequency: float, band: tuple[float, float],
-    casings: CasingDraws,
+    casings: CasingSamples,
 ) -> np.ndarray:  # fmt: skip
     """Changes of envelope lines (sample, line), dB.
 

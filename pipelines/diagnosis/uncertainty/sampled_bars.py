@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.casing.uncertainty.draws import (
-    CasingDraws,
-    drawn_damping,
-    drawn_frequencies,
+from fem.casing.uncertainty.casing_samples import (
+    CasingSamples,
     joined,
     near_modes,
+    nominal_samples,
+    sampled_damping,
+    sampled_frequencies,
     single_errors,
-    undrawn,
 )
 from fem.casing.uncertainty.modal_form import ModalForm, modal_form
 from mbd.system.blocked_forces import machine_at_seats
@@ -102,7 +102,7 @@ class _Window:
             forced=np.array([body.row(place) for place in places]),
         )
 
-    def changes(self, lines: LineTable, casings: CasingDraws) -> tuple[np.ndarray, np.ndarray]:
+    def changes(self, lines: LineTable, casings: CasingSamples) -> tuple[np.ndarray, np.ndarray]:
         """Changes of lines (sample, line), dB, and the error of the path (line,), dB; 0 for lines of the envelope."""
         levels, missed = np.zeros((len(casings), len(lines))), np.zeros(len(lines))
         enveloped = np.array([kind == "envelope" for kind in lines.kind])
@@ -124,9 +124,9 @@ class _Window:
 
 def _window_bars(window: _Window, lines: LineTable, uncertain: Uncertain, missed: list[str]) -> list[LineBar]:
     form, near, errors = window.form, window.path.near, uncertain.errors
-    parts = [undrawn(form, near), drawn_damping(form, near, uncertain.damping_spread, SAMPLES, SEED)]
+    parts = [nominal_samples(form, near), sampled_damping(form, near, uncertain.damping_spread, SAMPLES, SEED)]
     if errors is not None:
-        parts += [drawn_frequencies(form, near, errors, SAMPLES, SEED), single_errors(form, near, errors)]
+        parts += [sampled_frequencies(form, near, errors, SAMPLES, SEED), single_errors(form, near, errors)]
     levels, off = window.changes(lines, joined(parts))
     inputs, rest = levels[1 : 1 + SAMPLES], levels[1 + SAMPLES :]
     missed += [f"{window.name} {lines.label[i]}" for i in np.flatnonzero(abs(off) > MISSED)]

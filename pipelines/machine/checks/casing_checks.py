@@ -13,20 +13,20 @@ from fem.casing.geometry.dimensions import HousingError
 from fem.casing.geometry.housing import Housing
 from fem.casing.geometry.locators import ByCylinder, ByGroup, ByPlane, Locator
 from fem.casing.mesh.choose_mesher import Geometry
-from fem.casing.mesh.imported import ALONG_Y, OFF_AXIS, ImportedHousing
+from fem.casing.mesh.imported_housing import ALONG_Y, OFF_AXIS, ImportedHousing
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.models.casing_model import HousingCasing
-from fem.casing.parts.names import FEWEST_MOUNTS, few_feet
+from fem.casing.parts.casing_choices import FEWEST_MOUNTS, few_feet
 from mbd.parts.coordinate_layout import BEARING_PLACE_TOLERANCE
 from pipelines.io.errors import Problem
 from pipelines.machine.layout import TrainLayout
-from pipelines.machine.plant import Plant
+from pipelines.machine.machine_model import MachineModel
 from pipelines.machine.scene_bearings import bearing_names, bearing_points
 from pipelines.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from fem.casing.imported.imported_casing import ForeignHousing
+    from fem.casing.imported.imported_casing import ImportedMatrices
 
 MOST_ELEMENTS = 1_500_000  # quadratic tetrahedra, 2 million nodes: their factorisation needs about 60 GB
 MOST_NODES = 2_000_000
@@ -34,7 +34,7 @@ OR_BAND = ", or a lower casing.band_Hz if elements_per_wavelength is set"
 LARGEST_LOOK = 10e6  # bytes; larger housing files are not read for these checks
 
 
-def bad_casing(scene: Scene, machine: Plant) -> Iterator[Problem]:
+def bad_casing(scene: Scene, machine: MachineModel) -> Iterator[Problem]:
     """All problems of a casing that can be found without its mesh."""
     made, table = machine.structure.housing, scene.casing
     if made is not None and getattr(table, "ground", "") == "springs":
@@ -47,7 +47,7 @@ def bad_casing(scene: Scene, machine: Plant) -> Iterator[Problem]:
     yield from _off_middle(scene, machine.layout, {bore.name: made.bore_centre(bore) for bore in made.bores}, "boss")
     if not machine.casing.needs_mesh(machine.structure):
         return
-    from fem.casing.mesh.mesher import check_element_size
+    from fem.casing.mesh.gmsh_mesh import check_element_size
 
     sizes = machine.casing.sizes(machine.structure)
     try:
@@ -68,7 +68,7 @@ def bad_casing(scene: Scene, machine: Plant) -> Iterator[Problem]:
         )
 
 
-def _bad_mounts(scene: Scene, made: Geometry | ForeignHousing) -> Iterator[Problem]:
+def _bad_mounts(scene: Scene, made: Geometry | ImportedMatrices) -> Iterator[Problem]:
     """Too few feet on springs, and rows of mounts that do not fit the feet; a plane has feet that only a mesh shows."""
     feet = made.ground_points() if isinstance(made, Housing) else made.grounds
     count, rows = len(feet), scene.casing.mounts_N_per_um
@@ -86,7 +86,7 @@ def _bad_mounts(scene: Scene, made: Geometry | ForeignHousing) -> Iterator[Probl
 
 def _no_hexahedra(made: Housing, sizes: Sizes, element: str, size: float) -> Iterator[Problem]:
     """Reasons why a housing cannot be meshed with hexahedra."""
-    from fem.casing.mesh.section import shaft_places
+    from fem.casing.mesh.housing_section import shaft_places
 
     count = _nodes(made, sizes.element)
     if count > MOST_NODES:
@@ -215,10 +215,10 @@ def _looked_up(made: ImportedHousing, element: str) -> dict[str, np.ndarray | Me
         return {}
     try:
         if made.is_step:
-            from fem.casing.mesh.mesher import find_seats
+            from fem.casing.mesh.gmsh_mesh import find_seats
 
             return find_seats(made)
-        from fem.casing.mesh.imported import mesh_from_file
+        from fem.casing.mesh.imported_housing import mesh_from_file
 
         mesh = mesh_from_file(made, element)
         return dict(zip(mesh.patch_names, mesh.patch_points, strict=True))

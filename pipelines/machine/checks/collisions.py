@@ -14,9 +14,9 @@ import numpy as np
 
 from fem.casing.geometry.dimensions import Dimensions
 from pipelines.io.errors import Problem
-from pipelines.machine.casing import dimensions
 from pipelines.machine.layout import TrainLayout
-from pipelines.machine.plant import Drivetrain
+from pipelines.machine.machine_model import Drivetrain
+from pipelines.machine.scene_casing import dimensions
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.housing import HousingBase
 

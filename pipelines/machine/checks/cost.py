@@ -15,8 +15,8 @@ from pathlib import Path
 
 from fem.storage.cache_folder import cache_root
 from pipelines.io.errors import Problem, SceneError
-from pipelines.io.shown import duration
-from pipelines.machine.plant import Drivetrain
+from pipelines.io.shown_text import duration
+from pipelines.machine.machine_model import Drivetrain
 
 MOST_STEPS = 1e9  # of one simulation: half a day
 MOST_VALUES = 1e9  # samples times channels of one simulation: 8 GB
@@ -49,7 +49,7 @@ def cost(train: Drivetrain) -> Cost:
     steps = samples * max(1.0, math.ceil(1 / motion.output_rate / max(motion.step, 1e-18) - 1e-9))
     blocks = sum(math.ceil(law.mesh.slices / 16) for law in train.laws)
     seconds = steps * (_STEP_SECONDS + _MODE_SECONDS * _modes(train) + _SLICES_SECONDS * blocks)
-    return Cost(samples=samples, steps=steps, channels=len(train.recorded.channels(train.machine)), seconds=seconds)
+    return Cost(samples=samples, steps=steps, channels=len(train.recorded.channels(train.parts)), seconds=seconds)
 
 
 def too_long(train: Drivetrain) -> Iterator[Problem]:
@@ -138,8 +138,8 @@ def words(size: float) -> str:
 def _modes(train: Drivetrain) -> float:
     """Approximate number of retained modes of the machine."""
     found = float(train.casing_modes)
-    for shaft in train.machine.shafts:
-        bearings = sum(bearing.shaft == shaft.name for bearing in train.machine.bearings)
+    for shaft in train.parts.shafts:
+        bearings = sum(bearing.shaft == shaft.name for bearing in train.parts.bearings)
         nodes = min(333.0, (shaft.y_end - shaft.y_start) / shaft.element_length) + len(shaft.sections) + bearings + 2
         found += nodes * (3.0 if shaft.model == "timoshenko" else 1.0)  # half of the bending modes exceed the band
     return found

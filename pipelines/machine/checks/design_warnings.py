@@ -8,15 +8,15 @@ from collections.abc import Iterator
 import numpy as np
 
 from mbd.parts.rolling_catalogue import bore_of
-from pipelines.machine.casing import dimensions
 from pipelines.machine.checks.collisions import FARTHEST_SENSOR
 from pipelines.machine.checks.flank_checks import flank_warnings
 from pipelines.machine.checks.strength import strength_warnings
 from pipelines.machine.checks.window_checks import bad_windows
 from pipelines.machine.drives import motor_torques
 from pipelines.machine.layout import TrainLayout
-from pipelines.machine.plant import Drivetrain
+from pipelines.machine.machine_model import Drivetrain
 from pipelines.machine.scene_bearings import bearing_names, bearing_table
+from pipelines.machine.scene_casing import dimensions
 from pipelines.scene.problems import other_unit
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import shaft_faults

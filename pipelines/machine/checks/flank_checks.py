@@ -12,7 +12,7 @@ from fem.gears.prescribed import PrescribedDeviations, check_prescribed
 from pipelines.io.errors import Problem
 from pipelines.machine.flanks import GEARS, Fault
 from pipelines.machine.layout import TrainLayout
-from pipelines.machine.plant import Drivetrain
+from pipelines.machine.machine_model import Drivetrain
 from pipelines.scene.presets import most_slices
 from pipelines.scene.scene import Scene
 
@@ -31,7 +31,7 @@ def bad_flanks(scene: Scene, train: Drivetrain) -> Iterator[Problem]:
             yield Problem(f"faults.{number}", str(error))
     if not scene.deviations.enabled:
         return
-    for number, (stage, mesh) in enumerate(zip(scene.stages, train.machine.meshes, strict=True), 1):
+    for number, (stage, mesh) in enumerate(zip(scene.stages, train.parts.meshes, strict=True), 1):
         for name in GEARS:
             given: PrescribedDeviations | None = getattr(mesh, name).prescribed
             try:

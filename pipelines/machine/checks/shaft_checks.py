@@ -17,8 +17,8 @@ from mbd.parts.shafts import shaft_nodes
 from pipelines.io.errors import Problem
 from pipelines.machine.layout import TrainLayout
 from pipelines.machine.loads import load_places
-from pipelines.machine.parts import MachineParts
-from pipelines.machine.plant import Plant
+from pipelines.machine.machine_model import MachineModel
+from pipelines.machine.machine_parts import MachineParts
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.drive_and_load import LoadBase
 
@@ -63,10 +63,10 @@ def long_shafts(machine: MachineParts) -> Iterator[Problem]:
             yield Problem(f"shafts.{number}", str(error))
 
 
-def unheld(machine: Plant) -> Iterator[Problem]:
+def unheld(machine: MachineModel) -> Iterator[Problem]:
     """The shafts that take part in free motions, each with the direction in which it moves most."""
     rows = np.array(list(_springs(machine)))
-    scaled = rows * np.tile([1.0, 1.0, 1.0, 1 / _ARM, 1 / _ARM, 1 / _ARM], len(machine.machine.shafts))
+    scaled = rows * np.tile([1.0, 1.0, 1.0, 1 / _ARM, 1 / _ARM, 1 / _ARM], len(machine.parts.shafts))
     scaled /= np.linalg.norm(scaled, axis=1)[:, None]
     _, sizes, motions = np.linalg.svd(scaled)
     held = int((sizes > _FREE * sizes[0]).sum())
@@ -84,9 +84,9 @@ def unheld(machine: Plant) -> Iterator[Problem]:
         )
 
 
-def _springs(machine: Plant) -> Iterator[np.ndarray]:
+def _springs(machine: MachineModel) -> Iterator[np.ndarray]:
     """Rows (6 shafts) of all springs, for the displacements and rotations of rigid shafts at y = 0."""
-    layout, parts = machine.layout, machine.machine
+    layout, parts = machine.layout, machine.parts
     numbers = {shaft.name: number for number, shaft in enumerate(parts.shafts)}
 
     def row(shaft: int, y: float, coefficients: np.ndarray) -> np.ndarray:

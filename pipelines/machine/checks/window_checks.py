@@ -9,7 +9,7 @@ import numpy as np
 
 from mbd.parts.speed_drive import SpeedProfile
 from pipelines.io.errors import Problem
-from pipelines.machine.plant import Drivetrain
+from pipelines.machine.machine_model import Drivetrain
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.drive_and_load import SpeedDrive
 from pipelines.scene.tables.torques import RPM
@@ -34,7 +34,7 @@ def bad_windows(scene: Scene, machine: Drivetrain) -> Iterator[Problem]:
             "drive.speeds_rpm", "all speeds are 0, so that there is nothing to diagnose", "Set a speed above 0"
         )
         return
-    rate, drive, settings = scene.simulation.output_rate_Hz, machine.machine.profile, machine.diagnosis
+    rate, drive, settings = scene.simulation.output_rate_Hz, machine.parts.profile, machine.diagnosis
     if settings is None:
         return
     profile = SpeedProfile(times=drive.times, speeds=drive.speeds / RPM, smooth=drive.smooth)

@@ -11,10 +11,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from fem.contact.faults.broken_patches import FlankDamage, Patch, arc_at
 from fem.contact.faults.chipped_tooth import ChippedTooth
 from fem.contact.faults.cracked_tooth import CrackedTooth
 from fem.contact.faults.missing_tooth import MissingTooth
-from fem.contact.faults.patches import FlankDamage, Patch, arc_at
 from fem.contact.faults.pitted_tooth import PittedTooth
 from fem.contact.faults.spalled_tooth import SpalledTooth
 from fem.contact.faults.tooth_fault import ToothFault

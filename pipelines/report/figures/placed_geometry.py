@@ -14,7 +14,7 @@ from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from fem.gears.profile import half_tooth_profile
 from pipelines.machine.flanks import Fault, first_tooth_fault
-from pipelines.machine.plant import Plant
+from pipelines.machine.machine_model import MachineModel
 from pipelines.report.figures.damage import drawn_tooth
 from pipelines.report.figures.damaged_tooth import DrawnTooth
 from pipelines.report.figures.scene_frame import scene_frame
@@ -84,7 +84,7 @@ class PlacedPair:
     damage: tuple[ToothFault, ...]
 
 
-def placed_pair(machine: Plant, stage: int) -> PlacedPair:
+def placed_pair(machine: MachineModel, stage: int) -> PlacedPair:
     """Pair of a stage (from 1) of a machine."""
     pinion, wheel = machine.layout.pair_shafts[stage - 1]
     sense = machine.layout.pinion_senses[stage - 1]
@@ -94,7 +94,7 @@ def placed_pair(machine: Plant, stage: int) -> PlacedPair:
     damage = [] if fault is None else [one for one in faults if one.gear == fault.gear]
     return PlacedPair(
         pair=machine.layout.pairs[stage - 1],
-        frame=scene_frame(axes[pinion], axes[wheel], machine.machine.meshes[stage - 1].y, sense),
+        frame=scene_frame(axes[pinion], axes[wheel], machine.parts.meshes[stage - 1].y, sense),
         sense=sense,
         fault=fault,
         damage=tuple(one.damage for one in damage if fault and one.tooth in (None, fault.tooth or 0)),

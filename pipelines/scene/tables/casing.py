@@ -11,7 +11,7 @@ from fem.casing.geometry.dimensions import Sensor
 from fem.casing.models.casing_model import HousingCasing
 from fem.casing.models.casing_registry import CASINGS, casing_class
 from fem.casing.models.elastic_casing import ElasticCasing
-from fem.casing.parts.names import COVER, FEET, JOINTS, MOUNTS
+from fem.casing.parts.casing_choices import COVER, FEET, JOINTS, MOUNTS
 from fem.elements.materials import Material
 from pipelines.scene.tables.derived import DerivedTable, choice, table
 from pipelines.scene.tables.housing import (

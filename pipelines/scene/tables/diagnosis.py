@@ -14,7 +14,7 @@ from pipelines.scene.tables.scene_table import Window
 
 
 @dataclass(frozen=True, kw_only=True)
-class LookedFor:
+class Monitored:
     """Signal, gear and windows of the diagnosis.
 
     `possible` is False without windows or sensors; `speed_is_known` is True if motors prescribe the speed.
@@ -66,4 +66,4 @@ class _WindowsBase(DerivedTable):
     )
 
 
-DiagnosisTable: TypeAlias = table(LookedFor, _WindowsBase)
+DiagnosisTable: TypeAlias = table(Monitored, _WindowsBase)

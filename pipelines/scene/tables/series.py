@@ -16,7 +16,7 @@ from pydantic import Discriminator, Field, Tag
 
 from fem.storage.hdf5_file import blocks_missing
 from pipelines.io.errors import InputError, Problem, SceneError
-from pipelines.io.shown import nearest_name, number_of, shown
+from pipelines.io.shown_text import nearest_name, number_of, shown
 from pipelines.io.user_files import read_text, regular_file
 from pipelines.scene.tables.scene_table import Number, Table
 

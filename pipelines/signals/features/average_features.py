@@ -1,14 +1,15 @@
-"""Features of the time-synchronous average (`pipelines.signals.features.average`) of a shaft and of its gears.
+"""Features of the time-synchronous average of a shaft and of its gears.
 
-Their formulae are in `pipelines.signals.features.definitions`.
+The average is computed in `pipelines.signals.features.synchronous_averages`; the
+formulae are in `pipelines.signals.features.definitions`.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from pipelines.signals.features.average import Average
 from pipelines.signals.features.statistics import kurtosis, root_mean_square
+from pipelines.signals.features.synchronous_averages import Average
 
 MESH_ORDERS = (1, 2, 3)
 RATIO_SIDEBANDS = 6  # on each side, of the sideband ratio

@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipelines.signals.features.average import FEWEST_TURNS, average, average_power
 from pipelines.signals.features.average_features import meshing, synchronous
 from pipelines.signals.features.envelope_features import (
     FINE,
@@ -29,8 +28,9 @@ from pipelines.signals.features.envelope_features import (
 )
 from pipelines.signals.features.feature_table import WHOLE, FeatureTable
 from pipelines.signals.features.passing import pass_levels
+from pipelines.signals.features.shaft_turns import Turns, cut_turns
 from pipelines.signals.features.statistics import kurtosis, squared_magnitude, statistics
-from pipelines.signals.features.turns import Turns, cut_turns
+from pipelines.signals.features.synchronous_averages import FEWEST_TURNS, average, average_power
 from pipelines.signals.orders.kinematics import GUARD_ORDER, Kinematics, Shaft
 from pipelines.signals.orders.revolutions import HIGHEST, within
 from pipelines.signals.orders.rotation import Rotation

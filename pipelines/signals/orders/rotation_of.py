@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.signals.orders.mesh_tracking import track
 from pipelines.signals.orders.rotation import Rotation, RotationError

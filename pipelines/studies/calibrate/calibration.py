@@ -18,9 +18,9 @@ from pipelines.engine.progress import reported_count
 from pipelines.engine.run_graph import Work
 from pipelines.engine.storage import digest
 from pipelines.io.errors import InputError
-from pipelines.machine.plant import Plant
+from pipelines.machine.machine_model import MachineModel
 from pipelines.recordings.machine_file import MeasuredMachine
-from pipelines.runs.recorded import asked_windows, read_features, recording_and_window
+from pipelines.runs.judged_recording import read_features, recording_and_window, requested_windows
 from pipelines.scene.load_scene import LoadedScene
 from pipelines.studies.calibrate.free_keys import AFTER, BEFORE, FEWEST, STATE, Free, agreement_plan, calibration_plan
 from pipelines.studies.calibrate.posterior import check_installed, emulator, sample
@@ -75,7 +75,7 @@ class Calibration:
 
 def calibrate(
     loaded: LoadedScene,
-    machine: Plant,
+    machine: MachineModel,
     measured: MeasuredMachine,
     sources: Sequence[str | Path],
     *,
@@ -107,9 +107,9 @@ def calibrate(
     """
     check_installed()
     plan = calibration_plan(loaded, machine, free, count)
-    windows = dict(machine.looked_for.windows) or {"whole": (0.0, machine.motion.end)}
+    windows = dict(machine.monitored.windows) or {"whole": (0.0, machine.motion.end)}
     observed, unused = (_recorded(sources, measured, windows, part) for part in (0, 1))
-    noise = machine.looked_for.noise
+    noise = machine.monitored.noise
 
     def simulated(plan: Plan, place: Path, part: int) -> dict[int, Levels]:
         """Levels of the runs of a campaign in a half of the windows."""
@@ -166,7 +166,7 @@ def _recorded(
     found = []
     for source in sources:
         path, asked = recording_and_window(source)
-        chosen = asked_windows(source, asked, windows) or {}
+        chosen = requested_windows(source, asked, windows) or {}
         table = read_features(path, measured, _halves(chosen, part), 0.0).table
         found.append(
             {line: value for line, value in line_levels(table).items() if line[0] != MEAN and line[-1] == "dB"}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from pipelines.io.grid import grid
+from pipelines.io.text_table import grid
 from pipelines.studies.calibrate.calibration import IDENTIFIABLE, Calibration
 
 if TYPE_CHECKING:

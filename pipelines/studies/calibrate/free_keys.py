@@ -10,8 +10,8 @@ from typing import Any
 from pipelines.datasets.plan import Plan, plan_on
 from pipelines.datasets.typical_spread import put_setting
 from pipelines.io.errors import InputError
-from pipelines.io.shown import number_of, shown
-from pipelines.machine.plant import Plant
+from pipelines.io.shown_text import number_of, shown
+from pipelines.machine.machine_model import MachineModel
 from pipelines.scene.load_scene import LoadedScene
 
 FEWEST = 40  # runs of a campaign; half of them for the emulator
@@ -52,7 +52,7 @@ def parse_free(text: str) -> Free:
     return found
 
 
-def calibration_plan(loaded: LoadedScene, machine: Plant, free: Sequence[Free], count: int) -> Plan:
+def calibration_plan(loaded: LoadedScene, machine: MachineModel, free: Sequence[Free], count: int) -> Plan:
     """The plan of the campaign: free keys over their priors, and another pair of gears in each run.
 
     Parameters
@@ -79,7 +79,7 @@ def calibration_plan(loaded: LoadedScene, machine: Plant, free: Sequence[Free], 
     return _plan(loaded, machine, tables)
 
 
-def agreement_plan(loaded: LoadedScene, machine: Plant, values: Mapping[str, float]) -> Plan:
+def agreement_plan(loaded: LoadedScene, machine: MachineModel, values: Mapping[str, float]) -> Plan:
     """The plan of the scene before the calibration, and after it with other values by key; each with several gears."""
     cases = {BEFORE: {}, AFTER: _tree(values)}
     variables = {STATE: [BEFORE, AFTER], SPECIMEN: {"from": 1, "to": SPECIMENS}}
@@ -88,7 +88,7 @@ def agreement_plan(loaded: LoadedScene, machine: Plant, values: Mapping[str, flo
     return _plan(loaded, machine, tables)
 
 
-def _plan(loaded: LoadedScene, machine: Plant, tables: Mapping[str, Any]) -> Plan:
+def _plan(loaded: LoadedScene, machine: MachineModel, tables: Mapping[str, Any]) -> Plan:
     signals = ["acceleration" if machine.sensors else "journal_acceleration", "shaft_angle"]
     return plan_on(loaded, {**tables, "signals": signals, "split": {"test": 0.0}}, f"calibrate-{loaded.name}")
 

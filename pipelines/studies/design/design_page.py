@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipelines.io.grid import grid
+from pipelines.io.text_table import grid
 from pipelines.io.user_files import whole_file
 from pipelines.studies.design.design_study import COMPROMISE, FINE, DesignStudy
 

@@ -23,7 +23,7 @@ from pipelines.studies.design.quantities import Quantity, parse_limit, parse_qua
 from pipelines.studies.design.search import Designs, DesignTask, Evaluations, search
 
 if TYPE_CHECKING:
-    from pipelines.machine.plant import Plant
+    from pipelines.machine.machine_model import MachineModel
 
 LOADS = (0.25, 0.5, 0.75, 1.0)  # of the torque of the scene
 COMPROMISE = "compromise"
@@ -157,7 +157,7 @@ def design_study(loaded: LoadedScene, options: DesignOptions, work: Work) -> Des
     """
     graph, machine = scene_graph(loaded)
     number = _checked(loaded, options)
-    law = machine.sound_law_names[number]
+    law = machine.healthy_law_names[number]
     laws: tuple[MeshLaw, MeshLaw] = work.build(graph.needed([law]), [law]).value(law)
     task = _task(loaded, machine, options, laws[0])
     evaluate = Evaluations(task, graph, law, work)
@@ -207,7 +207,7 @@ def _checked(loaded: LoadedScene, options: DesignOptions) -> int:
     return options.stage - 1
 
 
-def _task(loaded: LoadedScene, machine: Plant, options: DesignOptions, law: MeshLaw) -> DesignTask:
+def _task(loaded: LoadedScene, machine: MachineModel, options: DesignOptions, law: MeshLaw) -> DesignTask:
     number, sampled = options.stage - 1, options.samples > 0
     pair, sense = machine.flanks[number].pair, machine.layout.pinion_senses[number]
     radius, scene_force = pair.pinion.base_radius, machine.facts.stages[number].shown_force

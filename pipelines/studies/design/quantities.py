@@ -11,7 +11,7 @@ import numpy as np
 
 from fem.contact.evaluation.mesh_cycle import ORDERS
 from pipelines.io.errors import InputError
-from pipelines.io.shown import nearest_name, shown
+from pipelines.io.shown_text import nearest_name, shown
 from pipelines.steps.flank_candidates import CandidateResults
 
 NOMINAL = "nominal"

@@ -23,7 +23,7 @@ from pipelines.engine.progress import reported_count
 from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph, Step
 from pipelines.io.errors import InputError
-from pipelines.io.shown import duration
+from pipelines.io.shown_text import duration
 from pipelines.steps import flank_candidates
 from pipelines.steps.flank_candidates import CandidateResults, Conditions
 from pipelines.studies.design.flank_variables import Variables

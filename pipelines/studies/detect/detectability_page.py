@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from pipelines.diagnosis.verdict import ALARM
-from pipelines.io.grid import Grid, grid
-from pipelines.io.shown import number_of
+from pipelines.io.shown_text import number_of
+from pipelines.io.text_table import Grid, grid
 from pipelines.signals.features.definitions import BY_NAME
+from pipelines.studies.detect.detection_study import Detectability, DetectionPoint
 from pipelines.studies.detect.probability import Detection, Share
-from pipelines.studies.detect.study import Detectability, DetectionPoint
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.casing.recognition.contents import GeometryContents
+from fem.casing.recognition.housing_contents import GeometryContents
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

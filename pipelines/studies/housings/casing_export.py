@@ -253,7 +253,7 @@ def _vtu(casing: Casing, title: str, path: Path, target: Path) -> None:
 
 def _step(casing: Casing, title: str, path: Path, target: Path) -> None:
     from fem.casing.geometry.housing import Housing
-    from fem.casing.mesh.mesher import write_step
+    from fem.casing.mesh.gmsh_mesh import write_step
 
     if not isinstance(casing.housing, Housing):
         raise InputError(

@@ -9,7 +9,7 @@ from importlib.resources import files
 
 import numpy as np
 
-from fem.casing.recognition.contents import GeometryContents
+from fem.casing.recognition.housing_contents import GeometryContents
 
 MOST_LABELS = 200
 _STEPS = 65535  # of a coordinate along the longest side, in two bytes

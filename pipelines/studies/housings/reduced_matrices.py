@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.casing.imported.foreign_body import ForeignBody
+from fem.casing.imported.imported_body import ImportedBody
 from fem.casing.imported.matrix_checks import frequency_lines, lowest_frequencies
 from fem.casing.reduced.reduction import Reduction
 from pipelines.io.errors import InputError
@@ -15,7 +15,7 @@ from pipelines.io.user_files import whole_file
 
 
 def write_reduced(
-    body: ForeignBody, keep: Sequence[int], hold: Sequence[int], band: float, target: Path
+    body: ImportedBody, keep: Sequence[int], hold: Sequence[int], band: float, target: Path
 ) -> tuple[Reduction, np.ndarray]:
     """Reduce matrices to all equations of given nodes and the fixed-interface modes up to a band; write them as HDF5.
 
@@ -77,7 +77,7 @@ def _write(target: Path, reduction: Reduction, equations: np.ndarray, nodes: np.
         file.attrs["units"] = "kg-m-s"
 
 
-def held_text(body: ForeignBody, hold: Sequence[int], count: int = 20) -> str:
+def held_text(body: ImportedBody, hold: Sequence[int], count: int = 20) -> str:
     """Text of the lowest natural frequencies with given nodes fixed, for comparison with other programs.
 
     Raises
@@ -91,7 +91,7 @@ def held_text(body: ForeignBody, hold: Sequence[int], count: int = 20) -> str:
     return "\n".join([f"  with the nodes {', '.join(map(str, hold))} held, Hz:", *frequency_lines(found)])
 
 
-def reduced_text(body: ForeignBody, made: tuple[Reduction, np.ndarray], band: float) -> str:
+def reduced_text(body: ImportedBody, made: tuple[Reduction, np.ndarray], band: float) -> str:
     """Text with the number of coordinates, and the largest error of the natural frequencies in the band."""
     import scipy.sparse as sp
 

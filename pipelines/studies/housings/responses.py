@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipelines.io.errors import InputError
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from fem.casing.mesh.imported import UNITS
-from fem.casing.recognition.contents import GeometryContents
+from fem.casing.mesh.imported_housing import UNITS
+from fem.casing.recognition.housing_contents import GeometryContents
 from fem.casing.recognition.shaft_fit import FittedShaft, ShaftFit, fit_shafts
 from pipelines.machine.layout import lay_out
 from pipelines.machine.scene_bearings import bearing_names

@@ -21,10 +21,10 @@ from pipelines.datasets.workers import local_workers
 from pipelines.engine.progress import reported_count
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError
-from pipelines.io.shown import shown
-from pipelines.machine.plant import Plant
+from pipelines.io.shown_text import shown
+from pipelines.machine.machine_model import MachineModel
 from pipelines.scene.load_scene import LoadedScene
-from pipelines.scene.tables.diagnosis import LookedFor
+from pipelines.scene.tables.diagnosis import Monitored
 from pipelines.signals.features.feature_table import FeatureTable
 from pipelines.studies.spread.sobol_indices import first_order
 
@@ -59,7 +59,7 @@ class FeatureSpread:
         return rows.loc[(rows.low - rows.high).sort_values(kind="stable").index]
 
 
-def spread_plan(loaded: LoadedScene, machine: Plant, over: str | Path | None, count: int | None) -> Plan:
+def spread_plan(loaded: LoadedScene, machine: MachineModel, over: str | Path | None, count: int | None) -> Plan:
     """The plan of the campaign.
 
     Parameters
@@ -95,14 +95,14 @@ def spread_plan(loaded: LoadedScene, machine: Plant, over: str | Path | None, co
 
 
 def run_spread(
-    plan: Plan, folder: Path, looked_for: LookedFor, processes: int | None, building: Work, *, quiet: bool = True
+    plan: Plan, folder: Path, monitored: Monitored, processes: int | None, building: Work, *, quiet: bool = True
 ) -> FeatureSpread:
     """Simulate the machines that are missing, and compute the features of all, their intervals and their indices.
 
     Parameters
     ----------
     plan, folder : plan by `spread_plan`, and folder of the campaign
-    looked_for : evaluated windows and sensor noise
+    monitored : evaluated windows and sensor noise
     processes : machines computed in parallel, all cores if None
     building : how laws and casing of the first machine are built
     quiet : show no progress
@@ -114,7 +114,7 @@ def run_spread(
     """
     run_campaign(plan, folder, local_workers(processes), building, quiet=quiet)
     with local_workers(processes) as workers, reported_count("machines", quiet=quiet) as report:
-        rows = list(dataset_rows(folder, looked_for.windows, looked_for.noise, workers.executor, report))
+        rows = list(dataset_rows(folder, monitored.windows, monitored.noise, workers.executor, report))
     return _spread(plan, folder, rows)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipelines.io.errors import InputError
-from pipelines.io.grid import grid
+from pipelines.io.text_table import grid
 from pipelines.signals.features.definitions import BY_NAME
 from pipelines.studies.spread.population_spread import FeatureSpread
 

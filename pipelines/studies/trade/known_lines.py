@@ -23,7 +23,7 @@ def known_lines(loaded: LoadedScene, work: Work) -> str:
     WorkError : a step failed
     """
     plan = plan_run(loaded, both_loads=False)
-    if plan.control is None or plan.plant.diagnosis is None:
+    if plan.control is None or plan.machine.diagnosis is None:
         return ""
     if len(casing_taken(plan.graph)) == 1:
         return (

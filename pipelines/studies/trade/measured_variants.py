@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 from pipelines.engine.run_graph import Outcome, Work
 from pipelines.engine.step import Graph, Step
-from pipelines.machine.checks.checked_plant import checked_plant
-from pipelines.machine.plant import Plant
+from pipelines.machine.checks.checked_machine import checked_machine
+from pipelines.machine.machine_model import MachineModel
 from pipelines.scene.load_scene import LoadedScene, changed
 from pipelines.signals.motion_warnings import log_warnings
-from pipelines.steps.machine_steps import plant_steps
+from pipelines.steps.machine_steps import machine_steps
 from pipelines.steps.run_plan import add_steps
 from pipelines.studies.trade.probes import PROBES, Value
 
@@ -39,10 +39,10 @@ class Measured:
 
 def build_variants(
     scenes: Mapping[str, LoadedScene],
-    needed: Callable[[Plant], Sequence[str]],
+    needed: Callable[[MachineModel], Sequence[str]],
     work: Work,
     kinds: Sequence[str],
-) -> dict[str, tuple[Plant, Outcome]]:
+) -> dict[str, tuple[MachineModel, Outcome]]:
     """Build the needed steps of every scene, each distinct step once; machine model in SI and results by variant.
 
     Parameters
@@ -55,8 +55,8 @@ def build_variants(
     steps: list[Step] = []
     names, machines = {}, {}
     for variant, loaded in scenes.items():
-        machines[variant] = machine = checked_plant(loaded.scene, loaded.source.shown)
-        new = plant_steps(machine)
+        machines[variant] = machine = checked_machine(loaded.scene, loaded.source.shown)
+        new = machine_steps(machine)
         added = add_steps(steps, new, f"{variant}: ")
         names[variant] = {step: added[step] for step in Graph(new).needed(needed(machine)).steps}
     graph = Graph(steps)
@@ -76,7 +76,7 @@ def measure(
 ) -> dict[str, Measured]:
     """Compute the steps that probes need for every scene, each distinct step once; the values and cost by variant."""
 
-    def needed(machine: Plant) -> list[str]:
+    def needed(machine: MachineModel) -> list[str]:
         return [name for probe in probes for name in PROBES[probe].steps(machine)]
 
     built = build_variants(scenes, needed, work, ("repeat",))  # other warnings are errors that the comparison shows
@@ -103,7 +103,7 @@ def step_costs(scenes: Iterable[LoadedScene], work: Work) -> dict[str, float]:
     return costs
 
 
-def _measured(machine: Plant, probes: Sequence[str], own: Outcome) -> Measured:
+def _measured(machine: MachineModel, probes: Sequence[str], own: Outcome) -> Measured:
     distinct = {record.key: (step, record) for step, record in zip(own.results, own.records, strict=True)}
     return Measured(
         by_probe={probe: tuple(PROBES[probe].read(machine, own)) for probe in probes},

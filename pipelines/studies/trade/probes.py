@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipelines.engine.run_graph import Outcome
-from pipelines.machine.plant import Plant
+from pipelines.machine.machine_model import MachineModel
 from pipelines.steps.pair_curves import law_names, pair_laws
 from pipelines.studies.housings.responses import accelerances
 
@@ -48,11 +48,11 @@ class Value:
 class QuantityKind:
     """A kind of quantity: `steps` gives the names of the required steps, `read` the values from their outcome."""
 
-    steps: Callable[[Plant], Sequence[str]]
-    read: Callable[[Plant, Outcome], list[Value]]
+    steps: Callable[[MachineModel], Sequence[str]]
+    read: Callable[[MachineModel, Outcome], list[Value]]
 
 
-def _gears(machine: Plant, outcome: Outcome) -> list[Value]:
+def _gears(machine: MachineModel, outcome: Outcome) -> list[Value]:
     values = []
     for found in pair_laws(machine, outcome.value):
         number, curve = found.stage, found.stiffness()
@@ -62,7 +62,7 @@ def _gears(machine: Plant, outcome: Outcome) -> list[Value]:
     return values
 
 
-def _transmission(machine: Plant, outcome: Outcome) -> list[Value]:
+def _transmission(machine: MachineModel, outcome: Outcome) -> list[Value]:
     cycle = np.arange(POSITIONS) / POSITIONS
     return [
         Value(name=f"stage {found.stage} TE at {place:.4f}", unit="um", value=float(error) * 1e6)
@@ -92,12 +92,12 @@ def _natural_modes(outcome: Outcome, count: int) -> list[Value]:
     ]
 
 
-def _frf(machine: Plant, outcome: Outcome) -> list[Value]:
+def _frf(machine: MachineModel, outcome: Outcome) -> list[Value]:
     """Level of the Frobenius norm of the 3 x 3 accelerance (m/s2 per N) in the third octaves up to 5 kHz."""
     if not machine.sensors:
         return []
     body = outcome.value("casing")
-    out = np.array([body.row(f"{machine.looked_for.sensor}:{axis}") for axis in ("ux", "uy", "uz")])
+    out = np.array([body.row(f"{machine.monitored.sensor}:{axis}") for axis in ("ux", "uy", "uz")])
     into = np.array([body.row(f"bearing_1:{axis}") for axis in ("ux", "uy", "uz")])
     values = []
     for centre in 1000.0 * 2.0 ** (np.arange(-10, 8) / 3):
@@ -108,11 +108,11 @@ def _frf(machine: Plant, outcome: Outcome) -> list[Value]:
     return values
 
 
-def _machine(machine: Plant, outcome: Outcome) -> list[Value]:
+def _machine(machine: MachineModel, outcome: Outcome) -> list[Value]:
     from mbd.system.linearised import linear_modes
     from pipelines.machine.system_assembly import assemble_machine, assemble_system
 
-    assembled = assemble_machine(machine.machine, [outcome.value(name) for name in machine.law_names])
+    assembled = assemble_machine(machine.parts, [outcome.value(name) for name in machine.law_names])
     modes = linear_modes(assemble_system(assembled, outcome.value("casing"), machine.recorded))
     return [
         Value(name=f"machine mode {number}", unit="Hz", value=float(frequency))
@@ -120,13 +120,13 @@ def _machine(machine: Plant, outcome: Outcome) -> list[Value]:
     ]
 
 
-def _signals(machine: Plant, outcome: Outcome) -> list[Value]:
+def _signals(machine: MachineModel, outcome: Outcome) -> list[Value]:
     """RMS of the resultant of the three axes of every sensor (without a casing, of every journal)."""
     from pipelines.signals.analysis import channel, channel_names
     from pipelines.signals.response import make_response
 
     run = make_response(outcome.value("simulate"), machine.labels)
-    windows = machine.looked_for.windows or {"whole run": (0.0, machine.motion.end)}
+    windows = machine.monitored.windows or {"whole run": (0.0, machine.motion.end)}
     values = []
     for window, (start, end) in windows.items():
         piece = run.sel(time=slice(start, end))
@@ -137,7 +137,7 @@ def _signals(machine: Plant, outcome: Outcome) -> list[Value]:
     return values
 
 
-def _lines(machine: Plant, outcome: Outcome) -> list[Value]:
+def _lines(machine: MachineModel, outcome: Outcome) -> list[Value]:
     from pipelines.signals.analysis import analyse
     from pipelines.signals.measured_speed import at_measured_speed
     from pipelines.signals.response import make_response

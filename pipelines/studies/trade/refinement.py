@@ -11,9 +11,9 @@ from fem.casing.uncertainty.limits_by_element import Extrapolation
 from fem.storage import shown_html
 from pipelines.engine.run_graph import Work
 from pipelines.scene.load_scene import LoadedScene, changed
-from pipelines.studies.trade.axes import AXES
 from pipelines.studies.trade.convergence import Convergence, ConvergenceError, study
 from pipelines.studies.trade.measured_variants import Measured, measure
+from pipelines.studies.trade.refinement_axes import AXES
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +52,7 @@ def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> Refinement
     Parameters
     ----------
     loaded, work : the scene, and what builds its steps
-    axis : one of `pipelines.studies.trade.axes.AXES`
+    axis : one of `pipelines.studies.trade.refinement_axes.AXES`
     count : number of levels, the finest first
 
     Raises

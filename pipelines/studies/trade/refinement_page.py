@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipelines.io.grid import Grid, grid
-from pipelines.studies.trade.axes import AXES
+from pipelines.io.text_table import Grid, grid
 from pipelines.studies.trade.probes import POSITIONS
 from pipelines.studies.trade.refinement import RefinementStudy
+from pipelines.studies.trade.refinement_axes import AXES
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

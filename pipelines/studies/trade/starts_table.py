@@ -15,7 +15,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipelines.io.grid import Grid, grid
+from pipelines.io.text_table import Grid, grid
 from pipelines.studies.trade.probes import Value
 
 

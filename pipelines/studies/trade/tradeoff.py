@@ -11,10 +11,10 @@ from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError, SceneError
 from pipelines.machine.layout import lay_out
 from pipelines.scene.load_scene import LoadedScene, changed
-from pipelines.studies.trade.choices import PRESET, Choice, choices
 from pipelines.studies.trade.known_lines import known_lines
 from pipelines.studies.trade.measured_variants import Measured, measure, step_costs
 from pipelines.studies.trade.probes import DECIBEL, PROBES, Value
+from pipelines.studies.trade.tradeoff_choices import PRESET, Choice, choices
 
 JUDGE = "signals"  # probe whose error ranks the choices
 LINES = "lines"  # probe whose levels are a further criterion of the Pareto front, if the scene has a fault

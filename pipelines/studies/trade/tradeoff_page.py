@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from pipelines.io.grid import Grid, grid
-from pipelines.studies.trade.choices import PRESET
+from pipelines.io.text_table import Grid, grid
 from pipelines.studies.trade.tradeoff import Priced, Tradeoff
+from pipelines.studies.trade.tradeoff_choices import PRESET
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pipelines.io.grid import Grid
+from pipelines.io.text_table import Grid
 from pipelines.studies.verification.published_claims import CLAIMS, UNTESTED, Claim, ClaimEvidence
 
 if TYPE_CHECKING:

@@ -10,12 +10,12 @@ from housings import small_housing
 from scipy.sparse.linalg import eigsh
 
 from fem.casing.geometry.housing_features import Flange
-from fem.casing.mesh.finished import RawMesh, finished_mesh
+from fem.casing.mesh.finished_mesh import RawMesh, finished_mesh
+from fem.casing.mesh.gmsh_mesh import mesh_housing
 from fem.casing.mesh.mesh import MeshError
-from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.parts.bolted_joint import BoltedJoint, contact_areas, joint_stiffness
 from fem.casing.parts.bolts import Bolt, BoltError
-from fem.casing.parts.split import SplitPlane, split_mesh
+from fem.casing.parts.split_mesh import SplitPlane, split_mesh
 from fem.casing.reduced.casing_modes import casing_modes, natural_modes
 from fem.casing.reduced.checkup import check_up
 from fem.casing.reduced.grounded import assembled_casing

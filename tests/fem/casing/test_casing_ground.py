@@ -9,8 +9,7 @@ import scipy.sparse as sp
 from housings import short_housing
 from scipy.sparse.linalg import splu
 
-from fem.casing.mesh.mesher import mesh_housing
-from fem.casing.reduced.accuracy import full_response, reduced_response, sensor_rows, state_error, third_octaves
+from fem.casing.mesh.gmsh_mesh import mesh_housing
 from fem.casing.reduced.attachment import AttachmentError
 from fem.casing.reduced.casing_modes import casing_modes, kept_modes, natural_modes, reduced_body
 from fem.casing.reduced.checkup import check_up
@@ -21,6 +20,7 @@ from fem.casing.reduced.halves import reduced_and_counted
 from fem.casing.reduced.lanczos import EigenError, block_lanczos
 from fem.casing.reduced.reduced_body import BEARING_AXES
 from fem.casing.reduced.reduction import ReductionError, reduce_body
+from fem.casing.reduced.reduction_error import full_response, reduced_response, sensor_rows, state_error, third_octaves
 from fem.casing.reduced.sturm_count import count_fixed_modes
 from fem.elements.materials import CAST_IRON
 from fem.numerics.linear_solver import nested_dissection

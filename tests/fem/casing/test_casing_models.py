@@ -10,8 +10,8 @@ import scipy.sparse as sp
 from housings import housing_for_shafts, short_housing
 
 from fem.casing.geometry.dimensions import HousingError, Sensor
+from fem.casing.mesh.gmsh_mesh import mesh_housing
 from fem.casing.mesh.mesh import CasingMesh, MeshError
-from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.models.casing_model import Structure
 from fem.casing.models.craig_bampton import CraigBamptonCasing
 from fem.casing.models.no_casing import NoCasing
@@ -24,7 +24,7 @@ from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.reduced.reduced_body import BEARING_AXES
 from fem.casing.reduced.reduction import reduce_body
-from fem.casing.reduced.rigid import housing_mass
+from fem.casing.reduced.rigid_on_mounts import housing_mass
 from fem.elements.facets import surface_weights
 from fem.elements.materials import CAST_IRON
 from fem.elements.solids import mass_properties

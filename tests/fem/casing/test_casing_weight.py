@@ -7,11 +7,11 @@ import pytest
 import skfem
 from housings import angle_casing, small_housing
 
-from fem.casing.mesh.finished import RawMesh, finished_mesh
+from fem.casing.mesh.finished_mesh import RawMesh, finished_mesh
 from fem.casing.reduced.casing_modes import casing_modes, reduced_body
 from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.reduction import reduce_body
-from fem.casing.reduced.rigid import housing_mass, rigid_body
+from fem.casing.reduced.rigid_on_mounts import housing_mass, rigid_body
 from fem.elements.materials import CAST_IRON, Material
 from mbd.system.statics import equilibrium, foot_forces
 from pipelines.cli.main import main
@@ -118,13 +118,13 @@ def test_the_feet_of_a_machine_carry_everything_in_it():
     work = Work(processes=1, quiet=True)
     for settings in ({}, elastic, elastic | {"casing.ground": "springs"}):
         loaded = load_scene("minimal", settings)
-        graph, plant = scene_graph(loaded)
+        graph, model = scene_graph(loaded)
         outcome = work.build(
-            graph, [*plant.law_names, *(step.name for step in graph if step.name.startswith("casing"))]
+            graph, [*model.law_names, *(step.name for step in graph if step.name.startswith("casing"))]
         )
-        machine = assemble_machine(plant.machine, [outcome.value(name) for name in plant.law_names])
+        machine = assemble_machine(model.machine, [outcome.value(name) for name in model.law_names])
         body = outcome.value("casing")
-        system = assemble_system(machine, body, plant.recorded)
+        system = assemble_system(machine, body, model.recorded)
         turning = sum(shaft_mass(shaft) for shaft in machine.shafts)
         modes = outcome.value("casing modes")[0] if settings else None
         standing = body.mass[0, 0] if modes is None else modes.total_mass

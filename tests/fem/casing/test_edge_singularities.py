@@ -6,13 +6,13 @@ from housings import short_housing
 
 from benchmarks.bracket import END, LEG, THICKNESS, bracket, frequencies, matrices
 from benchmarks.solids import box_mesh
-from fem.casing.enrichment.added import added_functions
+from fem.casing.enrichment.added_unknowns import added_functions
 from fem.casing.enrichment.edge_unknowns import edge_functions
 from fem.casing.enrichment.graded_functions import NODES, graded
 from fem.casing.enrichment.singular_edges import chains, singular_sides
 from fem.casing.enrichment.topology import Topology
 from fem.casing.mesh.choose_mesher import mesh_geometry
-from fem.casing.mesh.finished import RawMesh, finished_mesh
+from fem.casing.mesh.finished_mesh import RawMesh, finished_mesh
 from fem.casing.mesh.sizes import Sizes
 from fem.elements.materials import CAST_IRON
 from fem.elements.sections import lagrange

@@ -12,7 +12,7 @@ import pytest
 from housings import angle_casing, short_housing
 
 from fem.casing.mesh.choose_mesher import mesh_geometry
-from fem.casing.mesh.mesher import mesh_housing
+from fem.casing.mesh.gmsh_mesh import mesh_housing
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.reduced.casing_modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.grounded import assembled_casing
@@ -31,16 +31,16 @@ from fem.casing.uncertainty.extrapolation import (
 from fem.casing.uncertainty.frequency_limits import EDGE_ORDER
 from fem.casing.uncertainty.limits_by_element import RATIOS
 from fem.casing.uncertainty.pairing import sample_nodes
-from fem.casing.uncertainty.wanted_size import wanted_factor
+from fem.casing.uncertainty.target_size import target_factor
 from fem.elements.materials import CAST_IRON
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import SceneError
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.report.figures import render
 from pipelines.runs.run import run_scene
 from pipelines.scene.load_scene import load_scene
 from pipelines.scene.presets import preset_on
-from pipelines.steps.machine_steps import plant_steps
+from pipelines.steps.machine_steps import machine_steps
 from pipelines.steps.reporting import _casing_rows
 
 BAND = 3000.0
@@ -162,8 +162,8 @@ def test_the_report_lists_frequencies_with_the_root_of_the_stiffness_factor():
 
 def test_more_meshes_are_made_only_where_they_are_asked_for():
     def names(**settings):
-        stages = plant_steps(
-            make_plant(load_scene("rig-healthy", {f"casing.{k}": v for k, v in settings.items()}).scene)
+        stages = machine_steps(
+            make_machine(load_scene("rig-healthy", {f"casing.{k}": v for k, v in settings.items()}).scene)
         )
         return [stage.name for stage in stages if "casing" in stage.name]
 
@@ -253,9 +253,9 @@ def test_one_inverse_iteration_from_the_cubic_modes_finds_the_quadratic_ones(gro
 def test_the_size_for_an_error_is_the_one_whose_band_is_predicted_to_have_it(modes, request):
     found = request.getfixturevalue(modes)
     limits = limits_of(*found)
-    assert wanted_factor(limits, 1.01 * limits.median_band_at(1.0), *found) == 1.0
+    assert target_factor(limits, 1.01 * limits.median_band_at(1.0), *found) == 1.0
     less = 0.5 * limits.median_band_at(1.0)
-    factor = wanted_factor(limits, less, *found)
+    factor = target_factor(limits, less, *found)
     assert limits.median_band_at(factor) <= less < limits.median_band_at(factor + 0.02)
     assert factor == pytest.approx(0.5 ** (1.0 / ORDER), abs=0.02)
 
@@ -263,19 +263,19 @@ def test_the_size_for_an_error_is_the_one_whose_band_is_predicted_to_have_it(mod
 def test_an_error_that_no_mesh_or_no_computer_has_is_refused(hexahedra):
     limits = limits_of(*hexahedra)
     with pytest.raises(ExtrapolationError, match=r"casing.error: smaller elements do not reach 0.001 %"):
-        wanted_factor(limits, 1e-5, *hexahedra)
+        target_factor(limits, 1e-5, *hexahedra)
     many = replace(hexahedra[0], unknowns=300_000)
     with pytest.raises(ExtrapolationError, match=r"unknowns \(limit 400,000.*Set [0-9.]+ %, the error with that limit"):
-        wanted_factor(limits, 0.5 * limits.median_band_at(1.0), many, hexahedra[1])
+        target_factor(limits, 0.5 * limits.median_band_at(1.0), many, hexahedra[1])
 
 
 def test_an_error_asked_for_makes_a_trial_and_says_what_it_takes():
-    plant = make_plant(load_scene("rig-healthy", {"casing.error": "0.2%"}).scene)
-    names = [stage.name for stage in plant_steps(plant) if "casing" in stage.name]
+    machine = make_machine(load_scene("rig-healthy", {"casing.error": "0.2%"}).scene)
+    names = [stage.name for stage in machine_steps(machine) if "casing" in stage.name]
     trial = ["trial casing mesh", "trial casing", "quadratic casing, trial"]
     assert names == [*trial, "casing mesh", "casing modes", "quadratic casing", "casing"]
-    plant = make_plant(load_scene("rig-step", {"casing.element": "tetrahedron-10", "casing.error": "2%"}).scene)
-    names = [stage.name for stage in plant_steps(plant) if "casing" in stage.name]
+    machine = make_machine(load_scene("rig-step", {"casing.element": "tetrahedron-10", "casing.error": "2%"}).scene)
+    names = [stage.name for stage in machine_steps(machine) if "casing" in stage.name]
     assert names[-5:] == ["trial casing mesh", "trial casing", "casing mesh", "casing modes", "casing"]
     for text in ("0%", "9%", "fine"):
         with pytest.raises(SceneError, match="error"):

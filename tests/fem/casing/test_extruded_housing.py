@@ -10,18 +10,18 @@ from housings import housing_for_shafts, short_housing, small_housing
 from fem.casing.geometry.housing_features import Ribs
 from fem.casing.mesh.choose_mesher import mesh_geometry
 from fem.casing.mesh.extruded import inside
+from fem.casing.mesh.housing_section import divided
 from fem.casing.mesh.mesh import MeshError
-from fem.casing.mesh.section import divided
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.lanczos import block_lanczos
-from fem.casing.reduced.rigid import housing_mass
+from fem.casing.reduced.rigid_on_mounts import housing_mass
 from fem.elements.facets import surface_weights
 from fem.elements.materials import CAST_IRON
 from fem.elements.solids import mass_properties
 from pipelines.io.errors import SceneError
-from pipelines.machine.checks.checked_plant import checked_plant
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.checks.checked_machine import checked_machine
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.scene.load_scene import load_scene
 from pipelines.scene.presets import preset_settings
 
@@ -109,7 +109,7 @@ def test_other_housings_are_refused_with_the_way_out(housing, message):
 
 def test_a_scene_takes_hexahedra_and_says_what_it_refuses():
     elements = {"casing.element": "hexahedron-27", "casing.extrapolated": False}
-    taken = make_plant(load_scene("rig-healthy", elements).scene)
+    taken = make_machine(load_scene("rig-healthy", elements).scene)
     assert taken.casing.element == "hexahedron-27"
     for settings, message in (
         ({"casing.housing.inner_fillet_mm": 3.0}, "flange, ribs, fillets or bolt pads"),
@@ -117,7 +117,7 @@ def test_a_scene_takes_hexahedra_and_says_what_it_refuses():
         ({"casing.element_size_mm": 1.5}, "million nodes or more, more than 2.0 million"),
     ):
         with pytest.raises(SceneError, match=message):
-            checked_plant(load_scene("rig-healthy", {**elements, **settings}).scene, "scene")
+            checked_machine(load_scene("rig-healthy", {**elements, **settings}).scene, "scene")
     with pytest.raises(SceneError, match="a STEP file is meshed with tetrahedra"):
         load_scene("rig-step", {"casing.element": "hexahedron-27"})
 

@@ -9,7 +9,7 @@ import pytest
 from benchmarks.solids import box_mesh
 from fem.casing.geometry.locators import ByBox, ByCylinder, ByGroup
 from fem.casing.mesh.choose_mesher import mesh_geometry
-from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
+from fem.casing.mesh.imported_housing import ImportedHousing, Seat, content_hash
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesh_file import read_mesh_file, write_fields
 from fem.casing.mesh.sizes import Sizes

@@ -9,18 +9,18 @@ import scipy.sparse as sp
 from benchmarks.solids import box_mesh
 from fem.casing.geometry.locators import ByCylinder, ByGroup, ByPlane
 from fem.casing.imported.ansys import mapped_equations
-from fem.casing.imported.foreign_body import ForeignError, foreign_body
-from fem.casing.imported.matrix_checks import check_foreign, lowest_frequencies
+from fem.casing.imported.imported_body import MatrixError, imported_body
+from fem.casing.imported.matrix_checks import check_matrices, lowest_frequencies
 from fem.casing.imported.matrix_files import MatrixFiles, read_body, read_matrices
 from fem.casing.mesh.cad_file import fill_surface, read_triangles
 from fem.casing.mesh.choose_mesher import mesh_geometry
 from fem.casing.mesh.gmsh_session import session
-from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
+from fem.casing.mesh.imported_housing import ImportedHousing, Seat, content_hash
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesh_file import read_mesh_file
 from fem.casing.mesh.sizes import Sizes
 from fem.elements.solids import assemble
-from pipelines.machine.casing import foreign_housing
+from pipelines.machine.scene_casing import imported_matrices
 from pipelines.scene.tables.housing import MatricesHousingTable
 
 IRON = {"elastic_modulus": 1.1e11, "poisson_ratio": 0.26, "density": 7200.0}
@@ -299,7 +299,7 @@ def test_matrices_in_another_system_of_units_have_the_same_frequencies_and_mass(
     nodes, elements = box_mesh((60e-3, 30e-3, 20e-3), (3, 2, 1))
     K, M = assemble(nodes, elements, **IRON)
     body = read_body(saved(tmp_path, form, K, M, nodes))
-    check = check_foreign(body)
+    check = check_matrices(body)
     assert np.abs(frequencies(body.stiffness, body.mass) / frequencies(K, M) - 1).max() < 1e-6
     assert check.mass == pytest.approx(7200 * 60e-3 * 30e-3 * 20e-3, rel=1e-6)
     assert np.abs(check.centre - [0.03, 0.015, 0.01]).max() < 1e-5
@@ -317,7 +317,7 @@ def test_every_file_of_a_scene_is_read_for_what_it_is_named_for(tmp_path):
         bearings=({"name": "bearing_1", "nodes": [1]},),
         grounds=({"nodes": [2]},),
     )
-    files = foreign_housing(table, (), [(0.0, 0.0, 0.0)]).files
+    files = imported_matrices(table, (), [(0.0, 0.0, 0.0)]).files
     assert [files.stiffness, files.mass, files.nodes, files.equations] == [str(tmp_path / name) for name in names]
 
 
@@ -331,7 +331,7 @@ def test_harwell_boeing_files_that_are_cut_off_or_of_another_kind_are_refused(tm
         ("is no Harwell-Boeing file", "nothing"),
     ):
         path.write_text(changed, encoding="utf-8")
-        with pytest.raises(ForeignError, match=f"^K.matrix {words}"):
+        with pytest.raises(MatrixError, match=f"^K.matrix {words}"):
             read_matrices(path)
     heat = tmp_path / "K.mapping"
     for words, rows in (
@@ -339,7 +339,7 @@ def test_harwell_boeing_files_that_are_cut_off_or_of_another_kind_are_refused(tm
         ("does not number the equations from 1 without gaps", "2 1 UX"),
     ):
         heat.write_text(f"Matrix Eqn  Node  DOF\n{rows}\n", encoding="utf-8")
-        with pytest.raises(ForeignError, match=words):
+        with pytest.raises(MatrixError, match=words):
             mapped_equations(heat)
 
 
@@ -364,7 +364,7 @@ def test_rotations_have_no_unit_of_length():
     """Two nodes of six unknowns in t, mm, s: displacements in mm, rotations in rad, energies in mJ, M also in s2."""
     body, size = np.cov(np.random.default_rng(3).normal(size=(12, 40))), np.tile([1e-3] * 3 + [1.0] * 3, 2)
     stated = 1e3 * body * np.outer(size, size)
-    found = foreign_body("any", stated, stated, nodes=1e3 * np.eye(3)[:2], system="t-mm-s")
+    found = imported_body("any", stated, stated, nodes=1e3 * np.eye(3)[:2], system="t-mm-s")
     assert found.axis.tolist() == 2 * list(range(6))
     for matrix in (found.stiffness, found.mass):
         assert matrix.toarray() == pytest.approx(body, rel=1e-12)
@@ -374,7 +374,7 @@ def test_the_check_up_says_what_is_wrong_with_a_foreign_body(native):
     K, M = matrices(native)
 
     def found(stiffness=K, mass=M, **more):
-        check = check_foreign(foreign_body("body", stiffness, mass, nodes=native.nodes, **more))
+        check = check_matrices(imported_body("body", stiffness, mass, nodes=native.nodes, **more))
         return " ".join(check.wrong + check.doubtful)
 
     grounded = K + sp.diags_array(np.where(np.arange(K.shape[0]) < 30, abs(K).max(), 0.0))
@@ -384,7 +384,7 @@ def test_the_check_up_says_what_is_wrong_with_a_foreign_body(native):
     skew = sp.lil_matrix(K)
     skew[0, 3] += 0.5 * abs(K).max()
     assert "not symmetric" in found(skew)
-    with pytest.raises(ForeignError, match=r"stiffness has .* equations, mass .* Export both for the same set"):
+    with pytest.raises(MatrixError, match=r"stiffness has .* equations, mass .* Export both for the same set"):
         found(mass=sp.eye_array(9))
-    with pytest.raises(ForeignError, match="neither three nor six per node"):
-        foreign_body("body", sp.eye_array(7), sp.eye_array(7), nodes=np.eye(3))
+    with pytest.raises(MatrixError, match="neither three nor six per node"):
+        imported_body("body", sp.eye_array(7), sp.eye_array(7), nodes=np.eye(3))

@@ -13,24 +13,24 @@ import pytest
 import scipy.sparse as sp
 from housings import small_housing
 
-from fem.casing.imported.foreign_body import foreign_body
-from fem.casing.imported.reduce import Point, reduce_foreign
+from fem.casing.imported.imported_body import imported_body
+from fem.casing.imported.reduce_at_points import Point, reduce_imported_body
 from fem.casing.mesh.cad_file import import_solids
+from fem.casing.mesh.gmsh_mesh import mesh_housing, write_step
 from fem.casing.mesh.gmsh_session import session
-from fem.casing.mesh.mesher import mesh_housing, write_step
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.recognition.bores_and_faces import bolt_patterns
-from fem.casing.recognition.contents import FoundBore
-from fem.casing.recognition.read import survey
+from fem.casing.recognition.housing_contents import FoundBore
+from fem.casing.recognition.read_geometry import geometry_contents
 from fem.casing.recognition.shaft_fit import FittedShaft, fit_shafts
 from fem.casing.reduced.grounded import assembled_casing
 from fem.elements.materials import Material
 from fem.elements.solids import assemble
 from pipelines.cli.main import main
-from pipelines.runs.checked import check_scene
+from pipelines.runs.checked_scene import check_scene
 from pipelines.scene.load_scene import load_scene
-from pipelines.studies.housings.block import housing_block
 from pipelines.studies.housings.bore_picture import _seen
+from pipelines.studies.housings.housing_block import housing_block
 from pipelines.studies.housings.housing_page import housing_page, thinned
 
 IRON = Material(name="iron", elastic_modulus=1.1e11, poisson_ratio=0.26, density=7200.0)
@@ -64,7 +64,7 @@ def shafts(small, **changes):
 
 
 def test_a_survey_finds_every_bore_and_no_boss(small, step):
-    contents = survey(step)
+    contents = geometry_contents(step)
     wanted = sorted(bore.diameter for bore in small.bores)
     assert sorted(bore.diameter for bore in contents.bores) == pytest.approx(wanted, rel=1e-6)
     for bore in small.bores:
@@ -85,7 +85,7 @@ def test_a_mesh_shows_the_same_bores_as_its_solid(small, tmp_path):
     mesh = mesh_housing(small, sizes=Sizes(element=0.03))
     path = tmp_path / "housing.vtu"
     meshio.write(path, meshio.Mesh(1000 * mesh.nodes, [("tetra10", mesh.elements)]))
-    found = survey(path)
+    found = geometry_contents(path)
     diameters = sorted(bore.diameter for bore in found.bores)
     assert diameters == pytest.approx(sorted(bore.diameter for bore in small.bores), rel=1e-6)
     assert fit_shafts(found.bores, shafts(small)).off < 1e-6
@@ -100,7 +100,7 @@ def test_a_file_that_was_turned_and_moved_is_put_back(small, step, tmp_path):
         gmsh.model.occ.translate(solids, 12.0, -7.0, 30.0)
         gmsh.model.occ.synchronize()
         gmsh.write(str(path))
-    contents = survey(path)
+    contents = geometry_contents(path)
     fit = fit_shafts(contents.bores, shafts(small))
     back = np.array([[np.cos(TILT), 0.0, np.sin(TILT)], [0.0, 1.0, 0.0], [-np.sin(TILT), 0.0, np.cos(TILT)]])
     assert np.abs(fit.axes - back).max() < 1e-6
@@ -117,10 +117,10 @@ def test_a_file_that_was_turned_and_moved_is_put_back(small, step, tmp_path):
 
 def test_a_bore_a_little_off_its_shaft_is_offered_with_the_distance(small, step):
     """0.65 mm: too far to run, near enough to be meant; half of it at each end of the centre distance."""
-    fit = fit_shafts(survey(step).bores, shafts(small, x={"bearing_3": 0.00065}))
+    fit = fit_shafts(geometry_contents(step).bores, shafts(small, x={"bearing_3": 0.00065}))
     assert len(fit.seats) == 4
     assert fit.off == pytest.approx(0.00065 / 2, rel=1e-3)
-    assert fit_shafts(survey(step).bores, shafts(small, x={"bearing_3": 0.03})) is None
+    assert fit_shafts(geometry_contents(step).bores, shafts(small, x={"bearing_3": 0.03})) is None
 
 
 def test_the_wider_bores_are_taken_for_the_thicker_shaft_of_a_file_whose_shafts_run_along_x():
@@ -179,7 +179,7 @@ def test_a_short_wide_bore_and_a_void_are_known(tmp_path):
         occ.cut([(3, block)], [(3, tag) for tag in hollow])
         occ.synchronize()
         gmsh.write(str(path))
-    contents = survey(path)
+    contents = geometry_contents(path)
     assert [bore.diameter for bore in contents.bores] == pytest.approx([0.0381, 0.028575, 0.020], rel=1e-6)
     assert contents.parts == 2
     ((one, two, gap, _),) = contents.gaps
@@ -195,7 +195,7 @@ def test_parts_are_led_to_each_other_by_their_narrowest_gaps(tmp_path):
             gmsh.model.occ.addBox(start, 0, 0, 10, 10, 10)
         gmsh.model.occ.synchronize()
         gmsh.write(str(path))
-    contents = survey(path)
+    contents = geometry_contents(path)
     assert [solid.part for solid in contents.solids] == [1, 2, 2, 3, 4]
     found = {(one, two): gap for one, two, gap, _ in contents.gaps}
     assert found == pytest.approx({(1, 2): 0.002, (3, 4): 0.003, (4, 5): 0.004})
@@ -214,7 +214,7 @@ def test_a_bolt_circle_is_known_by_its_bore(tmp_path):
         occ.cut([(3, 1)], [(3, tag) for tag in holes])
         occ.synchronize()
         gmsh.write(str(path))
-    contents = survey(path)
+    contents = geometry_contents(path)
     (pattern,) = bolt_patterns(contents.bores)
     assert len(pattern.bores) == 6
     assert pattern.hole_diameter == pytest.approx(0.006)
@@ -252,7 +252,7 @@ def test_the_block_of_a_file_makes_the_scene_fit(tmp_path, monkeypatch, capsys):
     assert re.search(r"\ngrounds = .* through_mm = \[.*, -95\.0\], normal = \[0\.0, 0\.0, -1\.0\]", block)  # the feet
     assert re.search(r"# sensor sensor_3 is \d+ mm away from the housing \(limit 50 mm\): set position_mm = \[", block)
     (tmp_path / "mine.toml").write_text(f'extends = "minimal"\n{block}', encoding="utf-8")
-    assert check_scene(load_scene("mine.toml")).plant.structure.housing.is_step
+    assert check_scene(load_scene("mine.toml")).machine.structure.housing.is_step
     page = (tmp_path / "found" / "box.html").read_text(encoding="utf-8")
     assert "bearing_1" in page
     assert (tmp_path / "found" / "box.png").stat().st_size > 10_000
@@ -295,14 +295,14 @@ def test_rbe2_and_rbe3_of_foreign_matrices_are_those_of_the_mesh(small):
     axes = ("ux", "uy", "uz", "rx", "rz")
     numbers = {name: tuple((np.unique(mesh.patch(name)) + 1).tolist()) for name in mesh.patch_names}
     held = sorted({number for name, own in numbers.items() if name.startswith("ground_") for number in own})
-    body = foreign_body("small", K, M, nodes=mesh.nodes)
+    body = imported_body("small", K, M, nodes=mesh.nodes)
     found = {}
     for coupling in ("rigid", "mean"):
         points = {
             name: Point(nodes=numbers[name], place=tuple(mesh.point(name)), axes=axes, coupling=coupling)
             for name in mesh.patches("bearing_")
         }
-        found[coupling] = reduce_foreign(body, points, held=held, band=None).reduction.stiffness
+        found[coupling] = reduce_imported_body(body, points, held=held, band=None).reduction.stiffness
     wanted = assembled_casing(
         mesh, IRON, interfaces=dict.fromkeys(mesh.patches("bearing_"), axes), attachment="rigid"
     ).held()

@@ -9,10 +9,10 @@ from fem.casing.geometry.locators import ByCylinder, ByPlane
 from fem.casing.mesh.cad_file import import_solids
 from fem.casing.mesh.choose_mesher import mesh_geometry
 from fem.casing.mesh.gmsh_session import session
-from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
+from fem.casing.mesh.imported_housing import ImportedHousing, Seat, content_hash
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.sizes import Sizes
-from fem.casing.recognition.read import survey
+from fem.casing.recognition.read_geometry import geometry_contents
 from pipelines.scene.problems import nearest
 
 
@@ -121,8 +121,8 @@ def test_a_file_in_inches_says_so(tmp_path):
     path.write_text(text.replace(line, inch), encoding="utf-8")
     with pytest.raises(MeshError, match=r'declares its unit of length as inch, .* Set unit = "inch", or export'):
         meshed(path)
-    assert survey(path).declared == "inch"
-    assert survey(path).box[1] == pytest.approx([60 * 0.0254, 30 * 0.0254, 20 * 0.0254])
+    assert geometry_contents(path).declared == "inch"
+    assert geometry_contents(path).box[1] == pytest.approx([60 * 0.0254, 30 * 0.0254, 20 * 0.0254])
 
 
 def test_a_damaged_file_leaves_one_line_on_the_terminal(tmp_path):

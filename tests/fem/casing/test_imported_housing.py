@@ -10,13 +10,13 @@ from housings import short_housing, small_housing
 from fem.casing.geometry.dimensions import HousingError
 from fem.casing.geometry.locators import ByBox, ByCylinder, ByGroup, ByPlane, ByPoint
 from fem.casing.mesh.choose_mesher import mesh_geometry
-from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
+from fem.casing.mesh.gmsh_mesh import mesh_housing, session, write_step
+from fem.casing.mesh.imported_housing import ImportedHousing, Seat, content_hash
 from fem.casing.mesh.mesh import MeshError
-from fem.casing.mesh.mesher import mesh_housing, session, write_step
 from fem.casing.mesh.quality import checked_quality, measure
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.reduced.grounded import assembled_casing
-from fem.casing.reduced.rigid import rigid_body, rigid_from_mesh
+from fem.casing.reduced.rigid_on_mounts import rigid_body, rigid_from_mesh
 from fem.casing.uncertainty.extrapolation import limits_from, lowest_modes
 from fem.elements.facets import surface_weights
 from fem.elements.materials import CAST_IRON

@@ -11,12 +11,12 @@ from fem.casing.geometry.locators import ByBox, ByCylinder, ByGroup
 from fem.casing.imported.matrix_checks import lowest_frequencies
 from fem.casing.mesh.choose_mesher import mesh_geometry
 from fem.casing.mesh.gmsh_session import session
-from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
+from fem.casing.mesh.imported_housing import ImportedHousing, Seat, content_hash
 from fem.casing.mesh.mesh_file import read_quietly
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.models.casing_model import Structure
 from fem.casing.models.craig_bampton import CraigBamptonCasing
-from fem.casing.recognition.read import survey
+from fem.casing.recognition.read_geometry import geometry_contents
 from fem.elements.division import divided
 from fem.elements.facets import corner_triangles, outer_facets
 from fem.elements.materials import CAST_IRON
@@ -208,7 +208,7 @@ def test_a_mixed_mesh_has_the_volume_and_the_bore_of_its_body(folder, native):
     assert "wedges" in native.divided
     volume = 0.06 * 0.03 * TALL - math.pi * INNER**2 * TALL
     assert mass_properties(native.nodes, native.elements, 1.0)[0] == pytest.approx(volume, rel=2e-4)
-    contents = survey(folder / "plate.msh")
+    contents = geometry_contents(folder / "plate.msh")
     assert contents.bores[0].diameter == pytest.approx(2 * INNER, rel=1e-3)
     assert native.patch("bearing_1").shape[1] == 6
 

@@ -5,8 +5,8 @@ import pytest
 
 pytest.importorskip("pyyeti")
 
-from fem.casing.imported.foreign_body import ForeignError, foreign_body
-from fem.casing.imported.matrix_checks import check_foreign, rigid_motion
+from fem.casing.imported.imported_body import MatrixError, imported_body
+from fem.casing.imported.matrix_checks import check_matrices, rigid_motion
 from fem.casing.imported.matrix_files import MatrixFiles, read_body
 from fem.casing.imported.nastran import superelement_equations
 
@@ -33,7 +33,7 @@ def frames():
 def free_body():
     """Random stiffness of four nodes with six unknowns each that lets the body move freely, and its mass."""
     rng = np.random.default_rng(4)
-    body = foreign_body("any", np.eye(24), np.eye(24), nodes=PLACES)
+    body = imported_body("any", np.eye(24), np.eye(24), nodes=PLACES)
     rigid = np.linalg.qr(rigid_motion(body, np.zeros(3)))[0]
     free = np.eye(24) - rigid @ rigid.T
     stiff = rng.normal(size=(24, 24))
@@ -60,23 +60,23 @@ def test_equations_in_frames_of_the_nodes_become_those_along_x_y_and_z(tmp_path)
     K, M = free_body()
     assert abs(body.stiffness - K).max() < 1e-9 * abs(K).max()
     assert abs(body.mass - M).max() < 1e-12 * abs(M).max()
-    assert check_foreign(body).grounding < 1e-12
+    assert check_matrices(body).grounding < 1e-12
 
 
 def test_without_the_frames_the_same_matrices_seem_grounded(tmp_path):
     body = read_body(written(tmp_path, [0, 0, 0, 0]))
-    assert any("a rigid-body motion needs force" in words for words in check_foreign(body).wrong)
+    assert any("a rigid-body motion needs force" in words for words in check_matrices(body).wrong)
 
 
 def test_a_frame_that_the_file_does_not_define_is_refused(tmp_path):
     cards = CORD | {10: "CORD1R,10,1,2,3"}
-    with pytest.raises(ForeignError, match=r"nodes.bdf: nodes use the coordinate system 10, which no CORD2R"):
+    with pytest.raises(MatrixError, match=r"nodes.bdf: nodes use the coordinate system 10, which no CORD2R"):
         read_body(written(tmp_path, [0, 10, 20, 30], cards))
 
 
 def test_a_node_that_lacks_an_axis_of_its_frame_is_refused():
-    with pytest.raises(ForeignError, match="node 2 moves in a local coordinate system and lacks an axis"):
-        foreign_body(
+    with pytest.raises(MatrixError, match="node 2 moves in a local coordinate system and lacks an axis"):
+        imported_body(
             "any",
             np.eye(5),
             np.eye(5),
@@ -93,5 +93,5 @@ def test_the_cards_of_a_superelement_name_its_equations(tmp_path):
     wanted = [*((3, axis) for axis in range(1, 7)), *((11, axis) for axis in (1, 2, 3)), (1995001, 0), (1995002, 0)]
     assert superelement_equations(path).tolist() == [list(one) for one in wanted]
     path.write_text("GRID,3,0,0.,0.,0.\n", encoding="ascii")
-    with pytest.raises(ForeignError, match="has no EXTRN card"):
+    with pytest.raises(MatrixError, match="has no EXTRN card"):
         superelement_equations(path)

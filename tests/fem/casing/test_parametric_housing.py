@@ -11,13 +11,13 @@ from housings import housing_for_shafts, small_housing
 
 from fem.casing.geometry.dimensions import HousingError, Sensor
 from fem.casing.geometry.housing_features import Fillets, Flange, Ribs, Walls
+from fem.casing.mesh.gmsh_mesh import mesh_housing, session
 from fem.casing.mesh.housing_solid import build_solid
 from fem.casing.mesh.mesh import MeshError
-from fem.casing.mesh.mesher import mesh_housing, session
 from fem.casing.mesh.sizes import Sizes, bending_wavelength
 from fem.casing.models.casing_model import Structure
 from fem.casing.models.craig_bampton import CraigBamptonCasing
-from fem.casing.reduced.rigid import housing_mass
+from fem.casing.reduced.rigid_on_mounts import housing_mass
 from fem.elements.materials import CAST_IRON, Material
 from fem.elements.solids import mass_properties
 
@@ -232,7 +232,7 @@ def test_larger_elements_are_larger_around_bores_and_pads_too(small):
 @pytest.mark.skipif(os.name != "posix", reason="signals as POSIX has them")
 def test_a_closed_pipe_is_still_an_error_after_meshing_and_not_the_end_of_the_process():
     code = (
-        "import os; from fem.casing.mesh.mesher import session\n"
+        "import os; from fem.casing.mesh.gmsh_mesh import session\n"
         "with session(): pass\n"
         "end, start = os.pipe(); os.close(end)\n"
         "try: os.write(start, b'x')\n"

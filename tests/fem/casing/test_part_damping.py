@@ -5,17 +5,17 @@ import pytest
 import scipy.linalg as la
 from housings import small_housing
 
-from fem.casing.enrichment.added import added_functions
+from fem.casing.enrichment.added_unknowns import added_functions
+from fem.casing.mesh.gmsh_mesh import mesh_housing
 from fem.casing.mesh.mesh import MeshError
-from fem.casing.mesh.mesher import mesh_housing
 from fem.casing.parts.regions import Region
-from fem.casing.reduced.accuracy import state_error
 from fem.casing.reduced.casing_modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.reduction import reduce_body
+from fem.casing.reduced.reduction_error import state_error
 from fem.elements.materials import CAST_IRON
 from pipelines.io.errors import SceneError
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.scene.load_scene import load_scene
 
 BAND = 1500.0
@@ -153,9 +153,9 @@ def test_damped_parts_of_a_scene_in_si():
         {"name": "wall", "loss_factor": 0.3, "box_mm": [[-80.0, -90.0, -70.0], [-50.0, 90.0, 60.0]]},
     ]
     scene = load_scene("minimal", ELASTIC | {"casing.ground": "springs", "casing.damped_parts": parts}).scene
-    plant = make_plant(scene)
-    assert plant.casing.recovery(plant.structure).loss_factors == {"cover": 0.02, "mounts": 0.1, "wall": 0.3}
-    cover, wall = plant.casing.regions(plant.structure)
+    machine = make_machine(scene)
+    assert machine.casing.recovery(machine.structure).loss_factors == {"cover": 0.02, "mounts": 0.1, "wall": 0.3}
+    cover, wall = machine.casing.regions(machine.structure)
     assert (cover.name, cover.low[2]) == ("cover", pytest.approx(0.07))  # the top of the cavity
     assert (wall.low, wall.high) == ((-0.08, -0.09, -0.07), (-0.05, 0.09, 0.06))
 

@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from housings import angle_casing, short_housing
 from threadpoolctl import threadpool_limits
 
-from fem.casing.enrichment.added import added_functions
+from fem.casing.enrichment.added_unknowns import added_functions
 from fem.casing.mesh.choose_mesher import mesh_geometry
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.reduced import halves
@@ -18,7 +18,7 @@ from fem.casing.reduced.halves import MirroredInterface, interface_of, lowest, r
 from fem.casing.reduced.reduction import held_interface
 from fem.casing.reduced.sturm_count import reduce_and_count
 from fem.elements.materials import CAST_IRON
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.scene.load_scene import load_scene
 
 CUBIC = "hexahedron-32"
@@ -139,9 +139,9 @@ def test_a_casing_without_a_mirror_plane_stays_in_one_piece(fixed):
 
 def test_functions_of_two_kinds_at_one_place_are_told_apart():
     """In the rig functions of edges lie at the middles of sides, where cubic ones are."""
-    plant = make_plant(load_scene("rig-healthy").scene)
-    mesh = plant.casing.meshed(plant.structure).stage.build()
-    added = added_functions(mesh, plant.structure.material, held=mesh.patches("ground_"))
+    machine = make_machine(load_scene("rig-healthy").scene)
+    mesh = machine.casing.meshed(machine.structure).stage.build()
+    added = added_functions(mesh, machine.structure.material, held=mesh.patches("ground_"))
     places = np.round(added.places, 9)
     assert len(np.unique(places, axis=0)) < len(np.unique(np.column_stack([places, added.numbers // 100]), axis=0))
     assert len(np.unique(np.column_stack([places, added.numbers]), axis=0)) == len(added)

@@ -16,10 +16,10 @@ from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.faults.changed_law import damaged_law
 from fem.contact.faults.cracked_section import crack_compliance
 from fem.contact.faults.cracked_tooth import CrackedTooth
-from fem.contact.frame import law_points
 from fem.contact.models.plane import Plane
 from fem.contact.models.solid import Solid
 from fem.contact.models.solid_condensation import condense
+from fem.contact.slice_frame import law_points
 from fem.contact.teeth import tooth_terms
 from fem.contact.wheels.crack_surface import CrackSurfaceSpec, crack_surface, load_weights, opened
 from fem.elements.materials import STEEL

@@ -10,9 +10,9 @@ from benchmarks.gear_pairs import gear_pair, line_length
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.faults.cracked_tooth import CrackedTooth
-from fem.contact.frame import ModelError
 from fem.contact.models.energy import Energy, foundation_factors, tooth_parts
 from fem.contact.models.plane import Plane
+from fem.contact.slice_frame import ModelError
 from fem.contact.wheels.cantilever import cantilever
 from fem.elements.materials import Material
 from fem.gears.path import path_points

@@ -10,8 +10,8 @@ from mesh_laws import missing_tooth
 from benchmarks.gear_pairs import gear_pair, kisssoft_helical, kisssoft_spur, line_length
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.evaluation.stiffness_curve import stiffness_curve
-from fem.contact.frame import ModelError, flank_frame
 from fem.contact.models.iso import Iso, blank_factor, rack_factor
+from fem.contact.slice_frame import ModelError, flank_frame
 from fem.elements.materials import CAST_IRON, STEEL, Material, MaterialError
 
 PER_MM_UM = 1e9

@@ -8,7 +8,7 @@ from benchmarks.gear_pairs import gear_pair
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.models.plane import Plane
-from fem.contact.part_contact import part_of, spared, touch
+from fem.contact.part_contact import part_of, reduction_of, touch
 
 SLICES = 15
 
@@ -51,7 +51,7 @@ def test_a_slice_that_enters_an_even_slope_carries_what_many_narrow_ones_do():
 def test_without_a_hertz_term_the_first_guess_is_the_solution(even, share):
     """C f of the approach x = C f - a r to that a load f = u f_a gives; C f_a = a (1 + p) / (1 - p)."""
     rise, carried = 2e-6, share * 2e-6 * (1 + even) / (1 - even)
-    approach = carried - rise * spared(even, part_of(share, 1.0, even))
+    approach = carried - rise * reduction_of(even, part_of(share, 1.0, even))
     assert touch(approach, rise, even) == pytest.approx(carried, rel=1e-9)
 
 

@@ -9,8 +9,8 @@ from rings import whole_ring_response
 from benchmarks.checks import plane
 from benchmarks.gear_pairs import gear, thick_rimmed_pair
 from fem.contact.evaluation.evaluator import LawEvaluator
-from fem.contact.frame import ModelError
 from fem.contact.models.plane import Plane
+from fem.contact.slice_frame import ModelError
 from fem.contact.wheels import ring
 from fem.gears.sector_mesh import sector_mesh
 

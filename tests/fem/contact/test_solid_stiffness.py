@@ -6,10 +6,10 @@ import pytest
 from benchmarks.checks import solid
 from benchmarks.gear_pairs import thick_rimmed_pair
 from benchmarks.solid_contact import solve
-from fem.contact.frame import ModelError
 from fem.contact.models.plane import Plane
 from fem.contact.models.solid import Solid
 from fem.contact.models.solid_stress import stress_field
+from fem.contact.slice_frame import ModelError
 
 QUICK = Solid(slices=9, refinement=0.6, positions=8)
 LOAD = 100e3 * 12e-3

@@ -17,8 +17,8 @@ from fem.contact.faults.chipped_tooth import ChippedTooth
 from fem.contact.faults.cracked_section import crack_compliance
 from fem.contact.faults.cracked_tooth import CrackedTooth
 from fem.contact.faults.worn_tooth import WornTooth
-from fem.contact.frame import law_points
 from fem.contact.models.plane import Plane
+from fem.contact.slice_frame import law_points
 from fem.contact.teeth import tooth_terms
 from fem.contact.wheels import ring
 from fem.gears.gear_checks import GeometryError

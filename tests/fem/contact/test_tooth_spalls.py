@@ -23,7 +23,7 @@ from fem.contact.teeth import tooth_terms
 from fem.gears.gear_checks import GeometryError
 from pipelines.io.errors import SceneError
 from pipelines.machine.checks.design_warnings import design_warnings
-from pipelines.machine.machine_conversion import make_drivetrain, make_plant
+from pipelines.machine.machine_conversion import make_drivetrain, make_machine
 from pipelines.scene.load_scene import control_of, load_scene
 
 HELICAL = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))
@@ -194,11 +194,11 @@ SCENE_SPALL = {
 def test_a_spall_of_a_scene_lies_at_its_place_in_both_senses_and_leaves_the_control():
     """The face coordinate of a law follows the rotation of its pinion: +y on stage 1 of the rig, -y on stage 2."""
     scene = load_scene("rig-missing-tooth", {"faults": [SCENE_SPALL | {"stage": stage} for stage in (1, 2)]})
-    plant = make_plant(scene.scene)
-    places = [flanks.wheel_damage[0][0].position for flanks in plant.flanks[:2]]
+    machine = make_machine(scene.scene)
+    places = [flanks.wheel_damage[0][0].position for flanks in machine.flanks[:2]]
     assert places == [2e-3, -2e-3]
-    assert plant.flanks[0].wheel_damage[0][0].depth == pytest.approx(150e-6)
-    assert [fault.name for fault in plant.faults] == ["spalled-tooth 3", "spalled-tooth 3"]
+    assert machine.flanks[0].wheel_damage[0][0].depth == pytest.approx(150e-6)
+    assert [fault.name for fault in machine.faults] == ["spalled-tooth 3", "spalled-tooth 3"]
     control = control_of(load_scene("bench-spall"))
     assert control is not None
     assert not control.scene.faults

@@ -10,7 +10,7 @@ from scipy.sparse.linalg import eigsh
 from test_element_order import plate, ring
 
 from benchmarks.casing_limits.cubic import cubic_matrices
-from fem.casing.enrichment.added import added_functions
+from fem.casing.enrichment.added_unknowns import added_functions
 from fem.casing.mesh.choose_mesher import mesh_geometry
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.reduced.grounded import assembled_casing

@@ -10,9 +10,9 @@ from benchmarks.gear_pairs import gear_pair
 from fem.contact.evaluation.evaluator import LawEvaluator
 from fem.contact.evaluation.stiffness_curve import stiffness_curve
 from fem.contact.faults.changed_law import modified_law
-from fem.contact.frame import law_points
 from fem.contact.models.iso import Iso
 from fem.contact.models.plane import Plane
+from fem.contact.slice_frame import law_points
 from fem.gears.gear_checks import GeometryError
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import (

@@ -27,10 +27,10 @@ from fem.gears.prescribed import (
     single_tooth_terms,
 )
 from pipelines.io.errors import SceneError
-from pipelines.machine.checks.checked_plant import checked_plant
+from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.machine.checks.design_warnings import design_warnings
 from pipelines.machine.flanks import prescribed_deviations
-from pipelines.machine.machine_conversion import make_drivetrain, make_plant
+from pipelines.machine.machine_conversion import make_drivetrain, make_machine
 from pipelines.machine.system_assembly import assemble_machine
 from pipelines.scene.load_scene import control_of, load_scene
 from pipelines.scene.measured_flanks import measured_flanks
@@ -279,12 +279,12 @@ def test_stated_deviations_of_a_scene_reach_the_meshes(laws):
     assert wheel.eccentricity == Eccentricity(amount=20e-6, angle=math.pi / 2)
     assert pinion.waves == (Wave(order=33, amplitude=0.5e-6, phase=math.pi, flank="drive"),)
     assert pinion.teeth == (ToothError(tooth=5, pitch=7e-6, flank="coast"),)
-    plant = make_plant(scene)
-    pair = plant.machine.meshes[0].pair
-    mesh = assemble_machine(plant.machine, [Iso(slices=5).laws(pair)]).meshes[0]
+    machine = make_machine(scene)
+    pair = machine.parts.meshes[0].pair
+    mesh = assemble_machine(machine.parts, [Iso(slices=5).laws(pair)]).meshes[0]
     assert len(mesh.drive.wheel_variant_gap) == len(mesh.coast.wheel_variant_gap) == pair.wheel.teeth
     assert (len(mesh.drive.pinion_variant_gap), len(mesh.coast.pinion_variant_gap)) == (pair.pinion.teeth, 0)
-    plain = make_plant(load_scene("minimal").scene)
+    plain = make_machine(load_scene("minimal").scene)
     sound = assemble_machine(plain.machine, [Iso(slices=5).laws(pair)]).meshes[0]
     moved = mesh.coast_clearance_pinion[:, 0] - sound.coast_clearance_pinion[:, 0]
     assert moved[5] == pytest.approx(-7e-6 * math.cos(pair.pinion.transverse_pressure_angle))
@@ -297,15 +297,15 @@ def test_stated_deviations_stay_in_the_healthy_control_and_leave_with_all_others
     assert not control.scene.faults
     assert control.scene.stages[0].wheel.deviations.eccentricity_um == 20
     off = load_scene("bench", (*STATED[:1], "deviations.enabled=false")).scene
-    assert make_plant(off).machine.meshes[0].wheel.prescribed is None
+    assert make_machine(off).machine.meshes[0].wheel.prescribed is None
     assert any("these keys have no effect" in text for text in design_warnings(off, make_drivetrain(off)))
 
 
 def test_what_no_gear_has_is_refused_or_questioned_with_its_place():
     with pytest.raises(SceneError, match=r"stages\.1\.wheel\.deviations.*eccentricity is 900 um"):
-        checked_plant(load_scene("minimal", ("stages.1.wheel.deviations.eccentricity_um=900",)).scene, "minimal")
+        checked_machine(load_scene("minimal", ("stages.1.wheel.deviations.eccentricity_um=900",)).scene, "minimal")
     with pytest.raises(SceneError, match=r"stages\.1\.pinion\.deviations\.flanks\.file.*no such file"):
-        checked_plant(load_scene("minimal", ('stages.1.pinion.deviations.flanks.file="none.csv"',)).scene, "minimal")
+        checked_machine(load_scene("minimal", ('stages.1.pinion.deviations.flanks.file="none.csv"',)).scene, "minimal")
     rough = load_scene("minimal", ("stages.1.wheel.deviations.eccentricity_um=190",)).scene
     assert any("if the unit is wrong" in text for text in design_warnings(rough, make_drivetrain(rough)))
 

@@ -20,13 +20,13 @@ from time_limit import HANGING
 
 from fem.numerics import compiled_files
 from fem.numerics.compiled import FLOAT, INTEGER, VECTOR, Signature, by_address, reached, stored, views
-from fem.numerics.inner import Inner, inner
+from fem.numerics.inner_functions import Inner, inner
 from fem.storage.cache_folder import CacheWarning
 from pipelines.engine.code_version import reachable
 from pipelines.engine.storage import class_modules
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.scene.load_scene import load_scene
-from pipelines.steps.machine_steps import plant_steps
+from pipelines.steps.machine_steps import machine_steps
 
 posix = pytest.mark.skipif(os.name != "posix", reason="owners and modes as POSIX has them")
 
@@ -55,7 +55,7 @@ if __name__ == "__main__":
     print(whole.entry(np.arange(5.0)), len(whole.entry.stats.cache_hits))
 """
 FACTOR = """
-from fem.numerics.inner import inner
+from fem.numerics.inner_functions import inner
 FACTOR = {}
 @inner()
 def scaled(value):
@@ -336,7 +336,7 @@ COMPILED = ["mbd.integrators.modal_loop", "mbd.elements.newton", "mbd.forces.fla
 
 @pytest.mark.parametrize("module", COMPILED)
 def test_the_key_of_a_motion_holds_every_file_of_its_compiled_code(module):
-    simulate = plant_steps(make_plant(load_scene("rig-healthy").scene))[-1]
+    simulate = machine_steps(make_machine(load_scene("rig-healthy").scene))[-1]
     parts = (simulate.build.__module__, *simulate.modules, *class_modules(simulate.spec))
     read = {Path(importlib.util.find_spec(name).origin).resolve() for name in reachable(*parts)}
     assert called_by(module) <= read

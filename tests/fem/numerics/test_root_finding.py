@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import optimize
 
-from fem.numerics.root import brentq
+from fem.numerics.root_finding import brentq
 
 FUNCTIONS = (
     lambda x: math.cos(x) - x,

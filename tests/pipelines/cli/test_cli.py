@@ -311,7 +311,7 @@ def test_a_killed_export_leaves_the_old_file(capsys, here, monkeypatch):
         assert target.read_text(encoding="utf-8") == "old"
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("pipelines.diagnosis.export.export", killed)
+    monkeypatch.setattr("pipelines.diagnosis.result_export.export", killed)
     assert gearcase(capsys, "export", "mine", "--to", "csv", "--out", "signals.csv")[0] == 130
     assert target.read_text(encoding="utf-8") == "old"
     assert sorted(path.name for path in here.iterdir()) == ["mine", "signals.csv"]

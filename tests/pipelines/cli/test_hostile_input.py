@@ -16,7 +16,7 @@ from sources import ROOT
 
 from pipelines.cli.main import main
 from pipelines.io.errors import Problem, SceneError
-from pipelines.io.shown import message_text, shown, shown_value
+from pipelines.io.shown_text import message_text, shown, shown_value
 from pipelines.scene.load_scene import load_scene
 from pipelines.scene.new import new_scene
 

@@ -22,10 +22,10 @@ from pipelines.datasets.workers import Workers
 from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph
 from pipelines.io.errors import InputError, SceneError, WorkError
-from pipelines.machine.checks.checked_plant import checked_plant
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.checks.checked_machine import checked_machine
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.signals.response import make_response
-from pipelines.steps.machine_steps import plant_steps
+from pipelines.steps.machine_steps import machine_steps
 from pipelines.steps.motion import moved
 
 PLAN = """
@@ -99,9 +99,9 @@ def test_signals_are_those_of_the_scene_run_alone(whole, tmp_path):
     plan = load(tmp_path)
     for one in sampled_scenes(plan)[:2]:
         loaded = scene_of(plan, one.values)
-        plant = checked_plant(loaded.scene, "scene")
-        outcome = Work().build(Graph(plant_steps(plant)), ["simulate"])
-        response = make_response(outcome.value("simulate"), plant.labels)
+        machine = checked_machine(loaded.scene, "scene")
+        outcome = Work().build(Graph(machine_steps(machine)), ["simulate"])
+        response = make_response(outcome.value("simulate"), machine.labels)
         for name in SIGNALS_STORED:
             alone = np.moveaxis(response[name].to_numpy(), 0, -1)
             assert np.array_equal(read_run(whole, one.run, name), alone), name
@@ -113,7 +113,7 @@ def test_labels_are_those_of_the_scene(whole, tmp_path):
     for one in sampled_scenes(plan):
         row, scene = read_row(whole, one.run), scene_of(plan, one.values).scene
         assert row["values"] == one.values
-        assert row["labels"] == labels(make_plant(scene))
+        assert row["labels"] == labels(make_machine(scene))
         assert row["labels"]["label"] == kinds[one.values["state"]]
         assert row["labels"]["severity"] == one.values["depth"]  # None where nothing is worn
         faults = json.loads(row["labels"]["faults"])
@@ -132,7 +132,7 @@ def test_faults_of_shafts_are_labelled_with_their_size(tmp_path, kind):
     varied = "[variables]\nsize = { from = 5.0, to = 50.0 }"
     plan = load(tmp_path, f'scene = "minimal"\nscenes = 3\n{varied}\n[settings]\n{force}\n')
     for one in sampled_scenes(plan):
-        found = labels(make_plant(scene_of(plan, one.values).scene))
+        found = labels(make_machine(scene_of(plan, one.values).scene))
         assert (found["label"], found["severity"]) == (kind, one.values["size"])
         assert "shaft" in found["places"]
 
@@ -286,7 +286,7 @@ def test_one_assembly_serves_scenes_with_equal_machines(monkeypatch, tmp_path):
     kept = module.WorkerCache(Work().cache)
     plan = load(tmp_path)
     scene = scene_of(plan, sampled_scenes(plan)[0].values).scene
-    plant = checked_plant(scene, "scene")
-    first, second = (moved(kept.system(plant), plant.motion).values for _ in range(2))
+    machine = checked_machine(scene, "scene")
+    first, second = (moved(kept.system(machine), machine.motion).values for _ in range(2))
     assert np.array_equal(first, second)
     assert len(made) == 1

@@ -15,12 +15,12 @@ from pipelines.cli.main import main
 from pipelines.datasets.feature_source import FEATURE_ROWS, FEATURES, FeatureSource, write_features
 from pipelines.datasets.rows import read_row, row_path, write_row
 from pipelines.io.errors import InputError
-from pipelines.signals.features.average import FEWEST_TURNS, average
 from pipelines.signals.features.average_features import meshing
 from pipelines.signals.features.average_features import synchronous as features_of_average
 from pipelines.signals.features.definitions import BY_NAME
+from pipelines.signals.features.shaft_turns import cut_turns
 from pipelines.signals.features.statistics import statistics
-from pipelines.signals.features.turns import cut_turns
+from pipelines.signals.features.synchronous_averages import FEWEST_TURNS, average
 from pipelines.signals.orders.rotation import Rotation
 
 TIME = np.arange(8000) / 8000

@@ -6,8 +6,8 @@ import gearcase
 from pipelines.cli.main import main
 from pipelines.diagnosis.control_diagnosis import diagnose
 from pipelines.io.errors import SceneError
-from pipelines.machine.checks.checked_plant import checked_plant
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.checks.checked_machine import checked_machine
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.scene.load_scene import load_scene
 
 OUTER = {
@@ -67,12 +67,12 @@ def test_a_spall_needs_rolling_elements():
 )
 def test_a_spall_that_does_not_fit_is_named_by_its_number(faults, message):
     with pytest.raises(SceneError, match=message):
-        checked_plant(scene(*faults), "scene")
+        checked_machine(scene(*faults), "scene")
 
 
 def test_pass_frequencies_are_looked_for_with_the_sidebands_of_the_load_zone():
-    plant = make_plant(scene(OUTER, INNER, ELEMENT))
-    outer, inner, element = plant.diagnosis.passes
+    machine = make_machine(scene(OUTER, INNER, ELEMENT))
+    outer, inner, element = machine.diagnosis.passes
     turn = 50.0
     assert outer.frequency == pytest.approx(PER["BPFO"] * turn, rel=1e-4)
     assert outer.spacing == 0.0  # it stays in the load zone
@@ -81,25 +81,25 @@ def test_pass_frequencies_are_looked_for_with_the_sidebands_of_the_load_zone():
     assert element.frequency == pytest.approx(PER["2 BSF"] * turn, rel=2e-4)
     assert element.spacing == pytest.approx(0.39828 * turn, rel=2e-4)  # of the cage
     assert [name for name, _, _ in inner.monitored()][1:3] == ["bearing_2 BPFI - f_shaft_1", "bearing_2 BPFI"]
-    assert make_plant(scene()).diagnosis.passes == ()
+    assert make_machine(scene()).diagnosis.passes == ()
 
 
 def test_a_spall_is_looked_for_at_the_rates_of_its_own_bearing():
     sizes = [{"model": "hertz", "designation": name} for name in ("6206", "6205")]
-    (inner,) = make_plant(scene(INNER, **{"shafts.1.bearings": sizes})).diagnosis.passes
+    (inner,) = make_machine(scene(INNER, **{"shafts.1.bearings": sizes})).diagnosis.passes
     assert inner.frequency == pytest.approx(PER["BPFI"] * 50.0, rel=1e-4)
 
 
 def test_a_scene_without_its_faults_keeps_the_slip_of_its_cages_alone():
     slipping = BENCH["bearings"] | {"cage_slip": 0.01}
-    healthy, faulty = (make_plant(scene(*faults, bearings=slipping)).machine for faults in ([], [OUTER]))
+    healthy, faulty = (make_machine(scene(*faults, bearings=slipping)).machine for faults in ([], [OUTER]))
     assert faulty.bearings[1:] == healthy.bearings[1:]
     assert faulty.bearings[0].inside.slip == healthy.bearings[0].inside.slip
     assert len(faulty.bearings[0].inside.spalls) == 1
     assert not healthy.bearings[0].inside.spalls
     seeds = {bearing.inside.slip.seed for bearing in healthy.bearings}
     assert len(seeds) == 4  # every cage its own
-    again = make_plant(scene(bearings=slipping, **{"deviations.seed": 2})).machine
+    again = make_machine(scene(bearings=slipping, **{"deviations.seed": 2})).machine
     assert seeds.isdisjoint({bearing.inside.slip.seed for bearing in again.bearings})
 
 
@@ -114,7 +114,7 @@ def diagnoses():
         for name, faults in {"healthy": [], **FAULTS}.items()
     }
     return {
-        name: diagnose(runs[name], runs["healthy"], make_plant(scene(*faults)).diagnosis)
+        name: diagnose(runs[name], runs["healthy"], make_machine(scene(*faults)).diagnosis)
         for name, faults in FAULTS.items()
     }
 

@@ -13,7 +13,7 @@ from pipelines.diagnosis.judge import damage_p, judge
 from pipelines.diagnosis.known_damage import Case, Damage, any_found, cases_grid, found
 from pipelines.diagnosis.known_damage import sentences as case_sentences
 from pipelines.diagnosis.shared_orders import alike
-from pipelines.diagnosis.simulated import FeatureSettings, run_features, window_features
+from pipelines.diagnosis.simulated_features import FeatureSettings, run_features, window_features
 from pipelines.diagnosis.verdict import ALARM, DIFFERENT
 from pipelines.diagnosis.verdict_words import headline, ranking_grid, sentences
 from pipelines.signals.features.feature_table import WHOLE, _without

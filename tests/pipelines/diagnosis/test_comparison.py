@@ -16,7 +16,7 @@ from pipelines.diagnosis.comparison.curves import curves
 from pipelines.report.figures.comparison_plots import _mark
 from pipelines.report.figures.plots import new_figure
 from pipelines.scene.load_scene import load_scene
-from pipelines.signals.features.average import FEWEST_TURNS
+from pipelines.signals.features.synchronous_averages import FEWEST_TURNS
 from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft
 
 SPEED = 25.0  # turns per second of the first shaft

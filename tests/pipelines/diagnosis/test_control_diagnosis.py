@@ -9,8 +9,8 @@ import xarray
 from synthetic import MESH, RATE, WHEEL, response
 
 from pipelines.diagnosis.control_diagnosis import DiagnosisError, DiagnosisSettings, diagnose
-from pipelines.diagnosis.export import save_diagnoses
 from pipelines.diagnosis.line_words import directions, lines_grid, markdown, modulation, seeds_grid
+from pipelines.diagnosis.result_export import save_diagnoses
 from pipelines.signals.analysis import analyse, envelope_band
 from pipelines.signals.line_table import LineTable
 

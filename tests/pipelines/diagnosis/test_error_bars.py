@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from benchmarks.error_bars import drawn_body
-from fem.casing.uncertainty.draws import (
-    drawn_damping,
-    drawn_frequencies,
+from fem.casing.uncertainty.casing_samples import (
     near_modes,
+    nominal_samples,
+    sampled_damping,
+    sampled_frequencies,
     single_errors,
-    undrawn,
 )
 from fem.casing.uncertainty.frequency_errors import FrequencyErrors, frequency_errors
 from fem.casing.uncertainty.frequency_limits import FrequencyLimits
@@ -71,7 +71,7 @@ def test_a_casing_of_one_mode_that_is_stiffened_changes_the_line_as_the_exact_so
     path = CasingPath(form=form, near=1, machine=rotor(), sensor=np.ones((1, 1)), forced=np.ones((1, 1)))
     force, acceleration = exact(frequency, form.squares[0])
     stiffer = form.squares[0] * (1 + error) ** 2
-    draws = dataclasses.replace(undrawn(form, 1), squares=np.array([[stiffer]]))
+    draws = dataclasses.replace(nominal_samples(form, 1), squares=np.array([[stiffer]]))
     before, after = path.accelerations(frequency, np.array([force]), draws)
     assert before[0] == pytest.approx(acceleration, rel=1e-10)
     assert after[0, 0] == pytest.approx(exact(frequency, stiffer)[1], rel=1e-10)
@@ -119,7 +119,7 @@ def test_forces_that_are_not_recorded_follow_from_the_flanks(recorded):
     form, machine = two_seats()
     forced = np.eye(2, 5)[list(recorded)]
     path = CasingPath(form=form, near=5, machine=machine, sensor=np.eye(5)[4:], forced=forced)
-    draws = drawn_frequencies(form, 5, errors_of(5, 0.02), 6, 1)
+    draws = sampled_frequencies(form, 5, errors_of(5, 0.02), 6, 1)
     for frequency in (90.0, 160.0, 165.0, 300.0):
         forces, acceleration = whole_response(form, machine, frequency)
         before, after = path.accelerations(frequency, forces[list(recorded)], draws)
@@ -137,7 +137,7 @@ def errors_of(count, spread, mean=0.0, rest=0.0):
 def test_the_flexibility_of_modes_above_is_taken_to_the_first_order():
     form, machine = two_seats()
     path = CasingPath(form=form, near=4, machine=machine, sensor=np.eye(5)[4:], forced=np.eye(2, 5))
-    stiffer = dataclasses.replace(undrawn(form, 4), stiffening=np.array([0.01]))
+    stiffer = dataclasses.replace(nominal_samples(form, 4), stiffening=np.array([0.01]))
     forces, _ = whole_response(form, machine, 150.0)
     _, after = path.accelerations(150.0, forces, stiffer)
     wanted = dataclasses.replace(form, squares=form.squares * np.array([1, 1, 1, 1, 1.01]))
@@ -152,7 +152,7 @@ def form_of(frequencies):
 
 def test_modes_far_apart_keep_the_mean_and_the_spread_of_their_errors():
     form = form_of([100.0, 150.0, 260.0])
-    draws = drawn_frequencies(form, 3, errors_of(3, 0.01, mean=0.02), 4000, 1)
+    draws = sampled_frequencies(form, 3, errors_of(3, 0.01, mean=0.02), 4000, 1)
     change = np.sqrt(draws.squares / form.squares) - 1
     assert change.mean(axis=0) == pytest.approx(0.02, abs=1e-3)
     assert change.std(axis=0) == pytest.approx(0.01, rel=0.05)
@@ -162,21 +162,21 @@ def test_modes_far_apart_keep_the_mean_and_the_spread_of_their_errors():
 
 def test_modes_of_one_frequency_turn_by_any_angle():
     """Which two combinations are called the modes must not matter: every direction is as likely as any other."""
-    draws = drawn_frequencies(form_of([100.0, 100.0]), 2, errors_of(2, 0.01), 4000, 1)
+    draws = sampled_frequencies(form_of([100.0, 100.0]), 2, errors_of(2, 0.01), 4000, 1)
     angle = np.arctan2(draws.turns[:, 1, 0], draws.turns[:, 0, 0]) % math.pi
     assert np.histogram(angle, bins=4, range=(0, math.pi))[0] == pytest.approx(1000, rel=0.12)
 
 
 def test_errors_of_nothing_change_nothing():
     form = form_of([100.0, 101.0, 300.0])
-    for draws in (drawn_frequencies(form, 2, errors_of(2, 0.0), 5, 1), single_errors(form, 2, errors_of(2, 0.0))):
+    for draws in (sampled_frequencies(form, 2, errors_of(2, 0.0), 5, 1), single_errors(form, 2, errors_of(2, 0.0))):
         assert draws.squares == pytest.approx(np.tile(form.squares[:2], (len(draws), 1)), rel=1e-12)
         assert not draws.stiffening.any()
-    assert drawn_damping(form, 2, 1e-12, 5, 1).damping == pytest.approx(1.0, abs=1e-10)
+    assert sampled_damping(form, 2, 1e-12, 5, 1).damping == pytest.approx(1.0, abs=1e-10)
 
 
 def test_five_to_95_per_cent_of_the_damping_lie_within_its_spread():
-    factors = drawn_damping(form_of([100.0]), 1, 0.3, 4000, 1).damping
+    factors = sampled_damping(form_of([100.0]), 1, 0.3, 4000, 1).damping
     assert np.percentile(factors, (5, 95)) == pytest.approx((1 / 1.3, 1.3), rel=0.02)
 
 
@@ -212,32 +212,32 @@ SHORT = {
 def diagnosed():
     """The scene `minimal`, whose pitch deviations make sidebands: its plant, system, run and diagnosis."""
     plan = plan_run(load_scene("minimal", SHORT), with_control=False, both_loads=False)
-    plant = plan.plant
-    outcome = Work(processes=1).build(plan.graph, [*plant.law_names, "casing", "simulate"])
-    machine = assemble_machine(plant.machine, [outcome.value(name) for name in plant.law_names])
-    system = assemble_system(machine, outcome.value("casing"), plant.recorded, plant.motion.band)
-    run = make_response(outcome.value("simulate"), plant.labels)
-    return plant, system, run, diagnose(run, run, plant.diagnosis)
+    model = plan.model
+    outcome = Work(processes=1).build(plan.graph, [*model.law_names, "casing", "simulate"])
+    machine = assemble_machine(model.machine, [outcome.value(name) for name in model.law_names])
+    system = assemble_system(machine, outcome.value("casing"), model.recorded, model.motion.band)
+    run = make_response(outcome.value("simulate"), model.labels)
+    return model, system, run, diagnose(run, run, model.diagnosis)
 
 
 def test_bars_hold_the_lines_of_simulated_casings(diagnosed, monkeypatch):
     """One casing with modes 1.5 % higher is drawn and simulated: spectrum and envelope change as predicted."""
-    plant, system, run, found = diagnosed
+    model, system, run, found = diagnosed
     body = system.layout.casing
     form = modal_form(body)
     near = near_modes(form, max(found.band[1], found.settings.highest_line))
 
     def one_draw(*_):
-        return dataclasses.replace(undrawn(form, near), squares=form.squares[None, :near] * 1.015**2)
+        return dataclasses.replace(nominal_samples(form, near), squares=form.squares[None, :near] * 1.015**2)
 
     monkeypatch.setattr("pipelines.diagnosis.uncertainty.sampled_bars.SAMPLES", 1)
-    monkeypatch.setattr("pipelines.diagnosis.uncertainty.sampled_bars.drawn_frequencies", one_draw)
+    monkeypatch.setattr("pipelines.diagnosis.uncertainty.sampled_bars.sampled_frequencies", one_draw)
     quiet = run.assign_attrs(step_error=0.0)
     known = Uncertain(errors=errors_of(near, 0.0), damping_spread=0.3, remedy="")
     bars = line_bars(quiet, found, system, known).bars
     other = drawn_body(body, form, one_draw(), 0)
-    again = moved(assemble_system(system.machine, other, plant.recorded, plant.motion.band), plant.motion)
-    changed = diagnose(make_response(again, plant.labels), run, plant.diagnosis).lines
+    again = moved(assemble_system(system.machine, other, model.recorded, model.motion.band), model.motion)
+    changed = diagnose(make_response(again, model.labels), run, model.diagnosis).lines
     level = {(changed.kind[i], changed.label[i]): changed.faulty[i] for i in range(len(changed))}
     assert {bar.kind for bar in bars} >= {"envelope", "sideband", "mesh"}
     simulated = [20 * math.log10(level[bar.kind, bar.label] / bar.level) for bar in bars]
@@ -247,8 +247,8 @@ def test_bars_hold_the_lines_of_simulated_casings(diagnosed, monkeypatch):
 
 
 def test_without_errors_of_the_mesh_the_inputs_are_shown_alone(diagnosed):
-    plant, system, run, found = diagnosed
-    bars = line_bars(run, found, system, uncertain(plant.casing, None, (), plant.looked_for.damping_spread))
+    model, system, run, found = diagnosed
+    bars = line_bars(run, found, system, uncertain(model.casing, None, (), model.monitored.damping_spread))
     assert bars.bars
     assert all(bar.numerical is None and bar.inputs.low < bar.inputs.high for bar in bars.bars)
     words = bars_words(bars)

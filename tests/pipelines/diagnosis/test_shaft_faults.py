@@ -10,7 +10,7 @@ import gearcase
 from pipelines.cli.main import main
 from pipelines.diagnosis.control_diagnosis import diagnose
 from pipelines.diagnosis.line_words import lines_grid
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.scene.load_scene import control_differences, control_of, load_scene
 from pipelines.steps.reporting import shaft_rows
 
@@ -46,12 +46,12 @@ def loaded(**changes):
     return load_scene("minimal", STEADY | changes)
 
 
-def plant(**changes):
-    return make_plant(loaded(**changes).scene)
+def machine(**changes):
+    return make_machine(loaded(**changes).scene)
 
 
 def test_a_scene_tells_the_faults_of_its_shafts_with_their_place_and_severity():
-    found = plant(forces=[PUSH, UNBALANCE, BOW], disks=[DISK, ECCENTRIC])
+    found = machine(forces=[PUSH, UNBALANCE, BOW], disks=[DISK, ECCENTRIC])
     assert found.labels["state"] == "bent-shaft+unbalance"
     assert found.fault_words == (
         "unbalance of shaft 1 at y = 20 mm",
@@ -79,8 +79,8 @@ def coupled(table):
 
 
 def test_a_coupling_is_at_fault_only_where_its_shafts_lie_apart():
-    assert plant(**coupled(STRAIGHT)).labels["state"] == "healthy"  # two stiffness axes are a design
-    found = plant(**coupled(OFFSET))
+    assert machine(**coupled(STRAIGHT)).labels["state"] == "healthy"  # two stiffness axes are a design
+    found = machine(**coupled(OFFSET))
     assert found.labels["state"] == "misaligned-coupling"
     assert found.fault_words == ("misaligned coupling 1 of shafts 3 and 1",)
     (fault,) = json.loads(found.labels["faults"])
@@ -95,8 +95,8 @@ def test_a_misaligned_coupling_raises_the_second_order_over_its_control():
     """Listened to at the journal of bearing 1, there is no casing."""
     faulty = loaded(**coupled(OFFSET))
     runs = [gearcase.simulate(gearcase.Scene(one)) for one in (faulty, control_of(faulty))]
-    made = make_plant(faulty.scene)
-    made = replace(made, looked_for=replace(made.looked_for, sensor="bearing_1", possible=True))
+    made = make_machine(faulty.scene)
+    made = replace(made, monitored=replace(made.monitored, sensor="bearing_1", possible=True))
     found = diagnose(*runs, made.diagnosis)
     own = found.lines.where(kind="shaft")
     assert own.label[1] == "2x shaft_3"
@@ -105,7 +105,7 @@ def test_a_misaligned_coupling_raises_the_second_order_over_its_control():
 
 
 def test_forces_from_outside_and_the_ripple_of_a_motor_are_no_faults():
-    found = plant(forces=[PUSH, SHAKE, RIPPLE])
+    found = machine(forces=[PUSH, SHAKE, RIPPLE])
     assert found.labels["state"] == "healthy"
     assert found.labels["faults"] == "[]"
     assert found.fault_words == ()
@@ -118,7 +118,7 @@ def test_the_control_keeps_excitations_and_leaves_out_faults():
     healthy = loaded(forces=[PUSH, RIPPLE], disks=[DISK])
     assert control.scene.forces == healthy.scene.forces
     assert control.scene.disks == healthy.scene.disks
-    assert make_plant(control.scene).labels["state"] == "healthy"
+    assert make_machine(control.scene).labels["state"] == "healthy"
     assert control_differences(faulty, control) == []
 
 
@@ -132,7 +132,7 @@ def test_a_control_of_its_own_takes_no_fault_from_the_settings():
 
 
 def test_orders_of_every_faulty_shaft_are_looked_for_and_listed():
-    found = plant(forces=[UNBALANCE, BOW])
+    found = machine(forces=[UNBALANCE, BOW])
     assert [line.shaft for line in found.diagnosis.turning] == ["shaft_1", "shaft_2"]
     for line, turn in zip(found.diagnosis.turning, TURN, strict=True):
         assert [frequency for _, _, frequency in line.monitored()] == pytest.approx([turn, 2 * turn])
@@ -146,7 +146,7 @@ def unbalanced():
     """An unbalance, alone in the scene, against the control that the scene makes of itself."""
     faulty = loaded(forces=[UNBALANCE])
     runs = [gearcase.simulate(gearcase.Scene(one)) for one in (faulty, control_of(faulty))]
-    return runs, diagnose(*runs, make_plant(faulty.scene).diagnosis)
+    return runs, diagnose(*runs, make_machine(faulty.scene).diagnosis)
 
 
 def test_an_unbalance_alone_raises_the_first_order_over_its_control(unbalanced):
@@ -176,7 +176,7 @@ def test_the_table_has_the_order_of_the_shaft(unbalanced):
 
 def test_an_order_that_the_window_does_not_hold_is_left_out(unbalanced):
     (faulty, healthy), _ = unbalanced
-    slow = plant(forces=[UNBALANCE | {"shaft": 2}], **{"diagnosis.windows_s": {"short": [0.27, 0.4]}}).diagnosis
+    slow = machine(forces=[UNBALANCE | {"shaft": 2}], **{"diagnosis.windows_s": {"short": [0.27, 0.4]}}).diagnosis
     found = diagnose(faulty, healthy, slow)
     assert found.lines.where(kind="shaft").label == ("2x shaft_2",)
 

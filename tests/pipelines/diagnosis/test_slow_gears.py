@@ -3,7 +3,7 @@
 import pytest
 
 from pipelines.machine.machine_conversion import make_drivetrain
-from pipelines.runs.diagnosed import diagnose_folder, judge_folder
+from pipelines.runs.diagnosed_run import diagnose_folder, judge_folder
 from pipelines.runs.run import run_scene
 from pipelines.scene.load_scene import load_scene
 
@@ -21,7 +21,7 @@ def test_every_window_holds_ten_turns_of_the_faulty_wheel(name):
 def test_the_container_stays_off_the_drums():
     """More than a metre of the five is left at the top."""
     train = make_drivetrain(load_scene("rig-long").scene)
-    top = train.hoist.rope_length_at(17.25, train.machine.profile, train.layout.shaft_ratios[train.layout.loaded])
+    top = train.hoist.rope_length_at(17.25, train.parts.profile, train.layout.shaft_ratios[train.layout.loaded])
     assert 1.0 < top < 2.0
 
 

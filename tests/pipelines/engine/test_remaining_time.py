@@ -15,7 +15,7 @@ from pipelines.engine.progress import StepReporter, step_words
 from pipelines.engine.remaining import Remaining, Task, expected
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, Step, StepRecord
-from pipelines.io.shown import duration
+from pipelines.io.shown_text import duration
 from pipelines.report.figures import render
 
 SCHEDULE = (  # two processes: casing 10 beside laws 2 + 2, then motions 6 beside 6, then the report 3

@@ -17,7 +17,7 @@ from pipelines.engine.progress import StepReporter, reported_count
 from pipelines.engine.remaining import Remaining, Task
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, Step
-from pipelines.steps.machine_steps import plant_steps
+from pipelines.steps.machine_steps import machine_steps
 
 
 def go_on(seconds):
@@ -91,7 +91,7 @@ def test_without_a_listener_nothing_happens():
 def test_the_time_loop_tells_its_share(tmp_path):
     scene = gearcase.Scene.from_file("minimal").changed({"simulation.end_s": 0.5, "diagnosis.windows_s": {}})
     heard = Heard()
-    run_graph(Graph(plant_steps(gearcase.check(scene).plant)), Cache(tmp_path), ["simulate"], on_event=heard)
+    run_graph(Graph(machine_steps(gearcase.check(scene).machine)), Cache(tmp_path), ["simulate"], on_event=heard)
     shares = heard.shares["simulate"]
     assert shares == sorted(shares)
     assert len(shares) > 1

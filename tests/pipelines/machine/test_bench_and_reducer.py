@@ -12,11 +12,11 @@ from mbd.system.statics import equilibrium
 from pipelines.engine.storage import digest
 from pipelines.io.errors import SceneError
 from pipelines.machine.drives import speed_profile
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.machine.system_assembly import assemble_machine, assemble_system
 from pipelines.scene.load_scene import load_scene
 from pipelines.scene.merge import Whole
-from pipelines.steps.machine_steps import plant_steps
+from pipelines.steps.machine_steps import machine_steps
 
 QUICK = {"casing": {"model": "none"}, "sensors": [], "faults": [], "control": None}
 HOIST = re.compile(r"\b(hoist\w*|drums?|ropes?|containers?|lift|lifting|lowering|lowered|crane)\b", re.IGNORECASE)
@@ -25,13 +25,13 @@ HOIST = re.compile(r"\b(hoist\w*|drums?|ropes?|containers?|lift|lifting|lowering
 def standing(name, **settings):
     """The scene's machine at rest under its load, error-free gears, bearings on the ground."""
     scene = load_scene(name, QUICK | {"deviations.enabled": False, "diagnosis": {"windows_s": {}}} | settings).scene
-    plant = make_plant(scene)
-    laws = [spec.mesh.laws(spec.pair) for spec in plant.laws]
-    machine = assemble_machine(plant.machine, laws)
+    model = make_machine(scene)
+    laws = [spec.mesh.laws(spec.pair) for spec in model.laws]
+    machine = assemble_machine(model.machine, laws)
     from mbd_rigs import no_casing
 
-    system = assemble_system(machine, no_casing(), plant.recorded)
-    return plant, system, equilibrium(system)
+    system = assemble_system(machine, no_casing(), model.recorded)
+    return model, system, equilibrium(system)
 
 
 def bearing_forces(system, state, shaft):
@@ -51,16 +51,16 @@ def test_statics_by_hand(name, torque):
     """Torque at the motor, mesh forces and bearing forces from the load alone: ratios, base radii and levers."""
     load = {"load": Whole({"model": "torque", "torque_N_m": torque})}
     meshes = {f"stages.{number}.mesh": {"model": "iso"} for number in (1, 2)[: 1 + (name == "reducer")]}
-    plant, system, state = standing(name, **load, **meshes)
-    ratios = [pair.ratio for pair in plant.layout.pairs]
+    model, system, state = standing(name, **load, **meshes)
+    ratios = [pair.ratio for pair in model.layout.pairs]
     assert state.motor_torque == pytest.approx(torque / math.prod(ratios), rel=1e-6)
     held = torque
-    for pair, force in reversed(list(zip(plant.layout.pairs, state.mesh_force, strict=True))):
+    for pair, force in reversed(list(zip(model.layout.pairs, state.mesh_force, strict=True))):
         assert force == pytest.approx(held / pair.wheel.base_radius, rel=1e-6)
         held /= pair.ratio
     shaft = system.machine.shafts[0]
     forces, _ = bearing_forces(system, state, shaft.name)
-    pair, mesh = plant.layout.pairs[0], state.mesh_force[0]
+    pair, mesh = model.layout.pairs[0], state.mesh_force[0]
     weight = 9.80665 * shaft_mass(shaft)
     axial = mesh * math.tan(pair.base_helix_angle)
     assert np.hypot(forces[:, 0].sum(), forces[:, 2].sum() + weight) == pytest.approx(mesh, rel=1e-6)
@@ -88,7 +88,7 @@ def test_a_recorded_speed_is_read_and_its_content_is_in_the_key(tmp_path):
         profile = speed_profile(scene.drive)
         np.testing.assert_allclose(profile.speeds * 30 / np.pi, [0.0, 300.5, float(last)])
         assert profile.smooth
-        keys.append(digest(plant_steps(make_plant(scene))[-1].spec))
+        keys.append(digest(machine_steps(make_machine(scene))[-1].spec))
     assert keys[0] != keys[1]
 
 
@@ -119,7 +119,7 @@ def test_a_dataset_of_an_hdf5_file_is_read_as_well(tmp_path):
 )
 def test_a_bad_recording_is_refused_with_its_line(tmp_path, text, message):
     with pytest.raises(SceneError, match=message):
-        make_plant(load_scene("bench", csv(tmp_path, text)).scene)
+        make_machine(load_scene("bench", csv(tmp_path, text)).scene)
 
 
 def test_a_missing_recording_is_named():
@@ -128,7 +128,7 @@ def test_a_missing_recording_is_named():
         "drive.speeds_rpm": {"file": "none.csv", "column": "v"},
     }
     with pytest.raises(SceneError, match=r"drive.times_s.file.*no such file"):
-        make_plant(load_scene("bench", settings).scene)
+        make_machine(load_scene("bench", settings).scene)
 
 
 TORQUE_DRIVE = {"model": "torque", "torque_N_m": 3.0, "start_rpm": 900.0}

@@ -9,19 +9,19 @@ from housings import short_housing
 from fem.casing.geometry.housing_features import Flange
 from fem.casing.geometry.locators import ByCylinder, ByPlane
 from fem.casing.mesh.choose_mesher import mesh_geometry
-from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
-from fem.casing.mesh.mesher import mesh_step, write_step
+from fem.casing.mesh.gmsh_mesh import mesh_step, write_step
+from fem.casing.mesh.imported_housing import ImportedHousing, Seat, content_hash
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.parts.bolted_joint import BoltedJoint
 from fem.casing.parts.bolts import Bolt
-from fem.casing.parts.split import SplitPlane, split_mesh
+from fem.casing.parts.split_mesh import SplitPlane, split_mesh
 from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.lanczos import block_lanczos
 from fem.casing.uncertainty.extrapolation import lowest_modes
 from fem.elements.materials import CAST_IRON
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import SceneError
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.runs.single_results import build_casing
 from pipelines.scene.load_scene import load_scene
 
@@ -30,7 +30,7 @@ FLANGE = ELASTIC | {"casing.housing.flange": {"width_mm": 20.0, "height_mm": 24.
 
 
 def plant_of(settings, **joint):
-    return make_plant(load_scene("minimal", settings | {"casing.housing.joint": joint}).scene)
+    return make_machine(load_scene("minimal", settings | {"casing.housing.joint": joint}).scene)
 
 
 def joint_of(settings, **joint):
@@ -101,8 +101,8 @@ def test_a_bolted_scene_is_built_with_its_damping():
 
 def covered(element):
     """Mesh of a plain box, and the joint of its cover."""
-    plant = plant_of(ELASTIC | {"casing.element": element}, bolt="M6", pitch_mm=60.0)
-    return plant.casing.meshed(plant.structure).stage.build(), plant.structure.joint
+    machine = plant_of(ELASTIC | {"casing.element": element}, bolt="M6", pitch_mm=60.0)
+    return machine.casing.meshed(machine.structure).stage.build(), machine.structure.joint
 
 
 @pytest.mark.parametrize("element", ["hexahedron-27", "hexahedron-32", "tetrahedron-10"])
@@ -172,7 +172,7 @@ def test_a_joint_across_a_plane_of_a_file_in_si():
         "tapped": True, "positions_mm": [[100.0, 50.0, 12.0], [-100.0, 50.0, 10.0]],
     }  # fmt: skip
     loaded = load_scene("rig-step", {"casing.housing.joint": joint})
-    found = make_plant(loaded.scene).structure.joint
+    found = make_machine(loaded.scene).structure.joint
     assert found.plane == SplitPlane(through=(0.0, 0.0, 0.01), normal=(0.0, 0.0, 1.0))
     assert found.places == ((0.1, 0.05, 0.01), (-0.1, 0.05, 0.01))
     assert (found.bolt.length, found.bolt.tapped) == (0.015, True)

@@ -8,15 +8,15 @@ import pytest
 
 from fem.casing.geometry.housing import Housing
 from fem.casing.geometry.locators import ByGroup
-from fem.casing.mesh.imported import ImportedHousing, content_hash
+from fem.casing.mesh.imported_housing import ImportedHousing, content_hash
 from fem.casing.mesh.sizes import bending_wavelength
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph
 from pipelines.io.errors import SceneError
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.scene.load_scene import load_scene
-from pipelines.steps.machine_steps import casing_step, plant_steps
+from pipelines.steps.machine_steps import casing_step, machine_steps
 
 FEATURES = {
     "casing.housing.side_wall_thickness_mm": 12.0,
@@ -30,12 +30,12 @@ FEATURES = {
 
 def made(name, settings=()):
     scene = load_scene(name, settings).scene
-    return make_plant(scene).structure.housing
+    return make_machine(scene).structure.housing
 
 
 def stages(name, settings=()):
     loaded = load_scene(name, settings)
-    return {stage.name: stage for stage in plant_steps(make_plant(loaded.scene, loaded.source.shown))}
+    return {stage.name: stage for stage in machine_steps(make_machine(loaded.scene, loaded.source.shown))}
 
 
 def test_a_scene_without_the_new_keys_has_a_plain_housing():
@@ -98,9 +98,9 @@ def test_the_shipped_step_file_is_found_and_placed_by_the_shafts():
 def test_every_shipped_housing_passes_the_check_up_and_keeps_its_error(name, settings, tmp_path):
     """With the default reduction: frequencies to 0.1 %, responses of every pair to 6 % in every third octave."""
     loaded = load_scene(name, settings)
-    plant = make_plant(loaded.scene, loaded.source.shown)
-    check = plant.casing.error_check(plant.structure, loaded.scene.casing.band_Hz)
-    graph = Graph([*plant_steps(plant), casing_step(check)])
+    machine = make_machine(loaded.scene, loaded.source.shown)
+    check = machine.casing.error_check(machine.structure, loaded.scene.casing.band_Hz)
+    graph = Graph([*machine_steps(machine), casing_step(check)])
     outcome = run_graph(graph, Cache(tmp_path), ["casing modes", "casing error"], processes=1)
     modes, check = outcome.value("casing modes")
     assert check.failures == ()

@@ -9,7 +9,7 @@ import pytest
 from mbd_rigs import no_casing, train
 
 from fem.casing.geometry.locators import ByCylinder
-from fem.casing.mesh.imported import Seat
+from fem.casing.mesh.imported_housing import Seat
 from fem.storage.cache_folder import cache_root
 from mbd.parts.channels import channel_names, mesh_channels, motor_channels, shaft_channels
 from mbd.parts.part_checks import MachineError
@@ -17,7 +17,7 @@ from mbd.system.system import assemble
 from pipelines.cli.main import main
 from pipelines.io.errors import Problems, SceneError
 from pipelines.machine.checks import cost
-from pipelines.machine.checks.checked_plant import checked_plant
+from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.machine.checks.design_warnings import design_warnings
 from pipelines.machine.checks.strength import (
     STATIC_STRENGTH,
@@ -29,7 +29,7 @@ from pipelines.machine.checks.strength import (
 from pipelines.machine.layout import lay_out
 from pipelines.machine.machine_conversion import make_drivetrain
 from pipelines.machine.scene_bearings import bearing_points, bearing_specs
-from pipelines.runs.checked import check_scene
+from pipelines.runs.checked_scene import check_scene
 from pipelines.scene.load_scene import load_scene
 from pipelines.steps.run_plan import plan_run
 
@@ -58,7 +58,7 @@ def refusal(scene, settings):
     """The problems of a scene by path."""
     loaded = load_scene(scene, settings)
     with pytest.raises(SceneError) as refused:
-        checked_plant(loaded.scene, loaded.source.shown)
+        checked_machine(loaded.scene, loaded.source.shown)
     said = {problem.path: str(problem) for problem in refused.value.problems}
     assert all(text == text.rstrip() and ".. " not in text for text in said.values())
     return said
@@ -204,7 +204,7 @@ def test_refused_before_computing_by_key_with_value_and_limit(scene, settings, p
 def test_a_bearing_outside_its_boss_is_one_problem():
     loaded = load_scene("minimal", {"shafts.1.bearing_positions_mm": [-65.0, 100.0]})
     with pytest.raises(SceneError, match=r"1 problem\n.* bearing_2 at y = 100 mm is 35 mm away from the middle"):
-        checked_plant(loaded.scene, "minimal")
+        checked_machine(loaded.scene, "minimal")
 
 
 def test_everything_is_refused_at_once():
@@ -240,7 +240,7 @@ def test_a_wavelength_needs_the_thickness_of_an_imported_wall():
     housing = scene.casing.housing.model_copy(update={"wall_thickness_mm": None})
     without = scene.model_copy(update={"casing": scene.casing.model_copy(update={"housing": housing})})
     with pytest.raises(SceneError, match=r"casing\.housing\.wall_thickness_mm: is needed"):
-        checked_plant(without, "rig-step")
+        checked_machine(without, "rig-step")
 
 
 def free_bytes(monkeypatch, **free):
@@ -374,8 +374,8 @@ def test_torsion_follows_the_torque_along_the_shaft():
 
 def test_the_seat_found_on_the_solid_is_the_seat_of_its_mesh():
     """The grid over the cylinders gives the bearing points that the surface mesh gives."""
-    from fem.casing.mesh.mesher import find_seats
-    from pipelines.machine.casing import housing
+    from fem.casing.mesh.gmsh_mesh import find_seats
+    from pipelines.machine.scene_casing import housing
 
     scene = load_scene("rig-step").scene
     layout = lay_out(scene)
@@ -404,7 +404,7 @@ def test_a_motion_without_stiffness_names_the_soft_shaft():
 def test_mounts_that_do_not_fit_the_feet_are_refused_before_the_mesh(name, settings, words):
     loaded = load_scene(name, {"casing.ground": "springs", **settings})
     with pytest.raises(SceneError, match=words):
-        checked_plant(loaded.scene, loaded.source.shown)
+        checked_machine(loaded.scene, loaded.source.shown)
 
 
 def test_one_load_that_is_too_large_is_one_problem():

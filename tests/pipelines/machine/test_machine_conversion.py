@@ -11,16 +11,16 @@ from pipelines.engine.storage import class_modules, digest
 from pipelines.io.errors import SceneError
 from pipelines.machine.checks.collisions import RevolvedBody
 from pipelines.machine.flanks import Fault, first_tooth_fault
-from pipelines.machine.machine_conversion import make_drivetrain, make_plant
+from pipelines.machine.machine_conversion import make_drivetrain, make_machine
 from pipelines.scene.load_scene import load_scene
-from pipelines.steps.machine_steps import plant_steps
+from pipelines.steps.machine_steps import machine_steps
 
 BEHIND = ("engine", "report", "runs", "signals", "steps", "studies", "cli")  # rooms behind the plant
 UNITS = ("_mm", "_um", "_GPa", "_per_um", "_deg", "_rpm", "_us", "_kg", "_s", "_Hz", "_m", "_kg_m3", "_kg_m2")
 
 
 def motion(**settings):
-    return plant_steps(make_plant(load_scene("minimal", settings).scene))[-1]
+    return machine_steps(make_machine(load_scene("minimal", settings).scene))[-1]
 
 
 def files_behind():
@@ -72,12 +72,12 @@ def test_behind_the_plant_only_what_makes_other_scenes_names_the_class():
 @pytest.mark.parametrize("step", ["flanks", "stress", "casing", "motion"])
 def test_a_result_hangs_on_no_code_that_reads_scenes(step):
     found = reachable(f"pipelines.steps.{step}")
-    assert [name for name in found if name.startswith(("pipelines.scene", "pipelines.machine.plant"))] == []
+    assert [name for name in found if name.startswith(("pipelines.scene", "pipelines.machine.machine_model"))] == []
 
 
 def test_a_motion_hangs_on_the_code_of_the_load_and_bearings_it_has():
     def modules(name, **settings):
-        return class_modules(plant_steps(make_plant(load_scene(name, settings).scene))[-1].spec)
+        return class_modules(machine_steps(make_machine(load_scene(name, settings).scene))[-1].spec)
 
     hertz = {"bearings": {"model": "hertz", "designation": "6205"}}
     assert "mbd.forces.rolling_bearing" in modules("minimal", **hertz)
@@ -113,7 +113,7 @@ def test_a_diagnosis_can_be_repeated_where_the_file_of_the_housing_is_gone():
     scene = scene.model_copy(update={"casing": scene.casing.model_copy(update={"housing": gone})})
     assert make_drivetrain(scene).diagnosis.mesh_frequency == pytest.approx(300.0)
     with pytest.raises(SceneError, match=r"gone\.step"):
-        make_plant(scene)
+        make_machine(scene)
 
 
 def test_a_missing_tooth_is_shown_before_other_damage():

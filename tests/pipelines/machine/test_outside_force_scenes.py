@@ -7,9 +7,9 @@ from mbd.forces.torque import Torque
 from mbd.parts.part_checks import MachineError
 from pipelines.engine.storage import digest
 from pipelines.io.errors import SceneError
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.scene.load_scene import load_scene
-from pipelines.steps.machine_steps import plant_steps
+from pipelines.steps.machine_steps import machine_steps
 
 TORQUE = {"model": "torque", "shaft": 2, "position_mm": 0.0, "times_s": [0.0, 0.5], "torques_N_m": [0.0, 12.0]}
 
@@ -26,8 +26,8 @@ def test_a_torque_of_a_scene_in_si():
 
 
 def test_the_motion_is_computed_anew_for_another_torque():
-    plants = [make_plant(scene(torques_N_m=[0.0, value])) for value in (12.0, 13.0)]
-    one, other = (digest(plant_steps(plant)[-1].spec) for plant in plants)
+    plants = [make_machine(scene(torques_N_m=[0.0, value])) for value in (12.0, 13.0)]
+    one, other = (digest(machine_steps(machine)[-1].spec) for machine in plants)
     assert one != other
 
 

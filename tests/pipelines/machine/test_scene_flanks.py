@@ -11,13 +11,13 @@ from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph
 from pipelines.io.errors import SceneError
-from pipelines.machine.checks.checked_plant import checked_plant
+from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.machine.checks.design_warnings import design_warnings
 from pipelines.machine.layout import lay_out
-from pipelines.machine.machine_conversion import make_drivetrain, make_plant
+from pipelines.machine.machine_conversion import make_drivetrain, make_machine
 from pipelines.machine.tooth_terms import clearances, mesh_faults
 from pipelines.scene.load_scene import load_scene
-from pipelines.steps.machine_steps import plant_steps
+from pipelines.steps.machine_steps import machine_steps
 
 DETAILS = """
 extends = "minimal"
@@ -114,8 +114,8 @@ def test_ends_of_the_face_turn_with_the_lifting_sense():
 
 
 def test_faults_become_variants_clearances_and_common_wear(detailed):
-    plant = make_plant(detailed)
-    (flanks,), (mesh,) = plant.flanks, plant.machine.meshes
+    machine = make_machine(detailed)
+    (flanks,), (mesh,) = machine.flanks, machine.parts.meshes
     assert flanks.wheel_damage == (
         (
             CrackedTooth(depth=1.2e-3, angle=np.radians(70.0), extent=5e-3, end="-y"),
@@ -130,11 +130,11 @@ def test_faults_become_variants_clearances_and_common_wear(detailed):
     assert teeth["coast_clearance_pinion"].shape == (20, 6)
     assert teeth["drive_clearance_pinion"][7, -1] == 1
     assert np.ptp(teeth["drive_clearance_wheel"][:, 3]) > 1e-6  # helix slopes
-    assert [fault.name for fault in plant.faults][2:] == ["chipped-tooth 7", "worn-tooth, all teeth"]
+    assert [fault.name for fault in machine.faults][2:] == ["chipped-tooth 7", "worn-tooth, all teeth"]
 
 
 def test_pitch_deviations_stay_when_profile_and_helix_join(detailed):
-    plain, mesh = (make_plant(scene).machine.meshes[0] for scene in (minimal(), detailed))
+    plain, mesh = (make_machine(scene).machine.meshes[0] for scene in (minimal(), detailed))
     pair = mesh.pair
     alone = clearances(pair, plain.pinion, plain.wheel)["drive_clearance_wheel"]
     assert alone.shape == (55,)
@@ -144,9 +144,9 @@ def test_pitch_deviations_stay_when_profile_and_helix_join(detailed):
 
 
 def test_only_what_is_there_adds_a_stage(detailed, tmp_path):
-    assert [s.name for s in plant_steps(make_plant(minimal())) if "law" in s.name] == ["law_1"]
-    plant = make_plant(detailed)
-    graph = Graph(plant_steps(plant))
+    assert [s.name for s in machine_steps(make_machine(minimal())) if "law" in s.name] == ["law_1"]
+    machine = make_machine(detailed)
+    graph = Graph(machine_steps(machine))
     assert list(graph.steps)[:2] == ["unmodified_law_1", "law_1"]
     sound, law = (
         run_graph(graph, Cache(tmp_path / "cache"), ["unmodified_law_1", "law_1"]).value(name)[0]
@@ -157,7 +157,7 @@ def test_only_what_is_there_adds_a_stage(detailed, tmp_path):
     reached = np.isfinite(sound.gap)
     assert (law.gap[reached] - sound.gap[reached]).max() == pytest.approx(3e-6, rel=1e-3)
     cycle = np.linspace(2.0, 4.0, 21)
-    _, wheel = mesh_faults(plant.machine.meshes[0])
+    _, wheel = mesh_faults(machine.parts.meshes[0])
     soft = LawEvaluator(law).evaluate(cycle, 8e-6, 0.0, None, wheel).force
     assert (soft < LawEvaluator(law).evaluate(cycle, 8e-6).force + 1e-9).all()
 
@@ -173,14 +173,14 @@ def test_only_what_is_there_adds_a_stage(detailed, tmp_path):
 )  # fmt: skip
 def test_what_does_not_fit_is_refused_with_its_place(settings, message):
     with pytest.raises(SceneError, match=message):
-        checked_plant(minimal(*settings), "minimal")
+        checked_machine(minimal(*settings), "minimal")
 
 
 def test_a_crack_through_the_tooth_is_refused_with_its_place(tmp_path):
     path = tmp_path / "deep.toml"
     path.write_text(DETAILS.replace("depth_mm = 1.2", "depth_mm = 3.9"), encoding="utf-8")
     with pytest.raises(SceneError, match=r"faults\.1.*tooth root thickness"):
-        checked_plant(load_scene(path).scene, "deep")
+        checked_machine(load_scene(path).scene, "deep")
 
 
 def test_warnings_of_a_designer():

@@ -8,7 +8,7 @@ from measured import signals
 
 from pipelines.io.errors import InputError, SceneError
 from pipelines.machine.layout import lay_out
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.machine.scene_kinematics import kinematics_of, pass_rates
 from pipelines.recordings.machine_file import read_machine
 from pipelines.recordings.read_recording import read_recording
@@ -160,10 +160,10 @@ def test_a_scene_is_a_machine_with_the_names_of_its_runs(name, tmp_path):
 def test_pass_orders_of_a_scene_are_its_pass_rates_over_the_speed():
     rolling = {"model": "hertz", "kind": "ball", "elements": 9, "element_diameter_mm": 7.0, "pitch_diameter_mm": 35.0}
     loaded = load_scene("bench", {"bearings": rolling})
-    plant = make_plant(loaded.scene)
-    found = kinematics_of(plant.layout, plant.rolling)
-    assert [bearing.name for bearing in found.bearings] == [bearing.name for bearing in plant.rolling]
-    for bearing, scene in zip(found.bearings, plant.rolling, strict=True):
+    machine = make_machine(loaded.scene)
+    found = kinematics_of(machine.layout, machine.rolling)
+    assert [bearing.name for bearing in found.bearings] == [bearing.name for bearing in machine.rolling]
+    for bearing, scene in zip(found.bearings, machine.rolling, strict=True):
         speed = found.frequency * found.shaft(bearing.shaft).ratio
         rates = {label: order * speed for label, order in bearing.orders.items()}
-        assert rates == pytest.approx(pass_rates(plant.layout, scene))
+        assert rates == pytest.approx(pass_rates(machine.layout, scene))

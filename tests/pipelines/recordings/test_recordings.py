@@ -13,7 +13,7 @@ from measured import RATE, WRITERS, machine, signals, write_text
 from scipy.io import savemat, wavfile
 from synthetic import response
 
-from pipelines.diagnosis.export import export
+from pipelines.diagnosis.result_export import export
 from pipelines.io.errors import InputError
 from pipelines.io.universal_file import Function, read_functions, write_function
 from pipelines.recordings import formats

@@ -16,8 +16,8 @@ from scipy.io import loadmat
 from synthetic import MESH, WHEEL, response
 
 from pipelines.diagnosis.control_diagnosis import DiagnosisSettings, diagnose
-from pipelines.diagnosis.export import ExportError, export
-from pipelines.io.grid import Grid, GridError, cell, grid
+from pipelines.diagnosis.result_export import ExportError, export
+from pipelines.io.text_table import Grid, GridError, cell, grid
 from pipelines.report import page
 from pipelines.report.chart_data import extremes, largest, views
 from pipelines.report.figures.plots import StiffnessPlot, drive_figure, stiffness_figure, waveform_figure

@@ -9,10 +9,10 @@ import pytest
 from fem.gears.modifications import active_roll
 from pipelines.engine.run_graph import Work
 from pipelines.engine.storage import digest
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.report.figures import render
 from pipelines.runs import run_folder
-from pipelines.runs.checked import check_scene
+from pipelines.runs.checked_scene import check_scene
 from pipelines.runs.run import run_scene
 from pipelines.scene.load_scene import load_scene
 from pipelines.steps.pictures import picture_steps
@@ -134,9 +134,9 @@ def test_a_run_warns_as_check_does(tmp_path, caplog):
     assert [text for text in warnings if text in logged] == list(warnings)
 
 
-def root_start(plant):
+def root_start(machine):
     """A radius (m) near the root of the active profile of the wheel of stage 1."""
-    pair = plant.layout.pairs[0]
+    pair = machine.layout.pairs[0]
     return np.hypot(pair.wheel.base_radius, active_roll(pair, "wheel")[0] + 0.3e-3)
 
 
@@ -148,11 +148,11 @@ def test_the_table_of_gears_states_the_modifications_of_the_scene_whatever_the_s
     senses = set()
     for scene in ("minimal", "rig-healthy"):
         settings = {f"stages.{n}.pinion": pinion for n in range(1, len(load_scene(scene).scene.stages) + 1)}
-        plant = make_plant(load_scene(scene, settings).scene)
-        senses |= set(plant.layout.pinion_senses)
-        rows = gear_rows(plant)
-        by_diameter = {"stages.1.wheel.root_relief": {"amount_um": 5.0, "diameter_mm": 2e3 * root_start(plant)}}
-        changed_plant = make_plant(load_scene(scene, by_diameter).scene)
+        machine = make_machine(load_scene(scene, settings).scene)
+        senses |= set(machine.layout.pinion_senses)
+        rows = gear_rows(machine)
+        by_diameter = {"stages.1.wheel.root_relief": {"amount_um": 5.0, "diameter_mm": 2e3 * root_start(machine)}}
+        changed_plant = make_machine(load_scene(scene, by_diameter).scene)
         assert gear_rows(changed_plant)[1]["flank modifications"].startswith("root relief 5 um from diameter ")
         assert {row["flank modifications"] for row in rows if row["gear"] == "pinion"} == {words}
         assert {row["flank modifications"] for row in rows if row["gear"] == "wheel"} == {"none"}
@@ -161,8 +161,10 @@ def test_the_table_of_gears_states_the_modifications_of_the_scene_whatever_the_s
 
 def changed(**settings):
     """Names of the steps of pictures that other settings of the faulty scene change."""
-    plants = [make_plant(load_scene("minimal", {**FAULTY, **more}).scene) for more in ({}, settings)]
-    own, other = ({step.name: digest(step.spec) for step in picture_steps(plant, ["casing mesh"])} for plant in plants)
+    machines = [make_machine(load_scene("minimal", {**FAULTY, **more}).scene) for more in ({}, settings)]
+    own, other = (
+        {step.name: digest(step.spec) for step in picture_steps(machine, ["casing mesh"])} for machine in machines
+    )
     return {name for name in own if own[name] != other[name]}
 
 

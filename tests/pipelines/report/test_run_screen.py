@@ -6,7 +6,7 @@ import xarray
 from synthetic import MESH, WHEEL
 
 from pipelines.diagnosis.verdict import Evidence, Finding, Verdict
-from pipelines.machine.checks.checked_plant import checked_plant
+from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.machine.scene_kinematics import kinematics_of
 from pipelines.report.first_screen import over_teeth, shown_gear
 from pipelines.scene.load_scene import load_scene
@@ -60,7 +60,7 @@ def finding(component):
 
 @pytest.mark.parametrize(("damaged", "shown"), [(True, "stage 1 pinion"), (False, "stage 1 wheel")])
 def test_the_average_is_that_of_the_gear_that_is_damaged(damaged, shown):
-    plant = checked_plant(load_scene("bench").scene, "bench")
+    machine = checked_machine(load_scene("bench").scene, "bench")
     findings = (finding("stage 1 pinion"), finding("stage 1 wheel"))
     verdict = Verdict(
         findings=findings,
@@ -77,4 +77,4 @@ def test_the_average_is_that_of_the_gear_that_is_damaged(damaged, shown):
         false_alarms=0,
         left_out=(),
     )
-    assert shown_gear(plant, verdict, kinematics_of(plant.layout, ())).name == shown
+    assert shown_gear(machine, verdict, kinematics_of(machine.layout, ())).name == shown

@@ -16,7 +16,7 @@ from pipelines.rexs.gear_unit_reading import read_gear_unit
 from pipelines.rexs.rexs_scene import new_scene_from_rexs
 from pipelines.rexs.scene_text import scene_text
 from pipelines.rexs.stage_tables import stage_table
-from pipelines.runs.checked import check_scene
+from pipelines.runs.checked_scene import check_scene
 from pipelines.scene.load_scene import load_scene, scene_of_tree
 
 # Numbers of the public files, both Apache-2.0:
@@ -288,7 +288,7 @@ def test_speed_and_torque_that_the_file_lacks_are_left_to_the_user(written, tmp_
 def test_the_scene_passes_the_check_without_a_change(written, tmp_path):
     path, _ = new_scene_from_rexs(tmp_path / "my.toml", written(unit()))
     found = check_scene(load_scene(str(path)))
-    assert found.plant.facts.total_ratio == pytest.approx(61 * 44 / (20 * 19))
+    assert found.machine.facts.total_ratio == pytest.approx(61 * 44 / (20 * 19))
     assert found.warnings == ()
 
 

@@ -16,21 +16,21 @@ from mbd.output.simulate import simulate
 from mbd.parts.channels import channel_names
 from mbd.system.system import assemble
 from pipelines.cli.main import main
-from pipelines.diagnosis.export import export
+from pipelines.diagnosis.result_export import export
 from pipelines.engine.build_step import build_here
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph
 from pipelines.io.errors import CacheWarning
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.runs import run_folder
 from pipelines.runs.run import run_scene
 from pipelines.scene.load_scene import load_scene
-from pipelines.signals.labelled import stored_type
+from pipelines.signals.labelled_signals import stored_type
 from pipelines.signals.response import make_response
 from pipelines.signals.response_file import write_response
 from pipelines.signals.spectrum import cut, whole_revolutions
-from pipelines.steps.machine_steps import plant_steps
+from pipelines.steps.machine_steps import machine_steps
 
 RATE_OUT = 20e3  # Hz
 
@@ -92,7 +92,7 @@ def long_motion(tmp_path, samples):
 
 
 def motion(loaded, cache):
-    outcome = run_graph(Graph(plant_steps(make_plant(loaded.scene))), cache, ["simulate"], processes=1)
+    outcome = run_graph(Graph(machine_steps(make_machine(loaded.scene))), cache, ["simulate"], processes=1)
     return outcome.value("simulate")
 
 
@@ -183,7 +183,7 @@ def test_the_signals_of_a_run_are_stored_once(short_run):
 
 
 def simulate_stage(loaded):
-    graph = Graph(plant_steps(make_plant(loaded.scene)))
+    graph = Graph(machine_steps(make_machine(loaded.scene)))
     stage = graph.steps["simulate"]
     upstream = run_graph(graph, Cache(), stage.inputs, processes=1).results
     return stage, stage.key({name: upstream[name].record.content for name in stage.inputs}), upstream

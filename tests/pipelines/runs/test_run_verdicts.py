@@ -9,7 +9,7 @@ import pytest
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError
 from pipelines.report.figures import render
-from pipelines.runs.recorded import RecordedFile, other_speeds, recording_path
+from pipelines.runs.judged_recording import RecordedFile, other_speeds, recording_path
 from pipelines.runs.run import run_scene
 from pipelines.scene.load_scene import load_scene
 

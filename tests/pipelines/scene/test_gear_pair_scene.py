@@ -14,7 +14,7 @@ from pipelines.machine.checks.design_warnings import design_warnings
 from pipelines.machine.layout import lay_out
 from pipelines.machine.machine_conversion import make_drivetrain
 from pipelines.runs import inspect_gears
-from pipelines.runs.checked import check_scene
+from pipelines.runs.checked_scene import check_scene
 from pipelines.scene.load_scene import load_scene
 from pipelines.steps.run_plan import plan_run
 
@@ -41,7 +41,7 @@ def test_gears_of_any_size_need_nothing_else(module, beta, teeth):
     found = check_scene(
         stage(module_mm=module, helix_angle_deg=beta, pinion_teeth=pinion, wheel_teeth=wheel, face_width_mm=8 * module)
     )
-    gears = found.plant.layout.pairs[0]
+    gears = found.machine.layout.pairs[0]
     assert gears.wheel.bore_radius == pytest.approx(gears.wheel.root_radius / 2)
     assert found.facts.stages[0].shown_force == pytest.approx(100e3 * 0.008 * module)
 
@@ -122,8 +122,8 @@ def test_the_pattern_of_a_missing_tooth_is_that_of_its_neighbours(tmp_path, monk
     (laws,) = gearcase.laws(gearcase.Scene.from_dict({"extends": "pair", "faults": [fault]}))
     seen = []
     monkeypatch.setattr(inspect_gears, "pattern_figure", lambda *given, **_: seen.append(given) or Figure())
-    plant = plan_run(load_scene("pair", {"faults": [fault]}), with_control=False, both_loads=False).plant
-    inspect_gears.InspectedStage(machine=plant, laws=laws).write_pattern(tmp_path / "pattern.png")
+    machine = plan_run(load_scene("pair", {"faults": [fault]}), with_control=False, both_loads=False).machine
+    inspect_gears.InspectedStage(machine=machine, laws=laws).write_pattern(tmp_path / "pattern.png")
     ((title, patterns),) = seen
     assert title.endswith("neighbours of the missing tooth 24 of the pinion")
     healthy, before, after = patterns

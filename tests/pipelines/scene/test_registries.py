@@ -10,8 +10,8 @@ from benchmarks.gear_pairs import gear_pair
 from benchmarks.scene_keys import values
 from fem.casing.models.casing_registry import CASINGS, casing_class
 from fem.contact.faults.fault_registry import FAULTS, fault_class
-from fem.contact.frame import ModelError
 from fem.contact.models.mesh_model_registry import MODELS, loaded_model, mesh_model
+from fem.contact.slice_frame import ModelError
 from fem.elements.solid_elements import CHOICES
 from fem.gears.gear_checks import GeometryError
 from fem.options import check_options, option
@@ -19,7 +19,7 @@ from mbd.integrators.methods import METHODS, make_integrator
 from pipelines.engine.code_version import reachable
 from pipelines.engine.storage import class_modules
 from pipelines.io.errors import SceneError
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.scene.load_scene import load_scene, validate
 from pipelines.scene.merge import Merged
 from pipelines.scene.tables.casing import CASING_TABLES, FlexibleBase
@@ -27,7 +27,7 @@ from pipelines.scene.tables.derived import table
 from pipelines.scene.tables.faults import FaultTable
 from pipelines.scene.tables.simulation import SimulationTable
 from pipelines.scene.tables.stages import MeshModel
-from pipelines.steps.machine_steps import plant_steps
+from pipelines.steps.machine_steps import machine_steps
 
 PAIR = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))
 
@@ -93,7 +93,7 @@ def test_an_unknown_name_is_refused_with_those_that_are_known():
 
 @pytest.mark.parametrize("name", MODELS)
 def test_the_key_of_a_law_takes_the_code_of_its_own_model_alone(name):
-    stage = plant_steps(make_plant(load_scene("minimal", [f"stages.1.mesh.model={name}"]).scene))[0]
+    stage = machine_steps(make_machine(load_scene("minimal", [f"stages.1.mesh.model={name}"]).scene))[0]
     code = set(own_code(stage))
     assert MODELS[name][0] in code
     assert not code & {module for other, (module, _) in MODELS.items() if other != name}
@@ -102,7 +102,7 @@ def test_the_key_of_a_law_takes_the_code_of_its_own_model_alone(name):
 def test_the_key_of_a_damaged_law_takes_the_code_of_its_own_faults_alone():
     fault = {"kind": "chipped-tooth", "stage": 1, "gear": "wheel", "tooth": 3, "extent_mm": 4.0, "depth_mm": 1.0}
     scene = load_scene("minimal", {"faults": [fault]}).scene
-    stage = next(stage for stage in plant_steps(make_plant(scene)) if stage.kind == "flanks")
+    stage = next(stage for stage in machine_steps(make_machine(scene)) if stage.kind == "flanks")
     code = set(own_code(stage))
     assert {FAULTS["chipped-tooth"][0]} == code & {module for module, _ in FAULTS.values()}
 
@@ -110,7 +110,7 @@ def test_the_key_of_a_damaged_law_takes_the_code_of_its_own_faults_alone():
 @pytest.mark.parametrize("name", get_args(SimulationTable.model_fields["integrator"].annotation))
 def test_the_key_of_a_motion_takes_the_code_of_its_own_integrator_alone(name):
     scene = load_scene("minimal", [f"simulation.integrator={name}"]).scene
-    motion = plant_steps(make_plant(scene))[-1]
+    motion = machine_steps(make_machine(scene))[-1]
     code = set(own_code(motion))
     assert {METHODS[name][0]} == code & {module for module, _ in METHODS.values()}
 
@@ -149,7 +149,7 @@ def test_a_fault_adds_compliance_and_gaps_that_are_not_negative(kind):
 @pytest.mark.parametrize("name", ["static", "craig-bampton"])
 def test_the_key_of_casing_modes_takes_the_code_of_its_own_model_alone(name):
     scene = load_scene("rig-healthy", [f"casing.model={name}"]).scene
-    stage = next(stage for stage in plant_steps(make_plant(scene)) if stage.kind == "casing-modes")
+    stage = next(stage for stage in machine_steps(make_machine(scene)) if stage.kind == "casing-modes")
     code = set(own_code(stage))
     assert {CASINGS[name][0]} == code & {module for module, _ in CASINGS.values()}
 

@@ -6,7 +6,7 @@ import pytest
 
 from pipelines.io.errors import InputError, SceneError
 from pipelines.io.toml_text import format_document
-from pipelines.machine.checks.checked_plant import checked_plant
+from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.scene.load_scene import control_differences, control_of, load_scene, shipped_names
 from pipelines.scene.merge import settings_tree
 from pipelines.scene.new import new_scene
@@ -312,7 +312,7 @@ def test_a_tooth_is_missing_once():
 def test_a_sensor_far_from_the_housing_is_refused():
     scene = load_scene("minimal", ["sensors.1.position_mm=[7000, -80, 35]"]).scene
     with pytest.raises(SceneError, match="6810 mm outside the housing"):
-        checked_plant(scene, "minimal")
+        checked_machine(scene, "minimal")
 
 
 def test_a_motion_shorter_than_one_sample_is_refused():

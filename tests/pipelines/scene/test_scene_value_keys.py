@@ -13,12 +13,12 @@ from fem.options import inlined, options_of
 from mbd.parts.part_checks import MachineError
 from pipelines.engine.storage import digest
 from pipelines.io.errors import InputError
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.scene.load_scene import load_scene
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.derived import key_of
 from pipelines.scene.tables.scene_table import Table
-from pipelines.steps.machine_steps import plant_steps
+from pipelines.steps.machine_steps import machine_steps
 
 END = {"amount_um": 5.0, "length_mm": 2.0, "shape": "linear"}
 GEAR = {
@@ -197,7 +197,7 @@ ALONE_IT_CANNOT = {  # of two stages one would have no shaft; of two seats one w
 
 def inputs(scene):
     """What the key of every step holds besides code: by name, its spec and what it takes."""
-    return {stage.name: (stage.kind, digest(stage.spec), stage.inputs) for stage in plant_steps(make_plant(scene))}
+    return {stage.name: (stage.kind, digest(stage.spec), stage.inputs) for stage in machine_steps(make_machine(scene))}
 
 
 def declared(table):

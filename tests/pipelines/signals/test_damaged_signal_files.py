@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from measured import RATE, machine, signals
 
-from fem.casing.imported.foreign_body import ForeignError
+from fem.casing.imported.imported_body import MatrixError
 from fem.casing.imported.matrix_files import read_matrices
 from mbd.output.trajectory import Trajectory
 from mbd.parts import channels
@@ -30,7 +30,7 @@ def motion(samples=400):
         integrator="exponential", time=np.arange(samples) / RATE, channel_names=spelled,
         channel_units=["rad"] * len(spelled), values=np.random.default_rng(0).normal(size=(len(spelled), samples)),
         motors=("motor_1",), sources=(), shafts=shafts, meshes=("mesh_1",), bearings=bearings, sensors=(),
-        step=1e-5, step_error=0.0, parted_at=0.0, parting_rate=0.0, output_rate=RATE, pass_band=0.4 * RATE,
+        step=1e-5, step_error=0.0, diverged_at=0.0, parting_rate=0.0, output_rate=RATE, pass_band=0.4 * RATE,
         counter_names=("steps",), counters=[1], energy_parts=("total", "shaft_1"),
         energy_entries=("stored", "dissipated", "received", "parametric", "residual", "scale"),
         energies=np.zeros((2, 6)),
@@ -177,7 +177,7 @@ def test_a_wrong_size_of_a_matrix_is_refused_at_once(tmp_path):
     with h5py.File(path, "w") as file:
         file.create_dataset("stiffness", data=np.eye(77), chunks=(11, 11), maxshape=(None, None))
     wrong_length(path, 77, 30)
-    with pytest.raises(ForeignError, match=r"k\.h5: stiffness has \d+ x 77 values by its header"):
+    with pytest.raises(MatrixError, match=r"k\.h5: stiffness has \d+ x 77 values by its header"):
         read_matrices(path)
 
 

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from pipelines.signals.features.average import average, average_power
 from pipelines.signals.features.average_features import meshing, synchronous
 from pipelines.signals.features.envelope_features import (
     FINE,
@@ -14,6 +13,7 @@ from pipelines.signals.features.envelope_features import (
 )
 from pipelines.signals.features.passing import PASSING, SIDEBANDS, pass_levels
 from pipelines.signals.features.statistics import kurtosis
+from pipelines.signals.features.synchronous_averages import average, average_power
 from pipelines.signals.orders.whitening import banded
 
 PLACES, TURNS = 1024, 30

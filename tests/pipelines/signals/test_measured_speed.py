@@ -8,7 +8,7 @@ import pytest
 import gearcase
 from pipelines.diagnosis.control_diagnosis import diagnose
 from pipelines.io.errors import SceneError
-from pipelines.machine.machine_conversion import make_plant
+from pipelines.machine.machine_conversion import make_machine
 from pipelines.scene.load_scene import control_of, load_scene
 from pipelines.scene.merge import Whole
 from pipelines.signals.analysis import DiagnosisError
@@ -36,7 +36,7 @@ def driven():
     """Both runs under an induction motor, and what is looked for."""
     scene = loaded(MOTOR)
     runs = [gearcase.simulate(gearcase.Scene(one)) for one in (scene, control_of(scene))]
-    return runs, make_plant(scene.scene).diagnosis
+    return runs, make_machine(scene.scene).diagnosis
 
 
 def test_lines_are_looked_for_where_the_shafts_turned(driven):
@@ -69,7 +69,7 @@ def test_levels_are_those_of_the_same_machine_at_a_prescribed_speed():
     for drive in (heavy, couplings | {"times_s": [0.0, 0.4], "speeds_rpm": [rpm, rpm]}):
         scene = loaded(drive)
         runs = [gearcase.simulate(gearcase.Scene(one)) for one in (scene, control_of(scene))]
-        found.append(diagnose(*runs, make_plant(scene.scene).diagnosis))
+        found.append(diagnose(*runs, make_machine(scene.scene).diagnosis))
     measured, known = found
     assert measured.settings.revolution_frequency == pytest.approx(rpm / 60, rel=1e-4)
     clear = known.lines.over_floor > 20.0
@@ -82,7 +82,7 @@ def test_a_window_in_which_the_speed_still_changes_is_refused_with_the_limit(dri
     started = loaded(MOTOR | {"start_rpm": 1500.0}, **{"diagnosis.windows_s": {"start": [0.0, 0.4]}})
     runs = [gearcase.simulate(gearcase.Scene(one)) for one in (started, control_of(started))]
     with pytest.raises(DiagnosisError, match=r"window 'start': shaft_1 turns at .* rad from an even rotation.*settled"):
-        diagnose(*runs, make_plant(started.scene).diagnosis)
+        diagnose(*runs, make_machine(started.scene).diagnosis)
 
 
 def test_the_limit_is_a_quarter_period_of_the_highest_line(driven):

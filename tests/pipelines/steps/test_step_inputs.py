@@ -5,7 +5,7 @@ import pytest
 from pipelines.engine.storage import digest
 from pipelines.io.errors import InputError
 from pipelines.machine.checks.design_warnings import design_warnings
-from pipelines.machine.machine_conversion import make_drivetrain, make_plant
+from pipelines.machine.machine_conversion import make_drivetrain, make_machine
 from pipelines.scene.load_scene import load_scene
 from pipelines.steps.run_plan import plan_run
 
@@ -110,7 +110,7 @@ def test_minimal_has_no_finite_elements_of_the_casing():
 
 
 def test_the_diagnosis_looks_at_the_wheel_of_stage_1():
-    settings = make_plant(load_scene("rig-missing-tooth").scene).diagnosis
+    settings = make_machine(load_scene("rig-missing-tooth").scene).diagnosis
     assert settings.mesh_frequency == pytest.approx(300.0, rel=1e-12)
     assert settings.revolution_frequency == pytest.approx(300 / 55, rel=1e-12)
     assert settings.shaft == "shaft_2"

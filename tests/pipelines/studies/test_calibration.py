@@ -8,7 +8,7 @@ import pytest
 from scipy import stats
 
 from pipelines.io.errors import InputError
-from pipelines.machine.checks.checked_plant import checked_plant
+from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.scene.load_scene import load_scene
 from pipelines.studies.calibrate.calibration import IDENTIFIABLE, Calibration
 from pipelines.studies.calibrate.free_keys import AFTER, Free, agreement_plan, calibration_plan, parse_free
@@ -63,7 +63,7 @@ def test_intervals_hold_the_truth_and_its_ranks_are_uniform(emulated):
 
 def test_a_free_key_is_a_variable_of_the_campaign_and_its_mean_a_setting_of_the_calibrated_scene():
     loaded = load_scene("minimal")
-    machine = checked_plant(loaded.scene, "minimal")
+    machine = checked_machine(loaded.scene, "minimal")
     free = parse_free("casing.mount_stiffness_N_per_um=100..400")
     table = calibration_plan(loaded, machine, [free], 50).table
     assert table.variables["casing_mount_stiffness_N_per_um"].to == 400.0
@@ -85,7 +85,7 @@ def test_a_free_key_is_a_variable_of_the_campaign_and_its_mean_a_setting_of_the_
 )
 def test_free_keys_that_cannot_be_used_are_refused_with_the_reason(given, message):
     loaded = load_scene("minimal")
-    machine = checked_plant(loaded.scene, "minimal")
+    machine = checked_machine(loaded.scene, "minimal")
     with pytest.raises(InputError, match=re.escape(message)):
         calibration_plan(loaded, machine, [parse_free(one) for one in given], 50)
 

@@ -12,7 +12,7 @@ import scipy.linalg as la
 from housings import short_housing
 from rendering import drawn
 
-from fem.casing.mesh.mesher import mesh_housing
+from fem.casing.mesh.gmsh_mesh import mesh_housing
 from fem.casing.models.rigid_casing import RigidCasing
 from fem.casing.reduced.casing_modes import casing_modes, natural_modes, reduced_body
 from fem.casing.reduced.grounded import assembled_casing

@@ -16,10 +16,10 @@ from housings import short_housing
 from scipy.sparse.linalg import LinearOperator, eigsh
 from sources import ROOT
 
-from fem.casing.imported.foreign_body import ForeignError
-from fem.casing.imported.matrix_checks import check_foreign
+from fem.casing.imported.imported_body import MatrixError
+from fem.casing.imported.matrix_checks import check_matrices
 from fem.casing.imported.matrix_files import MatrixFiles, read_body
-from fem.casing.mesh.mesher import mesh_housing
+from fem.casing.mesh.gmsh_mesh import mesh_housing
 from fem.casing.models.rigid_casing import RigidCasing
 from fem.casing.reduced.attachment import mean_motion_rows
 from fem.casing.reduced.casing_modes import casing_modes, natural_modes, reduced_body
@@ -158,7 +158,7 @@ def test_what_is_exported_is_read_again_with_the_same_frequencies_in_its_ground(
     unused = {".npz": ["damping", "rows"], ".op4": ["baa", "rows"], ".pch": ["baax"], ".mtx": []}[ending]
     assert [record.args[1] for record in caplog.records] == unused
     assert all("is not used" in record.getMessage() for record in caplog.records)
-    check = check_foreign(body)
+    check = check_matrices(body)
     assert check.wrong == ()
     assert check.doubtful == ()
     assert check.mass == pytest.approx(casing.modes.total_mass, rel=1e-6)
@@ -170,7 +170,7 @@ def test_what_is_exported_is_read_again_with_the_same_frequencies_in_its_ground(
 
 def test_a_casing_on_its_ground_is_refused_with_what_can_be_imported(casing, tmp_path):
     (written,) = write_casing(casing, "a casing", tmp_path / "c.h5")
-    with pytest.raises(ForeignError, match=r"a casing on its ground.*--export casing\.npz"):
+    with pytest.raises(MatrixError, match=r"a casing on its ground.*--export casing\.npz"):
         read_body(MatrixFiles(stiffness=str(written)))
 
 

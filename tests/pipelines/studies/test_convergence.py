@@ -18,11 +18,11 @@ from pipelines.engine.run_graph import Work
 from pipelines.scene.load_scene import load_scene
 from pipelines.scene.tables.casing import ElasticBase
 from pipelines.scene.tables.housing import MatricesHousingTable
-from pipelines.studies.trade.axes import AXES, AxisError
 from pipelines.studies.trade.convergence import CAUTION, ConvergenceError, study
 from pipelines.studies.trade.measured_variants import Measured
 from pipelines.studies.trade.probes import Value
 from pipelines.studies.trade.refinement import RefinementStudy, modes_of_common_order, refine, unpaired_modes
+from pipelines.studies.trade.refinement_axes import AXES, AxisError
 from pipelines.studies.trade.refinement_page import (
     CASINGS,
     LABELLED,

@@ -15,18 +15,18 @@ from pipelines.datasets.feature_tables import make_tables, table_job
 from pipelines.datasets.rows import read_row
 from pipelines.diagnosis.deviation_statistics import LEAST_SPREAD, limit, moderated
 from pipelines.diagnosis.judge import judge
-from pipelines.diagnosis.simulated import FeatureSettings
+from pipelines.diagnosis.simulated_features import FeatureSettings
 from pipelines.diagnosis.verdict import ALARM
 from pipelines.diagnosis.verdict_words import sentences
 from pipelines.io.errors import InputError
-from pipelines.machine.checks.checked_plant import checked_plant
+from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.scene.load_scene import load_scene
 from pipelines.signals.features.feature_table import WHOLE, FeatureTable
 from pipelines.signals.orders.kinematics import Gear, Kinematics, Shaft
 from pipelines.studies.detect.channel_detectability import channels
-from pipelines.studies.detect.design import DAMAGED, HEALTHY, Design, detection_plan
 from pipelines.studies.detect.detectability_page import words
-from pipelines.studies.detect.over import Over, parse_over
+from pipelines.studies.detect.detection_axis import Over, parse_over
+from pipelines.studies.detect.detection_campaign import DAMAGED, HEALTHY, Design, detection_plan
 from pipelines.studies.detect.probability import Machines, Share, detection
 
 KINEMATICS = Kinematics(
@@ -196,7 +196,7 @@ def test_values_that_are_none_are_refused_in_a_sentence(text, why):
 
 def plan_of(settings, **design):
     loaded = load_scene("bench", settings)
-    return detection_plan(loaded, checked_plant(loaded.scene, "bench"), Design(**design))
+    return detection_plan(loaded, checked_machine(loaded.scene, "bench"), Design(**design))
 
 
 def test_no_pair_of_gears_serves_twice_and_the_damaged_tooth_moves_on():

@@ -14,7 +14,7 @@ from pipelines.datasets.campaign_scenes import sampled_scenes
 from pipelines.datasets.estimate import estimate
 from pipelines.datasets.feature_source import dataset_rows
 from pipelines.datasets.folder import begin, identity_facts
-from pipelines.machine.checks.checked_plant import checked_plant
+from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.scene.load_scene import changed, load_scene
 from pipelines.studies.spread.population_spread import FEWEST, MEAN, SHARES, spread_plan
 from pipelines.studies.spread.sobol_indices import first_order
@@ -82,7 +82,7 @@ def place(tmp_path_factory):
     place = tmp_path_factory.mktemp("spread")
     (place / "population.toml").write_text(PLAN, encoding="utf-8")
     loaded = changed(load_scene("minimal"), SHORT)
-    machine = checked_plant(loaded.scene, "minimal")
+    machine = checked_machine(loaded.scene, "minimal")
     plan = spread_plan(loaded, machine, place / "population.toml", None)
     sampled = sampled_scenes(plan)
     of_gears = np.sqrt(1 / 12) * stats.norm.ppf((np.arange(16) + 0.5) / 16)
@@ -101,7 +101,7 @@ def place(tmp_path_factory):
         patch.setattr(datasets, "signals", signals)
         for sample in sampled:
             datasets.make_run(folder, plan, sample)
-    monitored = machine.looked_for
+    monitored = machine.monitored
     list(dataset_rows(folder, monitored.windows, monitored.noise, InOrder(), lambda done, total: None))
     return place
 
@@ -142,7 +142,7 @@ def test_ends_of_an_interval_hold_nine_of_ten_further_machines():
 def test_a_population_that_cannot_be_used_is_refused_with_the_reason(tmp_path, text, count, message):
     (tmp_path / "plan.toml").write_text(text, encoding="utf-8")
     loaded = load_scene("minimal")
-    machine = checked_plant(loaded.scene, "minimal")
+    machine = checked_machine(loaded.scene, "minimal")
 
     def expected():
         plan = spread_plan(loaded, machine, tmp_path / "plan.toml", count)

@@ -13,13 +13,13 @@ from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError, SceneError
 from pipelines.scene import presets
 from pipelines.scene.load_scene import load_scene
-from pipelines.scene.presets import LEVELS, PRESETS, load_asked, preset_on, replaced
-from pipelines.studies.trade import choices as choices_module
+from pipelines.scene.presets import LEVELS, PRESETS, load_requested, preset_on, replaced
 from pipelines.studies.trade import tradeoff
-from pipelines.studies.trade.choices import choices
+from pipelines.studies.trade import tradeoff_choices as choices_module
 from pipelines.studies.trade.measured_variants import Measured, step_costs
 from pipelines.studies.trade.probes import DECIBEL, Value
 from pipelines.studies.trade.tradeoff import differences, trade
+from pipelines.studies.trade.tradeoff_choices import choices
 from pipelines.studies.trade.tradeoff_page import answers, trade_figure, trade_table
 
 SHORT = {
@@ -145,11 +145,11 @@ def test_a_band_in_a_file_of_the_user_overrides_the_preset(tmp_path, capsys):
         assert (found.casing.band_Hz, found.simulation.step_us) == (pytest.approx(band), 50.0)
     found = preset_on(load_scene(mine, ["casing.band_Hz=1000"]), "standard").scene
     assert found.casing.band_Hz == 1000.0
-    load_asked(argparse.Namespace(scene=str(mine), settings=[], preset="standard", quiet=False))
+    load_requested(argparse.Namespace(scene=str(mine), settings=[], preset="standard", quiet=False))
     said = capsys.readouterr().err
     assert "simulation.step_us 30 -> 50" in said
     assert "band_Hz" not in said
-    load_asked(argparse.Namespace(scene=str(plain), settings=[], preset="standard", quiet=False))
+    load_requested(argparse.Namespace(scene=str(plain), settings=[], preset="standard", quiet=False))
     assert f"casing.band_Hz {shipped:g} -> {0.7 * shipped:g}" in capsys.readouterr().err
 
 

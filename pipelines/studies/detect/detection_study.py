@@ -13,7 +13,7 @@ from pipelines.datasets.feature_tables import make_tables, table_job
 from pipelines.datasets.plan import Plan
 from pipelines.datasets.rows import DONE, read_rows
 from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
-from pipelines.diagnosis.simulated import FeatureSettings
+from pipelines.diagnosis.simulated_features import FeatureSettings
 from pipelines.io.errors import InputError
 from pipelines.machine.machine_conversion import make_drivetrain
 from pipelines.machine.scene_kinematics import kinematics_of
@@ -21,8 +21,8 @@ from pipelines.signals.features.feature_table import FeatureTable
 from pipelines.signals.orders.kinematics import Kinematics
 from pipelines.steps.verdict import known_damages
 from pipelines.studies.detect.channel_detectability import DetectionChannel, channels
-from pipelines.studies.detect.design import HEALTHY, SPECIMEN, STATE, Design
-from pipelines.studies.detect.over import Over
+from pipelines.studies.detect.detection_axis import Over
+from pipelines.studies.detect.detection_campaign import HEALTHY, SPECIMEN, STATE, Design
 from pipelines.studies.detect.probability import Damage, Detection, Machines, detection
 
 Values = tuple[Any, ...]  # of the varied keys, in their order
@@ -66,7 +66,7 @@ def study(
 
     Parameters
     ----------
-    plan, folder : plan by `pipelines.studies.detect.design.detection_plan`, and folder of the campaign
+    plan, folder : plan by `pipelines.studies.detect.detection_campaign.detection_plan`, and folder of the campaign
     design : of that plan
     windows : start and end (s) of each diagnosed window by name; the whole run if empty
     noises : rms of the added sensor noise, m/s2

@@ -18,7 +18,7 @@ _OF_WALLS = 2.0
 _FACTORS = np.arange(1.0, 0.195, -0.02)
 
 
-def wanted_factor(limits: FrequencyLimits, error: float, trial: LowestModes, coarser: LowestModes) -> float:
+def target_factor(limits: FrequencyLimits, error: float, trial: LowestModes, coarser: LowestModes) -> float:
     """Factor <= 1 of all element sizes of the trial mesh.
 
     Parameters

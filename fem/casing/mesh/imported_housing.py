@@ -18,7 +18,7 @@ import numpy as np
 
 from fem.casing.geometry.dimensions import GLOBAL_AXES, HousingError, Sensor
 from fem.casing.geometry.locators import ByCylinder, ByPlane, Locator, Point
-from fem.casing.mesh.finished import RawMesh, finished_mesh
+from fem.casing.mesh.finished_mesh import RawMesh, finished_mesh
 from fem.casing.mesh.key_points import axis_place, centroid, locate, plane_parts
 from fem.casing.mesh.mesh import CasingMesh, MeshError
 from fem.casing.mesh.mesh_file import SUFFIXES, read_mesh_file

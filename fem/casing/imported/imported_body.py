@@ -25,12 +25,12 @@ SYSTEMS = {  # length m, mass kg, time s
 }
 
 
-class ForeignError(HousingError):
+class MatrixError(HousingError):
     """Imported matrices cannot be used because of a file, its equations, its units, or the body itself."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ForeignBody:
+class ImportedBody:
     """Imported K and M with the node and axis of each equation; SI."""
 
     name: str
@@ -58,11 +58,11 @@ class ForeignBody:
         found = np.flatnonzero(self.numbers == number)
         if not len(found):
             known = f"it has {_some(self.numbers)}" if len(self.numbers) else "give its files of nodes and equations"
-            raise ForeignError(f"{self.name} has no node {number}; {known}")
+            raise MatrixError(f"{self.name} has no node {number}; {known}")
         return np.asarray(self.places[found[0]])
 
 
-def foreign_body(
+def imported_body(
     name: str,
     stiffness: sp.spmatrix,
     mass: sp.spmatrix,
@@ -71,7 +71,7 @@ def foreign_body(
     nodes: np.ndarray | None = None,
     frames: np.ndarray | None = None,
     system: str = "kg-m-s",
-) -> ForeignBody:
+) -> ImportedBody:
     """An imported body from the data of its files.
 
     Parameters
@@ -89,10 +89,10 @@ def foreign_body(
         axis in their local frame
     """
     if system not in SYSTEMS:
-        raise ForeignError(f"units {system!r} are not one of {', '.join(SYSTEMS)}")
+        raise MatrixError(f"units {system!r} are not one of {', '.join(SYSTEMS)}")
     K, M = (_whole(name, what, matrix) for what, matrix in (("stiffness", stiffness), ("mass", mass)))
     if K.shape != M.shape:
-        raise ForeignError(
+        raise MatrixError(
             f"{name}: stiffness has {K.shape[0]} equations, mass {M.shape[0]}. Export both for the same set"
         )
     length, unit_mass, time = SYSTEMS[system]
@@ -102,7 +102,7 @@ def foreign_body(
         numbers = np.unique(node[axis != MODAL])
         places = np.full((len(numbers), 3), np.nan)
     if len(unknown := np.setdiff1d(node[axis != MODAL], numbers)):
-        raise ForeignError(
+        raise MatrixError(
             f"{name}: equations belong to nodes without coordinates: {_some(unknown)}. Give a file of all nodes"
         )
     if frames is not None:
@@ -112,7 +112,7 @@ def foreign_body(
     energy = unit_mass * length**2
     used = (abs(K).sum(axis=1) + abs(M).sum(axis=1) > 0.0).ravel()
     keep = np.flatnonzero(np.asarray(used).ravel())
-    return ForeignBody(
+    return ImportedBody(
         name=name,
         stiffness=sp.csr_matrix((scale @ K @ scale) * (energy / time**2))[keep][:, keep],
         mass=sp.csr_matrix((scale @ M @ scale) * energy)[keep][:, keep],
@@ -128,9 +128,9 @@ def _whole(name: str, what: str, matrix: sp.spmatrix) -> sp.csr_matrix:
     """The matrix with both triangles."""
     found = sp.csr_matrix(matrix, dtype=float)
     if found.shape[0] != found.shape[1] or not found.shape[0]:
-        raise ForeignError(f"{name}: the {what} matrix has the shape {found.shape}; it must be square and not empty")
+        raise MatrixError(f"{name}: the {what} matrix has the shape {found.shape}; it must be square and not empty")
     if not np.isfinite(found.data).all():
-        raise ForeignError(f"{name}: the {what} matrix has entries that are not finite; export it again")
+        raise MatrixError(f"{name}: the {what} matrix has entries that are not finite; export it again")
     upper, lower = sp.triu(found, 1), sp.tril(found, -1)
     if bool(upper.nnz) != bool(lower.nnz):
         found = sp.csr_matrix(found + upper.T + lower.T)
@@ -145,7 +145,7 @@ def _nodes(name: str, nodes: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]
     if nodes.shape[1] == 3:
         nodes = np.column_stack([np.arange(1, len(nodes) + 1), nodes])
     if nodes.shape[1] != 4 or not np.isfinite(nodes).all():
-        raise ForeignError(f"{name}: nodes of shape {nodes.shape}. Give rows of number, x, y, z, or of x, y, z")
+        raise MatrixError(f"{name}: nodes of shape {nodes.shape}. Give rows of number, x, y, z, or of x, y, z")
     return nodes[:, 0].astype(int), nodes[:, 1:]
 
 
@@ -155,7 +155,7 @@ def _equations(
     if equations is None:
         per_node = next((k for k in (3, 6) if len(numbers) * k == count), 0)
         if len(numbers) and not per_node:
-            raise ForeignError(
+            raise MatrixError(
                 f"{name}: {count} equations of {len(numbers)} nodes are neither three nor six per node. Set "
                 "equations_file (gearcase housing: --equations) to a file with a row of node and axis (1 to 6; 0 for a "
                 "modal coordinate) for each equation"
@@ -165,11 +165,11 @@ def _equations(
         return np.repeat(numbers, per_node), np.tile(np.arange(per_node), len(numbers))
     rows = np.asarray(equations).astype(int)
     if rows.shape != (count, 2):
-        raise ForeignError(
+        raise MatrixError(
             f"{name}: the list of equations has the shape {rows.shape}. Give {count} rows of node and axis"
         )
     if ((rows[:, 1] < 0) | (rows[:, 1] > 6)).any():
-        raise ForeignError(f"{name}: equations have axes outside 1 to 6 (0: modal). Correct them")
+        raise MatrixError(f"{name}: equations have axes outside 1 to 6 (0: modal). Correct them")
     return np.where(rows[:, 1] > 0, rows[:, 0], 0), rows[:, 1] - 1
 
 
@@ -185,7 +185,7 @@ def _turned(name: str, node: np.ndarray, axis: np.ndarray, numbers: np.ndarray, 
             if found == [0, 0, 0]:
                 continue
             if found != [1, 1, 1]:
-                raise ForeignError(
+                raise MatrixError(
                     f"{name}: node {number} moves in a local coordinate system and lacks an axis; export all "
                     "three, or the node in the basic system"
                 )

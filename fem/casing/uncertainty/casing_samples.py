@@ -31,7 +31,7 @@ NEAR = 1.5  # times the highest evaluated frequency: modes above contribute only
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class CasingDraws:
+class CasingSamples:
     """Sampled casings in the `near` lowest modes of the nominal casing; (sample, near) or (sample,)."""
 
     squares: np.ndarray  # (sample, near), 1/s2
@@ -48,9 +48,9 @@ def near_modes(form: ModalForm, highest: float) -> int:
     return max(1, int((form.frequencies <= NEAR * highest).sum()))
 
 
-def undrawn(form: ModalForm, near: int, count: int = 1) -> CasingDraws:
+def nominal_samples(form: ModalForm, near: int, count: int = 1) -> CasingSamples:
     """The nominal casing, `count` times."""
-    return CasingDraws(
+    return CasingSamples(
         squares=np.tile(form.squares[:near], (count, 1)),
         turns=np.tile(np.eye(near), (count, 1, 1)),
         stiffening=np.zeros(count),
@@ -58,7 +58,7 @@ def undrawn(form: ModalForm, near: int, count: int = 1) -> CasingDraws:
     )
 
 
-def drawn_frequencies(form: ModalForm, near: int, errors: FrequencyErrors, count: int, seed: int) -> CasingDraws:
+def sampled_frequencies(form: ModalForm, near: int, errors: FrequencyErrors, count: int, seed: int) -> CasingSamples:
     """Samples of the natural frequencies.
 
     Parameters
@@ -80,7 +80,7 @@ def drawn_frequencies(form: ModalForm, near: int, errors: FrequencyErrors, count
     return replace(found, turns=_turned(form.squares[:near], off * ~close) @ found.turns)
 
 
-def single_errors(form: ModalForm, near: int, errors: FrequencyErrors) -> CasingDraws:
+def single_errors(form: ModalForm, near: int, errors: FrequencyErrors) -> CasingSamples:
     """The casing with mean errors, then with an added standard deviation in one mode at a time, then in the rest.
 
     Returns
@@ -93,7 +93,7 @@ def single_errors(form: ModalForm, near: int, errors: FrequencyErrors) -> Casing
     return _changed(form, near, single, nothing, np.r_[np.zeros(near + 1), errors.rest])
 
 
-def drawn_damping(form: ModalForm, near: int, spread: float, count: int, seed: int) -> CasingDraws:
+def sampled_damping(form: ModalForm, near: int, spread: float, count: int, seed: int) -> CasingSamples:
     """Samples of one log-normal factor of all damping ratios.
 
     Parameters
@@ -104,8 +104,8 @@ def drawn_damping(form: ModalForm, near: int, spread: float, count: int, seed: i
     seed : of the random numbers
     """
     factors = np.exp(np.log1p(spread) / NORMAL_95 * np.random.default_rng(seed).standard_normal(count))
-    same = undrawn(form, near, count)
-    return CasingDraws(squares=same.squares, turns=same.turns, stiffening=same.stiffening, damping=factors)
+    same = nominal_samples(form, near, count)
+    return CasingSamples(squares=same.squares, turns=same.turns, stiffening=same.stiffening, damping=factors)
 
 
 NORMAL_95 = 1.6448536269514722  # standard deviations below which 95 % of a normal distribution lie
@@ -129,7 +129,7 @@ def _turned(squares: np.ndarray, off: np.ndarray) -> np.ndarray:
     return np.linalg.solve(whole + 0.5 * angles, whole - 0.5 * angles)  # Cayley: orthogonal, for any angles
 
 
-def _changed(form: ModalForm, near: int, single: np.ndarray, mixed: np.ndarray, rest: np.ndarray) -> CasingDraws:
+def _changed(form: ModalForm, near: int, single: np.ndarray, mixed: np.ndarray, rest: np.ndarray) -> CasingSamples:
     """Casings from errors of their modes.
 
     Parameters
@@ -144,12 +144,12 @@ def _changed(form: ModalForm, near: int, single: np.ndarray, mixed: np.ndarray, 
     places = np.arange(near)
     matrix[:, places, places] = (omega * (1.0 + single)) ** 2
     squares, turns = np.linalg.eigh(matrix)
-    return CasingDraws(squares=squares, turns=turns, stiffening=2.0 * rest, damping=np.ones(len(rest)))
+    return CasingSamples(squares=squares, turns=turns, stiffening=2.0 * rest, damping=np.ones(len(rest)))
 
 
-def joined(parts: Sequence[CasingDraws]) -> CasingDraws:
+def joined(parts: Sequence[CasingSamples]) -> CasingSamples:
     """All samples of several sets, in order."""
-    return CasingDraws(
+    return CasingSamples(
         squares=np.concatenate([part.squares for part in parts]),
         turns=np.concatenate([part.turns for part in parts]),
         stiffening=np.concatenate([part.stiffening for part in parts]),

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from pipelines.io.errors import Problem
-from pipelines.io.shown import shown_value
+from pipelines.io.shown_text import shown_value
 from pipelines.io.toml_text import DEEPEST
 
 MOST_BYTES = 1_000_000  # of a scene file

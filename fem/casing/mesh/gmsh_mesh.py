@@ -15,16 +15,16 @@ import numpy as np
 from fem.casing.geometry.housing import Housing
 from fem.casing.geometry.locators import ByCylinder
 from fem.casing.mesh.cad_file import SMALL_EDGE, named, read_step, refinements, small_edges
-from fem.casing.mesh.finished import RawMesh, finished_mesh
+from fem.casing.mesh.finished_mesh import RawMesh, finished_mesh
 from fem.casing.mesh.gmsh_session import numbered_nodes, session
 from fem.casing.mesh.housing_solid import build_solid, find_patches
-from fem.casing.mesh.imported import ImportedHousing, check_extent, finish, seat_point
+from fem.casing.mesh.imported_housing import ImportedHousing, check_extent, finish, seat_point
 from fem.casing.mesh.key_points import locate
 from fem.casing.mesh.mesh import CasingMesh, MeshError
 from fem.casing.mesh.quality import GOOD_QUALITY, straightened
 from fem.casing.mesh.sizes import MM, Refinement, Sizes, follow_fillets, set_sizes
 from fem.casing.mesh.surface import Surface
-from fem.processes.own_process import DAMAGED, opened_apart
+from fem.processes.own_process import DAMAGED, opened_in_own_process
 
 _CRASHED = "if `gearcase housing` can read it, try another element size; otherwise export it again"
 _ROUND, _LONG = 25, 2  # points of the grid around a cylinder and along it
@@ -102,7 +102,7 @@ def mesh_step(housing: ImportedHousing, sizes: Sizes, element: str) -> CasingMes
     MeshError : see `cad_file` and `imported`; an element below a quality limit (with its position), or a crash of the
         mesher
     """
-    raw, small = opened_apart(housing.file, MeshError, _CRASHED, _mesh_solid, housing, sizes)
+    raw, small = opened_in_own_process(housing.file, MeshError, _CRASHED, _mesh_solid, housing, sizes)
     remedy = f"Use an element size below {MM * sizes.element:.4g} mm"
     if small:
         extent, (x, y, z) = small[0]
@@ -133,7 +133,7 @@ def find_seats(housing: ImportedHousing) -> dict[str, np.ndarray | MeshError]:
     ------
     MeshError : the file cannot be read, or has another unit
     """
-    return opened_apart(housing.file, MeshError, DAMAGED, _find_seats, housing)
+    return opened_in_own_process(housing.file, MeshError, DAMAGED, _find_seats, housing)
 
 
 def _find_seats(housing: ImportedHousing) -> dict[str, np.ndarray | MeshError]:

@@ -17,13 +17,13 @@ from fem.casing.geometry.housing import Housing
 from fem.casing.geometry.housing_features import Feet
 from fem.casing.geometry.locators import Point
 from fem.casing.mesh.choose_mesher import Geometry
-from fem.casing.mesh.imported import ImportedHousing, Seat, content_hash
+from fem.casing.mesh.imported_housing import ImportedHousing, Seat, content_hash
 from fem.casing.models.casing_model import CasingModel, Structure
 from fem.casing.models.casing_registry import casing_class
 from mbd.parts.bearings import BEARING_AXES
 from pipelines.io.errors import Problem, SceneError
 from pipelines.machine.layout import TrainLayout
-from pipelines.machine.parts import MachineParts
+from pipelines.machine.machine_parts import MachineParts
 from pipelines.machine.scene_bearings import bearing_points
 from pipelines.scene.scene import Scene
 from pipelines.scene.shipped_files import find_file
@@ -31,7 +31,7 @@ from pipelines.scene.tables.casing import ElasticBase, FlexibleBase
 from pipelines.scene.tables.housing import HousingBase, ImportedTable, MatricesHousingTable
 
 if TYPE_CHECKING:
-    from fem.casing.imported.imported_casing import ForeignHousing
+    from fem.casing.imported.imported_casing import ImportedMatrices
     from fem.casing.reduced.grounded import ForcedPoint
 
 END_DISTANCE = 0.05  # from the end of the box to the outer feet, in lengths of the box
@@ -138,7 +138,7 @@ def housing(
     layout: TrainLayout,
     points: Sequence[Point],
 ) -> Any:
-    """The housing with the sensors on it: a `Geometry`, or a `ForeignHousing` of matrices.
+    """The housing with the sensors on it: a `Geometry`, or a `ImportedMatrices` of matrices.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ def housing(
     if problems := list(_seat_problems([seat.name for seat in table.bearings], len(points))):
         raise SceneError("scene", problems)
     if isinstance(table, MatricesHousingTable):
-        return foreign_housing(table, sensors, points)
+        return imported_matrices(table, sensors, points)
     path = find_file(table.file)
     return ImportedHousing(
         path=str(path),
@@ -179,11 +179,11 @@ def housing(
     )
 
 
-def foreign_housing(
+def imported_matrices(
     table: MatricesHousingTable, sensors: tuple[Sensor, ...], points: Sequence[Point]
-) -> ForeignHousing:
+) -> ImportedMatrices:
     """The housing given by imported matrices, with the sensors on it; arguments as for `housing`."""
-    from fem.casing.imported.imported_casing import ForeignHousing, file_digests
+    from fem.casing.imported.imported_casing import ImportedMatrices, file_digests
     from fem.casing.imported.matrix_files import MatrixFiles
 
     nodes = {seat.name: seat.nodes for seat in table.bearings}
@@ -195,7 +195,7 @@ def foreign_housing(
     }
     found: dict[str, Any] = {what: None if name is None else str(find_file(name)) for what, name in names.items()}
     files = MatrixFiles(**found, system=table.units)
-    return ForeignHousing(
+    return ImportedMatrices(
         files=replace(files, digests=file_digests(files)),
         seats=tuple((f"bearing_{n}", nodes[f"bearing_{n}"], point) for n, point in enumerate(points, 1)),
         grounds=tuple(ground.nodes for ground in table.grounds),

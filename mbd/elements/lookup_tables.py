@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fem.numerics.inner import inner
+from fem.numerics.inner_functions import inner
 
 
 @inner()

@@ -16,7 +16,7 @@ import numpy as np
 from fem.contact.evaluation.law_tables import BEFORE, BEHIND, LANES, LARGEST_NEAR, LEAD, PART, SHIFT, SPRING, WIDTH, Y
 from fem.contact.slice_means import FINER
 from fem.numerics.compiled import views
-from fem.numerics.inner import INLINE, inner
+from fem.numerics.inner_functions import INLINE, inner
 
 NEVER = -1e300  # approach of a pair that cannot touch
 LEAST = 1e-290  # N/m: the load that closes a slice with an even gap

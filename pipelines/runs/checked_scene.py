@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from fem.storage import shown_html
 
 if TYPE_CHECKING:
-    from pipelines.machine.plant import Facts, Plant
+    from pipelines.machine.machine_model import Facts, MachineModel
     from pipelines.scene.load_scene import LoadedScene
 
 
@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 class Checked:
     """A scene that can be run; shown as the text that `gearcase check` prints."""
 
-    plant: Plant  # the scene in SI
+    machine: MachineModel  # the scene in SI
     facts: Facts  # ratios, frequencies (Hz), speeds (rad/s, m/s), torques (N m), forces (N), lengths (m)
     control: str  # its healthy control, "none" without one
     cost: str  # of a run: steps, seconds, memory, disk
     warnings: tuple[str, ...]  # what is questionable, and how its control differs in more than the fault
 
     def __repr__(self) -> str:
-        own = [*_lines(self.plant, self.control), *_times(self.plant), f"  {self.cost}"]
+        own = [*_lines(self.machine, self.control), *_times(self.machine), f"  {self.cost}"]
         return "\n".join([*own, *(f"warning: {text}" for text in self.warnings)])
 
     def _repr_html_(self) -> str:
@@ -40,11 +40,11 @@ class Checked:
                 stage.wheel_frequency,
                 stage.mesh_force,
             )
-            for number, (pair, stage) in enumerate(zip(self.plant.layout.pairs, self.facts.stages, strict=True), 1)
+            for number, (pair, stage) in enumerate(zip(self.machine.layout.pairs, self.facts.stages, strict=True), 1)
         ]
         head = ("stage", "z1/z2", "ratio", "mesh, Hz", "pinion, Hz", "wheel, Hz", "mesh force, N")
         text = shown_html.table("Cost and warnings", (), ((line,) for line in (self.cost, *self.warnings)))
-        return shown_html.table(self.plant.title, head, rows) + text
+        return shown_html.table(self.machine.title, head, rows) + text
 
 
 def check_scene(loaded: LoadedScene) -> Checked:
@@ -59,15 +59,15 @@ def check_scene(loaded: LoadedScene) -> Checked:
 
     plan = plan_run(loaded)
     return Checked(
-        plant=plan.plant,
-        facts=plan.plant.facts,
+        machine=plan.machine,
+        facts=plan.machine.facts,
         control=loaded.scene.control or "none",
         cost=estimate(tuple(plan.machines.values())),
         warnings=scene_warnings(loaded, plan),
     )
 
 
-def _lines(machine: Plant, control: str) -> Iterator[str]:
+def _lines(machine: MachineModel, control: str) -> Iterator[str]:
     facts = machine.facts
     yield machine.title
     yield f"  motor speed {facts.motor_speed * 30 / math.pi:.4g} rpm, total ratio {facts.total_ratio:.4f}"
@@ -118,14 +118,14 @@ def _lines(machine: Plant, control: str) -> Iterator[str]:
     yield f"  control: {control}"
 
 
-def _times(machine: Plant) -> Iterator[str]:
+def _times(machine: MachineModel) -> Iterator[str]:
     """How long a window must be for each shaft, and which are too short."""
     from pipelines.machine.scene_kinematics import kinematics_of
-    from pipelines.signals.features.average import FEWEST_TURNS
+    from pipelines.signals.features.synchronous_averages import FEWEST_TURNS
     from pipelines.signals.orders.kinematics import needed_seconds
     from pipelines.signals.spectrum import FEWEST_REVOLUTIONS
 
-    windows = machine.looked_for.windows
+    windows = machine.monitored.windows
     kinematics = kinematics_of(machine.layout, machine.rolling)
     if not kinematics.frequency or not windows:
         return

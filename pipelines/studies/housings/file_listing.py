@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from fem.casing.recognition.contents import GeometryContents
+from fem.casing.recognition.housing_contents import GeometryContents
 from fem.casing.recognition.shaft_fit import ShaftFit, tilt
-from pipelines.io.grid import grid
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
+from pipelines.io.text_table import grid
 
 MOST_ROWS = 40
 _LEAST_TILT = 0.01  # degrees that are mentioned

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from fem.casing.imported.foreign_body import ForeignBody, ForeignError
+from fem.casing.imported.imported_body import ImportedBody, MatrixError
 from fem.casing.imported.matrix_checks import rigid_motion
-from fem.casing.parts.names import Attachment
+from fem.casing.parts.casing_choices import Attachment
 from fem.casing.reduced.attachment import AXES
 from fem.casing.reduced.reduction import Interface, Reduction, held_interface, reduce_body
 
@@ -36,10 +36,10 @@ class Point:
 
 
 @dataclass(frozen=True, eq=False)
-class ReducedForeign:
+class ReducedImportedBody:
     """A reduced imported body: interface rows on the remaining equations q, and u = E q for all equations."""
 
-    body: ForeignBody
+    body: ImportedBody
     reduction: Reduction
     coordinate_names: tuple[str, ...]  # of the interface
     places: Mapping[str, np.ndarray]  # (3,) m, of the points
@@ -49,14 +49,14 @@ class ReducedForeign:
     free_stiffness: sp.csr_matrix  # (q, q)
 
 
-def reduce_foreign(
-    body: ForeignBody,
+def reduce_imported_body(
+    body: ImportedBody,
     points: Mapping[str, Point],
     *,
     held: Sequence[int] = (),
     sprung: Sequence[str] = (),
     band: float | None,
-) -> ReducedForeign:
+) -> ReducedImportedBody:
     """Reduce an imported body to its points and all fixed-interface modes up to `band`.
 
     Parameters
@@ -84,31 +84,29 @@ def reduce_foreign(
         reduction = reduce_body(interface, K, M, count=0, enrich=False)
     else:
         reduction = reduce_body(interface, K, M, highest=band)
-    return ReducedForeign(body, reduction, tuple(names), places, expansion, springs, interface, K)
+    return ReducedImportedBody(body, reduction, tuple(names), places, expansion, springs, interface, K)
 
 
 def _coupled(
-    body: ForeignBody, points: Mapping[str, Point], clamped: np.ndarray
+    body: ImportedBody, points: Mapping[str, Point], clamped: np.ndarray
 ) -> tuple[sp.csr_matrix, list[str], sp.csr_matrix, dict[str, np.ndarray]]:
     """E without clamped equations and with rigid nodes replaced by their points; rows of the interface."""
     taken, places, rigid = clamped.copy(), {}, {}
     for name, point in points.items():
         located = np.array([body.place(number) for number in point.nodes])
         if not len(located):
-            raise ForeignError(f"{name} has no nodes; name at least one")
+            raise MatrixError(f"{name} has no nodes; name at least one")
         if not np.isfinite(located).all():
-            raise ForeignError(f"{name}: the places of its nodes are not known; give a file of nodes")
+            raise MatrixError(f"{name}: the places of its nodes are not known; give a file of nodes")
         if unknown := [axis for axis in point.axes if axis not in AXES]:
-            raise ForeignError(f"{name}: axes has {unknown[0]!r}; choose among {', '.join(AXES)}")
+            raise MatrixError(f"{name}: axes has {unknown[0]!r}; choose among {', '.join(AXES)}")
         places[name] = located.mean(axis=0) if point.place is None else np.array(point.place)
         own = np.isin(body.node, point.nodes) & (body.axis >= 0)
         if (own & clamped).any():
-            raise ForeignError(f"{name} shares nodes with the ground; choose others for one of the two")
+            raise MatrixError(f"{name} shares nodes with the ground; choose others for one of the two")
         if point.coupling == "rigid":
             if (own & taken).any():
-                raise ForeignError(
-                    f"{name} shares nodes with another rigid point; take the mean motion for one of them"
-                )
+                raise MatrixError(f"{name} shares nodes with another rigid point; take the mean motion for one of them")
             taken |= own
             rigid[name] = own
     free = np.flatnonzero(~taken)
@@ -126,7 +124,7 @@ def _coupled(
     return expansion, names, sp.csr_matrix(sp.vstack(rows) if rows else (0, expansion.shape[1])), places
 
 
-def _mean_rows(body: ForeignBody, name: str, point: Point, place: np.ndarray) -> sp.csr_matrix:
+def _mean_rows(body: ImportedBody, name: str, point: Point, place: np.ndarray) -> sp.csr_matrix:
     """Rows (6, n) of the mean motion of the nodes of a point."""
     own = np.isin(body.node, point.nodes) & (body.axis >= 0)
     if len(point.nodes) > 1:
@@ -138,7 +136,7 @@ def _mean_rows(body: ForeignBody, name: str, point: Point, place: np.ndarray) ->
     if len(point.nodes) == 1:  # its own motion; axes that it lacks carry no load
         known = sorted({int(axis) for axis in body.axis[members]})
         if missing := [AXES[axis] for axis in wanted if axis not in known]:
-            raise ForeignError(
+            raise MatrixError(
                 f"{name}: node {point.nodes[0]} has no {', '.join(missing)}; name more nodes, or fewer axes"
             )
         rows = np.zeros((6, len(members)))
@@ -147,9 +145,7 @@ def _mean_rows(body: ForeignBody, name: str, point: Point, place: np.ndarray) ->
         size = math.sqrt(max(float(np.trace(gram[3:, 3:]) / gram[0, 0]), 1e-300))
         scale = np.array([1.0, 1.0, 1.0, size, size, size])
         if not np.linalg.cond(gram / np.outer(scale, scale)) < _WELL:
-            raise ForeignError(
-                f"{name}: its {len(point.nodes)} nodes lie on a line and define no rotation; name others"
-            )
+            raise MatrixError(f"{name}: its {len(point.nodes)} nodes lie on a line and define no rotation; name others")
         rows = np.linalg.solve(gram, motion.T)
     at = np.repeat(np.arange(6), len(members)), np.tile(members, 6)
     return sp.csr_matrix((rows.ravel(), at), shape=(6, len(body.node)))

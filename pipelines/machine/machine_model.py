@@ -18,12 +18,12 @@ from mbd.integrators.settings import MotionSettings
 from pipelines.machine.flanks import Fault
 from pipelines.machine.flanks_spec import FlanksSpec
 from pipelines.machine.layout import StageFacts, TrainLayout
-from pipelines.machine.parts import MachineParts, Recorded
+from pipelines.machine.machine_parts import MachineParts, Recorded
 from pipelines.machine.scene_bearings import BearingFault, RollingBearing
 from pipelines.machine.scene_kinematics import pass_lines, pass_rates, shaft_lines
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import ShaftFault, shaft_faults
-from pipelines.scene.tables.diagnosis import LookedFor
+from pipelines.scene.tables.diagnosis import Monitored
 from pipelines.signals.analysis import DiagnosisSettings
 
 
@@ -54,7 +54,7 @@ class Drivetrain:
     layout: TrainLayout
     laws: tuple[LawSpec, ...]
     flanks: tuple[FlanksSpec, ...]
-    machine: MachineParts
+    parts: MachineParts
     hoist: HangingLoad | None
     rolling: tuple[RollingBearing, ...]
     faults: tuple[Fault, ...]  # of teeth
@@ -64,7 +64,7 @@ class Drivetrain:
     casing_modes: int  # approximate number of casing modes in the system
     recorded: Recorded
     motion: MotionSettings
-    looked_for: LookedFor
+    monitored: Monitored
 
     @property
     def law_names(self) -> tuple[str, ...]:
@@ -72,7 +72,7 @@ class Drivetrain:
         return tuple(f"law_{number}" for number in range(1, len(self.laws) + 1))
 
     @property
-    def sound_law_names(self) -> tuple[str, ...]:
+    def healthy_law_names(self) -> tuple[str, ...]:
         """Names of the steps that hold the laws of healthy, unmodified pairs, by stage."""
         pairs = zip(self.law_names, self.flanks, strict=True)
         return tuple(name if added.empty else f"unmodified_{name}" for name, added in pairs)
@@ -95,14 +95,14 @@ class Drivetrain:
     @property
     def diagnosis(self) -> DiagnosisSettings | None:
         """Signal, lines and windows of a diagnosis; None without windows or sensors."""
-        monitored, layout, hoist = self.looked_for, self.layout, self.hoist
+        monitored, layout, hoist = self.monitored, self.layout, self.hoist
         if not monitored.possible:
             return None
         stage = layout.stages[monitored.stage - 1]
         on_wheel = monitored.gear == "wheel"
         ratio = layout.shaft_ratios[layout.loaded]
         modes = {
-            name: hoist.rope_frequency_at(sum(window) / 2, self.machine.profile, ratio)
+            name: hoist.rope_frequency_at(sum(window) / 2, self.parts.profile, ratio)
             for name, window in monitored.windows.items()
             if hoist is not None and monitored.speed_is_known
         }
@@ -133,7 +133,7 @@ class Drivetrain:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Plant(Drivetrain):
+class MachineModel(Drivetrain):
     """The machine model with its casing: the model of the casing, and the structure with sensors that it reduces."""
 
     casing: CasingModel

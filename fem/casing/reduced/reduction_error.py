@@ -23,7 +23,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem.casing.geometry.dimensions import Sensor
-from fem.casing.parts.names import MOUNTS
+from fem.casing.parts.casing_choices import MOUNTS
 from fem.casing.reduced.damping import DampingRatio, damping_ratios, ratios_with_parts
 from fem.casing.reduced.grounded import GROUND_AXES, ForcedPoint, GroundedCasing, point_rows
 from fem.casing.reduced.lanczos import block_lanczos

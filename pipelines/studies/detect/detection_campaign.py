@@ -14,13 +14,13 @@ from typing import Any
 from pipelines.datasets.plan import Plan, plan_on
 from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
 from pipelines.io.errors import InputError
-from pipelines.io.shown import shown
-from pipelines.machine.plant import Plant
+from pipelines.io.shown_text import shown
+from pipelines.machine.machine_model import MachineModel
 from pipelines.scene.load_scene import LoadedScene
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import without_shaft_faults
 from pipelines.steps.verdict import known_damages
-from pipelines.studies.detect.over import Over
+from pipelines.studies.detect.detection_axis import Over
 
 STATE, SPECIMEN = "state", "specimen"
 HEALTHY, DAMAGED = "healthy", "damaged"
@@ -42,7 +42,7 @@ class Design:
         return self.baseline, self.baseline + self.healthy, self.baseline + self.healthy + self.damaged
 
 
-def detection_plan(loaded: LoadedScene, machine: Plant, design: Design) -> Plan:
+def detection_plan(loaded: LoadedScene, machine: MachineModel, design: Design) -> Plan:
     """The plan of the campaign.
 
     Parameters
@@ -89,7 +89,7 @@ def healthy_case(loaded: LoadedScene) -> dict[str, Any]:
     return {**changed, "faults": []}
 
 
-def _check(loaded: LoadedScene, machine: Plant, design: Design) -> None:
+def _check(loaded: LoadedScene, machine: MachineModel, design: Design) -> None:
     if not known_damages(machine):
         raise InputError(f"{shown(loaded.name)}: the scene has no fault to detect. Add one in [[faults]].")
     if not loaded.scene.deviations.enabled:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from pipelines.engine.step import Step
 from pipelines.io.errors import InputError
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
 from pipelines.runs import run_folder
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def diagnose_folder(folder: Path, settings: Settings = ()) -> Diagnosis:
             f"{folder}: there is no healthy control to compare the lines with. "
             'Set control = "without-faults" and a fault in the scene, and repeat gearcase run.'
         )
-    with _pair(folder, train.looked_for.noise) as runs:
+    with _pair(folder, train.monitored.noise) as runs:
         return diagnoses([CaseSpec(settings=diagnosis, full=True)], runs)[0]
 
 
@@ -77,7 +77,7 @@ def judge_folder(folder: Path) -> dict[str, Any]:
     """
     from pipelines.diagnosis.control_diagnosis import deviation_name
     from pipelines.diagnosis.deviation_statistics import FEWEST_FOR_P
-    from pipelines.diagnosis.simulated import FeatureSettings
+    from pipelines.diagnosis.simulated_features import FeatureSettings
     from pipelines.machine.machine_conversion import make_drivetrain
     from pipelines.machine.scene_kinematics import kinematics_of
     from pipelines.scene.load_scene import load_scene
@@ -86,8 +86,8 @@ def judge_folder(folder: Path) -> dict[str, Any]:
     loaded = load_scene(folder / run_folder.RESOLVED)
     train = make_drivetrain(loaded.scene, loaded.source.shown)
     kinematics = kinematics_of(train.layout, train.rolling)
-    settings = FeatureSettings(kinematics=kinematics, windows=train.looked_for.windows)
-    with _pair(folder, train.looked_for.noise) as (own, control):
+    settings = FeatureSettings(kinematics=kinematics, windows=train.monitored.windows)
+    with _pair(folder, train.monitored.noise) as (own, control):
         found = [features.of_response(own, settings, 1)], [features.of_response(control, settings, FEWEST_FOR_P)]
     return verdict.build(
         kinematics,
@@ -120,7 +120,7 @@ def folder_bars(folder: Path, diagnosis: Diagnosis, settings: Settings, work: Wo
 
     graph, machine = scene_graph(load_scene(folder / run_folder.RESOLVED))  # without `settings`: casing of the run
     changed = load_scene(folder / run_folder.RESOLVED, settings).scene.diagnosis
-    machine = replace(machine, looked_for=replace(machine.looked_for, damping_spread=changed.damping_spread))
+    machine = replace(machine, monitored=replace(machine.monitored, damping_spread=changed.damping_spread))
     taken = {"laws": machine.law_names, **casing_taken(graph)}
     step = Step(name="error bars", kind="error-bars", build=machine_bars, takes=taken)
     outcome = work.build(graph, step.inputs)

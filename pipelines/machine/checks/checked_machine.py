@@ -11,11 +11,11 @@ from pipelines.machine.checks.strength import bursting, overloaded
 from pipelines.machine.checks.window_checks import bad_windows
 from pipelines.machine.layout import lay_out
 from pipelines.machine.machine_conversion import REFUSALS, drivetrain, in_casing
-from pipelines.machine.plant import Plant
+from pipelines.machine.machine_model import MachineModel
 from pipelines.scene.scene import Scene
 
 
-def checked_plant(scene: Scene, source: str) -> Plant:
+def checked_machine(scene: Scene, source: str) -> MachineModel:
     """The machine model of a scene that passes all checks that need no computation.
 
     Raises
@@ -40,7 +40,7 @@ def checked_plant(scene: Scene, source: str) -> Plant:
         more = [one for one in dict.fromkeys(made) if not (places and one.path == "shafts")]
         raise SceneError(source, [*problems, *more])
     if not places:
-        problems += long_shafts(machine.machine)
+        problems += long_shafts(machine.parts)
     problems += unheld(machine)
     if scene.housing is not None:
         from pipelines.machine.checks.casing_checks import bad_casing

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipelines.io.errors import InputError
-from pipelines.io.grid import Grid, grid
-from pipelines.io.shown import shown
+from pipelines.io.shown_text import shown
+from pipelines.io.text_table import Grid, grid
 from pipelines.io.user_files import is_regular_file
 from pipelines.runs import run_folder
 from pipelines.signals.motion_warnings import stored_warnings
@@ -94,12 +94,12 @@ def judge_files(
     for source in sources:
         path, asked = recording_and_window(source)
         known, windows = machine_of(path, machine)
-        chosen = asked_windows(source, asked, {"the window": window} if window else windows)
+        chosen = requested_windows(source, asked, {"the window": window} if window else windows)
         own = read_features(path, known, chosen)
         same = f"{machine or path.parent} {chosen}"
         if same not in read:
             split = [(one, *recording_and_window(one)) for one in healthy]
-            read[same] = [read_features(file, known, asked_windows(one, part, chosen)) for one, file, part in split]
+            read[same] = [read_features(file, known, requested_windows(one, part, chosen)) for one, file, part in split]
         others = read[same]
         tables = confirmed([one.table for one in (own, *others)])
         other = " Another recording confirms the tooth numbers." if any(tables[0].conditional) else ""
@@ -124,13 +124,13 @@ def recorded_parts(
 
     last, asked = recording_and_window(sources[-1])
     known, windows = machine_of(last, machine)
-    chosen = asked_windows(sources[-1], asked, {"the window": window} if window else windows)
+    chosen = requested_windows(sources[-1], asked, {"the window": window} if window else windows)
     parts = []
     for source in sources:
         file, asked = recording_and_window(source)
         with read_recording(file, known) as recording:
             parts.append(
-                compared_recording(shown(source), recording, known.kinematics, asked_windows(source, asked, chosen))
+                compared_recording(shown(source), recording, known.kinematics, requested_windows(source, asked, chosen))
             )
     return parts
 
@@ -156,7 +156,7 @@ def judge_recordings(recording: xarray.Dataset, healthy: Sequence[xarray.Dataset
     ------
     InputError : a recording has no rotation or no features, or the recordings cannot be compared
     """
-    from pipelines.diagnosis.simulated import FeatureSettings, run_features
+    from pipelines.diagnosis.simulated_features import FeatureSettings, run_features
     from pipelines.signals.features.recording_features import FeatureError
     from pipelines.signals.orders.rotation import RotationError
 
@@ -202,7 +202,7 @@ def recording_and_window(source: str | Path) -> tuple[Path, str]:
     return recording_path(name), window
 
 
-def asked_windows(source: str | Path, asked: str, windows: Windows | None) -> Windows | None:
+def requested_windows(source: str | Path, asked: str, windows: Windows | None) -> Windows | None:
     """The window that is requested: by its name in the scene, or start and end in s; all of the scene if none is.
 
     Raises
@@ -264,7 +264,7 @@ def read_features(
     ------
     InputError : the file cannot be read, its rotation is not found, or there are too few revolutions
     """
-    from pipelines.diagnosis.simulated import FeatureSettings, run_features
+    from pipelines.diagnosis.simulated_features import FeatureSettings, run_features
     from pipelines.recordings.read_recording import read_recording
     from pipelines.signals.features.recording_features import FeatureError
     from pipelines.signals.levels import levels

@@ -122,7 +122,7 @@ def facts(motion: Trajectory) -> dict[str, Any]:
         "integrator": motion.integrator,
         "step_s": motion.step,
         "step_error": motion.step_error,
-        "repeatable_until_s": motion.parted_at or "the end",
+        "repeatable_until_s": motion.diverged_at or "the end",
         "pass_band_Hz": motion.pass_band,
         "counters": json.dumps(dict(zip(motion.counter_names, map(int, motion.counters), strict=True))),
         "energy_balance_J": json.dumps(balance),

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem.contact.frame import ModelError
+from fem.contact.slice_frame import ModelError
 from fem.contact.wheels.compliance import ContactCompliance
 
 _ROUNDS = 200

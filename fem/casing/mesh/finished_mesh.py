@@ -18,7 +18,7 @@ from fem.casing.mesh.sizes import mean_edge
 from fem.casing.mesh.surface import Surface
 from fem.elements.facets import corner_triangles, outer_facets
 from fem.elements.solid_elements import SOLIDS, converted, curved, solid_element, solid_mesh
-from fem.numerics.connected import connected_parts
+from fem.numerics.connected_parts import connected_parts
 from fem.numerics.message_places import in_mm
 from fem.storage.ledger import count
 

@@ -15,7 +15,7 @@ import numpy as np
 from fem.casing.geometry.dimensions import Sensor
 from fem.casing.geometry.housing import Housing
 from fem.casing.mesh.mesh import CasingMesh
-from fem.casing.parts.names import DampingRatio
+from fem.casing.parts.casing_choices import DampingRatio
 from fem.casing.reduced.attachment import AXES, nearest_surface_point
 from fem.casing.reduced.damping import modal_damping
 from fem.casing.reduced.reduced_body import BEARING_AXES, ReducedBody

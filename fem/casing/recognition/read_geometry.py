@@ -10,24 +10,24 @@ import numpy as np
 
 from fem.casing.mesh.cad_file import closed_triangles, declared_unit, import_solids, open_place, touching
 from fem.casing.mesh.gmsh_session import numbered_nodes, session
-from fem.casing.mesh.imported import CAD_SUFFIXES, STL_SUFFIXES, UNITS
+from fem.casing.mesh.imported_housing import CAD_SUFFIXES, STL_SUFFIXES, UNITS
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.mesh_file import read_mesh_file
 from fem.casing.mesh.sizes import MM
 from fem.casing.recognition.bores_and_faces import bolt_patterns, faces_of
-from fem.casing.recognition.contents import FoundSolid, GeometryContents
 from fem.casing.recognition.faces import split
+from fem.casing.recognition.housing_contents import FoundSolid, GeometryContents
 from fem.elements.facets import corner_triangles, outer_facets
 from fem.elements.solid_elements import SOLIDS, converted, solid_element
-from fem.numerics.connected import connected_parts, shared_sides
-from fem.processes.own_process import DAMAGED, opened_apart
+from fem.numerics.connected_parts import connected_parts, shared_sides
+from fem.processes.own_process import DAMAGED, opened_in_own_process
 
 _log = logging.getLogger(__name__)
 _AROUND = 16  # elements of a full turn; with 12, short bores cannot be distinguished from cones
 _COARSE, _FINE = 10, 400  # least and largest number of elements along the diagonal of the box
 
 
-def survey(path: Path, unit: str | None = None) -> GeometryContents:
+def geometry_contents(path: Path, unit: str | None = None) -> GeometryContents:
     """Solids, bores, flat faces and bolt patterns of a CAD or mesh file.
 
     Parameters
@@ -43,7 +43,7 @@ def survey(path: Path, unit: str | None = None) -> GeometryContents:
     if suffix in STL_SUFFIXES:
         return _of_triangles(path, unit or "mm")
     if suffix in CAD_SUFFIXES:
-        return opened_apart(path, MeshError, DAMAGED, _of_solids, path, unit)
+        return opened_in_own_process(path, MeshError, DAMAGED, _of_solids, path, unit)
     return _of_mesh(path, unit or "mm")
 
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from fem.casing.mesh.imported import CAD_SUFFIXES, OFF_AXIS
-from fem.casing.recognition.contents import FlatFace, GeometryContents
+from fem.casing.mesh.imported_housing import CAD_SUFFIXES, OFF_AXIS
+from fem.casing.recognition.housing_contents import FlatFace, GeometryContents
 from fem.casing.recognition.shaft_fit import ShaftFit
 from fem.casing.reduced.attachment import FARTHEST_SENSOR
 from fem.elements.facets import nearest_on_facets
