@@ -297,7 +297,7 @@ def test_stated_deviations_stay_in_the_healthy_control_and_leave_with_all_others
     assert not control.scene.faults
     assert control.scene.stages[0].wheel.deviations.eccentricity_um == 20
     off = load_scene("bench", (*STATED[:1], "deviations.enabled=false")).scene
-    assert make_machine(off).machine.meshes[0].wheel.prescribed is None
+    assert make_machine(off).parts.meshes[0].wheel.prescribed is None
     assert any("these keys have no effect" in text for text in design_warnings(off, make_drivetrain(off)))
 
 
