@@ -1,4 +1,4 @@
-"""Contact of many mesh positions by `fem.contact.wheels.direct_contact`, with tilt, clearances of single pairs and energy."""
+"""Contact at many mesh positions by `fem.contact.wheels.direct_contact`, with tilt, clearances of pairs and energy."""
 
 from __future__ import annotations
 

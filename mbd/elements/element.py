@@ -31,7 +31,8 @@ Calls
 -----
 The loop calls a rule through its address (`fem.numerics.compiled.Signature`). A new kind therefore compiles only its
 rule, and a rule that no machine uses is never compiled. A call costs 0.1 to 0.15 us more than code inside the loop
-(rig: 8 elements, 26 us per step), or 0.5 us where references to arrays are counted (`fem.numerics.inner_functions.UNCOUNTED`).
+(rig: 8 elements, 26 us per step), or 0.5 us where references to arrays are counted, see
+`fem.numerics.inner_functions.UNCOUNTED`.
 A static tuple of all rules, unrolled by the compiler, is not faster and compiles every kind into every loop.
 """
 

@@ -17,7 +17,7 @@ def mesh_geometry(geometry: Geometry, sizes: Sizes, element: str = "tetrahedron-
 
     Raises
     ------
-    MeshError : see `gmsh_mesh.mesh_housing`, `gmsh_mesh.mesh_step`, `imported.mesh_from_file` and `extruded.mesh_extruded`
+    MeshError : see `mesh_housing` and `mesh_step` of `gmsh_mesh`, `mesh_from_file` and `mesh_extruded`
     """
     if isinstance(geometry, ImportedHousing) and not geometry.is_step:
         return mesh_from_file(geometry, element)

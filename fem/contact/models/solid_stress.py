@@ -123,7 +123,8 @@ def stress_field(
     ----------
     pair, model : the gears in mesh and their model
     record : compliances of this pair by this model
-    index, line_load : position, and line loads (pair, slice) there, N/m, of `fem.contact.wheels.direct_contact.contact_at`
+    index, line_load : position, and line loads (pair, slice) there in N/m, of
+        `fem.contact.wheels.direct_contact.contact_at`
     """
     turns, place = divmod(index, len(record.position))
     numbers = record.pair + turns

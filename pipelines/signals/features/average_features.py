@@ -1,6 +1,7 @@
-"""Features of the time-synchronous average (`pipelines.signals.features.synchronous_averages`) of a shaft and of its gears.
+"""Features of the time-synchronous average of a shaft and of its gears.
 
-Their formulae are in `pipelines.signals.features.definitions`.
+The average is computed in `pipelines.signals.features.synchronous_averages`; the
+formulae are in `pipelines.signals.features.definitions`.
 """
 
 from __future__ import annotations
