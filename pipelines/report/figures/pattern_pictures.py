@@ -42,10 +42,10 @@ def pattern_figure(
     figure.suptitle(f"{plain(title)}\ncontact pattern over a whole engagement, {load}\n{words}")
     boxes = np.atleast_1d(figure.subplots(1, len(patterns), sharey=True))
     most = max(float(np.nanmax(one.pressure, initial=0.0)) for one in patterns) / 1e6 or 1.0
-    drawn = None
+    plotted = None
     for number, (axes, one) in enumerate(zip(boxes, patterns, strict=True)):
         face, diameter = 1000 * sense * one.face, 1000 * one.diameter
-        drawn = draw_pattern(axes, face, diameter, one.pressure / 1e6, most, 1000 * pitch_diameter)
+        plotted = draw_pattern(axes, face, diameter, one.pressure / 1e6, most, 1000 * pitch_diameter)
         if number and damaged.any():
             axes.contour(face, diameter, damaged, levels=[0.05], colors=GONE, linewidths=2.2)
         if number and crack is not None:
@@ -57,8 +57,8 @@ def pattern_figure(
         axes.set_title(f"{one.name}: greatest Hertz pressure {greatest:.0f} MPa", fontsize=10, loc="left")
         axes.set_xlabel("y along the face from mid face, mm")
     boxes[0].set_ylabel(f"diameter on the {gear}, mm (tip above)")
-    if drawn is not None:
-        figure.colorbar(drawn, ax=list(boxes), shrink=0.9, pad=0.01).set_label("Hertz pressure, MPa")
+    if plotted is not None:
+        figure.colorbar(plotted, ax=list(boxes), shrink=0.9, pad=0.01).set_label("Hertz pressure, MPa")
     return figure
 
 
@@ -69,16 +69,16 @@ def draw_pattern(
 
     Parameters
     ----------
-    axes : on which it is drawn
+    axes : on which it is plotted
     face, diameter : (face,) and (diameter,), mm
     pressure, most : (diameter, face), and the end of the colour scale, MPa
     pitch_diameter : mm
     """
-    drawn = axes.pcolormesh(
+    plotted = axes.pcolormesh(
         face, diameter, pressure, cmap=LOAD_COLOURS, vmin=0.0, vmax=most, shading="gouraud", rasterized=True
     )
     axes.set_facecolor("#e8e8e8")
     axes.axhline(pitch_diameter, color="black", lw=0.9, ls=":")
     axes.set_xlim(face.min(), face.max())
     axes.annotate("pitch circle", (face.min(), pitch_diameter), xytext=(3, 3), textcoords="offset points", fontsize=8)
-    return drawn
+    return plotted
