@@ -10,7 +10,7 @@ from pipelines.io.argument_types import count, from_zero, path, positive
 
 HELP = """\
 Search for the best flank modifications of a stage: tip reliefs of both gears, or what --vary gives. Print the best
-candidates, evaluated with values as they are manufactured, and the settings of the best design for each objective. A
+candidates, with values rounded to the steps of --vary, and the settings of the best design for each objective. A
 repeated search continues where it ended. Takes seconds for nominal pairs, and minutes with --samples."""
 EXAMPLE = """\
 gearcase design bench --vary both.tip_relief.amount_um=0:30:2 --vary both.tip_relief.length_mm=0.5:4:0.5
