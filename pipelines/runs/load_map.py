@@ -110,7 +110,7 @@ def load_map(
             "pattern_face": ("pattern_face", sense * patterns[0].face[::sense], quantity("m", "y from mid face")),
             "diameter": ("diameter", patterns[0].diameter, quantity("m", "diameter on the pinion")),
         },
-        attrs={"pitch_diameter_m": 2 * pair.working_radii[0]},
+        attrs={"pitch_diameter": 2 * pair.working_radii[0]},
     )
 
 

@@ -50,7 +50,7 @@ def load_map_figure(title: str, found: xarray.Dataset) -> Figure:
             load.plot(face, one.line_load / 1e3, style, color=colour, label=label if style == "-" else None)
             pattern = one.pattern[number] / 1e6
             drawn = draw_pattern(
-                axes, 1e3 * own.pattern_face, 1e3 * own.diameter, pattern, most, 1e3 * found.pitch_diameter_m
+                axes, 1e3 * own.pattern_face, 1e3 * own.diameter, pattern, most, 1e3 * found.pitch_diameter
             )
             dress(axes, f"{plain(state)}, {torque:.4g} N m: {float(pattern.max()):.0f} MPa", "y from mid face, mm", "")
             axes.grid(visible=False)
