@@ -58,12 +58,13 @@ class Sizes:
 
 @dataclass(frozen=True)
 class Refinement:
-    """`size` up to the distance `near` from the surfaces, growing to the general size at `far` (m)."""
+    """`size` up to the distance `near` from the surfaces and edges, growing to the general size at `far` (m)."""
 
     surfaces: Sequence[int]
     size: float
     near: float
     far: float
+    edges: Sequence[int] = ()
 
 
 def bending_wavelength(material: Material, thickness: float, frequency: float) -> float:
@@ -78,6 +79,7 @@ def set_sizes(gmsh: Any, element: float, refinements: Sequence[Refinement]) -> N
     for one in refinements:
         distance = field.add("Distance")
         field.setNumbers(distance, "SurfacesList", list(one.surfaces))
+        field.setNumbers(distance, "CurvesList", list(one.edges))
         field.setNumber(distance, "Sampling", 20)
         threshold = field.add("Threshold")
         for key, value in {
