@@ -22,7 +22,7 @@ from pipelines.machine.layout import TrainLayout
 from pipelines.machine.machine_model import MachineModel
 from pipelines.machine.scene_kinematics import pass_rates, shaft_lines
 from pipelines.signals.motion_warnings import gathered, stored_warnings
-from pipelines.steps.casing import misread_sensors
+from pipelines.steps.casing import casing_warnings
 from pipelines.steps.diagnosing import CaseSpec, diagnoses
 from pipelines.steps.verdict import known_damages
 
@@ -132,7 +132,7 @@ def sections(
             axis=monitored.axis,
             settings=settings,
             energy=energy_rows(every[0]),
-            warnings=(*warnings, *misread_sensors(body, {one.name: one.position for one in machine.sensors})),
+            warnings=(*warnings, *casing_warnings(body, {one.name: one.position for one in machine.sensors})),
         )
     left_out = [p.reason for p in (curves["gears"], casing) if isinstance(p, LeftOut)]
     return _kept_if_complete({"sections": made, "left_out": left_out})

@@ -73,7 +73,7 @@ def mesh_housing(
             far = feet.height + 2 * (sizes.element - local)
             finer.append(Refinement(ground, local, near=feet.pad_height, far=far))
         follow_fillets(gmsh, sizes.element, finer)
-        raw, remedy = tetrahedra(gmsh, sizes.element, finer, patches), _remedy(gmsh, housing, sizes.element)
+        raw, remedy = tetrahedra(gmsh, sizes.element, finer, patches), _remedy(gmsh, housing, sizes)
     points = housing.ground_points() | {bore.name: housing.bore_centre(bore) for bore in housing.bores}
     return finished_mesh(
         raw,
@@ -85,10 +85,11 @@ def mesh_housing(
     )
 
 
-def _remedy(gmsh: Any, housing: Housing, element: float) -> str:
+def _remedy(gmsh: Any, housing: Housing, sizes: Sizes) -> str:
     """What to do about bad elements: remove the shortest edge of the solid, or reduce the element size."""
-    if not (short := small_edges(gmsh, _SHORT * MM * element)):
-        return f"Use an element size below {MM * element:.4g} mm"
+    least = _SHORT * MM * sizes.element
+    if not (short := small_edges(gmsh, least)):
+        return sizes.smaller
     extent, middle, _ = short[0]
     parts = [
         name
@@ -99,7 +100,7 @@ def _remedy(gmsh: Any, housing: Housing, element: float) -> str:
     return (
         f"The shortest edge of the housing, {extent:.2g} mm at ({x:.5g}, {y:.5g}, {z:.5g}) mm, is next to "
         f"{' and '.join(parts) or 'no foot or rib'}. Correct the dimensions there, so that the faces coincide or are "
-        f"{_SHORT * MM * element:.2g} mm or more from each other"
+        f"{least:.2g} mm or more from each other"
     )
 
 
@@ -122,7 +123,7 @@ def mesh_step(housing: ImportedHousing, sizes: Sizes, element: str) -> CasingMes
         mesher
     """
     raw, small = opened_in_own_process(housing.file, MeshError, _CRASHED, _mesh_solid, housing, sizes)
-    remedy = f"Use an element size below {MM * sizes.element:.4g} mm"
+    remedy = sizes.smaller
     if small:
         extent, (x, y, z), _ = small[0]
         remedy = (

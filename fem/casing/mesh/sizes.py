@@ -46,6 +46,12 @@ class Sizes:
         bore, foot = (None if size is None else factor * size for size in (self.bore, self.foot))
         return Sizes(element=factor * self.element, bore=bore, foot=foot, fewer=factor * self.fewer)
 
+    @property
+    def smaller(self) -> str:
+        """The remedy for bad elements, in terms of the scene, whose size a coarser mesh exceeds by `fewer`."""
+        most = MM * self.element / self.fewer
+        return f"Set casing.element_size_mm below {most:.4g} (with --set it overrides a --preset)"
+
     def at_bore(self, diameter: float) -> float:
         """Edge length (m) at a bearing seat: as given, but short enough for the least number of elements around it."""
         return min(self.element, self.bore or self.element, self.fewer * math.pi * diameter / AROUND_A_BORE)

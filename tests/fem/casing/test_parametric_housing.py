@@ -180,6 +180,12 @@ def test_a_housing_with_everything_on_is_meshed(small):
     assert meshed == pytest.approx(volume(housing), rel=5e-3)  # coarse: fillets are met in flat facets
 
 
+def test_ribs_that_touch_are_refused_without_rounding_noise(small):
+    pitch = small.width / 15  # of 14 ribs
+    with pytest.raises(HousingError, match="rib 1 of the -x wall and rib 2 of the -x wall touch"):
+        replace(small, ribs=replace(RIBS, end_wall=14, thickness=pitch))
+
+
 def stepped(housing, step):
     """The first foot ends `step` (m) before the rib under the first boss; both start at the underside of the floor."""
     ribs, feet = Ribs(thickness=0.008, height=0.02, per_boss=1), replace(housing.feet, overhang=0.02)
