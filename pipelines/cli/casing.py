@@ -129,6 +129,8 @@ def _texts(casing: Casing, count: int) -> Iterator[str]:
             yield f"element size {1000 * casing.mesh.element_size:.3g} mm{asked}"
         yield casing.checkup.report(0)
         yield mode_table(casing.natural, count, casing.bands)
+        if casing.modes.band_limit and (casing.natural.frequencies[:count] > casing.band).any():
+            yield f"Modes above casing.band_Hz = {casing.band:g} Hz are approximate, and some may be missing."
         if count < (total := len(casing.natural.frequencies)):
             yield f"Modes 1 to {count} of {total}. To print more, set --modes."
         if casing.limits is None and casing.mesh is not None:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.casing.parts.casing_choices import MODES_OVER_BAND
 from fem.gears.modifications import EndRelief, FlankModifications, Relief
 from fem.options import options_of
 from pipelines.engine.step import Unkept
@@ -278,6 +279,7 @@ class CasingSummary:
 
     unknowns: int
     solver: str
+    band_limit: float  # Hz, of the fixed-interface modes; 0: none
     checkup: CheckUp
 
 
@@ -289,7 +291,7 @@ def casing_summary(result: tuple[Any, ...]) -> CasingSummary:
     result : `CasingModes` and `CheckUp`, and the quadratic modes if the frequencies are extrapolated
     """
     modes, checkup, *_ = result
-    return CasingSummary(unknowns=modes.unknowns, solver=modes.solver, checkup=checkup)
+    return CasingSummary(unknowns=modes.unknowns, solver=modes.solver, band_limit=modes.band_limit, checkup=checkup)
 
 
 def _casing_rows(body: ReducedBody, modes: CasingSummary | None) -> list[dict[str, Any]]:
@@ -305,6 +307,10 @@ def _casing_rows(body: ReducedBody, modes: CasingSummary | None) -> list[dict[st
         rows += [
             {"property": "unknowns of the finite-element mesh", "value": modes.unknowns},
             {"property": "solver", "value": modes.solver},
+            {
+                "property": "casing.band_Hz, above which modes are missing",
+                "value": f"{modes.band_limit / MODES_OVER_BAND:g}" if modes.band_limit else "static, without modes",
+            },
             {"property": "mass, kg", "value": check.mass},
             {
                 "property": "first natural frequencies on its feet, Hz",
