@@ -186,6 +186,10 @@ def test_ribs_that_touch_are_refused_without_rounding_noise(small):
         replace(small, ribs=replace(RIBS, end_wall=14, thickness=pitch))
 
 
+def test_the_remedy_for_a_coarser_mesh_names_the_size_of_the_scene():
+    assert "casing.element_size_mm below 10 " in Sizes(element=0.010).times(1.3).smaller
+
+
 def stepped(housing, step):
     """The first foot ends `step` (m) before the rib under the first boss; both start at the underside of the floor."""
     ribs, feet = Ribs(thickness=0.008, height=0.02, per_boss=1), replace(housing.feet, overhang=0.02)
