@@ -198,8 +198,8 @@ def _casing_mode(graph: Graph, machine: MachineModel, number: int | str, folder:
 
     if "casing mesh" not in graph.steps or "casing modes" not in graph.steps:
         raise InputError(
-            "--casing-mode: the casing has no finite-element mesh with elastic modes. Set casing.model to "
-            "craig-bampton, and casing.housing to a shape, a CAD file or a mesh."
+            "--casing-mode: the casing has no finite-element mesh with elastic modes to draw; imported matrices have "
+            "none. Set casing.model to craig-bampton, and casing.housing to a shape, a CAD file or a mesh."
         )
     outcome = work.build(graph, ["casing", "casing modes"])
     with reported_count("pictures", quiet=work.quiet) as report:

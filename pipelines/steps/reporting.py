@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.casing.parts.casing_choices import MODES_OVER_BAND
 from fem.gears.modifications import EndRelief, FlankModifications, Relief
 from fem.options import options_of
 from pipelines.engine.step import Unkept
@@ -22,7 +23,7 @@ from pipelines.machine.layout import TrainLayout
 from pipelines.machine.machine_model import MachineModel
 from pipelines.machine.scene_kinematics import pass_rates, shaft_lines
 from pipelines.signals.motion_warnings import gathered, stored_warnings
-from pipelines.steps.casing import misread_sensors
+from pipelines.steps.casing import casing_warnings
 from pipelines.steps.diagnosing import CaseSpec, diagnoses
 from pipelines.steps.verdict import known_damages
 
@@ -132,7 +133,7 @@ def sections(
             axis=monitored.axis,
             settings=settings,
             energy=energy_rows(every[0]),
-            warnings=(*warnings, *misread_sensors(body, {one.name: one.position for one in machine.sensors})),
+            warnings=(*warnings, *casing_warnings(body, {one.name: one.position for one in machine.sensors})),
         )
     left_out = [p.reason for p in (curves["gears"], casing) if isinstance(p, LeftOut)]
     return _kept_if_complete({"sections": made, "left_out": left_out})
@@ -278,6 +279,7 @@ class CasingSummary:
 
     unknowns: int
     solver: str
+    band_limit: float  # Hz, of the fixed-interface modes; 0: none
     checkup: CheckUp
 
 
@@ -289,7 +291,7 @@ def casing_summary(result: tuple[Any, ...]) -> CasingSummary:
     result : `CasingModes` and `CheckUp`, and the quadratic modes if the frequencies are extrapolated
     """
     modes, checkup, *_ = result
-    return CasingSummary(unknowns=modes.unknowns, solver=modes.solver, checkup=checkup)
+    return CasingSummary(unknowns=modes.unknowns, solver=modes.solver, band_limit=modes.band_limit, checkup=checkup)
 
 
 def _casing_rows(body: ReducedBody, modes: CasingSummary | None) -> list[dict[str, Any]]:
@@ -305,6 +307,10 @@ def _casing_rows(body: ReducedBody, modes: CasingSummary | None) -> list[dict[st
         rows += [
             {"property": "unknowns of the finite-element mesh", "value": modes.unknowns},
             {"property": "solver", "value": modes.solver},
+            {
+                "property": "casing.band_Hz, above which modes are missing",
+                "value": f"{modes.band_limit / MODES_OVER_BAND:g}" if modes.band_limit else "static, without modes",
+            },
             {"property": "mass, kg", "value": check.mass},
             {
                 "property": "first natural frequencies on its feet, Hz",

@@ -71,7 +71,8 @@ def _bore_problems(housing: Dimensions) -> Iterator[str]:
         if room < 0.0:
             yield (
                 f"{bore.name}: boss at x = {_mm(bore.x)}, z = {_mm(bore.z)} extends {_mm(-room)} beyond the inner area "
-                "of its side wall. Correct left_end_mm, length_mm, shaft_height_mm or height_mm"
+                "of its side wall. Reduce its boss_diameters_mm, or correct left_end_mm, length_mm, shaft_height_mm or "
+                "height_mm"
             )
     for one, two in combinations(housing.bores, 2):
         distance, total = math.hypot(one.x - two.x, one.z - two.z), one.boss_diameter + two.boss_diameter
@@ -189,7 +190,8 @@ def _rib_problems(housing: Dimensions) -> Iterator[str]:
                 )
     for (name, one), (other, two) in combinations(boxes.items(), 2):
         if (gap := _gap(one, two)) < ligament:
-            what = f"overlap by {_mm(-gap)}" if gap < 0.0 else f"leave only {_mm(gap)} between them"
+            what = f"leave only {_mm(gap)} between them" if gap > 0.0 else f"overlap by {_mm(-gap)}"
+            what = "touch" if abs(gap) < _TOUCH else what
             yield f"{name} and {other} {what} (limit: {_mm(ligament)} or more between them). Set fewer or thinner ribs"
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from fem.casing.parts.casing_choices import MODES_OVER_BAND
 from mbd.parts.rolling_catalogue import bore_of
 from pipelines.machine.checks.collisions import FARTHEST_SENSOR
 from pipelines.machine.checks.flank_checks import flank_warnings
@@ -164,6 +165,13 @@ def _record(scene: Scene, layout: TrainLayout) -> Iterator[str]:
         yield (
             f"simulation.step_us = {scene.simulation.step_us:g} is above the sampling interval, so that the time step "
             f"is {interval:.6g} us. Set {interval:.6g} or less, or reduce simulation.output_rate_Hz"
+        )
+    band, highest = getattr(scene.casing, "band_Hz", None), scene.simulation.output_rate_Hz / 2
+    if band is not None and highest > MODES_OVER_BAND * band:
+        yield (
+            f"casing.band_Hz = {band:g} keeps modes of the casing to {MODES_OVER_BAND * band:g} Hz, and the signals "
+            f"reach {highest:g} Hz: levels above the band are those of a casing without modes there. Raise "
+            f"casing.band_Hz to {math.ceil(highest / MODES_OVER_BAND)}, or reduce simulation.output_rate_Hz"
         )
     for number, facts in enumerate(layout.stages, 1):
         if scene.simulation.output_rate_Hz < 2 * HARMONICS * facts.mesh_frequency:

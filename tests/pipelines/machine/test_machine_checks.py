@@ -312,6 +312,13 @@ def test_the_output_rate_is_held_against_the_fastest_mesh():
     assert [("stage 2, 818.2 Hz" in text) for text in told] == [True]
 
 
+@pytest.mark.parametrize(("band", "warned"), [(2000.0, True), (5000.0, False)])
+def test_signals_beyond_the_modes_of_the_casing_are_a_warning_with_the_band_needed(band, warned):
+    scene = load_scene("rig-healthy", {"casing.band_Hz": band}).scene  # its signals reach 5000 Hz
+    found = design_warnings(scene, make_drivetrain(scene))
+    assert any("keeps modes of the casing to 3000 Hz" in t and "casing.band_Hz to 3334" in t for t in found) == warned
+
+
 @pytest.mark.parametrize(("step", "warned"), [(500.0, True), (100.0, False)])
 def test_a_step_above_the_sampling_interval_is_a_warning_with_the_step_used(step, warned):
     scene = load_scene("minimal", {"simulation.step_us": step}).scene
