@@ -1,8 +1,8 @@
 """Detectability: shares are those of known distributions, no machine serves twice, channels rank by what they show."""
 
 import dataclasses
-from types import SimpleNamespace
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
