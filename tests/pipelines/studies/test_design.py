@@ -133,6 +133,14 @@ def test_the_toml_of_the_page_makes_the_recommended_design(tmp_path):
     assert text.count("<svg") == 2
 
 
+def test_the_root_stress_of_a_design_is_that_of_its_map():
+    study = found(vary=("both.lead_crowning_um=0:10:10",), minimize=("root-stress", "te"), torques=(60.0,))
+    rows = {row["design"]: row for row in study.rows()}
+    design = study.load_map("A").sel(state="design A", torque=60.0)
+    assert float(design.root_stress.max()) / 1e6 == pytest.approx(rows["A"]["root-stress MPa"], rel=0.01)
+    assert float(design.peak_to_peak) * 1e6 == pytest.approx(rows["A"]["te um"], rel=0.01)
+
+
 def test_a_compromise_is_offered_only_if_it_beats_the_unmodified_pair_in_every_objective():
     assert set(found(minimize=("te", "te1")).best()) == {"te um", "te1 um", "compromise"}
     assert "compromise" not in found(minimize=("te", "pressure")).best()  # every relief raises the pressure
