@@ -209,6 +209,8 @@ def _summary(machine: MachineModel) -> dict[str, Any]:
 
 def gear_rows(machine: MachineModel) -> list[dict[str, Any]]:
     """Rows of the gear table, two for each stage."""
+    from fem.gears.sector_mesh import root_chord
+
     rows = []
     stages = zip(machine.layout.pairs, machine.facts.stages, machine.layout.modifications, strict=True)
     for number, (pair, stage, modified) in enumerate(stages, 1):
@@ -224,6 +226,7 @@ def gear_rows(machine: MachineModel) -> list[dict[str, Any]]:
                     "profile shift x": gear.profile_shift,
                     "reference diameter d mm": gear.reference_radius * 2000,
                     "tip diameter d_a mm": gear.tip_radius * 2000,
+                    "tooth root thickness mm": root_chord(gear)[1] * 1000,
                     "bore diameter mm": gear.bore_radius * 2000,
                     "transverse contact ratio": stage.transverse_contact_ratio,
                     "overlap ratio": stage.overlap_ratio,
