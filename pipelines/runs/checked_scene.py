@@ -68,6 +68,8 @@ def check_scene(loaded: LoadedScene) -> Checked:
 
 
 def _lines(machine: MachineModel, control: str) -> Iterator[str]:
+    from pipelines.machine.bearing_loads import load_directions
+
     facts = machine.facts
     yield machine.title
     yield f"  motor speed {facts.motor_speed * 30 / math.pi:.4g} rpm, total ratio {facts.total_ratio:.4f}"
@@ -88,9 +90,12 @@ def _lines(machine: MachineModel, control: str) -> Iterator[str]:
             f"{stage.pinion_frequency:<9.5g} {stage.wheel_frequency:<10.5g} {stage.mesh_force:<8.4g} "
             f"{stage.line_load / 1000:.4g}"
         )
+    directions = load_directions(machine)
     for number, point in enumerate(machine.bearing_points, 1):
         x, y, z = (value * 1000 for value in point)
-        yield f"  bearing_{number} at x {x:.2f}, y {y:.2f}, z {z:.2f} mm"
+        angle = directions[f"bearing_{number}"]
+        load = "no radial load" if angle is None else f"load at {math.degrees(angle):.0f} deg"
+        yield f"  bearing_{number} at x {x:.2f}, y {y:.2f}, z {z:.2f} mm, {load}"
     chosen = machine.models
     models = [f"mesh {'/'.join(dict.fromkeys(chosen['mesh']))}"]
     models += [f"casing {chosen['casing']}", f"shafts {chosen['shaft_model']}", f"load {chosen['load']}"]
