@@ -28,8 +28,8 @@ LOAD_ZONE = math.pi / 2  # from the direction of a radial load, without clearanc
 HARMONICS = 5  # of the fastest mesh that a good record holds
 
 
-def design_warnings(scene: Scene, machine: Drivetrain) -> tuple[str, ...]:
-    """All warnings, in the order of the scene's tables."""
+def design_warnings(scene: Scene, machine: Drivetrain, diagnosed: bool = True) -> tuple[str, ...]:
+    """All warnings, in the order of the scene's tables; those of the diagnosis only if the run is `diagnosed`."""
     layout = machine.layout
     return (
         *_materials(scene),
@@ -42,7 +42,7 @@ def design_warnings(scene: Scene, machine: Drivetrain) -> tuple[str, ...]:
         *_spalls(machine),
         *_drive(scene, layout),
         *_record(scene, layout),
-        *_diagnosis(scene, machine),
+        *(_diagnosis(scene, machine) if diagnosed else ()),
     )
 
 

@@ -34,7 +34,7 @@ from pipelines.machine.scene_bearings import bearing_points, bearing_specs
 from pipelines.machine.system_assembly import assemble_machine, assemble_system
 from pipelines.runs.checked_scene import check_scene
 from pipelines.scene.load_scene import load_scene
-from pipelines.steps.run_plan import plan_run
+from pipelines.steps.run_plan import plan_run, scene_warnings
 
 NO_WINDOWS = {"diagnosis.windows_s": {}}
 FAULT = {"faults": [{"kind": "missing-tooth", "stage": 1, "gear": "wheel", "tooth": 0}], "control": "without-faults"}
@@ -451,3 +451,11 @@ def test_a_spall_outside_the_load_zone_is_named_with_an_angle_inside(on, away, w
     assert len(found) == warned
     assert all(one.endswith(f"Set angle_deg = {load:.0f}") for one in found)
     assert f"load at {load:.0f} deg" in str(check_scene(loaded))
+
+
+def test_only_a_run_that_is_diagnosed_warns_of_its_diagnosis():
+    loaded = load_scene("minimal", FAULT | {"control": None, "diagnosis.gear": "pinion"})
+    plan = plan_run(loaded)
+    more = set(scene_warnings(loaded, plan)) - set(scene_warnings(loaded, plan, diagnosed=False))
+    assert len(more) == 2
+    assert all("diagnos" in one for one in more)
