@@ -86,6 +86,7 @@ def estimate(plan: Plan, sampled: Sequence[SampledScene]) -> Estimate:
     messages = tuple(" ".join(str(error).replace("\n", ";", 1).split()) for error in refused)
     different = len({json.dumps(one.values) for one in sampled})
     groups_by = group_variables(plan.table)
+    parts = Counter(one.split for one in sampled)
     kinds = Counter(_PARTS.get(step.kind, step.kind) for step in distinct.values())
     missing = sum(step.seconds for step in distinct.values() if not _stored(step, cache))
     files = 1 + len(plan.table.signals or CASING_SIGNALS)  # of a run: its row, and one of every signal
@@ -94,7 +95,7 @@ def estimate(plan: Plan, sampled: Sequence[SampledScene]) -> Estimate:
     lines = [
         f"scenes      {runs}{'' if different == runs else f', {different} of them distinct'}",
         f"labels      {_counted(found)}{part}",
-        f"split       {_counted(Counter(one.split for one in sampled))}; {by}",
+        *([f"split       {_counted(parts)}; {by}"] if len(parts) > 1 else []),
         f"distinct    {_counted(kinds)}{part}",
         f"time        about {duration((missing + share * seconds) / cores)} on {cores} cores: "
         f"{duration(share * seconds)} of processor time for motions, {duration(missing)} for mesh laws and casings "

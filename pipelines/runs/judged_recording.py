@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from pipelines.signals.orders.kinematics import Kinematics
     from pipelines.signals.orders.rotation import Rotation
 
-_SAME_SPEED = 0.03  # greatest relative difference of the speeds of recordings that are compared without a warning
+SAME_SPEED = 0.03  # greatest relative difference of the speeds of recordings that are compared without a warning
 _NAMED = 3  # recordings of another speed that a warning names
 Windows = Mapping[str, tuple[float, float]]
 
@@ -157,12 +157,12 @@ def other_speeds(own: RecordedFile, healthy: Mapping[str, RecordedFile]) -> list
     """A warning if healthy recordings (by name) have other speeds, since levels depend on speed."""
     speeds = {name: 60.0 * float(one.table.speed[0]) for name, one in healthy.items()}
     rpm = 60.0 * float(own.table.speed[0])
-    other = [f"{name} {speed:.5g} rpm" for name, speed in speeds.items() if abs(speed / rpm - 1.0) > _SAME_SPEED]
+    other = [f"{name} {speed:.5g} rpm" for name, speed in speeds.items() if abs(speed / rpm - 1.0) > SAME_SPEED]
     if not other:
         return []
     return [
         f"{len(other)} of {len(healthy)} healthy recordings differ from {rpm:.5g} rpm by more than "
-        f"{100 * _SAME_SPEED:g} %: {', '.join(other[:_NAMED])}{' and others' * (len(other) > _NAMED)}. Levels "
+        f"{100 * SAME_SPEED:g} %: {', '.join(other[:_NAMED])}{' and others' * (len(other) > _NAMED)}. Levels "
         "depend on speed and load, and the verdict may be wrong. Give healthy recordings of the same speed and load."
     ]
 
