@@ -27,7 +27,14 @@ _UNLOADED = 1e-3  # N, below which a load has no direction
 
 
 def rigid_row(shafts: int, shaft: int, y: float, coefficients: np.ndarray) -> np.ndarray:
-    """Row (6 shafts,) of rigid shafts at y = 0 from the coefficients (6,) of a motion at ``y`` (m) of one of them."""
+    """Row (6 shafts,) of the motions of rigid shafts at y = 0.
+
+    Parameters
+    ----------
+    shafts, shaft : their number, and the one that the row reads (from 0)
+    y : m, place on this shaft
+    coefficients : (6,) of the motion of the shaft there
+    """
     found = np.zeros(6 * shafts)
     x, _, z = coefficients[:3]
     found[6 * shaft : 6 * shaft + 6] = coefficients + [0.0, 0.0, 0.0, y * z, 0.0, -y * x]

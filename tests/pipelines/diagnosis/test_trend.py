@@ -113,3 +113,13 @@ def test_a_file_that_cannot_be_used_is_refused_in_the_table_and_the_others_are_j
     assert [one["recording"] for one in found["recordings"]] == good
     assert list(found["refused"]) == ["cut.csv"]
     assert main(["diagnose", "cut.csv", "cut.csv", "--machine", "machine.toml"]) == 2
+
+
+@pytest.mark.parametrize(("uncertainty", "averaged"), [("0.3", False), ("0.01", True)])
+def test_the_page_has_an_average_only_of_a_shaft_whose_angle_is_known(folder, capsys, uncertainty, averaged):
+    """0.3 % of the 174 turns are 0.5 turns, and averages need 0.25."""
+    text = MACHINE.replace("uncertainty_percent = 0.3", f"uncertainty_percent = {uncertainty}")
+    Path("machine.toml").write_text(text, encoding="utf-8")
+    assert main(["diagnose", record("1.npz", 1.0, 1), "--machine", "machine.toml", "--out", "seen"]) == 0
+    page = Path("seen/report.html").read_text(encoding="utf-8")
+    assert ("Time-synchronous averages over a revolution" in page) == averaged
