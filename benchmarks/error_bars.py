@@ -92,7 +92,7 @@ class MeshRun:
 def mesh_run(settings: Mapping[str, Any]) -> MeshRun:
     """The rig with a missing tooth in a casing of one mesh."""
     plan = plan_run(load_scene("rig-missing-tooth", {**SHORT, **settings}), with_control=False, both_loads=False)
-    model = plan.model
+    model = plan.machine
     step = Step(
         name="inputs",
         kind="inputs",
@@ -109,11 +109,11 @@ def first_bars() -> tuple[Diagnosis, LineBars]:
     plan = plan_run(loaded, both_loads=False)
     step, case = bars_step(plan), plan.cases[0]
     assert case.control is not None
-    assert case.own.model.diagnosis is not None
+    assert case.own.machine.diagnosis is not None
     outcome = Work(processes=1).build(Graph([*plan.graph, step]), [step.name, case.own.step, case.control.step])
-    runs = (make_response(outcome.value(case.own.step), case.own.model.labels),
-            make_response(outcome.value(case.control.step), case.control.model.labels))  # fmt: skip
-    return diagnose(*runs, case.own.model.diagnosis), outcome.value(step.name)
+    runs = (make_response(outcome.value(case.own.step), case.own.machine.labels),
+            make_response(outcome.value(case.control.step), case.control.machine.labels))  # fmt: skip
+    return diagnose(*runs, case.own.machine.diagnosis), outcome.value(step.name)
 
 
 def levels(motion: Trajectory, model: MachineModel, diagnosis: Diagnosis, bars: LineBars) -> np.ndarray:
@@ -165,7 +165,7 @@ def simulated_samples(first: MeshRun, diagnosis: Diagnosis, bars: LineBars) -> n
     form = modal_form(body)
     near = near_modes(form, max(diagnosis.band[1], diagnosis.settings.highest_line))
     draws = sampled_frequencies(form, near, unknown.errors, DRAWS, SEED)
-    machine = assemble_machine(model.machine, first.taken["laws"])
+    machine = assemble_machine(model.parts, first.taken["laws"])
     own, found = levels(first.motion, model, diagnosis, bars), []
     for number in range(DRAWS):
         other = drawn_body(body, form, draws, number)

@@ -67,7 +67,7 @@ def benchmarks_page(result: dict[str, Any]) -> str:
     parts = result["parts"]
     sections = [
         ("Evaluation of a mesh law", "One call of the compiled kernel computes force, moment, energy and their "
-         "derivatives at one mesh cycle, for stage 1 of `rig-healthy` at the approach of the nominal load.",
+         "derivatives at one position in mesh, for stage 1 of `rig-healthy` at the approach of the nominal load.",
          "evaluation", evaluation_table),
         ("Casing: mesh", "The housing of `rig-healthy`.", "mesh", casing_table),
         ("Casing: assembly and factorisation", "Cubic hexahedra with edge-singularity enrichment. The factorised "

@@ -96,7 +96,8 @@ def ross_table(found: Found) -> str:
         for name, row in found["rows"].items()
     ]
     table = markdown(("program or model", "smallest, N/µm", "mean, N/µm", "largest, N/µm", "time, s"), rows)
-    lead = "Spur pair 62/62, m 2 mm, b 20 mm, bore 35 mm, 1000 positions; `plane` at 1000 N. ROSS ignores the helix."
+    lead = "Spur pair 62/62, m 2 mm, b 20 mm, bore 35 mm, 1000 positions; `plane` at 1000 N. "
+    lead += "ROSS was also run with a helix angle, which it ignores."
     return f"{lead}\n\n{table}"
 
 

@@ -1,4 +1,4 @@
-"""`gearcase design`: flank modifications with the least transmission error, pressure and load factor."""
+"""`gearcase design`: flank modifications with the least transmission error, pressure, root stress and load factor."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pipelines.io.argument_types import count, from_zero, path, positive
 
 HELP = """\
 Search for the best flank modifications of a stage: tip reliefs of both gears, or what --vary gives. Print the best
-candidates, evaluated with values as they are manufactured, and the settings of the best design for each objective. A
+candidates, with values rounded to the steps of --vary, and the settings of the best design for each objective. A
 repeated search continues where it ended. Takes seconds for nominal pairs, and minutes with --samples."""
 EXAMPLE = """\
 gearcase design bench --vary both.tip_relief.amount_um=0:30:2 --vary both.tip_relief.length_mm=0.5:4:0.5
@@ -41,8 +41,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--minimize",
         metavar="NAME",
         nargs="+",
-        help="te, te-max, te1 to te8, pressure or load-factor, also with a statistic over the deviations as in "
-        "te:q90 (default te)",
+        help="te, te-max, te1 to te8, pressure, root-stress or load-factor, also with a statistic over the deviations "
+        "as in te:q90 (default te)",
     )
     sub.add_argument(
         "--limit", metavar="TEXT", action="append", dest="limits", help='limit, as in "pressure <= 1200"; repeatable'

@@ -10,8 +10,11 @@ from pipelines.io.argument_types import path, picture, positive, tilt
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
+    from pathlib import Path
 
+    from pipelines.engine.run_graph import Work
     from pipelines.runs.gear_curves import MeshState
+    from pipelines.scene.load_scene import LoadedScene
     from pipelines.steps.pair_curves import PairLaws
 
 HELP = """\
@@ -62,6 +65,16 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         help="plot the transmission error over the mesh cycle, and its orders, to this file: .png, .svg or .pdf. "
         "Curves: with modifications, without them, and while damaged teeth are in mesh",
     )
+    sub.add_argument(
+        "--map",
+        metavar="FILE",
+        type=path,
+        nargs="+",
+        default=(),
+        help="write what each pair does over its load, without tooth faults, to these files, .png, .svg, .pdf or .nc: "
+        "transmission error and its mesh orders over the torque, and along the face pressure, line load with its "
+        "factor K_H beta, root stress (model `solid`, about 9 s for each pair) and contact pattern",
+    )
     json_argument(sub)
 
 
@@ -81,10 +94,14 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         transmission_errors,
         write_curves,
     )
+    from pipelines.runs.load_map import FORMATS as MAP_FORMATS
     from pipelines.runs.single_results import build_pairs
 
     target = None if options.out is None else writable_file(options.out, endings=FORMATS)
     picture = None if options.plot is None else writable_file(options.plot)
+    maps = [writable_file(one, "--map", MAP_FORMATS) for one in options.map]
+    if maps and isinstance(options.tilt, str):
+        raise InputError(f"--map: --tilt {options.tilt} depends on the torque. Give the tilt in um, or delete --map.")
     if options.tilt == "machine" and options.torque is not None:
         raise InputError(
             "--tilt machine takes the torque of the loaded machine. Delete --torque, or give the tilt in um."
@@ -103,9 +120,10 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         write_curves(curves, target)
     if picture is not None:
         save_figure(transmission_error_figure(loaded.scene.title, errors), picture, dpi=115)
+    written = _write_maps(loaded, pairs, options, maps, work) if maps else []
     if options.json:
         found = {"pairs": rows, "orders": orders, "notes": _notes(cases)}
-        yield json_text(found | {"curves": target, "plot": picture})
+        yield json_text(found | {"curves": target, "plot": picture, "maps": written})
         return
     title = (
         "Drive flanks without deviations, along the transverse line of action, with the compliance of the gear bodies"
@@ -114,7 +132,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     if orders:
         yield grid("Transmission error of the healthy pair, amplitudes of its orders", orders).to_text()
     yield from _notes(cases)
-    yield from (str(path) for path in (target, picture) if path is not None)
+    yield from (str(path) for path in (target, picture, *written) if path is not None)
 
 
 def _states(found: PairLaws, options: argparse.Namespace) -> list[MeshState]:
@@ -128,6 +146,31 @@ def _states(found: PairLaws, options: argparse.Namespace) -> list[MeshState]:
         warn_of_overload(found.stage, found.pair, torque)
     forces = [found.force] if options.torque is None else [torque / radius for torque in options.torque]
     return [MeshState(force=force, tilt=tilt) for force in forces]
+
+
+def _write_maps(
+    loaded: LoadedScene, pairs: Sequence[PairLaws], options: argparse.Namespace, files: Sequence[Path], work: Work
+) -> list[Path]:
+    """Write the files of --map; with several stages each file name ends in the number of its stage."""
+    from pipelines.engine.step import Graph
+    from pipelines.runs.load_map import TORQUE_SHARES, load_map, write_load_map
+    from pipelines.runs.root_stress import root_step
+    from pipelines.runs.single_results import scene_graph
+
+    machine = scene_graph(loaded)[1]
+    steps = [root_step(machine, pair.stage) for pair in pairs]
+    outcome, written = work.build(Graph(steps), [step.name for step in steps]), []
+    for found, step in zip(pairs, steps, strict=True):
+        laws = {"unmodified": found.unmodified} | ({"modified": found.healthy} if found.modified else {})
+        given = found.force * found.pair.pinion.base_radius
+        torques = options.torque or [share * given for share in TORQUE_SHARES]
+        tilt = found.sense * options.tilt * 1e-6 / found.pair.face_width
+        made = load_map(found.pair, laws, torques, outcome.value(step.name), sense=found.sense, tilt=tilt)
+        title = f"{loaded.scene.title}: stage {found.stage}, model {found.drive.model}"
+        for file in files:
+            named = file.with_stem(f"{file.stem}_{found.stage}") if len(pairs) > 1 else file
+            written.append(write_load_map(title, made, named))
+    return written
 
 
 def _notes(cases: Sequence[tuple[PairLaws, MeshState]]) -> list[str]:

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 HELP = """\
 Linearise the loaded machine about its static equilibrium. Print natural frequencies, damping and the share of each
-part in the total energy of each mode. The dominant part has the largest share of the strain energy; casing and rope
-are compared by the mean of their shares of strain and kinetic energy. Takes seconds if the cache holds mesh stiffness
-and casing."""
+part in the total energy of each mode. The column `dominant` names the part with the largest share of the strain energy
+alone; for casing and rope the mean of their shares of strain and kinetic energy counts. Takes seconds if the cache
+holds mesh stiffness and casing."""
 EXAMPLE = """\
 gearcase modes minimal
 minimal: small vibrations about the loaded static equilibrium, stage 1 at mesh cycle 0

@@ -29,7 +29,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--over",
         metavar="PLAN",
         type=path,
-        help="plan of a campaign whose variables and settings are the population (default: the typical one)",
+        help="plan of a campaign whose variables are the population (default: scatter as in docs/campaigns.md)",
     )
     sub.add_argument("--machines", metavar="N", type=count, help="number of machines (default: that of PLAN, or 100)")
     sub.add_argument(

@@ -122,7 +122,6 @@ class InspectedStage:
             ),
             crack=(float(cracks[0][0]), float(cracks[0][-1])) if cracks else None,
             pitch_diameter=2 * radius,
-            face_width=pair.face_width,
             sense=found.sense,
         )
         save_figure(figure, path, dpi=115)

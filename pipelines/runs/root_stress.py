@@ -112,7 +112,7 @@ def root_stresses(pair: GearPair, teeth: Teeth) -> list[dict[str, Any]]:
     """
     import numpy as np
 
-    from pipelines.report.figures.stress_pictures import SMOOTHED
+    from fem.contact.models.solid_stress import SMOOTHED
 
     lines, rows = teeth.line_points[np.isfinite(teeth.line_load)], []
     places = teeth.points[teeth.root]
@@ -139,6 +139,22 @@ def stress_model(law: LawSpec) -> Solid:
 
     mesh = law.mesh
     return Solid(slices=mesh.slices, refinement=mesh.refinement) if isinstance(mesh, Solid) else Solid()
+
+
+def root_step(machine: MachineModel, stage: int) -> Step:
+    """The step of the root stresses of a stage (from 1) by unit forces on the flanks."""
+    from fem.contact.models.mesh_model import LawSpec
+    from pipelines.engine.step import Step
+    from pipelines.steps import stress
+
+    return Step(
+        name=f"root_stress_{stage}",
+        kind="root-stress",
+        build=stress.build_root,
+        spec=LawSpec(pair=machine.flanks[stage - 1].pair, mesh=stress_model(machine.laws[stage - 1])),
+        libraries=("numpy", "scipy"),
+        seconds=9.0,
+    )
 
 
 def _stress_steps(machine: MachineModel, stage: int, index: int, force: float) -> list[Step]:

@@ -214,7 +214,7 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
         return Problem(where, "does not have the required form", f"Correct it{_meaning(path, model, tree)}.", written)
     if kind in _KINDS:
         message, remedy = _KINDS[kind]
-        if message == _LIST[0] and isinstance(value, Mapping) and all(name.isdecimal() for name in value):
+        if message == _LIST[0] and isinstance(value, Mapping) and value and all(name.isdecimal() for name in value):
             return Problem(f"{where}.{next(iter(value))}", *no_item(where, next(iter(value)), 0))
         if message == _LIST[0] and isinstance(value, Mapping):
             remedy = (

@@ -5,20 +5,29 @@ Modifications do not change the compliances, so each candidate is a few static c
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from fem.contact.evaluation.evaluator import LawEvaluator, Teeth
-from fem.contact.evaluation.mesh_cycle import ORDERS, mesh_cycle, order_amplitudes
+from fem.contact.evaluation.mesh_cycle import ORDERS, MeshCycle, mesh_cycle, order_amplitudes
 from fem.contact.faults.changed_law import modified_law
 from fem.contact.law import MeshLaw
+from fem.contact.models.solid_stress import RootStress
 from fem.contact.teeth import LawError, tooth_terms
 from fem.gears.flank_deviations import sample_flank_deviations
 from fem.gears.gear_checks import GeometryError
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import PairModifications
+
+LOADED: Mapping[str, Callable[[MeshCycle, Sequence[RootStress]], float]] = {  # at the greatest force
+    "pressure": lambda cycle, _: cycle.pressure().max(),
+    "load-factor": lambda cycle, _: cycle.face_load_factor(),
+    "root-stress": lambda cycle, roots: max(
+        one.of(cycle.evaluator.law, cycle.cycle, *cycle.line_loads()).max() for one in roots
+    ),
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,7 +39,7 @@ class Conditions:
     samples : seeds of the deviations; the nominal pair is evaluated as well
     grade : ISO 1328-1 tolerance class of the samples
     misalignment : half width (m over the face) of their uniform distribution of misalignments
-    loaded : the quantities at the greatest force are computed, too
+    loaded : names in `LOADED` that are computed, too
     """
 
     pair: GearPair
@@ -73,14 +82,18 @@ def _mean_teeth(pair: GearPair, grade: int, seed: int) -> tuple[np.ndarray, np.n
 
 
 def build(
-    conditions: Conditions, candidates: Sequence[PairModifications], *, laws: tuple[MeshLaw, MeshLaw]
+    conditions: Conditions,
+    candidates: Sequence[PairModifications],
+    *,
+    laws: tuple[MeshLaw, MeshLaw],
+    roots: Sequence[RootStress] = (),
 ) -> CandidateResults:
     """Evaluate candidates.
 
     Parameters
     ----------
     conditions, candidates : loads and deviations, and the modifications of the pair
-    laws : of the pair without modifications
+    laws, roots : of the pair without modifications; the stresses of its fillets by unit forces, for root stress
     """
     shape = len(candidates), 1 + len(conditions.samples)
     error = np.full((len(candidates), len(conditions.forces), conditions.positions), np.nan)
@@ -98,7 +111,7 @@ def build(
                 ranges[number, sample] = np.ptp(cycle.error, axis=1)
                 orders[number, sample] = order_amplitudes(cycle.error)
                 for name, values in loaded.items():
-                    values[number, sample] = getattr(cycle, name)()
+                    values[number, sample] = LOADED[name](cycle, roots)
         except (GeometryError, LawError):  # reliefs that overlap, or a force that is not reached
             ranges[number] = orders[number] = np.nan
     return CandidateResults(error=error, peak_to_peak=ranges, orders=orders, loaded=loaded)

@@ -1,6 +1,6 @@
-"""Steps `compliance` and `stress`: 3-D contact of a pair, and the stress of its teeth at one position.
+"""Steps `compliance`, `stress` and `root stress`: 3-D contact, stress at one position, and of the roots by unit forces.
 
-Both use the model `solid`, whatever the model of the mesh law. Missing teeth, modifications, wear and chips change the
+All use the model `solid`, whatever the model of the mesh law. Missing teeth, modifications, wear and chips change the
 contact. A crack does not, because the finite elements are those of undamaged teeth.
 """
 
@@ -11,7 +11,7 @@ import numpy as np
 from fem.contact.law import MeshLaw
 from fem.contact.models.mesh_model import LawSpec
 from fem.contact.models.solid import Solid
-from fem.contact.models.solid_stress import LoadedTeeth, stress_field
+from fem.contact.models.solid_stress import LoadedTeeth, RootStress, root_stress, stress_field
 from fem.contact.slice_frame import law_points
 from fem.contact.teeth import checked_terms
 from fem.contact.wheels.compliance import ContactCompliance
@@ -24,6 +24,12 @@ def build_compliance(spec: LawSpec) -> ContactCompliance:
     """The compliances between all possible contact points."""
     assert isinstance(spec.mesh, Solid), "the only model of stress"
     return spec.mesh.compliance(spec.pair)
+
+
+def build_root(spec: LawSpec) -> tuple[RootStress, RootStress]:
+    """Root stresses of pinion and wheel by unit forces on their flanks."""
+    assert isinstance(spec.mesh, Solid), "the only model of stress"
+    return root_stress(spec.pair, spec.mesh)
 
 
 def build(

@@ -34,7 +34,7 @@ def system():
     loaded = load_scene("bench", BENCH)
     graph, model = scene_graph(loaded)
     outcome = Work().build(graph, [*model.law_names, "casing"])
-    machine = assemble_machine(model.machine, [outcome.value(name) for name in model.law_names])
+    machine = assemble_machine(model.parts, [outcome.value(name) for name in model.law_names])
     return assemble_system(machine, outcome.value("casing"), model.recorded, 20e3)
 
 

@@ -144,7 +144,7 @@ def test_base_acceleration_of_a_scene_in_si():
     }  # fmt: skip
     table = {"model": "table", "times_s": [0.0, 0.1], "accelerations_m_s2": [0.0, 2.0]}
     forces = [{"model": "base-acceleration", "axis": "z", "acceleration": wave} for wave in (sweep, table)]
-    one, other = make_machine(load_scene("minimal", {"forces": forces}).scene).machine.forces
+    one, other = make_machine(load_scene("minimal", {"forces": forces}).scene).parts.forces
     assert (one.axis, one.acceleration.amplitude) == ("z", 3.0)
     np.testing.assert_array_equal(other.acceleration.levels, [0.0, 2.0])
 

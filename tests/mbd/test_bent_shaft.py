@@ -104,7 +104,7 @@ TABLE = {"model": "bent-shaft", "shaft": 2, "position_mm": 10.0, "bow_um": 30.0,
 
 
 def test_a_bent_shaft_of_a_scene_in_si():
-    (force,) = make_machine(load_scene("minimal", {"forces": [TABLE | {"angle_deg": 45.0}]}).scene).machine.forces
+    (force,) = make_machine(load_scene("minimal", {"forces": [TABLE | {"angle_deg": 45.0}]}).scene).parts.forces
     assert (force.shaft, force.y, force.bow) == ("shaft_2", 0.01, pytest.approx(3e-5))
     assert force.straight == (-0.02, 0.025)
     assert force.angle == pytest.approx(math.pi / 4)

@@ -129,7 +129,7 @@ def test_forces_of_a_scene_in_si_and_the_casing_that_bears_them():
     shaft = {"model": "shaft-force", "shaft": 2, "position_mm": 10.0, "axis": "x", "force": table}
     elastic = {"casing.model": "craig-bampton", "casing.band_Hz": 1000.0, "casing.element_size_mm": 40.0}
     model = make_machine(load_scene("minimal", elastic | {"forces": [PUSHED, shaft]}).scene)
-    casing, on_shaft = model.machine.forces
+    casing, on_shaft = model.parts.forces
     assert (casing.casing_rows, casing.force.amplitude, casing.force.last) == (("sensor_3:uz",), 30.0, 500.0)
     assert (on_shaft.shaft, on_shaft.y, on_shaft.axis) == ("shaft_2", 0.01, "x")
     np.testing.assert_array_equal(on_shaft.force.levels, [0.0, 20.0])
@@ -174,7 +174,7 @@ def test_the_response_holds_what_excited_it(tmp_path, monkeypatch):
     assert response.outside_force.dims == ("time", "force")
     assert list(response.force.values) == ["force_1"]
     assert list(response.base.values) == ["force_2"]
-    (wave,) = (force.force for force in make_machine(load_scene("minimal", {"forces": [PUSHED]}).scene).machine.forces)
+    (wave,) = (force.force for force in make_machine(load_scene("minimal", {"forces": [PUSHED]}).scene).parts.forces)
     inside = slice(None, -20)
     wanted = wave.values(response.time.values)
     assert abs(response.outside_force.values[inside, 0] - wanted[inside]).max() < 0.02 * abs(wanted).max()

@@ -74,7 +74,7 @@ def test_a_ripple_of_a_scene_in_si():
         "model": "torque-ripple", "shaft": 2, "position_mm": 10.0,
         "amplitude_N_m": 2.0, "order": 6.0, "phase_deg": 90.0,
     }  # fmt: skip
-    (force,) = make_machine(load_scene("minimal", {"forces": [table]}).scene).machine.forces
+    (force,) = make_machine(load_scene("minimal", {"forces": [table]}).scene).parts.forces
     assert (force.shaft, force.y, force.amplitude, force.order) == ("shaft_2", 0.01, 2.0, 6.0)
     assert force.angle == pytest.approx(math.pi / 2)
 

@@ -110,7 +110,7 @@ def test_no_unbalance_is_refused(size):
 
 
 def forces_of(**changes):
-    return make_machine(load_scene("minimal", changes).scene).machine.forces
+    return make_machine(load_scene("minimal", changes).scene).parts.forces
 
 
 def test_unbalance_and_eccentric_disks_of_a_scene_in_si():

@@ -19,7 +19,7 @@ ORDERS = 8  # of the mesh frequency
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MeshCycle:
-    """Solution over one mesh cycle; pressure and load factor are those at the last force.
+    """Solution over one mesh cycle; methods take the number of a force, by default the last one.
 
     pair, evaluator, teeth : the gears in mesh, the law of their drive flank, and what single teeth bring
     tilt : rad
@@ -34,17 +34,26 @@ class MeshCycle:
     cycle: np.ndarray
     error: np.ndarray
 
-    def pressure(self) -> float:
-        """Largest Hertz pressure (Pa) on the active flanks."""
-        return float(flank_pressure(self.pair, self.evaluator.law, self.cycle, *self._line_loads()).max())
+    def pressure(self, load: int = -1) -> np.ndarray:
+        """Largest Hertz pressure (slice,), Pa, on the active flanks."""
+        pressure = flank_pressure(self.pair, self.evaluator.law, self.cycle, *self.line_loads(load))
+        return np.asarray(pressure.max(axis=(0, 1)))
 
-    def face_load_factor(self) -> float:
+    def line_load(self, load: int = -1) -> np.ndarray:
+        """Mean line load (slice,), N/m, of all pairs in contact."""
+        return np.asarray(self.line_loads(load)[1].sum(axis=1).mean(axis=0))
+
+    def face_load_factor(self, load: int = -1) -> float:
         """Largest mean line load of the face divided by its mean, as K_H beta of ISO 6336-1."""
-        along, width = self._line_loads()[1].sum(axis=1).mean(axis=0), self.evaluator.law.slice_width
+        along, width = self.line_load(load), self.evaluator.law.slice_width
         return float(along.max() * width.sum() / (along @ width))
 
-    def _line_loads(self) -> tuple[np.ndarray, np.ndarray]:
-        return self.evaluator.line_loads(self.cycle, self.error[-1], self.tilt, *self.teeth)
+    def line_loads(self, load: int = -1) -> tuple[np.ndarray, np.ndarray]:
+        """Successive numbers (position, pair) of all pairs that carry load, and their line loads (..., slice), N/m."""
+        pairs, loads = self.evaluator.line_loads(self.cycle, self.error[load], self.tilt, *self.teeth)
+        used = np.flatnonzero(loads.any(axis=(0, 2)))
+        near = slice(used[0], used[-1] + 1)
+        return pairs[:, near], loads[:, near]
 
 
 def mesh_cycle(

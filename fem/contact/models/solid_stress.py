@@ -1,6 +1,7 @@
-"""Displacement and von Mises stress of the loaded teeth at one mesh position, on the hexahedra of the model.
+"""Stress of loaded teeth on the hexahedra of the model: fields at one mesh position, and root stresses of any load.
 
-The largest stress of each root is found by `pipelines.runs.root_stress.root_stresses`.
+`stress_field` gives displacement and von Mises stress of whole teeth at one position. `root_stress` gives the stress of
+the fillets by unit forces on the flanks, so that a load distribution of any mesh law costs one product.
 
 The line loads of `fem.contact.wheels.direct_contact` act on the flank rows with the patches of the compliance. Their
 half-width is 0.2 m_n at the default refinement: the subsurface stress of the Hertz contact is not resolved. The ring
@@ -9,16 +10,19 @@ gives the motion of the cuts, from which the condensed unknowns of each sector a
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from fem.contact.law import MeshLaw
 from fem.contact.models.solid import PATCH, SECTION, Solid
 from fem.contact.wheels.compliance import ContactCompliance
-from fem.contact.wheels.ring import FlankCompliance, SectorReduction
+from fem.contact.wheels.ring import FlankCompliance, SectorReduction, ring_motion
 from fem.contact.wheels.solid_ring import load_size, node_frames, reduce_prism, sector_prism
 from fem.contact.wheels.web_place import axial_ends, web_ends
 from fem.elements.materials import Material
+from fem.elements.nested_condensation import Prism
 from fem.elements.sections import elasticity, gauss_grid, gauss_line, geometry, lagrange, shape_functions
 from fem.elements.twisted_hexahedra import slice_means, strain_matrices
 from fem.gears.gear import Gear
@@ -27,6 +31,8 @@ from fem.gears.path import path_points
 from fem.gears.sector_mesh import SectorMesh, sector_mesh
 from fem.numerics.quadratic_grids import with_middles
 
+SMOOTHED = 0.3  # m_n from a contact line, where the stress contains the smoothed contact pressure
+SMALLEST = 1e-5  # of the largest singular value: distributions of forces with less effect on the fillets are left out
 _GAUSS = 1 / np.sqrt(3.0)
 
 
@@ -61,6 +67,51 @@ class LoadedTeeth:
     missing: np.ndarray  # bool (gear, pair): pinion, wheel
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RootStress:
+    """Stresses on the fillet of the loaded side of one gear by nodal forces on its flanks.
+
+    Places nearer than 0.3 m_n to the start of the active profile are left out, see `SMOOTHED`.
+    """
+
+    turn: int  # z of the gear is turn * y of the law
+    ends: np.ndarray  # m, z of the axial element ends
+    xi: np.ndarray  # (position,) uniform grid on the path of contact
+    weight: np.ndarray  # (position, row), nodal forces of unit sum
+    shapes: np.ndarray  # (shape, row and axial node), orthonormal distributions of nodal forces
+    stress: np.ndarray  # (shape, pair apart, place, axial node, 6), 1/m2, by them
+
+    @property
+    def face(self) -> np.ndarray:
+        """The y (axial node,) of the law, m."""
+        return self.turn * with_middles(self.ends)
+
+    def of(self, law: MeshLaw, cycle: np.ndarray, pairs: np.ndarray, loads: np.ndarray) -> np.ndarray:
+        """Largest von Mises stress (position, pair, axial node), Pa, of the fillet of each tooth pair.
+
+        Parameters
+        ----------
+        law : of the drive flank
+        cycle : (position,) mesh cycles
+        pairs, loads : (position, pair) successive numbers, and (position, pair, slice) line loads, N/m
+        """
+        xi = np.clip(cycle[:, None, None] - pairs[..., None] + law.cycle_shift, *self.xi[[0, -1]])
+        place = (xi - self.xi[0]) / (self.xi[1] - self.xi[0])
+        cell = np.minimum(place.astype(int), len(self.xi) - 2)
+        part = (place - cell)[..., None]
+        weight = (1 - part) * self.weight[cell] + part * self.weight[cell + 1]
+        bounds = np.append(0.0, law.slice_width.cumsum()) - law.slice_width.sum() / 2
+        means = slice_means(self.ends, bounds)[:: self.turn]
+        shapes = self.shapes.reshape(-1, weight.shape[-1], means.shape[1])
+        forces = np.einsum("cps,cpsr,sa,kra->cpk", loads * law.slice_width, weight, means, shapes, optimize=True)
+        single = np.tensordot(forces, self.stress, 1)
+        total, reach = np.zeros_like(single[:, :, 0]), single.shape[2] // 2
+        for apart in range(-reach, reach + 1):  # of tooth pair p by the load of p - apart
+            seen, by = (slice(max(sign * apart, 0), pairs.shape[1] - max(-sign * apart, 0)) for sign in (1, -1))
+            total[:, seen] += single[:, by, apart + reach]
+        return np.asarray(_von_mises(total).max(axis=2))
+
+
 def stress_field(
     pair: GearPair, model: Solid, record: ContactCompliance, index: int, line_load: np.ndarray
 ) -> tuple[StressField, StressField]:
@@ -81,53 +132,156 @@ def stress_field(
     loads = np.where(np.isfinite(record.gap[place]), line_load * record.slice_width, 0.0)
     points = path_points(pair, xi.ravel(), 0.4 * pair.pinion.normal_module)
     bounds = np.linspace(-pair.face_width / 2, pair.face_width / 2, model.slices + 1)
-    along = pair.pinion.hand_sign * (record.flank or 1)
     out = []
     for gear, material, radius, turn in (
         (pair.pinion, pair.pinion_material, points.pinion_radius, 1),
         (pair.wheel, pair.wheel_material, points.wheel_radius, -1),
     ):
-        mesh = sector_mesh(gear, SECTION * model.refinement)
-        arc = (radius**2 - gear.base_radius**2).clip(0.0) / (2 * gear.base_radius)
-        flank = FlankCompliance(arc=mesh.flank_arc, tip_arc=mesh.tip_arc, matrix={})
-        weight, _ = flank.patches(arc, PATCH / model.refinement * gear.normal_module)
-        weight = weight.reshape(*loads.shape, -1)
-        web = web_ends(gear, turn * along)
-        ends = axial_ends(gear.face_width, model.axial_elements(pair), web)
-        nodal = np.einsum("ps,psr,sa->pra", loads, weight, slice_means(ends, bounds)[::turn], optimize=True)
+        sector = _LoadedSector.of(pair, model, gear, material, turn, radius, record.flank or 1)
+        weight = sector.weight[:, sector.rows].reshape(*loads.shape, -1)
+        nodal = np.einsum("ps,psr,sa->pra", loads, weight, slice_means(sector.ends, bounds)[::turn], optimize=True)
         # pair p + n, which follows, has tooth -n of the pinion and n of the wheel, counted towards the loaded flank
-        out.append(_gear_field(gear, material, mesh, ends, web, nodal, -turn * numbers, numbers))
+        out.append(_gear_field(sector, nodal, -turn * numbers, numbers))
     return out[0], out[1]
 
 
-def _gear_field(
-    gear: Gear,
-    material: Material,
-    mesh: SectorMesh,
-    ends: np.ndarray,
-    web: tuple[float, float] | None,
-    nodal: np.ndarray,
-    teeth: np.ndarray,
-    numbers: np.ndarray,
-) -> StressField:
-    """Field of the teeth (tooth,) under nodal forces (tooth, flank row, axial node)."""
-    rows = np.flatnonzero(nodal.any(axis=(0, 2)))
-    prism = sector_prism(mesh, material.elastic_modulus, material.poisson_ratio, ends, rows, web=web)
-    prism.fronts = []
-    sector, unknowns = reduce_prism(mesh, prism, rows)
-    forces = nodal[:, rows].reshape(len(teeth), -1)
-    cuts = cut_motion(sector, forces, teeth)
-    seen = (sector.direct @ forces.T + sector.transfer.T @ cuts) / load_size(mesh, rows, nodal.shape[2])[:, None]
-    motion = prism.recover(unknowns, np.vstack([seen, cuts]))
-    for nodes in (mesh.cut_low, mesh.cut_high):  # tied nodes follow from their functions
-        place, node = np.meshgrid(np.arange(nodal.shape[2]), nodes, indexing="ij")
-        for component in range(3):
-            tied, columns = prism.ties.rows(node.ravel(), place.ravel(), np.full(node.size, component))
-            at = (place.ravel() * len(mesh.points) + node.ravel()) * 3 + component
-            motion[at] = tied @ motion[prism.size + columns]
-    local = motion[: prism.size].reshape(nodal.shape[2], len(mesh.points), 3, len(teeth))
-    local = np.einsum("nij,znjt->tzni", node_frames(mesh), local, optimize=True)  # x, y, z of the rotated section
-    z = with_middles(ends)
+def root_stress(pair: GearPair, model: Solid) -> tuple[RootStress, RootStress]:
+    """Stresses on the fillets of pinion and wheel by the forces on their flanks, on the mesh of `stress_field`.
+
+    Each gear is solved once for unit forces on all nodes of the loaded flank. This takes seconds.
+    """
+    path = model.plane.path(pair)
+    reach = math.ceil(np.ptp(path.xi) + pair.overlap_ratio) - 1
+    out = []
+    for gear, material, radius, turn in (
+        (pair.pinion, pair.pinion_material, path.pinion_radius, 1),
+        (pair.wheel, pair.wheel_material, path.wheel_radius, -1),
+    ):
+        sector = _LoadedSector.of(pair, model, gear, material, turn, radius)
+        mesh, side = sector.mesh, sector.mesh.flank[sector.mesh.flank_arc < sector.mesh.form_arc]
+        start = np.hypot(gear.base_radius, min(pair.roll_lengths(xi)[turn < 0] for xi in (pair.xi_start, pair.xi_end)))
+        clear = np.linalg.norm(mesh.points[side], axis=1) < start - SMOOTHED * gear.normal_module
+        touched = np.asarray(np.isin(mesh.elements, side[clear]).any(axis=1))
+        found = {}
+        for tooth, cuts in ring_motion(sector.reduction, reach).items():
+            seen = sector.reduction.transfer.T @ cuts + (sector.reduction.direct if tooth == 0 else 0.0)
+            stress = sector.stress(sector.motion(seen, cuts), touched)[:, :, side[clear]]
+            found[-turn * tooth] = stress.transpose(0, 2, 1, 3)
+        by_node = np.stack([found[apart] for apart in range(-reach, reach + 1)], axis=1)
+        shapes, size, stress = np.linalg.svd(by_node.reshape(len(by_node), -1), full_matrices=False)
+        kept = size > SMALLEST * size[0]
+        out.append(
+            RootStress(
+                turn=turn * pair.pinion.hand_sign,
+                ends=sector.ends,
+                xi=path.xi,
+                weight=sector.weight[:, sector.rows],
+                shapes=shapes[:, kept].T,
+                stress=(size[:, None] * stress)[kept].reshape(-1, *by_node.shape[1:]),
+            )
+        )
+    return out[0], out[1]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _LoadedSector:
+    """The sector of one tooth, condensed to the rows of its flank that contacts load and to its cuts."""
+
+    mesh: SectorMesh
+    material: Material
+    ends: np.ndarray  # of the axial elements
+    weight: np.ndarray  # (contact, flank row), nodal forces of unit sum
+    rows: np.ndarray  # that are loaded
+    prism: Prism
+    reduction: SectorReduction
+    unknowns: np.ndarray
+
+    @staticmethod
+    def of(
+        pair: GearPair, model: Solid, gear: Gear, material: Material, turn: int, radius: np.ndarray, flank: int = 1
+    ) -> _LoadedSector:
+        """Condense the sector; `radius` (contact,) m, `turn` 1 of the pinion and -1 of the wheel."""
+        mesh = sector_mesh(gear, SECTION * model.refinement)
+        arc = (radius**2 - gear.base_radius**2).clip(0.0) / (2 * gear.base_radius)
+        patches = FlankCompliance(arc=mesh.flank_arc, tip_arc=mesh.tip_arc, matrix={}).patches
+        weight, _ = patches(arc, PATCH / model.refinement * gear.normal_module)
+        rows = np.flatnonzero(weight.any(axis=0))
+        web = web_ends(gear, turn * pair.pinion.hand_sign * flank)
+        ends = axial_ends(gear.face_width, model.axial_elements(pair), web)
+        prism = sector_prism(mesh, material.elastic_modulus, material.poisson_ratio, ends, rows, web=web)
+        prism.fronts = []
+        reduction, unknowns = reduce_prism(mesh, prism, rows)
+        return _LoadedSector(
+            mesh=mesh,
+            material=material,
+            ends=ends,
+            weight=weight,
+            rows=rows,
+            prism=prism,
+            reduction=reduction,
+            unknowns=unknowns,
+        )
+
+    def motion(self, seen: np.ndarray, cuts: np.ndarray) -> np.ndarray:
+        """Displacement (column, axial node, section node, 3) in x, y, z of the rotated section.
+
+        Parameters
+        ----------
+        seen, cuts : (load, column) displacement along the loads, and (both cuts, column)
+        """
+        mesh, prism, layers = self.mesh, self.prism, 2 * len(self.ends) - 1
+        size = load_size(mesh, self.rows, layers)[:, None]
+        motion = prism.recover(self.unknowns, np.vstack([seen / size, cuts]))
+        for nodes in (mesh.cut_low, mesh.cut_high):  # tied nodes follow from their functions
+            place, node = np.meshgrid(np.arange(layers), nodes, indexing="ij")
+            for component in range(3):
+                tied, columns = prism.ties.rows(node.ravel(), place.ravel(), np.full(node.size, component))
+                at = (place.ravel() * len(mesh.points) + node.ravel()) * 3 + component
+                motion[at] = tied @ motion[prism.size + columns]
+        local = motion[: prism.size].reshape(layers, len(mesh.points), 3, -1)
+        return np.einsum("nij,znjt->tzni", node_frames(mesh), local, optimize=True)
+
+    def stress(self, local: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+        """Stress (column, axial node, section node, 6) of displacements, mean over the elements `chosen` at a node.
+
+        Stresses are taken at the two Gauss points of each direction, where they are most accurate (Barlow, 1976, Int.
+        J. Num. Meth. Eng. 10, 243-251), extrapolated linearly to the nodes and averaged there.
+
+        Parameters
+        ----------
+        local : (column, axial node, section node, 3) m, of `motion`
+        chosen : bool (section element,)
+        """
+        mesh, filled, elements = self.mesh, self.prism.filled[chosen], self.mesh.elements[chosen]
+        places, gradients, _ = geometry(mesh.points, elements, 2)
+        values, _ = shape_functions(gauss_grid(2)[0])
+        across, along = strain_matrices(places, gradients, values, mesh.twist)
+        hooke = elasticity(self.material.elastic_modulus, self.material.poisson_ratio, 6)
+        functions, slopes = lagrange(gauss_line(2)[0])
+        end = np.array([[1 - s / _GAUSS, 1 + s / _GAUSS] for s in (-1.0, 0.0, 1.0)]) / 2  # Gauss points -> nodes
+        to_nodes = np.einsum("ag,bh->abgh", end, end).reshape(9, 4)
+        stress = np.zeros((*local.shape[:3], 6))
+        hits = np.zeros(local.shape[1:3])
+        for k, length in enumerate(np.diff(self.ends)):
+            values_here = local[:, 2 * k : 2 * k + 3, elements].reshape(len(local), 3, len(elements), 27)
+            at_gauss = np.einsum("gz,eqsd,tzed->tgeqs", functions, across, values_here, optimize=True)
+            at_gauss += np.einsum("gz,eqsd,tzed->tgeqs", slopes / length, along, values_here, optimize=True)
+            nodal = np.einsum("zg,aq,rs,tgeqs->zeatr", end, to_nodes, hooke, at_gauss, optimize=True)
+            own = elements[filled[:, k]]
+            for layer in range(3):
+                np.add.at(stress[:, 2 * k + layer].swapaxes(0, 1), own, nodal[layer, filled[:, k]])
+                np.add.at(hits[2 * k + layer], own, 1.0)
+        return stress / np.maximum(hits, 1.0)[..., None]
+
+
+def _gear_field(sector: _LoadedSector, nodal: np.ndarray, teeth: np.ndarray, numbers: np.ndarray) -> StressField:
+    """Field of the teeth (tooth,) under nodal forces (tooth, loaded row, axial node)."""
+    mesh, reduction = sector.mesh, sector.reduction
+    forces = nodal.reshape(len(teeth), -1)
+    by_load = ring_motion(reduction, int(np.ptp(teeth)))
+    cuts = np.stack([sum(by_load[n - m] @ f for m, f in zip(teeth, forces, strict=True)) for n in teeth], axis=1)
+    local = sector.motion(reduction.direct @ forces.T + reduction.transfer.T @ cuts, cuts)
+    z = with_middles(sector.ends)
     angle = 2 * np.pi * teeth[:, None] / mesh.teeth + mesh.twist * z
     turn = np.zeros((*angle.shape, 3, 3))
     turn[..., 0, 0] = turn[..., 1, 1] = np.cos(angle)
@@ -139,30 +293,15 @@ def _gear_field(
         ],
         axis=-1,
     )
+    stress = sector.stress(local, np.ones(len(mesh.elements), dtype=bool))
     return StressField(
         pair=numbers,
         points=np.einsum("tzij,znj->tzni", turn, flat).reshape(len(teeth), -1, 3),
-        cells=_cells(mesh, prism.filled),
+        cells=_cells(mesh, sector.prism.filled),
         displacement=np.einsum("tzij,tznj->tzni", turn, local).reshape(len(teeth), -1, 3),
-        von_mises=_von_mises(mesh, material, ends, prism.filled, local).reshape(len(teeth), -1),
+        von_mises=_von_mises(stress).reshape(len(teeth), -1),
         root=np.add.outer(len(mesh.points) * np.arange(len(z)), mesh.flank[mesh.flank_arc < mesh.form_arc]).ravel(),
     )
-
-
-def cut_motion(sector: SectorReduction, forces: np.ndarray, teeth: np.ndarray) -> np.ndarray:
-    """Unknowns (both cuts, tooth) of the sectors `teeth` for simultaneous `forces` (tooth, load) on these teeth."""
-    z, half = sector.teeth, sector.stiffness.shape[0] // 2
-    low, high = slice(0, half), slice(half, None)
-    s, h = sector.stiffness, sector.transfer
-    out = np.zeros((2, half, len(teeth)))
-    for k in range(z):
-        phase = np.exp(2j * np.pi * k / z)
-        matrix = s[low, low] + s[high, high] + s[low, high] * phase + s[high, low] / phase
-        load = forces.T @ phase ** (-teeth.astype(float))
-        answer = np.linalg.solve(matrix, (h[low] + h[high] / phase) @ load)
-        for side in range(2):
-            out[side] += (answer[:, None] * phase ** (teeth + side).astype(float)).real / z
-    return out.reshape(2 * half, -1)
 
 
 def _cells(mesh: SectorMesh, filled: np.ndarray) -> np.ndarray:
@@ -183,32 +322,7 @@ def _cells(mesh: SectorMesh, filled: np.ndarray) -> np.ndarray:
     return cells[np.repeat(np.tile(filled.T, 4), 2, axis=0)]
 
 
-def _von_mises(
-    mesh: SectorMesh, material: Material, ends: np.ndarray, filled: np.ndarray, local: np.ndarray
-) -> np.ndarray:
-    """Von Mises stress (tooth, axial node, section node) of displacements (tooth, axial node, section node, 3).
-
-    Stresses are taken at the two Gauss points of each direction, where they are most accurate (Barlow, 1976, Int. J.
-    Num. Meth. Eng. 10, 243-251), extrapolated linearly to the nodes and averaged there.
-    """
-    places, gradients, _ = geometry(mesh.points, mesh.elements, 2)
-    values, _ = shape_functions(gauss_grid(2)[0])
-    across, along = strain_matrices(places, gradients, values, mesh.twist)
-    hooke = elasticity(material.elastic_modulus, material.poisson_ratio, 6)
-    functions, slopes = lagrange(gauss_line(2)[0])
-    end = np.array([[1 - s / _GAUSS, 1 + s / _GAUSS] for s in (-1.0, 0.0, 1.0)]) / 2  # Gauss points -> nodes
-    to_nodes = np.einsum("ag,bh->abgh", end, end).reshape(9, 4)
-    stress = np.zeros((*local.shape[:3], 6))
-    hits = np.zeros(local.shape[1:3])
-    for k, length in enumerate(np.diff(ends)):
-        layers = slice(2 * k, 2 * k + 3)
-        values_here = local[:, layers][:, :, mesh.elements].reshape(len(local), 3, len(mesh.elements), 27)
-        at_gauss = np.einsum("gz,eqsd,tzed->tgeqs", functions, across, values_here, optimize=True)
-        at_gauss += np.einsum("gz,eqsd,tzed->tgeqs", slopes / length, along, values_here, optimize=True)
-        nodal = np.einsum("zg,aq,rs,tgeqs->tzear", end, to_nodes, hooke, at_gauss, optimize=True)
-        for layer in range(3):
-            for tooth in range(len(local)):
-                np.add.at(stress[tooth, 2 * k + layer], mesh.elements[filled[:, k]], nodal[tooth, layer][filled[:, k]])
-            np.add.at(hits[2 * k + layer], mesh.elements[filled[:, k]], 1.0)
-    xx, yy, zz, yz, xz, xy = np.moveaxis(stress / np.maximum(hits, 1.0)[..., None], -1, 0)
-    return np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * (yz**2 + xz**2 + xy**2))
+def _von_mises(stress: np.ndarray) -> np.ndarray:
+    """Von Mises stress (...) of stresses (..., 6)."""
+    xx, yy, zz, yz, xz, xy = np.moveaxis(stress, -1, 0)
+    return np.asarray(np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * (yz**2 + xz**2 + xy**2)))

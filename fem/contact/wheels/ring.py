@@ -180,13 +180,18 @@ def cut_flexibility(sector: SectorReduction, reach: int) -> dict[int, np.ndarray
     return out
 
 
+def ring_motion(sector: SectorReduction, reach: int) -> dict[int, np.ndarray]:
+    """Motion (both cuts, load) of the cuts of tooth n by unit loads on tooth 0, n = -reach .. reach."""
+    half = sector.transfer.shape[0] // 2
+    low, high = sector.transfer[:half], sector.transfer[half:]
+    ring = cut_flexibility(sector, reach + 1)
+    cut = {n: ring[n] @ low + ring[n - 1] @ high for n in range(-reach, reach + 2)}  # the low cut of tooth n
+    return {n: np.vstack([cut[n], cut[n + 1]]) for n in range(-reach, reach + 1)}
+
+
 def ring_response(sector: SectorReduction, reach: int = 2) -> dict[int, np.ndarray]:
     """Displacement along load i of tooth n by unit load j on tooth 0, m2/N; (p, p) for each n = -reach .. reach."""
-    cut = sector.stiffness.shape[0] // 2
-    low, high = sector.transfer[:cut], sector.transfer[cut:]
-    ring = cut_flexibility(sector, reach + 1)
-    motion = {n: ring[n] @ low + ring[n - 1] @ high for n in range(-reach, reach + 2)}  # of the low cut of tooth n
-    out = {n: low.T @ motion[n] + high.T @ motion[n + 1] for n in range(-reach, reach + 1)}
+    out = {n: sector.transfer.T @ motion for n, motion in ring_motion(sector, reach).items()}
     out[0] = out[0] + sector.direct
     return out
 

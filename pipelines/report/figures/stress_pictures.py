@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from fem.contact.models.solid_stress import LoadedTeeth
+from fem.contact.models.solid_stress import SMOOTHED, LoadedTeeth
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from pipelines.io.user_files import whole_file
@@ -28,7 +28,6 @@ from pipelines.report.figures.scene_frame import placed, turned_away
 from pipelines.report.figures.tooth_mesh_frames import contact_places
 from pipelines.report.figures.views import PairStates, Picture, Teeth
 
-SMOOTHED = 0.3  # modules from a contact line, where the stress is smoothed
 FORMATS = (".vtu", ".inp", ".msh", ".bdf")
 
 

@@ -19,12 +19,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from pipelines.report.figures.plots import TransmissionErrors
-
 _CAPTION = (
     "Left: candidates as evaluated in the search, and, filled, the unmodified pair and the best designs with more "
     "positions in the mesh cycle. Right: transmission error of the nominal pair and, dashed, its 90 % quantile "
     "over the pairs with deviations"
+)
+_MAP_CAPTION = (
+    "Unmodified pair and recommended design over the torque, and along the face at the least, a middle and the largest "
+    "torque. Contact patterns: largest pressure of a tooth over its engagement; grey: no contact"
 )
 
 
@@ -66,7 +68,7 @@ def _conditions(found: DesignStudy) -> str:
 
 def write_page(found: DesignStudy, path: Path) -> None:
     """Write the page: table, figures, TOML of the recommended design."""
-    from pipelines.report.figures.plots import transmission_error_figure
+    from pipelines.report.figures.load_map_plots import load_map_figure
     from pipelines.report.page import document, heading, paragraph, picture, table
 
     name = found.recommended
@@ -75,7 +77,7 @@ def write_page(found: DesignStudy, path: Path) -> None:
         table(grid("", ({re.sub("[._]", " ", key): value for key, value in row.items()} for row in found.rows()))),
         paragraph(_conditions(found)),
         picture(design_figure(found), _CAPTION),
-        picture(transmission_error_figure(found.title, _errors(found, name)), f"Nominal pair and design {name}"),
+        picture(load_map_figure(found.title, found.load_map(name)), _MAP_CAPTION),
         heading(f"Design {name}"),
         paragraph("Append these lines to the scene file, or to a file that extends it:"),
         f"<pre>{html.escape(toml(found.settings(name)))}</pre>",
@@ -91,27 +93,6 @@ def toml(settings: Mapping[str, Any]) -> str:
         _, stage, gear, rest = key.split(".", 3)
         tables.setdefault(f"[stages.{stage}.{gear}]", []).append(f"{rest} = {json.dumps(value)}")
     return "\n\n".join("\n".join([head, *lines]) for head, lines in tables.items())
-
-
-def _errors(found: DesignStudy, name: str) -> list[TransmissionErrors]:
-    """Transmission error of the unmodified pair and of a design at each torque."""
-    from pipelines.report.figures.plots import TransmissionErrors
-
-    task = found.designs.task
-    before, after = (found.results.error[found.names.index(one)] for one in ("unmodified", name))
-    return [
-        TransmissionErrors(
-            stage=task.variables.stage,
-            title=f"design {name}",
-            torque=torque,
-            cycle=np.arange(FINE) / FINE,
-            unmodified=unmodified,
-            actual=actual,
-            place=np.zeros(0),
-            passages={},
-        )
-        for torque, unmodified, actual in zip(task.torques, before, after, strict=True)
-    ]
 
 
 def design_figure(found: DesignStudy) -> Figure:

@@ -15,6 +15,8 @@ from fem.gears.geometry import GearPair
 from fem.gears.modifications import LARGEST_PART, PairModifications, relief_lengths
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError
+from pipelines.runs.load_map import TORQUE_SHARES
+from pipelines.runs.root_stress import root_step
 from pipelines.runs.single_results import scene_graph
 from pipelines.scene.load_scene import LoadedScene
 from pipelines.steps.flank_candidates import CandidateResults, Conditions
@@ -23,9 +25,10 @@ from pipelines.studies.design.quantities import Quantity, parse_limit, parse_qua
 from pipelines.studies.design.search import Designs, DesignTask, Evaluations, search
 
 if TYPE_CHECKING:
+    import xarray
+
     from pipelines.machine.machine_model import MachineModel
 
-LOADS = (0.25, 0.5, 0.75, 1.0)  # of the torque of the scene
 COMPROMISE = "compromise"
 SHOWN = 8  # candidates of the front in tables
 FINE = 256  # positions of the mesh cycle for them, as in `gearcase gears --plot`
@@ -65,7 +68,9 @@ class DesignStudy:
     designs : all candidates
     names : of the candidates in tables and figures: "unmodified", "scene" if that is modified, "A", "B", ...
     candidates : of each its number in `designs`, None for the first ones
+    modifications : of each
     results : of each, with `FINE` positions in the mesh cycle
+    evaluate : computes more of them
 
     >>> import gearcase
     >>> vary = ["both.tip_relief.amount_um=0:8:2", "both.tip_relief.length_mm=2,3,4"]
@@ -80,7 +85,9 @@ class DesignStudy:
     designs: Designs
     names: tuple[str, ...]
     candidates: tuple[int | None, ...]
+    modifications: tuple[PairModifications, ...]
     results: CandidateResults
+    evaluate: Evaluations
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
@@ -124,6 +131,15 @@ class DesignStudy:
         found = self.best()
         return found.get(COMPROMISE) or next(iter(found.values()))
 
+    def load_map(self, name: str) -> xarray.Dataset:
+        """The unmodified pair and a candidate over the torque, without deviations, as `gearcase gears --map` gives it.
+
+        Takes about 9 s for the root stresses.
+        """
+        states = {f"design {name}" if one == name else one: self.modifications[self.names.index(one)]
+                  for one in ("unmodified", name)}  # fmt: skip
+        return self.evaluate.load_map(states, self.designs.task.variables.sense)
+
     def exceeded(self, name: str) -> list[str]:
         """Limits that a candidate exceeds on the fine mesh cycle."""
         at = self.names.index(name)
@@ -160,7 +176,7 @@ def design_study(loaded: LoadedScene, options: DesignOptions, work: Work) -> Des
     law = machine.healthy_law_names[number]
     laws: tuple[MeshLaw, MeshLaw] = work.build(graph.needed([law]), [law]).value(law)
     task = _task(loaded, machine, options, laws[0])
-    evaluate = Evaluations(task, graph, law, work)
+    evaluate = Evaluations(task, graph, law, root_step(machine, options.stage), work)
     designs = search(evaluate, task, quiet=work.quiet)
     given = machine.layout.modifications[number]
     involute = PairModifications(misalignment=given.misalignment)
@@ -175,6 +191,8 @@ def design_study(loaded: LoadedScene, options: DesignOptions, work: Work) -> Des
         designs=designs,
         names=tuple(known),
         candidates=tuple(at for at, _ in known.values()),
+        modifications=tuple(one for _, one in known.values()),
+        evaluate=evaluate,
         results=evaluate.results([one for _, one in known.values()], replace(evaluate.conditions, positions=FINE)),
     )
 
@@ -211,7 +229,7 @@ def _task(loaded: LoadedScene, machine: MachineModel, options: DesignOptions, la
     number, sampled = options.stage - 1, options.samples > 0
     pair, sense = machine.flanks[number].pair, machine.layout.pinion_senses[number]
     radius, scene_force = pair.pinion.base_radius, machine.facts.stages[number].shown_force
-    torques = tuple(sorted(set(options.torques))) or tuple(share * scene_force * radius for share in LOADS)
+    torques = tuple(sorted(set(options.torques))) or tuple(share * scene_force * radius for share in TORQUE_SHARES)
     forces = tuple(torque / radius for torque in torques)
     deflection = stiffness_curve(law, forces[-1]).transmission_error.max()  # warns if the law ends too early
     vary = options.vary or _tip_reliefs(pair, deflection)

@@ -12,7 +12,7 @@ import numpy as np
 from fem.contact.evaluation.mesh_cycle import ORDERS
 from pipelines.io.errors import InputError
 from pipelines.io.shown_text import nearest_name, shown
-from pipelines.steps.flank_candidates import CandidateResults
+from pipelines.steps.flank_candidates import LOADED, CandidateResults
 
 NOMINAL = "nominal"
 STATISTICS: dict[str, Callable[[np.ndarray], np.ndarray]] = {  # of (candidate, sample), the nominal pair first
@@ -21,10 +21,7 @@ STATISTICS: dict[str, Callable[[np.ndarray], np.ndarray]] = {  # of (candidate, 
     "q90": lambda values: np.quantile(values[:, 1:], 0.9, axis=1),
     "worst": lambda values: values[:, 1:].max(axis=1),
 }
-LOADED = {  # at the greatest torque: name, quantity of `pipelines.steps.flank_candidates`, its size in the unit, unit
-    "pressure": ("pressure", 1e6, "MPa"),
-    "load-factor": ("face_load_factor", 1.0, ""),
-}
+UNITS = {"pressure": "MPa", "root-stress": "MPa", "load-factor": ""}
 NAMES = ("te", "te-max", *(f"te{order}" for order in range(1, ORDERS + 1)), *LOADED)
 _LIMIT = re.compile(r"\s*([\w:-]+)\s*<=\s*([-+.\w]+)\s*")
 
@@ -34,7 +31,7 @@ class Quantity:
     """A quantity and its statistic over the samples.
 
     te, te-max: peak-to-peak transmission error, mean and largest over the torques; te1, te2, ...: amplitude of a mesh
-    order, mean over the torques; pressure, load-factor: at the greatest torque
+    order, mean over the torques; those of `LOADED`: at the greatest torque
     """
 
     name: str
@@ -43,7 +40,7 @@ class Quantity:
     @property
     def label(self) -> str:
         """Name with unit, for tables."""
-        unit = LOADED[self.name][2] if self.name in LOADED else "um"
+        unit = UNITS.get(self.name, "um")
         words = self.name if self.statistic == NOMINAL else f"{self.name} {self.statistic}"
         return f"{words} {unit}".strip()
 
@@ -54,8 +51,7 @@ class Quantity:
     def samples(self, found: CandidateResults) -> np.ndarray:
         """Values (candidate, sample) in the unit of the label."""
         if self.name in LOADED:
-            key, size, _ = LOADED[self.name]
-            return found.loaded[key] / size
+            return found.loaded[self.name] / (1e6 if UNITS[self.name] else 1.0)
         if self.name == "te-max":
             return 1e6 * found.peak_to_peak.max(axis=2)
         if self.name == "te":

@@ -12,22 +12,27 @@ Blank, Deb 2020, IEEE Access 8, 89497-89509 (pymoo)
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.contact.faults.changed_law import modified_law
 from fem.gears.modifications import PairModifications
 from pipelines.engine.progress import reported_count
 from pipelines.engine.run_graph import Work
 from pipelines.engine.step import Graph, Step
 from pipelines.io.errors import InputError
 from pipelines.io.shown_text import duration
+from pipelines.runs.load_map import load_map
 from pipelines.steps import flank_candidates
-from pipelines.steps.flank_candidates import CandidateResults, Conditions
+from pipelines.steps.flank_candidates import LOADED, CandidateResults, Conditions
 from pipelines.studies.design.flank_variables import Variables
-from pipelines.studies.design.quantities import LOADED, Limit, Quantity
+from pipelines.studies.design.quantities import Limit, Quantity
+
+if TYPE_CHECKING:
+    import xarray
 
 POPULATION = 48
 SECONDS = 15e-6  # of one static contact problem
@@ -93,10 +98,14 @@ class Designs:
 class Evaluations:
     """Evaluates candidates, each once; results are stored as steps."""
 
-    def __init__(self, task: DesignTask, graph: Graph, law: str, work: Work) -> None:
-        self._task, self._work, self._law, self._graph = task, replace(work, quiet=True), law, graph.needed([law])
+    def __init__(self, task: DesignTask, graph: Graph, law: str, root: Step, work: Work) -> None:
+        self._task, self._work = task, replace(work, quiet=True)
         quantities = [*task.objectives, *(limit.quantity for limit in task.limits)]
-        names = {LOADED[one.name][0] for one in quantities if one.name in LOADED}
+        names = {one.name for one in quantities} & LOADED.keys()
+        self._takes, self._graph, self._root = {"laws": law}, [*graph.needed([law]), root], root.name
+        self.start = 0.0  # seconds before the first candidate
+        if "root-stress" in names:
+            self._takes["roots"], self.start = root.name, root.seconds
         statistics = {one.statistic for one in quantities}
         self.conditions = replace(
             task.conditions,
@@ -117,11 +126,18 @@ class Evaluations:
             kind="candidates",
             build=flank_candidates.build,
             spec={"conditions": conditions, "candidates": tuple(found)},
-            takes={"laws": self._law},
+            takes=self._takes,
             libraries=("numpy", "scipy", "numba"),
             seconds=len(found) * self.seconds(conditions),
         )
         return self._work.build(Graph([*self._graph, step]), ["candidates"]).value("candidates")
+
+    def load_map(self, states: Mapping[str, PairModifications], sense: int) -> xarray.Dataset:
+        """The pair without deviations over the torque; `sense` as in `pipelines.runs.load_map.load_map`."""
+        law, pair = self._takes["laws"], self._task.conditions.pair
+        outcome = self._work.build(Graph(self._graph), [law, self._root])
+        laws = {name: modified_law(outcome.value(law)[0], pair, one) for name, one in states.items()}
+        return load_map(pair, laws, self._task.torques, outcome.value(self._root), sense=sense)
 
     def __call__(self, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Objectives (candidate, objective) and excess (candidate, limit) of candidates (candidate, variable)."""
@@ -156,7 +172,9 @@ def search(evaluate: Evaluations, task: DesignTask, *, quiet: bool) -> Designs:
     total = math.prod(sizes)
     with reported_count("candidates", quiet=quiet) as report:
         most = min(total, task.evaluations)
-        report.line(f"{most} candidates, about {duration(most * evaluate.seconds(evaluate.conditions))}")
+        report.line(
+            f"{most} candidates, about {duration(evaluate.start + most * evaluate.seconds(evaluate.conditions))}"
+        )
         if total <= task.evaluations:
             every = np.stack(np.unravel_index(np.arange(total), sizes), axis=1)
             for start in range(0, total, POPULATION):

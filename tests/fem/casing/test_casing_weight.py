@@ -122,7 +122,7 @@ def test_the_feet_of_a_machine_carry_everything_in_it():
         outcome = work.build(
             graph, [*model.law_names, *(step.name for step in graph if step.name.startswith("casing"))]
         )
-        machine = assemble_machine(model.machine, [outcome.value(name) for name in model.law_names])
+        machine = assemble_machine(model.parts, [outcome.value(name) for name in model.law_names])
         body = outcome.value("casing")
         system = assemble_system(machine, body, model.recorded)
         turning = sum(shaft_mass(shaft) for shaft in machine.shafts)

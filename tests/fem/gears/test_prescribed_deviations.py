@@ -285,8 +285,8 @@ def test_stated_deviations_of_a_scene_reach_the_meshes(laws):
     assert len(mesh.drive.wheel_variant_gap) == len(mesh.coast.wheel_variant_gap) == pair.wheel.teeth
     assert (len(mesh.drive.pinion_variant_gap), len(mesh.coast.pinion_variant_gap)) == (pair.pinion.teeth, 0)
     plain = make_machine(load_scene("minimal").scene)
-    sound = assemble_machine(plain.machine, [Iso(slices=5).laws(pair)]).meshes[0]
-    moved = mesh.coast_clearance_pinion[:, 0] - sound.coast_clearance_pinion[:, 0]
+    healthy = assemble_machine(plain.parts, [Iso(slices=5).laws(pair)]).meshes[0]
+    moved = mesh.coast_clearance_pinion[:, 0] - healthy.coast_clearance_pinion[:, 0]
     assert moved[5] == pytest.approx(-7e-6 * math.cos(pair.pinion.transverse_pressure_angle))
     assert np.delete(moved, 5) == pytest.approx(0.0, abs=1e-18)
 
@@ -297,7 +297,7 @@ def test_stated_deviations_stay_in_the_healthy_control_and_leave_with_all_others
     assert not control.scene.faults
     assert control.scene.stages[0].wheel.deviations.eccentricity_um == 20
     off = load_scene("bench", (*STATED[:1], "deviations.enabled=false")).scene
-    assert make_machine(off).machine.meshes[0].wheel.prescribed is None
+    assert make_machine(off).parts.meshes[0].wheel.prescribed is None
     assert any("these keys have no effect" in text for text in design_warnings(off, make_drivetrain(off)))
 
 

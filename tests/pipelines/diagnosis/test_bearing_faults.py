@@ -92,14 +92,14 @@ def test_a_spall_is_looked_for_at_the_rates_of_its_own_bearing():
 
 def test_a_scene_without_its_faults_keeps_the_slip_of_its_cages_alone():
     slipping = BENCH["bearings"] | {"cage_slip": 0.01}
-    healthy, faulty = (make_machine(scene(*faults, bearings=slipping)).machine for faults in ([], [OUTER]))
+    healthy, faulty = (make_machine(scene(*faults, bearings=slipping)).parts for faults in ([], [OUTER]))
     assert faulty.bearings[1:] == healthy.bearings[1:]
     assert faulty.bearings[0].inside.slip == healthy.bearings[0].inside.slip
     assert len(faulty.bearings[0].inside.spalls) == 1
     assert not healthy.bearings[0].inside.spalls
     seeds = {bearing.inside.slip.seed for bearing in healthy.bearings}
     assert len(seeds) == 4  # every cage its own
-    again = make_machine(scene(bearings=slipping, **{"deviations.seed": 2})).machine
+    again = make_machine(scene(bearings=slipping, **{"deviations.seed": 2})).parts
     assert seeds.isdisjoint({bearing.inside.slip.seed for bearing in again.bearings})
 
 

@@ -212,9 +212,9 @@ SHORT = {
 def diagnosed():
     """The scene `minimal`, whose pitch deviations make sidebands: its plant, system, run and diagnosis."""
     plan = plan_run(load_scene("minimal", SHORT), with_control=False, both_loads=False)
-    model = plan.model
+    model = plan.machine
     outcome = Work(processes=1).build(plan.graph, [*model.law_names, "casing", "simulate"])
-    machine = assemble_machine(model.machine, [outcome.value(name) for name in model.law_names])
+    machine = assemble_machine(model.parts, [outcome.value(name) for name in model.law_names])
     system = assemble_system(machine, outcome.value("casing"), model.recorded, model.motion.band)
     run = make_response(outcome.value("simulate"), model.labels)
     return model, system, run, diagnose(run, run, model.diagnosis)

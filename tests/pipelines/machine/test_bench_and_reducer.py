@@ -27,7 +27,7 @@ def standing(name, **settings):
     scene = load_scene(name, QUICK | {"deviations.enabled": False, "diagnosis": {"windows_s": {}}} | settings).scene
     model = make_machine(scene)
     laws = [spec.mesh.laws(spec.pair) for spec in model.laws]
-    machine = assemble_machine(model.machine, laws)
+    machine = assemble_machine(model.parts, laws)
     from mbd_rigs import no_casing
 
     system = assemble_system(machine, no_casing(), model.recorded)

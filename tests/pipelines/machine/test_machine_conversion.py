@@ -1,4 +1,4 @@
-"""One plant: a scene is converted in one place, and what lies behind it knows neither scenes nor their units."""
+"""A scene is converted in one place to the machine model; what follows it knows neither scenes nor their units."""
 
 import ast
 
@@ -15,7 +15,7 @@ from pipelines.machine.machine_conversion import make_drivetrain, make_machine
 from pipelines.scene.load_scene import load_scene
 from pipelines.steps.machine_steps import machine_steps
 
-BEHIND = ("engine", "report", "runs", "signals", "steps", "studies", "cli")  # rooms behind the plant
+BEHIND = ("engine", "report", "runs", "signals", "steps", "studies", "cli")  # rooms behind the machine model
 UNITS = ("_mm", "_um", "_GPa", "_per_um", "_deg", "_rpm", "_us", "_kg", "_s", "_Hz", "_m", "_kg_m3", "_kg_m2")
 
 
@@ -46,14 +46,14 @@ def test_a_conversion_is_recognised(line):
     assert list(converted(ast.walk(ast.parse(line))))
 
 
-def test_no_unit_of_a_scene_is_converted_behind_the_plant():
+def test_no_unit_of_a_scene_is_converted_behind_the_machine_model():
     found = {path.relative_to(ROOT): list(converted(nodes(path))) for path in files_behind()}
     assert len(found) > 100
     wrong = [f"{path}: {', '.join(values)}" for path, values in found.items() if values]
     assert not wrong, "\n".join(wrong)
 
 
-def test_behind_the_plant_only_what_makes_other_scenes_names_the_class():
+def test_behind_the_machine_model_only_what_makes_other_scenes_names_the_class():
     naming = {
         f"{path.parent.name}/{path.name}"
         for path in files_behind()
@@ -61,10 +61,10 @@ def test_behind_the_plant_only_what_makes_other_scenes_names_the_class():
     }
     assert naming == {
         "steps/run_plan.py",
-        "trade/axes.py",
-        "trade/choices.py",
-        "detect/design.py",
-        "housings/block.py",
+        "trade/refinement_axes.py",
+        "trade/tradeoff_choices.py",
+        "detect/detection_campaign.py",
+        "housings/housing_block.py",
         "housings/seats.py",
     }
 

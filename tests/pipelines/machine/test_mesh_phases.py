@@ -111,7 +111,7 @@ def test_a_given_phase_gives_that_of_the_other_stage_of_a_gear():
 
 def test_the_derived_phase_reaches_the_machine():
     made = scene((1, 2, 20, 30, 0.0, {}), (2, 3, 30, 40, 0.0, {}))
-    assert [mesh.cycle_at_start for mesh in make_drivetrain(made).machine.meshes] == pytest.approx([0.0, 0.5])
+    assert [mesh.cycle_at_start for mesh in make_drivetrain(made).parts.meshes] == pytest.approx([0.0, 0.5])
 
 
 def test_phases_that_contradict_one_another_are_refused_with_the_value():

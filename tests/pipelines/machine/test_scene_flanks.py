@@ -134,7 +134,7 @@ def test_faults_become_variants_clearances_and_common_wear(detailed):
 
 
 def test_pitch_deviations_stay_when_profile_and_helix_join(detailed):
-    plain, mesh = (make_machine(scene).machine.meshes[0] for scene in (minimal(), detailed))
+    plain, mesh = (make_machine(scene).parts.meshes[0] for scene in (minimal(), detailed))
     pair = mesh.pair
     alone = clearances(pair, plain.pinion, plain.wheel)["drive_clearance_wheel"]
     assert alone.shape == (55,)

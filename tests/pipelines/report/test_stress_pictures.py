@@ -16,6 +16,7 @@ from time_limit import HANGING
 from benchmarks.gear_pairs import thick_rimmed_pair
 from fem.contact.models.iso import Iso
 from fem.contact.models.solid import Solid
+from fem.contact.models.solid_stress import root_stress
 from fem.gears.modifications import PairModifications
 from pipelines.io.errors import InputError
 from pipelines.io.user_files import writable_file
@@ -129,6 +130,20 @@ def test_the_root_stress_is_that_of_a_cantilever_on_the_fillet_and_grows_beside_
         beside = root_stresses(pair, teeth_in_mesh(pair, faulty))[1]
         assert beside["tooth pair"] != 3
         assert beside["root stress MPa"] > 1.3 * rows[1]["root stress MPa"]
+
+
+def test_root_stresses_by_unit_forces_are_those_of_the_field(solved):
+    """Both superpose the same finite elements; the unit forces are interpolated between positions on the path."""
+    pair, healthy, _ = solved
+    law = Iso(slices=5).law(pair, "drive")
+    loads = healthy.line_load[:, :: healthy.hand]  # along y
+    for root, field in zip(
+        root_stress(pair, replace(COARSE, positions=32)), (healthy.pinion, healthy.wheel), strict=True
+    ):
+        (found,) = root.of(law, np.array([healthy.cycle]), healthy.pair[None], loads[None])
+        near = field.von_mises[:, field.root].reshape(len(field.pair), len(root.face), -1)
+        exact = near[..., : root.stress.shape[2]].max(axis=2)
+        assert abs(found - exact).max() < 0.01 * exact.max()
 
 
 def test_a_crack_alone_has_one_state_because_the_elements_are_those_of_a_healthy_tooth():

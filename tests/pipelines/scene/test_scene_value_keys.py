@@ -181,9 +181,9 @@ SCENES = {
 }  # fmt: skip
 AFTER_THE_STEPS = {  # words, what is looked for in finished signals, and what only its own choice reads
     "Scene.title", "Scene.control", "TorqueDrive.highest_rpm",
-    "LookedFor.sensor", "LookedFor.axis", "LookedFor.stage", "LookedFor.gear",
-    "_WindowsBase.windows_s", "LookedFor.envelope_band_Hz", "LookedFor.noise_m_s2",
-    "LookedFor.damping_spread",
+    "Monitored.sensor", "Monitored.axis", "Monitored.stage", "Monitored.gear",
+    "_WindowsBase.windows_s", "Monitored.envelope_band_Hz", "Monitored.noise_m_s2",
+    "Monitored.damping_spread",
 }  # fmt: skip
 ALONE_IT_CANNOT = {  # of two stages one would have no shaft; of two seats one would have no bearing; one sensor;
     # a file there is none of

@@ -81,7 +81,7 @@ def test_a_limit_that_is_exceeded_between_the_positions_of_the_search_is_stated(
     [
         ({"vary": ("both.tip_releif.amount_um=0:9",)}, "Did you mean tip_relief"),
         ({"vary": ("both.lead_crowning_um=5:5",)}, "one value only"),
-        ({"stage": 2}, "the scene has 1 stages"),
+        ({"stage": 2}, "there is no such stage"),
         ({"torques": (-1.0, 40.0)}, "torques = -1.0: must be a number of at least 1e-06"),
         ({"seed": -1}, "seed = -1: must be a number of at least 0"),
         ({"minimize": ("presure",)}, "Did you mean pressure"),
@@ -127,6 +127,14 @@ def test_the_toml_of_the_page_makes_the_recommended_design(tmp_path):
     scene = changed(load_scene("bench"), study.settings(study.recommended))
     assert load_scene(tmp_path / "quiet.toml").scene.stages == scene.scene.stages
     assert text.count("<svg") == 2
+
+
+def test_the_root_stress_of_a_design_is_that_of_its_map():
+    study = found(vary=("both.lead_crowning_um=0:10:10",), minimize=("root-stress", "te"), torques=(60.0,))
+    rows = {row["design"]: row for row in study.rows()}
+    design = study.load_map("A").sel(state="design A", torque=60.0)
+    assert float(design.root_stress.max()) / 1e6 == pytest.approx(rows["A"]["root-stress MPa"], rel=0.01)
+    assert float(design.peak_to_peak) * 1e6 == pytest.approx(rows["A"]["te um"], rel=0.01)
 
 
 def test_a_compromise_is_offered_only_if_it_beats_the_unmodified_pair_in_every_objective():
