@@ -88,7 +88,7 @@ def _even_steps(clock: RecordedChannel, source: str) -> tuple[float, float]:
 
 
 def _first_jump(clock: RecordedChannel) -> str:
-    """The first place where the step between two samples is not the usual one, in words; "" without one in the blocks."""
+    """The first place where the step between two samples is not the usual one, in words; "" without one."""
     for first, times in clock.blocks():
         steps = np.diff(times)
         usual = float(np.median(steps)) if len(steps) else 0.0

@@ -39,7 +39,7 @@ def design_warnings(scene: Scene, machine: Drivetrain, diagnosed: bool = True) -
         *flank_warnings(scene, machine),
         *strength_warnings(scene, layout),
         *_fits(scene, layout),
-        *_spalls(machine),
+        *spall_warnings(machine),
         *_drive(scene, layout),
         *_record(scene, layout),
         *(_diagnosis(scene, machine) if diagnosed else ()),
@@ -149,7 +149,7 @@ def _fits(scene: Scene, layout: TrainLayout) -> Iterator[str]:
                     )
 
 
-def _spalls(machine: Drivetrain) -> Iterator[str]:
+def spall_warnings(machine: Drivetrain) -> Iterator[str]:
     """Spalls of outer rings where no element is pressed against the ring."""
     directions = load_directions(machine)
     for fault in machine.spalls:
