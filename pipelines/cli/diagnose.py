@@ -59,8 +59,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--out",
         metavar="FOLDER",
         type=path,
-        help="folder for report.html: verdict, spectra with those of the first healthy recording, levels and features; "
-        "with several recordings, the trend, and the folders 1, 2, ... with their reports",
+        help="folder for report.html: verdict, levels, features, spectra of the recording and of the first healthy "
+        "one; for several recordings the trend, and a folder 1, 2, ... with the report of each",
     )
     sub.add_argument(
         "--set",

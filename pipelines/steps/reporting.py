@@ -300,7 +300,7 @@ def _casing_rows(body: ReducedBody, modes: CasingSummary | None) -> list[dict[st
     if modes is not None:
         check = modes.checkup
         factor = f"{body.stiffness_factor:.4f}"
-        extrapolated = [{"property": "factor on the stiffness, extrapolated to zero element size", "value": factor}]
+        extrapolated = [{"property": "factor on the casing stiffness that corrects the element size", "value": factor}]
         first = check.frequencies[:6] * math.sqrt(body.stiffness_factor)
         rows += [
             {"property": "unknowns of the finite-element mesh", "value": modes.unknowns},
