@@ -85,7 +85,7 @@ def run_scene(
     requested = graph.steps if with_report else plan.motions
     failure: Exception | None = None
     with claimed(loaded.name, out) as claim, run_folder.logged_to(claim.folder / "log.jsonl"):
-        for text in scene_warnings(loaded, plan):
+        for text in scene_warnings(loaded, plan, with_report):
             _LOG.warning("%s", text)
         written = _Files(claim.folder, loaded, plan)
         try:

@@ -78,12 +78,21 @@ def _bore_problems(housing: Dimensions) -> Iterator[str]:
         distance, total = math.hypot(one.x - two.x, one.z - two.z), one.boss_diameter + two.boss_diameter
         gap = distance - total / 2
         if one.side == two.side and gap < ligament:
+            smallest = one.diameter + two.diameter + 4 * ligament  # sum of the diameters with the thinnest rings
+            smaller = (
+                f"Reduce the sum of their boss diameters from {_mm(total)} to {_mm(2 * (distance - ligament))} or "
+                f"less, or raise the distance of their axes from {_mm(distance)} to {_mm(total / 2 + ligament)} or more"
+            )
+            farther = (
+                f"With the thinnest rings allowed, {_mm(ligament)}, the sum of their boss diameters is "
+                f"{_mm(smallest)}. Raise the distance of their axes from {_mm(distance)} to "
+                f"{_mm(smallest / 2 + ligament)} or more, or reduce bore_diameters_mm"
+            )
+            remedy = smaller if smallest <= 2 * (distance - ligament) else farther
             what = "overlap by" if gap < 0.0 else "leave a ligament of only"
             yield (
                 f"bosses of {one.name} and {two.name} {what} {_mm(abs(gap))} (limit: a ligament of {_mm(ligament)} or "
-                f"more). Reduce the sum of their boss diameters from {_mm(total)} to "
-                f"{_mm(2 * (distance - ligament))} or less, or raise the distance of their axes from {_mm(distance)} "
-                f"to {_mm(total / 2 + ligament)} or more"
+                f"more). {remedy}"
             )
 
 

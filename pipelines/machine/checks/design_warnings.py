@@ -9,6 +9,7 @@ import numpy as np
 
 from fem.casing.parts.casing_choices import MODES_OVER_BAND
 from mbd.parts.rolling_catalogue import bore_of
+from pipelines.machine.bearing_loads import load_directions
 from pipelines.machine.checks.collisions import FARTHEST_SENSOR
 from pipelines.machine.checks.flank_checks import flank_warnings
 from pipelines.machine.checks.strength import strength_warnings
@@ -24,11 +25,12 @@ from pipelines.scene.shaft_faults import shaft_faults
 from pipelines.scene.tables.drive_and_load import LoadBase
 from pipelines.scene.tables.housing import HousingBase
 
+LOAD_ZONE = math.pi / 2  # from the direction of a radial load, without clearance or preload
 HARMONICS = 5  # of the fastest mesh that a good record holds
 
 
-def design_warnings(scene: Scene, machine: Drivetrain) -> tuple[str, ...]:
-    """All warnings, in the order of the scene's tables."""
+def design_warnings(scene: Scene, machine: Drivetrain, diagnosed: bool = True) -> tuple[str, ...]:
+    """All warnings, in the order of the scene's tables; those of the diagnosis only if the run is `diagnosed`."""
     layout = machine.layout
     return (
         *_materials(scene),
@@ -38,9 +40,10 @@ def design_warnings(scene: Scene, machine: Drivetrain) -> tuple[str, ...]:
         *flank_warnings(scene, machine),
         *strength_warnings(scene, layout),
         *_fits(scene, layout),
+        *spall_warnings(machine),
         *_drive(scene, layout),
         *_record(scene, layout),
-        *_diagnosis(scene, machine),
+        *(_diagnosis(scene, machine) if diagnosed else ()),
     )
 
 
@@ -145,6 +148,21 @@ def _fits(scene: Scene, layout: TrainLayout) -> Iterator[str]:
                         f"gear on it is {bore:g} mm; reduce the diameter, or set stages.{stage_number}.{name}_bore_mm "
                         f"= {section.diameter_mm:g}"
                     )
+
+
+def spall_warnings(machine: Drivetrain) -> Iterator[str]:
+    """Spalls of outer rings where no element is pressed against the ring."""
+    directions = load_directions(machine)
+    for fault in machine.spalls:
+        load = directions[fault.bearing]
+        if load is None or fault.spall.on != "outer-ring":
+            continue
+        if abs(math.remainder(fault.spall.angle - load, 2 * math.pi)) > LOAD_ZONE:
+            yield (
+                f"faults: the {fault.name} at angle_deg = {math.degrees(fault.spall.angle):.4g} is outside the load "
+                f"zone: the load presses the elements against the ring around {math.degrees(load):.0f} deg, so that "
+                f"the spall may have no effect. Set angle_deg = {math.degrees(load):.0f}"
+            )
 
 
 def _drive(scene: Scene, layout: TrainLayout) -> Iterator[str]:
