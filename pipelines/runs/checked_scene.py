@@ -68,11 +68,8 @@ def check_scene(loaded: LoadedScene) -> Checked:
 
 
 def _lines(machine: MachineModel, control: str) -> Iterator[str]:
-<<<<<<< HEAD
     from fem.gears.sector_mesh import root_chord
-=======
     from pipelines.machine.bearing_loads import load_directions
->>>>>>> f3
 
     facts = machine.facts
     yield machine.title
@@ -92,13 +89,10 @@ def _lines(machine: MachineModel, control: str) -> Iterator[str]:
             f"{stage.pinion_frequency:<9.5g} {stage.wheel_frequency:<10.5g} {stage.mesh_force:<8.4g} "
             f"{stage.line_load / 1000:.4g}"
         )
-<<<<<<< HEAD
     for number, pair in enumerate(machine.layout.pairs, 1):
         pinion, wheel = (1000 * root_chord(gear)[1] for gear in (pair.pinion, pair.wheel))
         yield f"  tooth root thickness of stage {number} (for crack depths): pinion {pinion:.4g}, wheel {wheel:.4g} mm"
-=======
     directions = load_directions(machine)
->>>>>>> f3
     for number, point in enumerate(machine.bearing_points, 1):
         x, y, z = (value * 1000 for value in point)
         angle = directions[f"bearing_{number}"]
