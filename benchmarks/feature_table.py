@@ -41,7 +41,7 @@ def population_page(page: str) -> str:
 
 
 def _plain(variable: Mapping[str, Any]) -> dict[str, Any]:
-    rounded = {name: round(one, 2) if isinstance(one, float) else one for name, one in variable.items()}
+    rounded = {name: float(f"{one:.3g}") if isinstance(one, float) else one for name, one in variable.items()}
     return {"weights": None} | rounded
 
 

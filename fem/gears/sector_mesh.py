@@ -90,13 +90,18 @@ class _Fillet:
     def of(gear: Gear) -> _Fillet:
         from scipy.interpolate import CubicSpline  # imported here: reports import this file and would take 0.3 s longer
 
-        x, y = half_tooth_profile(gear, _FILLET_POINTS, 1, 1)[: _FILLET_POINTS + 1].T  # tooth along +y there
-        radius, angle = np.hypot(x, y), np.arctan2(x, y)
-        arc = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
-        rise, run = np.diff(radius), -np.diff(angle) * (radius[1:] + radius[:-1]) / 2
-        flat = np.flatnonzero(rise < run)  # slope less than 45 degrees relative to the circle
-        middle = float(np.clip(arc[flat[-1] + 1], 0.3 * arc[-1], 0.9 * arc[-1]))
+        arc, radius, angle, middle = _fillet_points(gear)
         return _Fillet(CubicSpline(arc, radius), CubicSpline(arc, angle), float(arc[-1]), middle)
+
+
+def _fillet_points(gear: Gear) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """Arc length, radius and angle of points of the fillet, and the arc length of its middle, see `_Fillet`."""
+    x, y = half_tooth_profile(gear, _FILLET_POINTS, 1, 1)[: _FILLET_POINTS + 1].T  # tooth along +y there
+    radius, angle = np.hypot(x, y), np.arctan2(x, y)
+    arc = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
+    rise, run = np.diff(radius), -np.diff(angle) * (radius[1:] + radius[:-1]) / 2
+    flat = np.flatnonzero(rise < run)  # slope less than 45 degrees relative to the circle
+    return arc, radius, angle, float(np.clip(arc[flat[-1] + 1], 0.3 * arc[-1], 0.9 * arc[-1]))
 
 
 def _growing(first: float, growth: float, largest: float, total: float) -> np.ndarray:
@@ -110,9 +115,9 @@ def _growing(first: float, growth: float, largest: float, total: float) -> np.nd
 
 def root_chord(gear: Gear) -> tuple[float, float]:
     """Radius of the circle through the middle of both fillets and the tooth's width there (chord), m."""
-    fillet = _Fillet.of(gear)
-    radius = float(fillet.radius(fillet.middle))
-    return radius, 2.0 * radius * math.sin(float(fillet.angle(fillet.middle)))
+    arc, radii, angles, middle = _fillet_points(gear)
+    radius = float(np.interp(middle, arc, radii))  # the middle is a point, except in very flat or steep fillets
+    return radius, 2.0 * radius * math.sin(float(np.interp(middle, arc, angles)))
 
 
 def sector_mesh(gear: Gear, refinement: float = 1.0, slit: Slit | None = None) -> SectorMesh:

@@ -34,7 +34,9 @@ _PIVOT_LIMIT = 1e-13  # smallest pivot over largest diagonal entry: below it the
 
 
 class SingularMatrixError(RuntimeError):
-    """The matrix is singular or indefinite to working precision."""
+    """The matrix is singular or indefinite to working precision; `unknown` has a negative or zero pivot, if known."""
+
+    unknown: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +106,9 @@ def _multifrontal(K: sp.csc_matrix, block: int) -> Factor:
     try:
         cholesky_factor = Cholesky(plan, K)
     except NotDefiniteError as error:
-        raise _refuse(str(error)) from error
+        refused = _refuse(str(error))
+        refused.unknown = error.unknown
+        raise refused from error
     _check_pivots(cholesky_factor.pivots, K)
     return Factor("multifrontal Cholesky with METIS ordering", K.shape[0], cholesky_factor.solve, plan)
 

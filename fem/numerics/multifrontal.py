@@ -35,7 +35,11 @@ Store = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
 class NotDefiniteError(ValueError):
-    """The matrix is not positive definite."""
+    """The matrix is not positive definite: the pivot of an unknown is negative or zero."""
+
+    def __init__(self, unknown: int) -> None:
+        super().__init__(f"the pivot of unknown {unknown} is negative or zero")
+        self.unknown = unknown
 
 
 class NearlySingularError(ValueError):
@@ -61,7 +65,7 @@ class Cholesky:
             first = plan.starts[number]
             if failed := blas.cholesky(A):
                 unknown = int(plan.order[first + failed - 1])
-                raise NotDefiniteError(f"the pivot of unknown {unknown} is negative or zero")
+                raise NotDefiniteError(unknown)
             pivots[first : first + len(A)] = np.diag(A) ** 2
             blas.solve_right(A, B, transposed=True)
             blas.add_square(B, C, -1.0)

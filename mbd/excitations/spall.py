@@ -29,7 +29,8 @@ class Spall(Options):
         ge=-360,
         le=360,
         text="angle of its centre at t = 0: on a ring from +x towards +z; on an element from the contact with the "
-        "outer race, in the sense in which the element rolls",
+        "outer race, in the sense in which the element rolls. On the outer ring take the direction of the load that "
+        "gearcase check prints",
     )
 
     def check(self, elements: RollingElements) -> None:

@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
-from pipelines.cli.command_line import campaign_arguments, scene_arguments, work_of
+from pipelines.cli.command_line import MACHINE_HELP, campaign_arguments, scene_arguments, work_of
 from pipelines.io.argument_types import count, path
 
 HELP = """\
@@ -32,6 +32,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         nargs="+",
         help="recording or run, also with a window, as in bench@0.5:2.5 (default: windows of the scene)",
     )
+    sub.add_argument("--machine", metavar="FILE", type=path, help=MACHINE_HELP)
     sub.add_argument(
         "--free",
         metavar="KEY=LOW..HIGH",
@@ -54,7 +55,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.recordings.machine_file import read_machine
     from pipelines.report.figures.frame_files import save_figure
     from pipelines.scene.presets import load_requested
-    from pipelines.studies.calibrate.calibration import calibrate
+    from pipelines.studies.calibrate.calibration import calibrate, recorded_levels
     from pipelines.studies.calibrate.calibration_page import figure, plain, text
     from pipelines.studies.calibrate.free_keys import calibration_plan, parse_free
 
@@ -65,15 +66,16 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     machine = checked_machine(loaded.scene, loaded.source.shown)
     free = [parse_free(one) for one in options.free]
     plan = calibration_plan(loaded, machine, free, options.runs)
-    yield estimate(plan, sampled_scenes(plan)).text
+    recorded = recorded_levels(machine, read_machine(options.machine or options.scene), options.recordings)
+    if options.dry_run or not options.quiet:
+        yield estimate(plan, sampled_scenes(plan)).text
     if options.dry_run:
         return
     folder = Path(options.out or f"campaigns/{plan.name}")
     found = calibrate(
         loaded,
         machine,
-        read_machine(options.scene),
-        options.recordings,
+        recorded,
         free=free,
         count=options.runs,
         folder=folder,

@@ -74,14 +74,16 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.json_text import json_text
     from pipelines.io.user_files import writable_file, writable_folder
     from pipelines.runs.single_results import build_casing, scene_graph
-    from pipelines.steps.casing import misread_sensors
-    from pipelines.studies.housings.casing_export import FORMATS, write_casing
+    from pipelines.steps.casing import casing_warnings
+    from pipelines.studies.housings.casing_export import FORMATS, check_package, write_casing
     from pipelines.studies.housings.responses import checked_names
 
     if options.out and not options.response:
         raise InputError("--out is the folder of --response. Add --response, or delete --out.")
     folder = writable_folder(options.out or ".")
     targets = [writable_file(name, "--export", FORMATS) for name in options.export]
+    for target in targets:
+        check_package(target)
     loaded, work = scene_and_work(options)
     graph, machine = scene_graph(loaded)
     if "casing mesh" not in graph.steps and any(t.suffix == ".vtu" for t in targets):
@@ -97,7 +99,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     casing = build_casing(loaded, work, error_check=options.error_check)
     if missed := missed_error(casing):
         warnings.warn(missed, SceneWarning, stacklevel=1)
-    for words in misread_sensors(casing.body, {sensor.name: sensor.position for sensor in machine.sensors}):
+    for words in casing_warnings(casing.body, {sensor.name: sensor.position for sensor in machine.sensors}):
         warnings.warn(words, SceneWarning, stacklevel=1)
     if options.json:
         yield json_text(casing_facts(casing, loaded.name))
@@ -127,6 +129,8 @@ def _texts(casing: Casing, count: int) -> Iterator[str]:
             yield f"element size {1000 * casing.mesh.element_size:.3g} mm{asked}"
         yield casing.checkup.report(0)
         yield mode_table(casing.natural, count, casing.bands)
+        if casing.modes.band_limit and (casing.natural.frequencies[:count] > casing.band).any():
+            yield f"Modes above casing.band_Hz = {casing.band:g} Hz are approximate, and some may be missing."
         if count < (total := len(casing.natural.frequencies)):
             yield f"Modes 1 to {count} of {total}. To print more, set --modes."
         if casing.limits is None and casing.mesh is not None:

@@ -16,8 +16,9 @@ HELP = """\
 Check a scene file. Print ratios, frequencies, tooth forces, bearing positions, the shortest usable time windows, and
 time, memory and disk space of a run. Nothing is simulated and no file is written. Takes seconds.
 
-Symbols: a centre distance; eps_alpha, eps_beta transverse contact ratio and overlap ratio; f_m mesh frequency; f_r
-revolution frequency; F_bt force on the transverse line of action; F_t/b tangential force per face width."""
+Symbols: a centre distance; eps_alpha, eps_beta transverse contact ratio and overlap ratio; f_m mesh frequency; f_r1,
+f_r2 revolution frequencies of pinion and wheel; F_bt force on the transverse line of action; F_t/b tangential force per
+face width."""
 EXAMPLE = """\
 gearcase check rig-missing-tooth
 Quay-crane hoist rig, one tooth of the stage 1 wheel missing, container on rope

@@ -26,7 +26,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--out",
         metavar="FILE",
         type=path,
-        help="write a page with the front, the transmission error before and after, and TOML to paste, .html",
+        help="HTML page with the Pareto front, the transmission error before and after, and TOML to paste",
     )
     sub.argument_default = argparse.SUPPRESS
     sub.add_argument("--stage", metavar="N", type=count, help="number of the stage (default 1)")
@@ -41,11 +41,16 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--minimize",
         metavar="NAME",
         nargs="+",
-        help="te, te-max, te1 to te8, pressure, root-stress or load-factor, also with a statistic over the deviations "
-        "as in te:q90 (default te)",
+        help="te (peak-to-peak transmission error, mean over the torques), te-max (the largest), te1 to te8 "
+        "(amplitude of a mesh order), pressure, root-stress, load-factor; with a statistic over the samples as in "
+        "te:q90 (default te)",
     )
     sub.add_argument(
-        "--limit", metavar="TEXT", action="append", dest="limits", help='limit, as in "pressure <= 1200"; repeatable'
+        "--limit",
+        metavar="TEXT",
+        action="append",
+        dest="limits",
+        help='limit, as in "pressure <= 1200" (MPa); repeatable',
     )
     sub.add_argument(
         "--torque",
@@ -73,8 +78,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--evaluations",
         metavar="N",
         type=count,
-        help="number of candidates up to which all are evaluated; with more a genetic algorithm searches, which needs "
-        "pip install 'gearcase[design]' (default 2000)",
+        help="evaluate all combinations if there are at most N (default 2000); else use a genetic algorithm, which "
+        "needs pip install 'gearcase[design]'",
     )
 
 

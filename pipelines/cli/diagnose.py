@@ -12,7 +12,7 @@ from pipelines.io.argument_types import number, path
 HELP = """\
 Find the damaged component from vibration. A measured recording is compared with recordings of healthy machines
 (--baseline). A finished run is compared with its healthy control, and the spectral lines of both are listed.
-Several recordings give a table. Nothing is simulated. Takes seconds."""
+Several recordings give a table; those that cannot be used are refused in it. Nothing is simulated. Takes seconds."""
 EXAMPLE = """\
 gearcase diagnose bench
 Chipped tooth 10 of the stage 1 wheel: found. Evidence (steady, torque load, deviations of seed 1): ...
@@ -59,8 +59,8 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--out",
         metavar="FOLDER",
         type=path,
-        help="folder for report.html: verdict, spectra with those of the first healthy recording, levels and features; "
-        "with several recordings, the trend, and the folders 1, 2, ... with their reports",
+        help="folder for report.html: verdict, levels, features, spectra of the recording and of the first healthy "
+        "one; for several recordings the trend, and a folder 1, 2, ... with the report of each",
     )
     sub.add_argument(
         "--set",
@@ -109,16 +109,22 @@ def _recordings(options: argparse.Namespace) -> Iterator[str]:
     window = tuple(options.window) if options.window else None
     target = writable_folder(options.out) if options.out else None
     several = len(options.records) > 1
-    judged = list(judge_files(options.records, options.baseline, options.machine, window))
+    refused: dict[str, str] = {}
+    judged = list(judge_files(options.records, options.baseline, options.machine, window, refused if several else None))
+    if not judged:
+        raise InputError(next(iter(refused.values())))
     numbers, order, timed = order_of(judged)
-    judged, records = [judged[number] for number in numbers], [options.records[number] for number in numbers]
+    used = [one for one in options.records if shown(one) not in refused]
+    judged, records = [judged[number] for number in numbers], [used[number] for number in numbers]
     names, courses = [shown(one) for one in records], courses_of(judged)
     if options.json:
         facts = [file_facts(one) for one in judged]
-        trend = {"order": order, "recordings": facts, "trend": trend_facts(courses, names)}
+        trend = {"order": order, "recordings": facts, "refused": refused, "trend": trend_facts(courses, names)}
         yield json_text(trend if several else facts[0])
     elif several:
-        yield f"{files_grid(names, judged).to_text(_WIDTH)}\n{order}\n\n{trend_grid(courses).to_text(_WIDTH)}\n"
+        table = files_grid(names, judged, refused).to_text(_WIDTH)
+        yield f"{table}\n{order}\n\n{trend_grid(courses).to_text(_WIDTH)}\n"
+        yield from (f"Refused: {reason}" for reason in refused.values())
         notes: dict[str, list[str]] = {}  # numbers of recordings
         for number, one in enumerate(judged, 1):
             left = one.recorded.table.left_out if one.verdict is None else one.verdict.left_out

@@ -137,13 +137,20 @@ def main(options: argparse.Namespace) -> Iterator[str]:
 
 def _states(found: PairLaws, options: argparse.Namespace) -> list[MeshState]:
     """The pair at its torques, or at the force of the scene."""
-    from pipelines.machine.checks.strength import warn_of_overload
+    from pipelines.io.errors import InputError
+    from pipelines.machine.checks.strength import LARGEST_GIVE, refuse_overload
     from pipelines.runs.gear_curves import MeshState
 
+    most = 1e6 * LARGEST_GIVE * found.pair.pinion.normal_module
+    if options.tilt != "balanced" and abs(options.tilt) > most:
+        raise InputError(
+            f"--tilt {options.tilt:g} um: is more than {LARGEST_GIVE:g} modules of stage {found.stage} ({most:g} um), "
+            f"where linear elasticity does not hold. Set -{most:g} to {most:g} um."
+        )
     tilt = None if options.tilt == "balanced" else found.sense * options.tilt * 1e-6 / found.pair.face_width
     radius = found.pair.pinion.base_radius
     for torque in options.torque or ():
-        warn_of_overload(found.stage, found.pair, torque)
+        refuse_overload(found.stage, found.pair, torque)
     forces = [found.force] if options.torque is None else [torque / radius for torque in options.torque]
     return [MeshState(force=force, tilt=tilt) for force in forces]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import warnings
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -140,6 +141,7 @@ def _matrices(path: Path, options: argparse.Namespace) -> Iterator[str]:
     """Print the checks of stiffness and mass matrices; if points are to be kept, write the reduced body to a file."""
     from fem.casing.imported.matrix_checks import check_matrices
     from fem.casing.imported.matrix_files import MatrixFiles, read_body
+    from pipelines.io.errors import SceneWarning
     from pipelines.io.user_files import writable_folder
 
     body = read_body(
@@ -151,6 +153,8 @@ def _matrices(path: Path, options: argparse.Namespace) -> Iterator[str]:
             system=options.unit or _SYSTEMS[0],
         )
     )
+    for words in body.notes:
+        warnings.warn(words, SceneWarning, stacklevel=1)
     yield check_matrices(body).report()
     from pipelines.studies.housings.reduced_matrices import held_text, reduced_text, write_reduced
 

@@ -58,7 +58,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         "--stress",
         action="store_true",
         help="show the von Mises stress of the loaded teeth instead, by the model `solid` (PNG), and print the largest "
-        "root stress of each gear, at this position alone",
+        "root stress of each gear, at the position of --position only",
     )
     sub.add_argument(
         "--mesh",
@@ -82,7 +82,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """Write the pictures of a stage and, of a meshed casing, casing.png; print why a picture is not rendered."""
     from pipelines.io.errors import InputError
     from pipelines.io.user_files import writable_folder
-    from pipelines.machine.checks.strength import warn_of_overload
+    from pipelines.machine.checks.strength import refuse_overload
     from pipelines.report.figures.render import show_mesh
     from pipelines.runs.inspect_gears import InspectedStage
     from pipelines.runs.single_results import scene_graph
@@ -98,7 +98,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     if options.json and not options.stress:
         raise InputError("--json prints root stresses. Add --stress, or delete --json.")
     if options.torque is not None:
-        warn_of_overload(stage, machine.layout.pairs[stage - 1], options.torque)
+        refuse_overload(stage, machine.layout.pairs[stage - 1], options.torque)
     if options.stress or options.mesh is not None:
         yield from _stress(machine, graph, options, work)
         return
@@ -198,8 +198,8 @@ def _casing_mode(graph: Graph, machine: MachineModel, number: int | str, folder:
 
     if "casing mesh" not in graph.steps or "casing modes" not in graph.steps:
         raise InputError(
-            "--casing-mode: the casing has no finite-element mesh with elastic modes. Set casing.model to "
-            "craig-bampton, and casing.housing to a shape, a CAD file or a mesh."
+            "--casing-mode: the casing has no finite-element mesh with elastic modes to draw; imported matrices have "
+            "none. Set casing.model to craig-bampton, and casing.housing to a shape, a CAD file or a mesh."
         )
     outcome = work.build(graph, ["casing", "casing modes"])
     with reported_count("pictures", quiet=work.quiet) as report:

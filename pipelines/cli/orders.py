@@ -61,7 +61,7 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         type=positive,
         nargs="+",
         default=[],
-        help="orders whose amplitudes are shown over speed (default: the mesh orders)",
+        help="orders whose amplitudes are shown over speed (default: the first two mesh orders of each stage)",
     )
     sub.add_argument(
         "--revolutions",

@@ -57,7 +57,8 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     loaded = load_requested(options)
     machine = checked_machine(loaded.scene, loaded.source.shown)
     plan = spread_plan(loaded, machine, options.over, options.machines)
-    yield estimate(plan, sampled_scenes(plan)).text
+    if options.dry_run or not options.quiet:
+        yield estimate(plan, sampled_scenes(plan)).text
     if options.dry_run:
         return
     folder = Path(options.out or f"campaigns/{plan.name}")

@@ -21,6 +21,7 @@ from pipelines.io.shown_text import duration
 from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.machine.checks.cost import cost
 from pipelines.machine.checks.cost import words as size_words
+from pipelines.machine.checks.design_warnings import spall_warnings
 from pipelines.machine.machine_model import MachineModel
 from pipelines.steps.machine_steps import machine_steps
 
@@ -63,6 +64,7 @@ def estimate(plan: Plan, sampled: Sequence[SampledScene]) -> Estimate:
     refused: list[SceneError | ExpressionError] = []
     distinct: dict[str, Step] = {}
     found: Counter[str] = Counter()
+    doubtful: list[str] = []  # a warning of each scene whose label its signals may not show
     seconds = size = 0.0
     looked = sampled[:MOST_LOOKED_AT]
     for one in looked:
@@ -73,6 +75,7 @@ def estimate(plan: Plan, sampled: Sequence[SampledScene]) -> Estimate:
             refused.append(error)
             continue
         found[labels(machine)["label"]] += 1
+        doubtful += list(spall_warnings(machine))[:1]
         motion = cost(machine)
         seconds += motion.seconds
         size += _STORED_SHARE * _SAMPLE_BYTES * motion.samples * _stored_channels(plan, machine, motion.channels)
@@ -86,6 +89,7 @@ def estimate(plan: Plan, sampled: Sequence[SampledScene]) -> Estimate:
     messages = tuple(" ".join(str(error).replace("\n", ";", 1).split()) for error in refused)
     different = len({json.dumps(one.values) for one in sampled})
     groups_by = group_variables(plan.table)
+    parts = Counter(one.split for one in sampled)
     kinds = Counter(_PARTS.get(step.kind, step.kind) for step in distinct.values())
     missing = sum(step.seconds for step in distinct.values() if not _stored(step, cache))
     files = 1 + len(plan.table.signals or CASING_SIGNALS)  # of a run: its row, and one of every signal
@@ -94,13 +98,15 @@ def estimate(plan: Plan, sampled: Sequence[SampledScene]) -> Estimate:
     lines = [
         f"scenes      {runs}{'' if different == runs else f', {different} of them distinct'}",
         f"labels      {_counted(found)}{part}",
-        f"split       {_counted(Counter(one.split for one in sampled))}; {by}",
+        *([f"split       {_counted(parts)}; {by}"] if len(parts) > 1 else []),
         f"distinct    {_counted(kinds)}{part}",
         f"time        about {duration((missing + share * seconds) / cores)} on {cores} cores: "
         f"{duration(share * seconds)} of processor time for motions, {duration(missing)} for mesh laws and casings "
         "that are not in the cache",
         f"disk        about {size_words(share * size)} in {runs * files} files, {files} for each simulation",
     ]
+    if doubtful:
+        lines.append(f"doubtful    {len(doubtful)}{part}; the first: {doubtful[0]}")
     if messages:
         lines.append(f"refused     {len(messages)}{part}; the first: {messages[0]}")
     return Estimate(labels=found, refused=messages, text="".join(f"{line}\n" for line in lines))

@@ -9,6 +9,7 @@ one shaft have the same pass orders, thus the same evidence, and both are found.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -92,11 +93,34 @@ def sentences(cases: Sequence[Case], damages: Sequence[Damage]) -> list[str]:
             weakest = "Weakest evidence" if len(findings) > 1 else "Evidence"
             evidence.append(f"{weakest} ({case.name}): {verdict_words.standing(one.evidence)}.")
             evidence += [f"{other} has the same evidence." for other in _tied(case.verdict, one)]
-        if damage.tooth is not None and findings:
-            highest = sum(one.tooth == damage.tooth for _, one in findings)
-            where = "" if highest == len(cases) == 1 else f" in {highest} of {len(findings)}"
-            evidence.append(f"The impact begins at tooth {damage.tooth}{where}.")
+            evidence += _tooth_words(damage, [one.tooth for _, one in findings])
+        else:
+            evidence.append(f"Nearest evidence of damage: {_nearest(cases, damage)}.")
     return [" ".join(answers), *evidence, *verdict_words.compared(cases[0].verdict)]
+
+
+def _tooth_words(damage: Damage, teeth: Sequence[int | None]) -> list[str]:
+    """Where the impact begins; cracks have no impact, so that their tooth is stated only if it is right."""
+    wrong = Counter(tooth for tooth in teeth if tooth not in (None, damage.tooth))
+    right = teeth.count(damage.tooth)
+    if damage.tooth is None or (not right and (not wrong or damage.words.startswith("cracked"))):
+        return []
+    parts = [f"at tooth {damage.tooth}{f' in {right} of {len(teeth)}' if len(teeth) > 1 else ''}"] if right else []
+    parts += [f"at tooth {tooth}{f' in {count}' if len(teeth) > 1 else ''}" for tooth, count in wrong.items()]
+    other = "" if right else f", not at tooth {damage.tooth}"
+    return [f"The impact begins {', '.join(parts)}{other}."]
+
+
+def _nearest(cases: Sequence[Case], damage: Damage) -> str:
+    """The finding that is nearest to its limit, and that of the damaged component."""
+    ranked = [(case, one) for case in cases for one in case.verdict.findings]
+    case, first = max(ranked, key=lambda pair: pair[1].evidence.ratio)
+    own = [one for _, one in ranked if one.component == damage.component]
+    texts = [f"{first.component} ({case.name}), {verdict_words.standing(first.evidence)}"]
+    if own and first not in own:
+        best = max(own, key=lambda one: one.evidence.ratio)
+        texts.append(f"{best.component}, {verdict_words.standing(best.evidence)}")
+    return "; ".join(texts)
 
 
 def cases_grid(cases: Sequence[Case], damages: Sequence[Damage]) -> Grid:

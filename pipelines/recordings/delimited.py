@@ -177,8 +177,8 @@ def _damaged(path: Path, block: list[tuple[int, str]], layout: ColumnLayout) -> 
         if len(cells) != len(layout.names):
             ends = " The file may be cut off." if place == len(block) - 1 else ""
             return InputError(
-                f"{shown(path)}: line {number} has {len(cells)} cells, the first line of data {len(layout.names)}."
-                f"{ends} Correct or delete that line."
+                f"{shown(path)}: line {number} has {len(cells)} cells, but the first line of data has "
+                f"{len(layout.names)}.{ends} Correct or delete that line."
             )
         for cell, name, kind in zip(cells, layout.names, layout.kinds, strict=True):
             if kind != TEXT and _kind_of(cell, ".") != kind:

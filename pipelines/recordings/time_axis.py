@@ -80,11 +80,25 @@ def _even_steps(clock: RecordedChannel, source: str) -> tuple[float, float]:
         if not off[worst] <= allowed:
             raise InputError(
                 f"{where} is uneven: sample {first + worst + 1} deviates from even steps by {off[worst] / step:.3g} "
-                "steps, "
-                f"{allowed / step:.2g} are allowed. Resample it; if the time only has too few digits, set time = false "
+                f"steps, {allowed / step:.2g} are allowed.{_first_jump(clock)} "
+                "Resample it; if the time only has too few digits, set time = false "
                 "and rate_Hz in the machine file."
             )
     return 1.0 / (step * seconds), start * seconds
+
+
+def _first_jump(clock: RecordedChannel) -> str:
+    """The first place where the step between two samples is not the usual one, in words; "" without one."""
+    for first, times in clock.blocks():
+        steps = np.diff(times)
+        usual = float(np.median(steps)) if len(steps) else 0.0
+        jumps = np.flatnonzero(np.abs(steps - usual) > LOST * abs(usual))
+        if len(jumps):
+            at = int(jumps[0])
+            return (
+                f" The first jump is from sample {first + at + 1} ({times[at]:.6g}) to the next ({times[at + 1]:.6g})."
+            )
+    return ""
 
 
 def _last_digit(times: np.ndarray) -> float:

@@ -189,7 +189,7 @@ def all_lines(diagnoses: Sequence[Diagnosis], seeds: Sequence[Diagnosis]) -> lis
             "or a bearing line is given for comparison and is no evidence of the fault. Both runs contain sensor noise "
             f"of {diagnoses[0].noise:.3g} m/s² rms."
             + (
-                ' The last column gives the natural frequency of the container on its rope. "on this line" marks lines '
+                ' With a container on a rope, the last column gives its natural frequency. "on this line" marks lines '
                 "that this oscillation can raise without a fault."
                 if settings.rope_mode
                 else ""

@@ -68,6 +68,9 @@ def check_scene(loaded: LoadedScene) -> Checked:
 
 
 def _lines(machine: MachineModel, control: str) -> Iterator[str]:
+    from fem.gears.sector_mesh import root_chord
+    from pipelines.machine.bearing_loads import load_directions
+
     facts = machine.facts
     yield machine.title
     yield f"  motor speed {facts.motor_speed * 30 / math.pi:.4g} rpm, total ratio {facts.total_ratio:.4f}"
@@ -77,9 +80,7 @@ def _lines(machine: MachineModel, control: str) -> Iterator[str]:
         yield f"  highest container speed {facts.container_speed:.4g} m/s"
     if facts.rope_frequency is not None:
         yield f"  natural frequency of the container on its rope {facts.rope_frequency:.3g} Hz at the start"
-    yield (
-        "  stage  z1/z2     ratio   a mm      eps_alpha eps_beta  f_m Hz    f_r pinion, wheel Hz  F_bt N   F_t/b N/mm"
-    )
+    yield "  stage  z1/z2     ratio   a mm      eps_alpha eps_beta  f_m Hz    f_r1 Hz   f_r2 Hz    F_bt N   F_t/b N/mm"
     for number, (pair, stage) in enumerate(zip(machine.layout.pairs, facts.stages, strict=True), 1):
         teeth = f"{pair.pinion.teeth}/{pair.wheel.teeth}"
         yield (
@@ -88,9 +89,15 @@ def _lines(machine: MachineModel, control: str) -> Iterator[str]:
             f"{stage.pinion_frequency:<9.5g} {stage.wheel_frequency:<10.5g} {stage.mesh_force:<8.4g} "
             f"{stage.line_load / 1000:.4g}"
         )
+    for number, pair in enumerate(machine.layout.pairs, 1):
+        pinion, wheel = (1000 * root_chord(gear)[1] for gear in (pair.pinion, pair.wheel))
+        yield f"  tooth root thickness of stage {number} (for crack depths): pinion {pinion:.4g}, wheel {wheel:.4g} mm"
+    directions = load_directions(machine)
     for number, point in enumerate(machine.bearing_points, 1):
         x, y, z = (value * 1000 for value in point)
-        yield f"  bearing_{number} at x {x:.2f}, y {y:.2f}, z {z:.2f} mm"
+        angle = directions[f"bearing_{number}"]
+        load = "no radial load" if angle is None else f"load at {math.degrees(angle):.0f} deg"
+        yield f"  bearing_{number} at x {x:.2f}, y {y:.2f}, z {z:.2f} mm, {load}"
     chosen = machine.models
     models = [f"mesh {'/'.join(dict.fromkeys(chosen['mesh']))}"]
     models += [f"casing {chosen['casing']}", f"shafts {chosen['shaft_model']}", f"load {chosen['load']}"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from pipelines.signals.orders.kinematics import Kinematics
     from pipelines.signals.orders.rotation import Rotation
 
-_SAME_SPEED = 0.03  # greatest relative difference of the speeds of recordings that are compared without a warning
+SAME_SPEED = 0.03  # greatest relative difference of the speeds of recordings that are compared without a warning
 _NAMED = 3  # recordings of another speed that a warning names
 Windows = Mapping[str, tuple[float, float]]
 
@@ -73,6 +73,7 @@ def judge_files(
     healthy: Sequence[str | Path] = (),
     machine: str | Path | None = None,
     window: tuple[float, float] | None = None,
+    refused: dict[str, str] | None = None,
 ) -> Iterator[JudgedFile]:
     """The verdict on each of several recorded files or responses of runs.
 
@@ -82,32 +83,49 @@ def judge_files(
     healthy : files or folders of healthy machines; without a window, that of the source is evaluated
     machine : its description or scene; that of the run if None
     window : start and end (s) of the part to evaluate; if None, the windows of the scene, or the whole recording
+    refused : out: the reason for each file that cannot be judged, by its name; None: the first one is an error
 
     Raises
     ------
     InputError : a file or the machine cannot be used, or the recordings cannot be compared
     """
+    read: dict[str, list[RecordedFile]] = {}  # healthy recordings, by machine and windows
+    for source in sources:
+        try:
+            yield _judged_file(source, healthy, machine, window, read)
+        except InputError as error:
+            if refused is None:
+                raise
+            refused[shown(source)] = str(error)
+
+
+def _judged_file(
+    source: str | Path,
+    healthy: Sequence[str | Path],
+    machine: str | Path | None,
+    window: tuple[float, float] | None,
+    read: dict[str, list[RecordedFile]],
+) -> JudgedFile:
+    """One file of `judge_files`; `read` keeps the healthy recordings for the next one."""
     from pipelines.signals.features.feature_table import confirmed
 
-    read: dict[str, list[RecordedFile]] = {}  # healthy recordings, by machine and windows
     names = [shown(one) for one in healthy]
-    for source in sources:
-        path, asked = recording_and_window(source)
-        known, windows = machine_of(path, machine)
-        chosen = requested_windows(source, asked, {"the window": window} if window else windows)
-        own = read_features(path, known, chosen)
-        same = f"{machine or path.parent} {chosen}"
-        if same not in read:
-            split = [(one, *recording_and_window(one)) for one in healthy]
-            read[same] = [read_features(file, known, requested_windows(one, part, chosen)) for one, file, part in split]
-        others = read[same]
-        tables = confirmed([one.table for one in (own, *others)])
-        other = " Another recording confirms the tooth numbers." if any(tables[0].conditional) else ""
-        own = replace(own, table=tables[0], turning=own.turning + other)
-        verdict = _judged(tables, known.kinematics, names, f"{shown(path)}: ") if others else None
-        own = replace(own, warnings=(*own.warnings, *other_speeds(own, dict(zip(names, others, strict=True)))))
-        kept = tuple(one for name, one in zip(names, others, strict=True) if verdict and name not in verdict.outlying)
-        yield JudgedFile(recorded=own, kinematics=known.kinematics, verdict=verdict, healthy=kept)
+    path, asked = recording_and_window(source)
+    known, windows = machine_of(path, machine)
+    chosen = requested_windows(source, asked, {"the window": window} if window else windows)
+    own = read_features(path, known, chosen)
+    same = f"{machine or path.parent} {chosen}"
+    if same not in read:
+        split = [(one, *recording_and_window(one)) for one in healthy]
+        read[same] = [read_features(file, known, requested_windows(one, part, chosen)) for one, file, part in split]
+    others = read[same]
+    tables = confirmed([one.table for one in (own, *others)])
+    other = " Another recording confirms the tooth numbers." if any(tables[0].conditional) else ""
+    own = replace(own, table=tables[0], turning=own.turning + other)
+    verdict = _judged(tables, known.kinematics, names, f"{shown(path)}: ") if others else None
+    own = replace(own, warnings=(*own.warnings, *other_speeds(own, dict(zip(names, others, strict=True)))))
+    kept = tuple(one for name, one in zip(names, others, strict=True) if verdict and name not in verdict.outlying)
+    return JudgedFile(recorded=own, kinematics=known.kinematics, verdict=verdict, healthy=kept)
 
 
 def recorded_parts(
@@ -139,12 +157,12 @@ def other_speeds(own: RecordedFile, healthy: Mapping[str, RecordedFile]) -> list
     """A warning if healthy recordings (by name) have other speeds, since levels depend on speed."""
     speeds = {name: 60.0 * float(one.table.speed[0]) for name, one in healthy.items()}
     rpm = 60.0 * float(own.table.speed[0])
-    other = [f"{name} {speed:.5g} rpm" for name, speed in speeds.items() if abs(speed / rpm - 1.0) > _SAME_SPEED]
+    other = [f"{name} {speed:.5g} rpm" for name, speed in speeds.items() if abs(speed / rpm - 1.0) > SAME_SPEED]
     if not other:
         return []
     return [
         f"{len(other)} of {len(healthy)} healthy recordings differ from {rpm:.5g} rpm by more than "
-        f"{100 * _SAME_SPEED:g} %: {', '.join(other[:_NAMED])}{' and others' * (len(other) > _NAMED)}. Levels "
+        f"{100 * SAME_SPEED:g} %: {', '.join(other[:_NAMED])}{' and others' * (len(other) > _NAMED)}. Levels "
         "depend on speed and load, and the verdict may be wrong. Give healthy recordings of the same speed and load."
     ]
 
@@ -350,8 +368,14 @@ def file_words(found: JudgedFile) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def files_grid(names: Sequence[str], found: Sequence[JudgedFile]) -> Grid:
-    """Table of recordings that were judged in the same way: name, speed, level, answer and strongest evidence."""
+def files_grid(names: Sequence[str], found: Sequence[JudgedFile], refused: Iterable[str] = ()) -> Grid:
+    """Table of recordings that were judged in the same way: name, speed, level, answer and strongest evidence.
+
+    Parameters
+    ----------
+    names, found : the recordings
+    refused : names of recordings that cannot be judged
+    """
     from pipelines.diagnosis.impacts import CLEAR
     from pipelines.diagnosis.verdict_words import STRENGTH, answer, strength
     from pipelines.signals.features.feature_table import WHOLE
@@ -377,6 +401,7 @@ def files_grid(names: Sequence[str], found: Sequence[JudgedFile]) -> Grid:
         named = zip(("answer", "strongest evidence", evidence), result, strict=True)
         moment = {} if one.recorded.begin is None else {"begins": f"{one.recorded.begin:%Y-%m-%d %H:%M:%S}"}
         rows.append({"": str(len(rows) + 1), "recording": name, **dict(named), **moment, **known})
+    rows += [dict.fromkeys(rows[0], "-") | {"recording": name, "answer": "refused"} for name in refused]
     return grid(f"{len(rows)} recordings", rows)
 
 

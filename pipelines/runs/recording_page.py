@@ -73,12 +73,14 @@ def write_recording_page(path: Path, judged: JudgedFile, recorded: Sequence[Comp
 def _figures(judged: JudgedFile, recorded: Sequence[ComparedRecording]) -> list[str]:
     parts = brought_together(recorded)
     features = features_of(parts)
-    drawn = curves(parts, _channel(judged, parts[-1]), _shaft(judged, features.tables[-1].component))
+    components = features.tables[-1].component
+    drawn = curves(parts, _channel(judged, parts[-1]), _shaft(judged, components))
     names = [f"{letter}  {part.name}" for letter, part in zip(LETTERS, parts, strict=False)]
     behind = _BEHIND if len(parts) > 1 else ""
     return [
         page.picture(figure, _CAPTIONS[name.partition("-")[0]] + ("" if name == "rms" else behind))
         for name, figure in comparison_figures(drawn, features, parts, names).items()
+        if name.partition("-")[0] != "average" or drawn.shaft in components  # else its angle is not known well enough
     ]
 
 

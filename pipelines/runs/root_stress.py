@@ -84,6 +84,9 @@ def loaded_teeth(
     if target is not None:
         target.parent.mkdir(parents=True, exist_ok=True)
         write_teeth(states[-1], target, healthy.frame)
+    healthy_name = "healthy, without the crack" if crack else "healthy"
+    names = (healthy_name, ", ".join(kind.replace("-", " ") for kind in kinds))[: len(states)]
+    roots = [root_stresses(pair, teeth) for teeth in states]
     view = StressView(
         title=f"{machine.title}: stage {stage}, {pair.pinion.teeth}/{pair.wheel.teeth} teeth",
         gears=healthy,
@@ -93,13 +96,14 @@ def loaded_teeth(
         model=f"model solid, refinement {model.refinement:g}, {model.slices} slices along the face",
         force=force,
         cycle=index / model.positions,
-        names=("healthy", ", ".join(kind.replace("-", " ") for kind in kinds))[: len(states)],
+        names=names,
         states=states,
+        root_stresses=tuple(max(row["root stress MPa"] for row in own) for own in roots),
     )
     rows = [
         {"teeth": name, **row, "y mm": found.sense * row["y mm"]}
-        for name, teeth in zip(view.names, states, strict=True)
-        for row in root_stresses(pair, teeth)
+        for name, own in zip(names, roots, strict=True)
+        for row in own
     ]
     return rows, view
 

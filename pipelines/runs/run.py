@@ -85,7 +85,7 @@ def run_scene(
     requested = graph.steps if with_report else plan.motions
     failure: Exception | None = None
     with claimed(loaded.name, out) as claim, run_folder.logged_to(claim.folder / "log.jsonl"):
-        for text in scene_warnings(loaded, plan):
+        for text in scene_warnings(loaded, plan, with_report):
             _LOG.warning("%s", text)
         written = _Files(claim.folder, loaded, plan)
         try:
@@ -166,10 +166,10 @@ class _Files:
         loaded, plan, results = self._loaded, self._plan, self._results
         log_warnings(results[name].load() for name in plan.motions)
         if "casing" in results:
-            from pipelines.steps.casing import misread_sensors
+            from pipelines.steps.casing import casing_warnings
 
             positions = {sensor.name: sensor.position for sensor in plan.machine.sensors}
-            for words in misread_sensors(results["casing"].load(), positions):
+            for words in casing_warnings(results["casing"].load(), positions):
                 _LOG.warning("%s", words)
         (self._folder / run_folder.ASKED).write_text(loaded.asked(), encoding="utf-8")
         own_control = plan.control is not None and not control_differences(loaded, plan.control)

@@ -227,8 +227,8 @@ def _problem(item: Any, model: type[BaseModel], tree: Mapping[str, Any], paths: 
                 f"must be a list of numbers{unit}",
                 "Write [value, value, ...], or { file = ..., column = ... }.",
             )
-        if kind == "string_type":
-            remedy += _meaning(path, model, tree)
+        if kind == "string_type" and (meaning := _meaning(path, model, tree)):
+            remedy += f". Meaning{meaning}"
         return Problem(where, message, remedy, written)
     if kind in ("too_short", "too_long"):
         bound = "at least" if kind == "too_short" else "at most"

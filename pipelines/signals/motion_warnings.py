@@ -10,6 +10,8 @@ from collections.abc import Container, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    import xarray
+
     from mbd.output.trajectory import Trajectory
 
 _LOG = logging.getLogger(__name__)
@@ -17,6 +19,7 @@ KINDS = ("step", "repeat", "energy")
 LARGEST_STEP_ERROR = 0.05
 STARTS = "gearcase starts SCENE"
 ATTRIBUTE = "warnings"  # of a response
+MOSTLY_OPEN = 0.5  # of the time; a pair that is out of contact for longer rattles freely in its backlash
 
 
 def motion_warnings(trajectory: Trajectory) -> dict[str, str]:
@@ -37,6 +40,27 @@ def motion_warnings(trajectory: Trajectory) -> dict[str, str]:
             "simulation.step_us, or a larger simulation.band_Hz."
         )
     return found
+
+
+def chance_of_run(run: xarray.Dataset, end: float) -> str:
+    """Why the difference of a run from its control up to `end` (s) can be chance and no effect of a fault, or "".
+
+    Chaos is observed only while a neighbouring motion is followed, so that it can be missed. Teeth that hardly touch
+    have no load that determines their position; this is the second criterion.
+
+    Parameters
+    ----------
+    run : response of the machine
+    end : s, of the last evaluated window
+    """
+    until = run.attrs.get("repeatable_until_s", "the end")
+    if until != "the end" and until < end:
+        return f"the motion is chaotic and cannot be repeated after {until:.3g} s"
+    for name, value in json.loads(run.attrs.get("counters", "{}")).items():
+        share = 1e-6 * value / float(run.time[-1])
+        if name.endswith(":microseconds_open") and share > MOSTLY_OPEN:
+            return f"the teeth of {name.partition(':')[0]} are out of contact for {100 * share:.0f} % of the time"
+    return ""
 
 
 def _step_sentence(trajectory: Trajectory) -> str:

@@ -24,9 +24,19 @@ def build(stage: Stage, **taken: Any) -> Any:
         raise WorkError(str(error)) from error
 
 
-def misread_sensors(body: ReducedBody, positions: Mapping[str, tuple[float, float, float]]) -> Iterator[str]:
-    """Sensors of a casing that measure elsewhere than stated in the scene (`positions` in m), or not along all axes."""
+def casing_warnings(body: ReducedBody, positions: Mapping[str, tuple[float, float, float]]) -> Iterator[str]:
+    """Warnings of a casing: those of its files, and sensors that measure elsewhere than stated, or not along all axes.
+
+    They come from the stored result, so a casing from the cache has them too.
+
+    Parameters
+    ----------
+    body : the reduced casing
+    positions : m, of the sensors in the scene, by name
+    """
     import numpy as np
+
+    yield from body.notes
 
     places = dict(zip(body.point_names, body.point_positions, strict=True))
     moving = dict(zip(body.row_names, np.abs(body.rows).max(axis=1, initial=0.0) > 0.0, strict=True))

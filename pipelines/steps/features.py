@@ -28,7 +28,8 @@ def build(settings: FeatureSettings, labels: Mapping[str, Any], samples: int, *,
 def of_response(run: xarray.Dataset, settings: FeatureSettings, samples: int) -> dict[str, Any]:
     """The tables of features by window, one for each sample of noise, under "tables".
 
-    Where there are none, the reason is under "failure".
+    Where there are none, the reason is under "failure". "chance" is why the run cannot be compared with a control, or
+    "".
 
     Parameters
     ----------
@@ -38,9 +39,11 @@ def of_response(run: xarray.Dataset, settings: FeatureSettings, samples: int) ->
     """
     from pipelines.diagnosis.simulated_features import window_features
     from pipelines.signals.features.recording_features import FeatureError
+    from pipelines.signals.motion_warnings import chance_of_run
     from pipelines.signals.orders.rotation import RotationError
 
+    chance = chance_of_run(run, max((end for _, end in settings.windows.values()), default=0.0))
     try:
-        return {"tables": window_features(run, settings, samples), "failure": ""}
+        return {"tables": window_features(run, settings, samples), "failure": "", "chance": chance}
     except (FeatureError, RotationError) as error:
-        return {"tables": {}, "failure": str(error)}
+        return {"tables": {}, "failure": str(error), "chance": chance}

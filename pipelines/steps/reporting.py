@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.casing.parts.casing_choices import MODES_OVER_BAND
 from fem.gears.modifications import EndRelief, FlankModifications, Relief
 from fem.options import options_of
 from pipelines.engine.step import Unkept
@@ -22,7 +23,7 @@ from pipelines.machine.layout import TrainLayout
 from pipelines.machine.machine_model import MachineModel
 from pipelines.machine.scene_kinematics import pass_rates, shaft_lines
 from pipelines.signals.motion_warnings import gathered, stored_warnings
-from pipelines.steps.casing import misread_sensors
+from pipelines.steps.casing import casing_warnings
 from pipelines.steps.diagnosing import CaseSpec, diagnoses
 from pipelines.steps.verdict import known_damages
 
@@ -132,7 +133,7 @@ def sections(
             axis=monitored.axis,
             settings=settings,
             energy=energy_rows(every[0]),
-            warnings=(*warnings, *misread_sensors(body, {one.name: one.position for one in machine.sensors})),
+            warnings=(*warnings, *casing_warnings(body, {one.name: one.position for one in machine.sensors})),
         )
     left_out = [p.reason for p in (curves["gears"], casing) if isinstance(p, LeftOut)]
     return _kept_if_complete({"sections": made, "left_out": left_out})
@@ -208,6 +209,8 @@ def _summary(machine: MachineModel) -> dict[str, Any]:
 
 def gear_rows(machine: MachineModel) -> list[dict[str, Any]]:
     """Rows of the gear table, two for each stage."""
+    from fem.gears.sector_mesh import root_chord
+
     rows = []
     stages = zip(machine.layout.pairs, machine.facts.stages, machine.layout.modifications, strict=True)
     for number, (pair, stage, modified) in enumerate(stages, 1):
@@ -223,6 +226,7 @@ def gear_rows(machine: MachineModel) -> list[dict[str, Any]]:
                     "profile shift x": gear.profile_shift,
                     "reference diameter d mm": gear.reference_radius * 2000,
                     "tip diameter d_a mm": gear.tip_radius * 2000,
+                    "tooth root thickness mm": root_chord(gear)[1] * 1000,
                     "bore diameter mm": gear.bore_radius * 2000,
                     "transverse contact ratio": stage.transverse_contact_ratio,
                     "overlap ratio": stage.overlap_ratio,
@@ -278,6 +282,7 @@ class CasingSummary:
 
     unknowns: int
     solver: str
+    band_limit: float  # Hz, of the fixed-interface modes; 0: none
     checkup: CheckUp
 
 
@@ -289,7 +294,7 @@ def casing_summary(result: tuple[Any, ...]) -> CasingSummary:
     result : `CasingModes` and `CheckUp`, and the quadratic modes if the frequencies are extrapolated
     """
     modes, checkup, *_ = result
-    return CasingSummary(unknowns=modes.unknowns, solver=modes.solver, checkup=checkup)
+    return CasingSummary(unknowns=modes.unknowns, solver=modes.solver, band_limit=modes.band_limit, checkup=checkup)
 
 
 def _casing_rows(body: ReducedBody, modes: CasingSummary | None) -> list[dict[str, Any]]:
@@ -300,11 +305,15 @@ def _casing_rows(body: ReducedBody, modes: CasingSummary | None) -> list[dict[st
     if modes is not None:
         check = modes.checkup
         factor = f"{body.stiffness_factor:.4f}"
-        extrapolated = [{"property": "factor on the stiffness, extrapolated to zero element size", "value": factor}]
+        extrapolated = [{"property": "factor on the casing stiffness that corrects the element size", "value": factor}]
         first = check.frequencies[:6] * math.sqrt(body.stiffness_factor)
         rows += [
             {"property": "unknowns of the finite-element mesh", "value": modes.unknowns},
             {"property": "solver", "value": modes.solver},
+            {
+                "property": "casing.band_Hz, above which modes are missing",
+                "value": f"{modes.band_limit / MODES_OVER_BAND:g}" if modes.band_limit else "static, without modes",
+            },
             {"property": "mass, kg", "value": check.mass},
             {
                 "property": "first natural frequencies on its feet, Hz",

@@ -114,11 +114,11 @@ def plan_run(
     return plan
 
 
-def scene_warnings(loaded: LoadedScene, plan: RunPlan) -> tuple[str, ...]:
-    """What is questionable in a scene, and how its control differs in more than the fault."""
+def scene_warnings(loaded: LoadedScene, plan: RunPlan, diagnosed: bool = True) -> tuple[str, ...]:
+    """What is questionable in a scene, and how its control differs in more than the fault; see `design_warnings`."""
     from pipelines.machine.checks.design_warnings import design_warnings
 
-    warnings = list(design_warnings(loaded.scene, plan.machine))
+    warnings = list(design_warnings(loaded.scene, plan.machine, diagnosed))
     if plan.control is not None:
         lines = control_differences(loaded, plan.control)
         head = f"the control {plan.control.name} differs in more than the fault"

@@ -36,6 +36,12 @@ def build(
     from pipelines.diagnosis.known_damage import Case, text
 
     failure = next((one["failure"] for one in (*own, *healthy) if one["failure"]), "")
+    chance = next((one["chance"] for one in (*own, *healthy) if one["chance"]), "") if exact else ""
+    if chance and not failure:
+        failure = (
+            f"{chance}, so that differences from the healthy control need not be effects of the fault. Increase the "
+            "load, or compare with other healthy machines: --baseline 8."
+        )
     found = []
     try:
         for number, ((load, deviations), one) in enumerate(zip(cases, own, strict=True)):

@@ -71,18 +71,28 @@ def _bore_problems(housing: Dimensions) -> Iterator[str]:
         if room < 0.0:
             yield (
                 f"{bore.name}: boss at x = {_mm(bore.x)}, z = {_mm(bore.z)} extends {_mm(-room)} beyond the inner area "
-                "of its side wall. Correct left_end_mm, length_mm, shaft_height_mm or height_mm"
+                "of its side wall. Reduce its boss_diameters_mm, or correct left_end_mm, length_mm, shaft_height_mm or "
+                "height_mm"
             )
     for one, two in combinations(housing.bores, 2):
         distance, total = math.hypot(one.x - two.x, one.z - two.z), one.boss_diameter + two.boss_diameter
         gap = distance - total / 2
         if one.side == two.side and gap < ligament:
+            smallest = one.diameter + two.diameter + 4 * ligament  # sum of the diameters with the thinnest rings
+            smaller = (
+                f"Reduce the sum of their boss diameters from {_mm(total)} to {_mm(2 * (distance - ligament))} or "
+                f"less, or raise the distance of their axes from {_mm(distance)} to {_mm(total / 2 + ligament)} or more"
+            )
+            farther = (
+                f"With the thinnest rings allowed, {_mm(ligament)}, the sum of their boss diameters is "
+                f"{_mm(smallest)}. Raise the distance of their axes from {_mm(distance)} to "
+                f"{_mm(smallest / 2 + ligament)} or more, or reduce bore_diameters_mm"
+            )
+            remedy = smaller if smallest <= 2 * (distance - ligament) else farther
             what = "overlap by" if gap < 0.0 else "leave a ligament of only"
             yield (
                 f"bosses of {one.name} and {two.name} {what} {_mm(abs(gap))} (limit: a ligament of {_mm(ligament)} or "
-                f"more). Reduce the sum of their boss diameters from {_mm(total)} to "
-                f"{_mm(2 * (distance - ligament))} or less, or raise the distance of their axes from {_mm(distance)} "
-                f"to {_mm(total / 2 + ligament)} or more"
+                f"more). {remedy}"
             )
 
 
@@ -189,7 +199,8 @@ def _rib_problems(housing: Dimensions) -> Iterator[str]:
                 )
     for (name, one), (other, two) in combinations(boxes.items(), 2):
         if (gap := _gap(one, two)) < ligament:
-            what = f"overlap by {_mm(-gap)}" if gap < 0.0 else f"leave only {_mm(gap)} between them"
+            what = f"leave only {_mm(gap)} between them" if gap > 0.0 else f"overlap by {_mm(-gap)}"
+            what = "touch" if abs(gap) < _TOUCH else what
             yield f"{name} and {other} {what} (limit: {_mm(ligament)} or more between them). Set fewer or thinner ribs"
 
 

@@ -41,6 +41,7 @@ class ImportedBody:
     numbers: np.ndarray  # int (k,), of the nodes
     places: np.ndarray  # (k, 3), m; nan where no file gives them
     dropped: int = 0  # equations without stiffness and mass that were left out
+    notes: tuple[str, ...] = ()  # matrices of the file that are not used
 
     @property
     def located(self) -> bool:

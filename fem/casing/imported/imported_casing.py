@@ -156,6 +156,7 @@ def _modes(
         nodes=body.places,
         facets=np.zeros((0, 3), np.int32),
         basis=nodal,
+        notes=body.notes,
     )
 
 

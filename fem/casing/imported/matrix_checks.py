@@ -10,7 +10,7 @@ import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
 
-from fem.casing.imported.imported_body import ImportedBody
+from fem.casing.imported.imported_body import MODAL, ImportedBody
 from fem.elements.solids import rigid_body_modes
 
 _SYMMETRIC = 1e-9
@@ -89,7 +89,7 @@ def check_matrices(body: ImportedBody, count: int = 30) -> MatrixCheck:
             inertia = (about.T @ (M @ about))[3:, 3:]
             scale = abs(K).max() * np.maximum(abs(about).max(axis=0), 1e-300)
             grounding = float((abs(K @ about) / scale).max())
-    wrong = _wrong(asymmetry, mass, grounding, rigid, negative)
+    wrong = _wrong(asymmetry, mass, grounding, rigid, negative, _negative_place(body) if negative else "")
     return MatrixCheck(
         equations=K.shape[0],
         nodes=len(body.numbers),
@@ -120,11 +120,12 @@ def rigid_motion(body: ImportedBody, centre: np.ndarray) -> np.ndarray:
 def lowest_frequencies(K: sp.csr_matrix, M: sp.csr_matrix, count: int) -> tuple[np.ndarray, int]:
     """The lowest frequencies (Hz) of K u = omega^2 M u, zeros for rigid modes, and the number of negative omega^2.
 
-    Shift and invert: dense for small bodies, by ARPACK for larger ones. No frequencies are found if the stiffness is
-    negative in a direction without mass; then the negative eigenvalues of K are counted.
+    Shift and invert: dense for small bodies, by ARPACK for larger ones, which may not find all negative omega^2. No
+    frequencies are found if the stiffness is negative in a direction without mass; then the negative eigenvalues of K
+    are counted.
     """
     K, M = 0.5 * (K + K.T), 0.5 * (M + M.T)
-    n = K.shape[0]
+    n, least = K.shape[0], 0  # known number of negative omega^2
     if not abs(M).max() > 0.0:
         return np.zeros(0), 0
     if n <= _DENSE:
@@ -141,12 +142,26 @@ def lowest_frequencies(K: sp.csr_matrix, M: sp.csr_matrix, count: int) -> tuple[
         shift = -1e-6 * float(abs(K.diagonal()).max() / abs(M.diagonal()).max())
         try:
             solve = LinearOperator((n, n), factorize(K - shift * M).solve)
-        except SingularMatrixError:  # indefinite below its lowest mode too: reported as an error
-            solve = None
+        except SingularMatrixError:  # indefinite, or without stiffness and mass in some direction
+            solve, least = None, int(negative_pivot(K) is not None)
         squares = eigsh(K, k=min(count, n - 2), M=M, sigma=shift, OPinv=solve, return_eigenvectors=False)
     squares = np.sort(squares)[:count]
     noise = 1e-9 * float(abs(squares).max(initial=0.0))
-    return np.sqrt(np.maximum(squares, 0.0)) / (2.0 * math.pi), int((squares < -max(noise, 1.0)).sum())
+    return np.sqrt(np.maximum(squares, 0.0)) / (2.0 * math.pi), max(least, int((squares < -max(noise, 1.0)).sum()))
+
+
+def negative_pivot(K: sp.csr_matrix) -> int | None:
+    """An unknown with a negative pivot in the Cholesky factorisation of K; None if there is none.
+
+    The diagonal is raised by its `_SYMMETRIC` share, so that a free body has none by rounding.
+    """
+    from fem.numerics.linear_solver import SingularMatrixError, factorize
+
+    try:
+        factorize(K + sp.diags_array(_SYMMETRIC * abs(K.diagonal())))
+    except SingularMatrixError as error:
+        return error.unknown
+    return None
 
 
 def _dense(K: np.ndarray, M: np.ndarray) -> np.ndarray | None:
@@ -167,7 +182,9 @@ def _dense(K: np.ndarray, M: np.ndarray) -> np.ndarray | None:
     return None
 
 
-def _wrong(asymmetry: list[float], mass: float, grounding: float, rigid: int, negative: int) -> Iterator[str]:
+def _wrong(
+    asymmetry: list[float], mass: float, grounding: float, rigid: int, negative: int, place: str
+) -> Iterator[str]:
     for name, value in zip(("stiffness", "mass"), asymmetry, strict=True):
         if value > _SYMMETRIC:
             yield (
@@ -176,8 +193,8 @@ def _wrong(asymmetry: list[float], mass: float, grounding: float, rigid: int, ne
             )
     if negative:
         yield (
-            f"{negative} modes have negative stiffness: the matrices are those of a loaded or damaged model, or are "
-            "written with too few digits"
+            f"{negative} or more modes have negative stiffness{place}: the exporting program has inverted elements or "
+            "a negative modulus there, the matrices are those of a loaded or damaged model, or have too few digits"
         )
     if np.isfinite(grounding) and grounding > _FREE:
         yield (
@@ -188,6 +205,14 @@ def _wrong(asymmetry: list[float], mass: float, grounding: float, rigid: int, ne
         yield f"{rigid} modes have no stiffness, a free body has 6 of them: a part is not connected"
     if np.isfinite(mass) and not mass > 0.0:
         yield "its mass is zero: no densities in the model, or a mass matrix of other equations"
+
+
+def _negative_place(body: ImportedBody) -> str:
+    """Node and axis of an equation with a negative pivot, for a message; "" if it is not known."""
+    if (unknown := negative_pivot(body.stiffness)) is None or body.axis[unknown] == MODAL:
+        return ""
+    axis = ("x", "y", "z", "rotation x", "rotation y", "rotation z")[body.axis[unknown]]
+    return f", found at node {body.node[unknown]} along {axis}"
 
 
 def _doubtful(body: ImportedBody, mass: float, elastic: np.ndarray) -> Iterator[str]:

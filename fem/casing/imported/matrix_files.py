@@ -19,7 +19,7 @@ import warnings
 import zipfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -47,7 +47,8 @@ _STIFFNESS, _MASS = (
 
 _UNUSED = {  # matrices that are not read, and the remedy
     **dict.fromkeys(("damping", "baa", "baax"), "Set casing.damping_ratio in the scene instead."),
-    "rows": "Each sensor measures at the nearest node: add a node at each sensor.",
+    "rows": "Each sensor measures at the nearest node: add a node at each sensor, in an export of gearcase by a "
+    "casing-force of 0 N along x, y and z.",
 }
 
 
@@ -82,12 +83,10 @@ def read_body(files: MatrixFiles) -> ImportedBody:
     path = Path(files.stiffness)
     first = read_matrices(path)
     second = first if files.mass is None else read_matrices(Path(files.mass))
-    for name in sorted(_UNUSED.keys() & {*first.matrices, *second.matrices}):
-        _log.warning("%s: the matrix %s is not used. %s", path.name, name, _UNUSED[name])
     given = files.nodes or (files.stiffness if _holds_grid(path) else None)
     nodes, frames = (first.nodes, None) if given is None else _nodes(Path(given))
     equations = first.equations if files.equations is None else _equations(Path(files.equations))
-    return imported_body(
+    body = imported_body(
         path.name,
         _chosen(path, first, _STIFFNESS, "stiffness", alone=files.mass is not None),
         _chosen(Path(files.mass or path), second, _MASS, "mass", alone=files.mass is not None),
@@ -96,6 +95,8 @@ def read_body(files: MatrixFiles) -> ImportedBody:
         frames=frames,
         system=files.system,
     )
+    unused = sorted(_UNUSED.keys() & {*first.matrices, *second.matrices})
+    return replace(body, notes=tuple(f"{path.name}: the matrix {name} is not used. {_UNUSED[name]}" for name in unused))
 
 
 def read_matrices(path: Path) -> Found:

@@ -184,16 +184,16 @@ def same_bodies(gmsh: Any, solids: Sequence[int]) -> list[tuple[int, int]]:
     return sorted(cKDTree(marks).query_pairs(_TOUCHING))
 
 
-def small_edges(gmsh: Any) -> list[tuple[float, np.ndarray]]:
-    """Extent and middle (3,) in mm of the edges of the current solids below `SMALL_EDGE`, the smallest first.
+def small_edges(gmsh: Any, limit: float = SMALL_EDGE) -> list[tuple[float, np.ndarray, int]]:
+    """Extent and middle (3,) in mm, and tag, of the edges of the current solids below `limit` (mm), the smallest first.
 
     The tip of a cone and the poles of a sphere are edges without extent and are ignored.
     """
     found = []
     for _, tag in gmsh.model.getEntities(1):
         box = np.array(gmsh.model.getBoundingBox(1, tag)).reshape(2, 3)
-        if _NO_EXTENT < (extent := float(np.ptp(box, axis=0).max())) < SMALL_EDGE:
-            found.append((extent, box.mean(axis=0)))
+        if _NO_EXTENT < (extent := float(np.ptp(box, axis=0).max())) < limit:
+            found.append((extent, box.mean(axis=0), tag))
     return sorted(found, key=lambda one: one[0])
 
 

@@ -14,7 +14,7 @@ from fem.casing.geometry.housing import Housing
 from fem.casing.mesh.finished_mesh import RawMesh, finished_mesh
 from fem.casing.mesh.housing_section import SectionMesh, divided, lines_across, section, shaft_places
 from fem.casing.mesh.mesh import CasingMesh, MeshError
-from fem.casing.mesh.sizes import MM, Sizes
+from fem.casing.mesh.sizes import Sizes
 from fem.elements.solid_elements import SOLIDS
 from fem.numerics.quadratic_grids import with_middles
 
@@ -40,7 +40,7 @@ def mesh_extruded(housing: Housing, sizes: Sizes, element: str = "hexahedron-20"
         name="casing mesh",
         element=element,
         element_size=sizes.element,
-        remedy=f"Use an element size below {MM * sizes.element:.4g} mm, or element tetrahedron-10",
+        remedy=f'{sizes.smaller}, or casing.element = "tetrahedron-10"',
     )
 
 

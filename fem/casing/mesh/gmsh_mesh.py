@@ -21,7 +21,7 @@ from fem.casing.mesh.housing_solid import build_solid, find_patches
 from fem.casing.mesh.imported_housing import ImportedHousing, check_extent, finish, seat_point
 from fem.casing.mesh.key_points import locate
 from fem.casing.mesh.mesh import CasingMesh, MeshError
-from fem.casing.mesh.quality import GOOD_QUALITY, straightened
+from fem.casing.mesh.quality import GOOD_QUALITY, QUALITY_LIMIT, straightened
 from fem.casing.mesh.sizes import MM, Refinement, Sizes, follow_fillets, set_sizes
 from fem.casing.mesh.surface import Surface
 from fem.processes.own_process import DAMAGED, opened_in_own_process
@@ -29,6 +29,7 @@ from fem.processes.own_process import DAMAGED, opened_in_own_process
 _CRASHED = "if `gearcase housing` can read it, try another element size; otherwise export it again"
 _ROUND, _LONG = 25, 2  # points of the grid around a cylinder and along it
 _EXACT = {"Plane", "Cylinder", "Cone", "Sphere", "Torus"}  # in a solid of these, only cylinders can be bores
+_SHORT, _AT_SHORT = 0.1, 8.0  # edges below this share of the element size; elements there, in lengths of the edge
 _TO_VTK = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]  # gmsh swaps the mid-side nodes 23 and 13
 
 
@@ -72,7 +73,7 @@ def mesh_housing(
             far = feet.height + 2 * (sizes.element - local)
             finer.append(Refinement(ground, local, near=feet.pad_height, far=far))
         follow_fillets(gmsh, sizes.element, finer)
-        raw = tetrahedra(gmsh, sizes.element, finer, patches)
+        raw, remedy = tetrahedra(gmsh, sizes.element, finer, patches), _remedy(gmsh, housing, sizes)
     points = housing.ground_points() | {bore.name: housing.bore_centre(bore) for bore in housing.bores}
     return finished_mesh(
         raw,
@@ -80,7 +81,26 @@ def mesh_housing(
         name="casing mesh",
         element=element,
         element_size=sizes.element,
-        remedy=f"Use an element size below {MM * sizes.element:.4g} mm",
+        remedy=remedy,
+    )
+
+
+def _remedy(gmsh: Any, housing: Housing, sizes: Sizes) -> str:
+    """What to do about bad elements: remove the shortest edge of the solid, or reduce the element size."""
+    least = _SHORT * MM * sizes.element
+    if not (short := small_edges(gmsh, least)):
+        return sizes.smaller
+    extent, middle, _ = short[0]
+    parts = [
+        name
+        for name, (low, high) in (housing.foot_boxes() | housing.rib_boxes()).items()
+        if (np.maximum(MM * low - middle, middle - MM * high) <= extent).all()
+    ]
+    x, y, z = middle
+    return (
+        f"The shortest edge of the housing, {extent:.2g} mm at ({x:.5g}, {y:.5g}, {z:.5g}) mm, is next to "
+        f"{' and '.join(parts) or 'no foot or rib'}. Correct the dimensions there, so that the faces coincide or are "
+        f"{least:.2g} mm or more from each other"
     )
 
 
@@ -103,9 +123,9 @@ def mesh_step(housing: ImportedHousing, sizes: Sizes, element: str) -> CasingMes
         mesher
     """
     raw, small = opened_in_own_process(housing.file, MeshError, _CRASHED, _mesh_solid, housing, sizes)
-    remedy = f"Use an element size below {MM * sizes.element:.4g} mm"
+    remedy = sizes.smaller
     if small:
-        extent, (x, y, z) = small[0]
+        extent, (x, y, z), _ = small[0]
         remedy = (
             f"{len(small)} edges of the file are smaller than {SMALL_EDGE:g} mm, the smallest of {extent:.2g} mm at "
             f"({x:.5g}, {y:.5g}, {z:.5g}) mm of the file: remove such features in the CAD program"
@@ -113,7 +133,7 @@ def mesh_step(housing: ImportedHousing, sizes: Sizes, element: str) -> CasingMes
     return finish(housing, raw, element=element, element_size=sizes.element, remedy=remedy)
 
 
-def _mesh_solid(housing: ImportedHousing, sizes: Sizes) -> tuple[RawMesh, list[tuple[float, np.ndarray]]]:
+def _mesh_solid(housing: ImportedHousing, sizes: Sizes) -> tuple[RawMesh, list[tuple[float, np.ndarray, int]]]:
     """The tetrahedra of the solid in a STEP file, and its small edges."""
     with session() as gmsh:
         read_step(gmsh, housing)
@@ -194,11 +214,16 @@ def tetrahedra(gmsh: Any, element: float, refinements: list[Refinement], patches
     element : m, edge length where nothing is refined
     refinements : regions of smaller elements
     patches : tags of the surfaces of every patch by its name
+
+    If an element is below the quality limit, the mesh is made once more with smaller elements at short edges, as
+    between a foot and a rib that almost coincide.
     """
-    set_sizes(gmsh, element, refinements)
-    gmsh.model.mesh.generate(3)
-    if _worst_quality(gmsh) < GOOD_QUALITY:
-        gmsh.model.mesh.optimize("Netgen")
+    _generate(gmsh, element, refinements)
+    if _worst_quality(gmsh) < QUALITY_LIMIT:
+        gmsh.model.mesh.clear()
+        short = small_edges(gmsh, _SHORT * MM * element)
+        steps = [Refinement((), _AT_SHORT * e / MM, near=0.0, far=1.5 * element, edges=[tag]) for e, _, tag in short]
+        _generate(gmsh, element, [*refinements, *steps])
     gmsh.model.mesh.setOrder(2)
     _, _, connectivity = gmsh.model.mesh.getElements(3)
     points, place = numbered_nodes(gmsh)
@@ -209,6 +234,14 @@ def tetrahedra(gmsh: Any, element: float, refinements: list[Refinement], patches
         elements=elements,
         facets={name: place[np.vstack([_triangles(gmsh, tag) for tag in tags])] for name, tags in patches.items()},
     )
+
+
+def _generate(gmsh: Any, element: float, refinements: list[Refinement]) -> None:
+    """Four-node tetrahedra, improved if one of them is not good; see `tetrahedra`."""
+    set_sizes(gmsh, element, refinements)
+    gmsh.model.mesh.generate(3)
+    if _worst_quality(gmsh) < GOOD_QUALITY:
+        gmsh.model.mesh.optimize("Netgen")
 
 
 def _triangles(gmsh: Any, face: int) -> np.ndarray:

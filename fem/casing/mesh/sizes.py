@@ -46,6 +46,12 @@ class Sizes:
         bore, foot = (None if size is None else factor * size for size in (self.bore, self.foot))
         return Sizes(element=factor * self.element, bore=bore, foot=foot, fewer=factor * self.fewer)
 
+    @property
+    def smaller(self) -> str:
+        """The remedy for bad elements, in terms of the scene, whose size a coarser mesh exceeds by `fewer`."""
+        most = MM * self.element / self.fewer
+        return f"Set casing.element_size_mm below {most:.4g} (with --set it overrides a --preset)"
+
     def at_bore(self, diameter: float) -> float:
         """Edge length (m) at a bearing seat: as given, but short enough for the least number of elements around it."""
         return min(self.element, self.bore or self.element, self.fewer * math.pi * diameter / AROUND_A_BORE)
@@ -58,12 +64,13 @@ class Sizes:
 
 @dataclass(frozen=True)
 class Refinement:
-    """`size` up to the distance `near` from the surfaces, growing to the general size at `far` (m)."""
+    """`size` up to the distance `near` from the surfaces and edges, growing to the general size at `far` (m)."""
 
     surfaces: Sequence[int]
     size: float
     near: float
     far: float
+    edges: Sequence[int] = ()
 
 
 def bending_wavelength(material: Material, thickness: float, frequency: float) -> float:
@@ -78,6 +85,7 @@ def set_sizes(gmsh: Any, element: float, refinements: Sequence[Refinement]) -> N
     for one in refinements:
         distance = field.add("Distance")
         field.setNumbers(distance, "SurfacesList", list(one.surfaces))
+        field.setNumbers(distance, "CurvesList", list(one.edges))
         field.setNumber(distance, "Sampling", 20)
         threshold = field.add("Threshold")
         for key, value in {

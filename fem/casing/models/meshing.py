@@ -58,8 +58,8 @@ class CoarserMeshing(Meshing):
         except MeshError as error:
             raise CasingError(
                 "casing: its error is estimated with a coarser mesh of "
-                f"{1000 * self.sizes.element:.3g} mm, which fails: {error}. Set a smaller casing.element_size_mm, or "
-                "remove casing.extrapolated and casing.error from the scene"
+                f"{1000 * self.sizes.element:.3g} mm, which fails: {error}; or "
+                "delete casing.extrapolated and casing.error from the scene"
             ) from error
 
 

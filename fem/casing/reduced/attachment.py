@@ -74,7 +74,11 @@ def nearest_surface_point(
     position = np.asarray(position, float)
     what, remedy = "point of the surface", "Move the sensor"
     if not len(facets):
-        what, remedy = "node", "Move the sensor, or add a node at its place to the matrices"
+        what = "node"
+        remedy += (
+            ", or add a node at its place to the matrices; for an export of gearcase set a casing-force of 0 N there "
+            "along x, y and z"
+        )
         facets = np.arange(len(nodes))[:, None]
         values = np.ones((len(nodes), 1))
     else:

@@ -61,6 +61,7 @@ class CasingModes(Record):
     facets: np.ndarray = array("facet", "facet_corner", units="1", dtype=np.int32)  # the surface, into nodes
     basis: np.ndarray = array("node", "axis", "coordinate", units="SI", dtype=np.float32)
     element_size: float = dataclasses.field(default=0.0, metadata=scalar(units="m").metadata)  # 0: not known
+    notes: tuple[str, ...] = dataclasses.field(default=(), metadata=names("note").metadata)  # warnings
 
     @property
     def interface_names(self) -> tuple[str, ...]:
@@ -260,6 +261,7 @@ def reduced_body(
         foot_stiffness=_foot_rows(modes, springs, stiffness_factor, len(stiffness)),
         foot_inertia=modes.foot_inertia,
         stiffness_factor=stiffness_factor,
+        notes=modes.notes,
     )
 
 

@@ -37,6 +37,7 @@ class ReducedBody(Record):
     foot_stiffness: np.ndarray = array("foot_axis", "coordinate", units="SI")  # force on the feet, see `foot_forces`
     foot_inertia: np.ndarray = array("foot_axis", "axis", units="kg")
     stiffness_factor: float = dataclasses.field(default=1.0, metadata=scalar(units="1").metadata)  # from extrapolation
+    notes: tuple[str, ...] = dataclasses.field(default=(), metadata=names("note").metadata)  # warnings
 
     @property
     def feet(self) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from pipelines.io.text_table import Grid
 def bars_grid(bars: Sequence[LineBar], window: str) -> Grid:
     """Table of the error bars of a window; without the columns of the numerical uncertainty where it is not known."""
     numerical = any(bar.numerical is not None for bar in bars)
-    known = ("numerical uncertainty dB", "its main source") if numerical else ()
+    known = ("numerical uncertainty dB", "main source (of variance)") if numerical else ()
     headers = ("line", "frequency Hz", "level m/s²", *known, "uncertain damping dB")
     rows = tuple(
         (

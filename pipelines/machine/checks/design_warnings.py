@@ -7,7 +7,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from fem.casing.parts.casing_choices import MODES_OVER_BAND
 from mbd.parts.rolling_catalogue import bore_of
+from pipelines.machine.bearing_loads import load_directions
 from pipelines.machine.checks.collisions import FARTHEST_SENSOR
 from pipelines.machine.checks.flank_checks import flank_warnings
 from pipelines.machine.checks.strength import strength_warnings
@@ -23,11 +25,12 @@ from pipelines.scene.shaft_faults import shaft_faults
 from pipelines.scene.tables.drive_and_load import LoadBase
 from pipelines.scene.tables.housing import HousingBase
 
+LOAD_ZONE = math.pi / 2  # from the direction of a radial load, without clearance or preload
 HARMONICS = 5  # of the fastest mesh that a good record holds
 
 
-def design_warnings(scene: Scene, machine: Drivetrain) -> tuple[str, ...]:
-    """All warnings, in the order of the scene's tables."""
+def design_warnings(scene: Scene, machine: Drivetrain, diagnosed: bool = True) -> tuple[str, ...]:
+    """All warnings, in the order of the scene's tables; those of the diagnosis only if the run is `diagnosed`."""
     layout = machine.layout
     return (
         *_materials(scene),
@@ -37,9 +40,10 @@ def design_warnings(scene: Scene, machine: Drivetrain) -> tuple[str, ...]:
         *flank_warnings(scene, machine),
         *strength_warnings(scene, layout),
         *_fits(scene, layout),
+        *spall_warnings(machine),
         *_drive(scene, layout),
         *_record(scene, layout),
-        *_diagnosis(scene, machine),
+        *(_diagnosis(scene, machine) if diagnosed else ()),
     )
 
 
@@ -146,6 +150,21 @@ def _fits(scene: Scene, layout: TrainLayout) -> Iterator[str]:
                     )
 
 
+def spall_warnings(machine: Drivetrain) -> Iterator[str]:
+    """Spalls of outer rings where no element is pressed against the ring."""
+    directions = load_directions(machine)
+    for fault in machine.spalls:
+        load = directions[fault.bearing]
+        if load is None or fault.spall.on != "outer-ring":
+            continue
+        if abs(math.remainder(fault.spall.angle - load, 2 * math.pi)) > LOAD_ZONE:
+            yield (
+                f"faults: the {fault.name} at angle_deg = {math.degrees(fault.spall.angle):.4g} is outside the load "
+                f"zone: the load presses the elements against the ring around {math.degrees(load):.0f} deg, so that "
+                f"the spall may have no effect. Set angle_deg = {math.degrees(load):.0f}"
+            )
+
+
 def _drive(scene: Scene, layout: TrainLayout) -> Iterator[str]:
     """Motors of a torque that the largest load overcomes at their greatest."""
     motors = motor_torques(scene.drive, layout.driven, layout.motors)
@@ -164,6 +183,13 @@ def _record(scene: Scene, layout: TrainLayout) -> Iterator[str]:
         yield (
             f"simulation.step_us = {scene.simulation.step_us:g} is above the sampling interval, so that the time step "
             f"is {interval:.6g} us. Set {interval:.6g} or less, or reduce simulation.output_rate_Hz"
+        )
+    band, highest = getattr(scene.casing, "band_Hz", None), scene.simulation.output_rate_Hz / 2
+    if band is not None and highest > MODES_OVER_BAND * band:
+        yield (
+            f"casing.band_Hz = {band:g} keeps modes of the casing to {MODES_OVER_BAND * band:g} Hz, and the signals "
+            f"reach {highest:g} Hz: levels above the band are those of a casing without modes there. Raise "
+            f"casing.band_Hz to {math.ceil(highest / MODES_OVER_BAND)}, or reduce simulation.output_rate_Hz"
         )
     for number, facts in enumerate(layout.stages, 1):
         if scene.simulation.output_rate_Hz < 2 * HARMONICS * facts.mesh_frequency:

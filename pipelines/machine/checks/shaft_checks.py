@@ -5,16 +5,16 @@ Unsupported shafts are found by the rigid-body motions of the shafts on their be
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
 from mbd.parts.bearings import BEARING_AXES
-from mbd.parts.gear_mesh import contact_rows
 from mbd.parts.part_checks import MachineError
-from mbd.parts.shafts import shaft_nodes
+from mbd.parts.shafts import AXES, shaft_nodes
 from pipelines.io.errors import Problem
+from pipelines.machine.bearing_loads import flank_rows, rigid_row
 from pipelines.machine.layout import TrainLayout
 from pipelines.machine.loads import load_places
 from pipelines.machine.machine_model import MachineModel
@@ -22,7 +22,6 @@ from pipelines.machine.machine_parts import MachineParts
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.drive_and_load import LoadBase
 
-_AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
 _WORDS = {"uy": "move along its axis", "ry": "rotate", "rx": "tilt", "rz": "tilt"}
 _ARM = 0.1  # m, lever arm that makes rotations comparable with displacements
 _TAKES_PART = 0.25  # share of a direction of a shaft in free motions from which it is reported
@@ -74,7 +73,7 @@ def unheld(machine: MachineModel) -> Iterator[Problem]:
     for number, shares in enumerate(share, 1):
         if shares.max() < _TAKES_PART:
             continue
-        axis = _AXES[int(np.argmax(shares))]
+        axis = AXES[int(np.argmax(shares))]
         yield Problem(
             f"shafts.{number}",
             f"shaft {number} can {_WORDS.get(axis, 'move across its axis')} freely",
@@ -89,26 +88,19 @@ def _springs(machine: MachineModel) -> Iterator[np.ndarray]:
     layout, parts = machine.layout, machine.parts
     numbers = {shaft.name: number for number, shaft in enumerate(parts.shafts)}
 
-    def row(shaft: int, y: float, coefficients: np.ndarray) -> np.ndarray:
-        found = np.zeros(6 * len(numbers))
-        x, _, z = coefficients[:3]
-        found[6 * shaft : 6 * shaft + 6] = coefficients + [0.0, 0.0, 0.0, y * z, 0.0, -y * x]
-        return found
-
+    row = partial(rigid_row, len(numbers))
     for bearing in parts.bearings:
         for axis, stiffness in zip(BEARING_AXES, bearing.stiffness, strict=True):
             if stiffness > 0.0:
-                yield row(numbers[bearing.shaft], bearing.y, np.eye(6)[_AXES.index(axis)])
+                yield row(numbers[bearing.shaft], bearing.y, np.eye(6)[AXES.index(axis)])
     yield row(layout.driven, 0.0, np.eye(6)[4])
     for coupling in parts.shaft_couplings:
         one, other = (numbers[shaft] for shaft in coupling.shafts)
         for direction, strength in zip(np.eye(6), coupling.stiffness, strict=True):
             if strength:
                 yield row(one, coupling.y[0], direction) - row(other, coupling.y[1], direction)
-    for mesh, law, (driving, driven) in zip(parts.meshes, machine.laws, layout.pair_shafts, strict=True):
-        line = layout.axes[driven][0] - layout.axes[driving][0], layout.axes[driven][1] - layout.axes[driving][1]
-        radii = mesh.pair.pinion.base_radius, mesh.pair.wheel.base_radius
-        lead = mesh.pair.pinion.hand_sign * math.tan(mesh.pair.base_helix_angle)
-        flank = contact_rows(line, radii, mesh.pair.working_pressure_angle, lead, layout.senses[driving])
-        for contact in flank[: 2 if law.mesh.slices > 1 else 1]:
+    for number, (mesh, law, (driving, driven)) in enumerate(
+        zip(parts.meshes, machine.laws, layout.pair_shafts, strict=True)
+    ):
+        for contact in flank_rows(layout, number)[: 2 if law.mesh.slices > 1 else 1]:
             yield row(driving, mesh.y, contact[:6]) + row(driven, mesh.y, contact[6:])

@@ -13,7 +13,6 @@ case-carburized steel, grade ME); ISO 683-2:2016 (30CrNiMo8); DIN 743-3:2012 (42
 
 from __future__ import annotations
 
-import logging
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -22,14 +21,13 @@ import numpy as np
 
 from fem.elements.materials import STEEL
 from fem.gears.geometry import GearPair
-from pipelines.io.errors import Problem
+from pipelines.io.errors import InputError, Problem
 from pipelines.machine.checks.flank_checks import TYPICAL_STIFFNESS
 from pipelines.machine.layout import TrainLayout
 from pipelines.scene.problems import other_unit
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.drive_and_load import SpeedDrive
 
-_LOG = logging.getLogger(__name__)
 ENDURANCE = 1650e6  # Pa: sigma_H lim of the best case-carburized gear steel
 STATIC_STRENGTH = 1.6 * ENDURANCE  # Pa: the same with Z_NT of a load that occurs only a few times
 LARGEST_GIVE = 0.25  # modules, limit of small deflections of the teeth
@@ -122,10 +120,18 @@ def overloaded(scene: Scene, layout: TrainLayout) -> Iterator[Problem]:
             )
 
 
-def warn_of_overload(number: int, pair: GearPair, pinion_torque: float) -> None:
-    """Log what no gear steel bears in a stage (from 1) under a torque (N m) that is not that of the scene."""
+def refuse_overload(number: int, pair: GearPair, pinion_torque: float) -> None:
+    """Raise InputError if no gear steel bears the torque (N m) of an option in a stage (from 1)."""
     for problem in _overloaded_teeth(number, pair, pinion_torque):
-        _LOG.warning("%s", problem)
+        softness = STEEL.elastic_modulus / pair.pinion_material.elastic_modulus
+        stiff = LARGEST_GIVE * pair.pinion.normal_module * TYPICAL_STIFFNESS / softness
+        most = min(
+            pinion_torque * (STATIC_STRENGTH / contact_pressure(pair, pinion_torque)) ** 2,
+            stiff * pair.working_radii[0] * pair.face_width,
+        )
+        raise InputError(
+            f"--torque {pinion_torque:g} N m: {problem.path}: {problem.message}. Set at most {math.floor(most)} N m."
+        )
 
 
 def _overloaded_teeth(number: int, pair: GearPair, pinion_torque: float) -> Iterator[Problem]:

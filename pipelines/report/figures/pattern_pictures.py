@@ -37,9 +37,9 @@ def pattern_figure(
     pitch_diameter : m
     sense : +1 if the face coordinate runs along the global y, else -1
     """
-    figure = new_figure(4.6, 6.0 * len(patterns))
+    figure = new_figure(4.8, max(8.0, 6.0 * len(patterns)))
     words = "grey: no contact" + ("; red outline: damage" if damaged.any() else "")
-    figure.suptitle(f"{plain(title)}\ncontact pattern over a whole engagement, {load}\n{words}")
+    figure.suptitle(f"{plain(title)}\ncontact pattern over a whole engagement, {load}\n{words}", fontsize=10, wrap=True)
     boxes = np.atleast_1d(figure.subplots(1, len(patterns), sharey=True))
     most = max(float(np.nanmax(one.pressure, initial=0.0)) for one in patterns) / 1e6 or 1.0
     plotted = None

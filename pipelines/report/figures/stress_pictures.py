@@ -39,6 +39,7 @@ class StressView(PairStates):
     cycle: float
     names: tuple[str, ...]
     states: tuple[Teeth, ...]
+    root_stresses: tuple[float, ...]  # MPa, the largest von Mises stress of the fillets of each state
 
 
 def teeth_in_mesh(pair: GearPair, found: LoadedTeeth) -> Teeth:
@@ -125,7 +126,12 @@ def _draw(axes: Axes, picture: Picture, view: StressView, number: int) -> None:
     corner_axes(axes, picture)
     state = view.states[number]
     greatest = state.von_mises[np.unique(state.cells)].max() / 1e6
-    axes.set_title(f"{view.names[number]}: greatest {greatest:.0f} MPa", fontsize=10, loc="left")
+    axes.set_title(
+        f"{view.names[number]}: largest von Mises stress\n{greatest:.0f} MPa with the contact, "
+        f"{view.root_stresses[number]:.0f} MPa at the roots",
+        fontsize=10,
+        loc="left",
+    )
     for gear in ("pinion", "wheel"):
         column, row = picture.places[gear]
         axes.text(column, row, gear, ha="center", va="center", fontsize=10, fontweight="bold",

@@ -46,7 +46,7 @@ def trend_figure(courses: Sequence[Course], begins: Sequence[datetime] | None) -
             axes.xaxis.set_major_locator(dates)
             axes.xaxis.set_major_formatter(ConciseDateFormatter(dates))
         axes.yaxis.set_major_locator(MaxNLocator(4))
-        first = "" if course.first is None else f", above from {course.first}"
+        first = "" if course.first is None else f", above {'from' if course.above[-1] else 'at'} {course.first}"
         last = begins is None and number + COLUMNS >= len(courses)
         dress(axes, plain(course.name) + first, "recording" if last else "", "" if number % COLUMNS else course.unit)
     return figure

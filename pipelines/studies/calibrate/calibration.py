@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,14 +19,18 @@ from pipelines.engine.progress import reported_count
 from pipelines.engine.run_graph import Work
 from pipelines.engine.storage import digest
 from pipelines.io.errors import InputError
+from pipelines.io.shown_text import shown
 from pipelines.machine.machine_model import MachineModel
+from pipelines.machine.scene_kinematics import kinematics_of
 from pipelines.recordings.machine_file import MeasuredMachine
-from pipelines.runs.judged_recording import read_features, recording_and_window, requested_windows
+from pipelines.runs.judged_recording import SAME_SPEED, read_features, recording_and_window, requested_windows
 from pipelines.scene.load_scene import LoadedScene
+from pipelines.signals.features.feature_table import WHOLE
 from pipelines.studies.calibrate.free_keys import AFTER, BEFORE, FEWEST, STATE, Free, agreement_plan, calibration_plan
 from pipelines.studies.calibrate.posterior import check_installed, emulator, sample
 from pipelines.studies.spread.population_spread import MEAN, line_levels
 
+_LOG = logging.getLogger(__name__)
 IDENTIFIABLE = 1.0 / 3.0  # greatest width of the posterior over that of the prior
 _SHARES = (0.05, 0.95)
 _GROUPS = {"mesh orders and sidebands": "mesh_", "shaft orders": "order_", "all lines": ""}  # beginnings of features
@@ -76,8 +81,7 @@ class Calibration:
 def calibrate(
     loaded: LoadedScene,
     machine: MachineModel,
-    measured: MeasuredMachine,
-    sources: Sequence[str | Path],
+    recorded: tuple[Levels, Levels],
     *,
     free: Sequence[Free],
     count: int,
@@ -91,8 +95,7 @@ def calibrate(
     Parameters
     ----------
     loaded, machine : the scene and its machine model
-    measured : the machine of the recordings
-    sources : recordings or runs, also with a window; by default the windows of the scene
+    recorded : of `recorded_levels`
     free : the free keys
     count : number of runs of the campaign
     folder : of the results; a campaign in it is continued, and used again for other recordings
@@ -102,13 +105,13 @@ def calibrate(
 
     Raises
     ------
-    InputError : an extra is not installed, a recording or a free key cannot be used, or too few runs have features
+    InputError : an extra is not installed, a free key cannot be used, too few runs have features, or no feature of the
+        recordings is in all of them
     SceneError, WorkError : see `pipelines.datasets.campaign.run_campaign`
     """
     check_installed()
     plan = calibration_plan(loaded, machine, free, count)
-    windows = dict(machine.monitored.windows) or {"whole": (0.0, machine.motion.end)}
-    observed, unused = (_recorded(sources, measured, windows, part) for part in (0, 1))
+    windows, (observed, unused) = _windows(machine), recorded
     noise = machine.monitored.noise
 
     def simulated(plan: Plan, place: Path, part: int) -> dict[int, Levels]:
@@ -124,10 +127,7 @@ def calibrate(
         raise InputError(f"{len(found)} runs have features, {FEWEST} are needed. Increase --runs, or narrow --free.")
     lines = [one for one in observed if all(one in levels for levels in found.values())]
     if not lines:
-        raise InputError(
-            "the recordings and the scene have no feature in common. Give the sensors of the scene the names and axes "
-            "of the recording."
-        )
+        raise InputError("no feature of the recordings is in all simulated runs. Set longer windows, or narrow --free.")
     levels = np.array([[one[line] for line in lines] for one in found.values()])
     given = np.array([observed[line] for line in lines])
     values = [read_row(campaign, run)["values"] for run in found]
@@ -151,6 +151,50 @@ def calibrate(
     )
 
 
+def recorded_levels(
+    machine: MachineModel, measured: MeasuredMachine, sources: Sequence[str | Path]
+) -> tuple[Levels, Levels]:
+    """Levels in the first and in the second halves of the windows; logs a warning for another speed than the scene's.
+
+    Parameters
+    ----------
+    machine : machine model of the scene
+    measured : the machine of the recordings
+    sources : recordings or runs, also with a window; by default the windows of the scene
+
+    Raises
+    ------
+    InputError : a recording cannot be used, or the scene has none of its channels and components
+    """
+    windows = _windows(machine)
+    first, second = (_recorded(sources, measured, windows, part, _turns(machine)) for part in (0, 1))
+    kinematics = kinematics_of(machine.layout, machine.rolling)
+    channels = {(sensor.name, axis) for sensor in machine.sensors for axis in "xyz"}
+    parts = [one.name for group in (kinematics.shafts, kinematics.gears) for one in group]
+    parts += [f"{bearing.name} {label}" for bearing in kinematics.bearings for label in bearing.orders]
+    if not any(line[:2] in channels and line[2] in (WHOLE, *parts) for line in first):
+        own = ", ".join(sorted({" ".join(line[:2]) for line in first}))
+        raise InputError(
+            f"the recordings and the scene have no feature in common. The recordings have the channels {own}, the "
+            f"scene {', '.join(' '.join(one) for one in sorted(channels)) or 'none'}. Give the sensors of the scene "
+            "the names and axes of the recordings, or give --machine FILE with sensors of these names."
+        )
+    return first, second
+
+
+def _turns(machine: MachineModel) -> float | None:
+    """Mean speed (1/s) of the first shaft of the scene in its first window; None if it follows from the motion."""
+    if not machine.monitored.speed_is_known or machine.parts.profile is None:
+        return None
+    start, end = next(iter(_windows(machine).values()))
+    speed = machine.parts.profile.speed(np.linspace(start, end, 1000)).mean() * machine.layout.shaft_ratios[0]
+    return abs(float(speed)) / (2.0 * np.pi)
+
+
+def _windows(machine: MachineModel) -> dict[str, tuple[float, float]]:
+    return dict(machine.monitored.windows) or {"whole": (0.0, machine.motion.end)}
+
+
 def _halves(windows: Mapping[str, tuple[float, float]], part: int) -> dict[str, tuple[float, float]]:
     """The first (0) or second (1) half of each window."""
     return {
@@ -160,14 +204,27 @@ def _halves(windows: Mapping[str, tuple[float, float]], part: int) -> dict[str, 
 
 
 def _recorded(
-    sources: Sequence[str | Path], measured: MeasuredMachine, windows: Mapping[str, tuple[float, float]], part: int
+    sources: Sequence[str | Path],
+    measured: MeasuredMachine,
+    windows: Mapping[str, tuple[float, float]],
+    part: int,
+    turns: float | None,
 ) -> Levels:
-    """Levels of the lines that all recordings have, in a half of the windows, mean over the recordings."""
+    """Levels of the lines that all recordings have, in a half of the windows, mean over the recordings.
+
+    `turns` (1/s) is the speed of the first shaft in the scene.
+    """
     found = []
     for source in sources:
         path, asked = recording_and_window(source)
         chosen = requested_windows(source, asked, windows) or {}
         table = read_features(path, measured, _halves(chosen, part), 0.0).table
+        if part == 0 and turns and abs(table.speed[0] / turns - 1.0) > SAME_SPEED:
+            _LOG.warning(
+                "%s: shaft 1 turns at %.5g rpm, in the scene at %.5g rpm. Levels depend on the speed, so the posterior "
+                "may be wrong. Set drive.speeds_rpm to the speed of the recording",
+                shown(source), 60.0 * table.speed[0], 60.0 * turns,
+            )  # fmt: skip
         found.append(
             {line: value for line, value in line_levels(table).items() if line[0] != MEAN and line[-1] == "dB"}
         )

@@ -40,8 +40,9 @@ def text(found: Calibration) -> str:
     parts = [
         grid(f"{found.name}: posterior from {found.lines} lines and {found.runs} runs", rows).to_text(),
         f"A key is identifiable if the 90 % interval is at most {IDENTIFIABLE:.2f} of that of the prior. "
-        f"{found.inside} of {found.lines} lines of the recording are within the range of the runs; if many are "
-        "outside, the scene differs from the machine in other properties, and the intervals are not valid.",
+        f"{found.inside} of {found.lines} lines of the recording are within the range of the runs (about "
+        f"{1 - 2 / (found.runs + 1):.0%} if the scene describes the machine). Below 80 % the scene differs from the "
+        "machine in other properties, and the intervals are not valid.",
         *([grid("Correlations of the posterior", pairs).to_text()] if pairs else []),
         grid("Median difference between recording and model, second halves of the windows", agreement).to_text(),
     ]

@@ -28,9 +28,14 @@ def parse_vary(text: str) -> Over:
     InputError : the key is not a modification of a flank, the range is empty or not one of numbers
     """
     key, _, given = text.partition("=")
+    gear, _, rest = key.strip().partition(".")
+    if gear in KEYS:
+        raise InputError(
+            f"--vary {shown(text)}: the gear is missing. Start with pinion., wheel. or both., as in both.{shown(key)}. "
+            f"Keys are {', '.join(KEYS)}."
+        )
     step = STEPS.get(key.rpartition("_")[2], "")
     found = parse_over(f"{text}:{step}" if given.count(":") == 1 and step else text, "--vary", _EXAMPLE)
-    gear, _, rest = found.key.partition(".")
     own = rest.partition(".")[0]
     if gear not in (*GEARS, BOTH) or own not in KEYS:
         near = nearest_name(own, KEYS)
@@ -40,7 +45,12 @@ def parse_vary(text: str) -> Over:
             f"continue with one of {', '.join(KEYS)}.{hint}"
         )
     if len(found.values) < 2:
-        raise InputError(f"--vary {shown(text)}: has one value only. Set a range with several steps. {_EXAMPLE}")
+        fixed = GEARS if gear == BOTH else (gear,)
+        ways = " ".join(f"--set stages.1.{one}.{rest}={found.values[0]:g}" for one in fixed)
+        raise InputError(
+            f"--vary {shown(text)}: {shown(found.key)} has one value only. Set a range with several steps, or a fixed "
+            f"value for the stage, as in {ways}."
+        )
     return found
 
 

@@ -46,8 +46,8 @@ def _answer(study: Detectability, noise: float) -> str:
         most = max(own, key=lambda point: point.detection.detected.value)
         share = words(most.detection.detected)
         return f"{where}, no value is detected in {100 * MOSTLY:g} % of the machines; the most is {share}."
-    found = ", ".join(_values(point.values) for point in seen)
-    return f"{where}, these values are detected in {100 * MOSTLY:g} % of the machines or more: {found}."
+    found = ", ".join(f"{_values(point.values)}: {words(point.detection.detected)}" for point in seen)
+    return f"{where}, {100 * MOSTLY:g} % of the simulated machines or more are detected at {found}."
 
 
 def conditions(found: Detectability) -> str:

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -51,6 +52,7 @@ def write_casing(casing: Casing, title: str, target: Path) -> list[Path]:
     ------
     InputError : a file cannot be written, a package is not installed, or the casing has no elastic modes
     """
+    check_package(target)
     form = FORMATS[target.suffix.lower()]
     if form.elastic and casing.modes is None:
         raise InputError(
@@ -63,6 +65,13 @@ def write_casing(casing: Casing, title: str, target: Path) -> list[Path]:
     except OSError as error:
         raise InputError(f"{target}: cannot be written ({error.strerror}). Choose another --export.") from error
     return [target, *(further or ())]
+
+
+def check_package(target: Path) -> None:
+    """InputError if the package that writes a file is not installed."""
+    package, extra = FORMATS[target.suffix.lower()].needs
+    if package and find_spec(package) is None:
+        raise InputError(f"--export {target.name} needs the package {package}: pip install 'gearcase[{extra}]'")
 
 
 def free_body(casing: Casing) -> Superelement:
@@ -102,15 +111,9 @@ def write_uff(body: ReducedBody, path: Path, *, title: str, band: float) -> None
     path : file, replaced if it is there
     title : text of every set
     band : Hz, up to which modes and accelerances are written
-
-    Raises
-    ------
-    InputError : the package pyuff is not installed
     """
-    try:
-        import pyuff
-    except ImportError as error:
-        raise InputError("--export FILE.uff needs the package pyuff: pip install 'gearcase[uff]'") from error
+    import pyuff
+
     nodes = np.arange(1, len(body.point_names) + 1)
     motions = np.zeros((len(nodes), 3, len(body.mass)))
     for number, name in enumerate(body.point_names):
@@ -243,6 +246,7 @@ class CasingFormat:
 
     write: Callable[[Casing, str, Path, Path], list[Path] | None]
     elastic: bool = False  # needs modes of finite elements
+    needs: tuple[str, str] = ("", "")  # package that writes it, and the extra of gearcase that installs the package
 
 
 def _vtu(casing: Casing, title: str, path: Path, target: Path) -> None:
@@ -263,8 +267,12 @@ def _step(casing: Casing, title: str, path: Path, target: Path) -> None:
     write_step(casing.housing, path)
 
 
-def _free(write: Callable[[Superelement, Path, Path], list[Path] | None]) -> CasingFormat:
-    return CasingFormat(write=lambda casing, title, path, target: write(free_body(casing), path, target), elastic=True)
+def _free(
+    write: Callable[[Superelement, Path, Path], list[Path] | None], needs: tuple[str, str] = ("", "")
+) -> CasingFormat:
+    return CasingFormat(
+        write=lambda casing, title, path, target: write(free_body(casing), path, target), elastic=True, needs=needs
+    )
 
 
 FORMATS: Mapping[str, CasingFormat] = {
@@ -272,10 +280,11 @@ FORMATS: Mapping[str, CasingFormat] = {
     ".mat": CasingFormat(write=lambda casing, title, path, target: write_mat(casing.body, path)),
     ".npz": _free(write_npz),
     ".mtx": _free(write_matrix_market),
-    ".op4": _free(write_output4),
-    ".pch": _free(write_punch),
+    ".op4": _free(write_output4, ("pyyeti", "nastran")),
+    ".pch": _free(write_punch, ("pyyeti", "nastran")),
     ".uff": CasingFormat(
-        write=lambda casing, title, path, target: write_uff(casing.body, path, title=title, band=casing.band)
+        write=lambda casing, title, path, target: write_uff(casing.body, path, title=title, band=casing.band),
+        needs=("pyuff", "uff"),
     ),
     ".vtu": CasingFormat(write=_vtu, elastic=True),
     ".step": CasingFormat(write=_step),

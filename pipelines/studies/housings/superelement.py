@@ -19,7 +19,6 @@ from typing import IO
 import numpy as np
 
 from fem.casing.reduced.reduced_body import ReducedBody
-from pipelines.io.errors import InputError
 from pipelines.io.user_files import whole_file
 
 _AXES = ("ux", "uy", "uz", "rx", "ry", "rz")
@@ -137,21 +136,17 @@ def write_matrix_market(found: Superelement, path: Path, target: Path) -> list[P
 
 def write_output4(found: Superelement, path: Path, target: Path) -> list[Path]:
     """KAA, MAA, BAA and ROWS in binary; nodes and equations in files next to it."""
-    try:
-        from pyyeti.nastran import op4
-    except ImportError as error:
-        raise _without_writer(target) from error
+    from pyyeti.nastran import op4
+
     op4.write(str(path), {**found.files(), **({"ROWS": found.rows} if len(found.rows) else {})})
     return _write_map(found, target)
 
 
 def write_punch(found: Superelement, path: Path, target: Path) -> None:
     """GRID and SPOINT cards, then KAAX, MAAX and BAAX as DMIG."""
-    try:
-        import pandas as pd
-        from pyyeti.nastran import bulk
-    except ImportError as error:
-        raise _without_writer(target) from error
+    import pandas as pd
+    from pyyeti.nastran import bulk
+
     index = pd.MultiIndex.from_arrays(found.equations.T, names=["id", "dof"])
     with path.open("w", encoding="ascii") as file:
         for name, (number, x, y, z) in zip(found.node_names, found.nodes, strict=True):
@@ -159,10 +154,6 @@ def write_punch(found: Superelement, path: Path, target: Path) -> None:
         for number in found.equations[found.equations[:, 1] == 0, 0]:
             file.write(f"SPOINT  {int(number):8d}\n")
         bulk.wtdmig(file, {f"{n}X": pd.DataFrame(A, index=index, columns=index) for n, A in found.files().items()})
-
-
-def _without_writer(target: Path) -> InputError:
-    return InputError(f"--export {target.name} needs the package pyyeti: pip install 'gearcase[nastran]'")
 
 
 def _write_map(found: Superelement, target: Path) -> list[Path]:

@@ -46,6 +46,11 @@ class RefinementStudy:
         return shown_html.table(f"Refined: {self.axis}", head, rows)
 
 
+def level_name(fineness: float) -> str:
+    """Name of a level in tables and figures: x2 is twice as fine as the setting in use."""
+    return "in use" if fineness == 1.0 else f"x{fineness:.3g}"
+
+
 def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> RefinementStudy:
     """Compute all levels, and the convergence of every value of the probe of the axis.
 
@@ -66,9 +71,7 @@ def refine(loaded: LoadedScene, axis: str, count: int, work: Work) -> Refinement
     chosen = AXES[axis]
     # the finest first: one level finer than the setting in use, which is the second, all others are coarser
     fineness = tuple(chosen.ratio ** (1 - n) for n in range(count))
-    scenes = {
-        "in use" if f == 1.0 else f"x{f:.3g}": changed(loaded, chosen.settings(loaded.scene, f)) for f in fineness
-    }
+    scenes = {level_name(f): changed(loaded, chosen.settings(loaded.scene, f)) for f in fineness}
     levels = list(measure(scenes, [chosen.probe, *chosen.also], work).values())
     first = levels[0].by_probe[chosen.probe]
     sizes = [1 / f for f in fineness]

@@ -9,7 +9,7 @@ import numpy as np
 
 from pipelines.io.text_table import Grid, grid
 from pipelines.studies.trade.probes import POSITIONS
-from pipelines.studies.trade.refinement import RefinementStudy
+from pipelines.studies.trade.refinement import RefinementStudy, level_name
 from pipelines.studies.trade.refinement_axes import AXES
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def convergence_table(name: str, found: RefinementStudy) -> Grid:
     for quantity, convergence in found.quantities.items():
         row: dict[str, object] = {"quantity": f"{quantity}, {found.units[quantity]}"}
         for fineness, value in zip(found.fineness, convergence.values, strict=True):
-            row["in use" if fineness == 1.0 else f"x{fineness:.3g}"] = f"{value:.6g}"
+            row[level_name(fineness)] = f"{value:.6g}"
         row["order"] = convergence.kind if convergence.order is None else convergence.order
         row["extrapolated"] = f"{convergence.limit:.6g}"
         row["error %"] = 100 * convergence.errors[found.in_use]
@@ -52,7 +52,7 @@ def convergence_table(name: str, found: RefinementStudy) -> Grid:
         rows.append(row)
     costs: dict[str, object] = {"quantity": "computing time, s"}
     for fineness, level in zip(found.fineness, found.levels, strict=True):
-        costs["in use" if fineness == 1.0 else f"x{fineness:.3g}"] = f"{level.total_seconds:.3g}"
+        costs[level_name(fineness)] = f"{level.total_seconds:.3g}"
     return grid(f"{name}: convergence over the {AXES[found.axis].words} (x2: twice as fine)", [*rows, costs])
 
 
@@ -137,8 +137,8 @@ def convergence_figure(name: str, found: RefinementStudy) -> Figure:
         axes.plot([], [], color="0.75", marker="o", ms=4, lw=0.8, label=f"{rest} others, with narrower bands")
     axes.axvline(1.0, color="black", lw=0.8, ls=":", label="setting in use; dashes: its uncertainty bands")
     title = f"{plain(name)}: convergence over the {AXES[found.axis].words}"
-    dress(axes, title, "size relative to the setting in use", "error relative to the limit, % (0 at the lower edge)")
-    axes.set_xticks(sizes, labels=[f"{size:.3g}" for size in sizes])
+    dress(axes, title, "level (x2: twice as fine)", "error relative to the limit, % (0 at the lower edge)")
+    axes.set_xticks(sizes, labels=[level_name(fineness) for fineness in found.fineness])
     axes.set_xticks([], minor=True)
     low, high = axes.get_ylim()
     numbers = FuncFormatter(lambda value, _: f"{value:g}")
@@ -169,6 +169,6 @@ def slicing_table(name: str, found: RefinementStudy) -> Grid:
             row: dict[str, object] = {"TE less that of the finest level": f"stage {stage + 1} {words}, um"}
             for fineness, level in zip(found.fineness[1:], curves[1:], strict=True):
                 value = tone_and_distance(level[stage], finest)[number]
-                row["in use" if fineness == 1.0 else f"x{fineness:.3g}"] = f"{value:.2g}"
+                row[level_name(fineness)] = f"{value:.2g}"
             rows.append(row)
     return grid(f"{name}: spurious excitation by slices (mesh order {LOWEST_ORDER} and above), error of TE", rows)

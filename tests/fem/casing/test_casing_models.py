@@ -77,7 +77,12 @@ def test_rig_layout(rig):
     ("change", "message"),
     [
         ({"wall_thickness": 0.2}, "wall thickness 200 mm fills the housing"),
-        ({"shaft_x": (0.0, 0.03, 0.18275, 0.31569)}, "bosses of bearing_1 and bearing_3 overlap by 42.5 mm"),
+        (
+            {"shaft_x": (0.0, 0.03, 0.18275, 0.31569)},
+            r"bosses of bearing_1 and bearing_3 overlap by 42.5 mm \(limit: a ligament of 3 mm or more\)\. With the "
+            r"thinnest rings allowed, 3 mm, the sum of their boss diameters is 121 mm\. Raise the distance of their "
+            r"axes from 30 mm to 63.5 mm or more, or reduce bore_diameters_mm",
+        ),
         (
             {"shaft_x": (0.0, 0.074, 0.18275, 0.31569)},
             r"leave a ligament of only 1.5 mm \(limit: a ligament of 3 mm or more\)\. Reduce the sum of their "

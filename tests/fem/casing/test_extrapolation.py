@@ -153,11 +153,15 @@ def test_coarser_meshes_that_are_not_stiffer_are_refused(coarse):
 
 def test_the_report_lists_frequencies_with_the_root_of_the_stiffness_factor():
     modes = SimpleNamespace(
-        unknowns=300, solver="Lanczos", checkup=SimpleNamespace(frequencies=np.array([500.0]), mass=1.0, limit_names=())
+        unknowns=300,
+        solver="Lanczos",
+        band_limit=3000.0,
+        checkup=SimpleNamespace(frequencies=np.array([500.0]), mass=1.0, limit_names=()),
     )
     body = SimpleNamespace(model="craig-bampton", coordinate_names=(), stiffness_factor=0.81)
     rows = {row["property"]: row["value"] for row in _casing_rows(body, modes)}
     assert rows["first natural frequencies on its feet, Hz"] == "450.0"
+    assert rows["casing.band_Hz, above which modes are missing"] == "2000"
 
 
 def test_more_meshes_are_made_only_where_they_are_asked_for():
@@ -287,4 +291,4 @@ def test_a_run_with_an_extrapolated_casing_writes_its_factor_into_the_report(tmp
     settings = quick.coarse("bench", end=0.02) | {"casing.element": "hexahedron-32", "casing.extrapolated": True}
     scene = load_scene("bench", settings)
     finished = run_scene(scene, out=tmp_path / "out", with_control=False, work=Work(processes=1))
-    assert "factor on the stiffness, extrapolated" in (finished.folder / "report.html").read_text(encoding="utf-8")
+    assert "factor on the casing stiffness" in (finished.folder / "report.html").read_text(encoding="utf-8")

@@ -1,5 +1,7 @@
 """The same body through every door (CAD, meshes of others, matrices) has the same natural frequencies."""
 
+import re
+
 import meshio
 import numpy as np
 import pytest
@@ -358,6 +360,23 @@ def test_a_direction_without_mass_and_with_negative_stiffness_has_no_frequencies
     frequencies, negative = lowest_frequencies(K, M, 2)
     assert len(frequencies) == 0
     assert negative == 1
+
+
+@pytest.mark.parametrize("count", [40, 800])  # dense, and factorised
+def test_an_indefinite_stiffness_is_wrong_and_named_with_node_and_axis(count):
+    """Nodes in a row on springs along x, y and z, of which one spring along y is negative."""
+    ends, springs = np.arange(count - 1), np.full((count - 1, 3), 1e8)
+    springs[7, 1] *= -1.0
+    difference = sp.csr_matrix((np.r_[0 * ends - 1.0, 0 * ends + 1.0], (np.r_[ends, ends], np.r_[ends, ends + 1])))
+    K = sum(
+        sp.kron(difference.T @ sp.diags_array(springs[:, axis]) @ difference, np.diag(np.eye(3)[axis]))
+        for axis in range(3)
+    )
+    places = np.column_stack([0.01 * np.arange(count), np.zeros((count, 2))])
+    body = imported_body("row", K, sp.eye_array(3 * count) / count, nodes=places)
+    (words,) = [words for words in check_matrices(body).wrong if "negative stiffness" in words]
+    node = int(re.search(r"found at node (\d+) along y: .*inverted elements", words)[1])
+    assert 1 <= node <= count
 
 
 def test_rotations_have_no_unit_of_length():

@@ -180,6 +180,33 @@ def test_a_housing_with_everything_on_is_meshed(small):
     assert meshed == pytest.approx(volume(housing), rel=5e-3)  # coarse: fillets are met in flat facets
 
 
+def test_ribs_that_touch_are_refused_without_rounding_noise(small):
+    pitch = small.width / 15  # of 14 ribs
+    with pytest.raises(HousingError, match="rib 1 of the -x wall and rib 2 of the -x wall touch"):
+        replace(small, ribs=replace(RIBS, end_wall=14, thickness=pitch))
+
+
+def test_the_remedy_for_a_coarser_mesh_names_the_size_of_the_scene():
+    assert "casing.element_size_mm below 10 " in Sizes(element=0.010).times(1.3).smaller
+
+
+def stepped(housing, step):
+    """The first foot ends `step` (m) before the rib under the first boss; both start at the underside of the floor."""
+    ribs, feet = Ribs(thickness=0.008, height=0.02, per_boss=1), replace(housing.feet, overhang=0.02)
+    edge = housing.bores[0].x - ribs.thickness / 2 - step
+    return replace(housing, ribs=ribs, feet=replace(feet, x=(edge - feet.length / 2, *feet.x[1:])))
+
+
+@pytest.mark.parametrize("element_size", [0.018, 0.014])
+def test_a_foot_that_almost_coincides_with_a_rib_is_meshed(element_size):
+    assert mesh_housing(stepped(housing_for_shafts(), 0.00025), element_size=element_size).quality > 0.05
+
+
+def test_a_step_too_small_to_mesh_is_refused_with_its_place_and_parts():
+    with pytest.raises(MeshError, match=r"0\.01 mm at .*ground_1 and rib 1 under bearing_1.*1\.8 mm or more"):
+        mesh_housing(stepped(housing_for_shafts(), 0.00001), element_size=0.018)
+
+
 @pytest.mark.slow
 def test_a_housing_with_everything_on_is_reduced_and_stiffer():
     """On the whole rig: the check-up passes and ribs, flange and fillets raise the first mode."""

@@ -100,3 +100,26 @@ def test_at_most_1_percent_of_healthy_machines_exceed_a_limit_of_their_levels_an
     assert above <= 0.01 * count + 3.0 * np.sqrt(0.01 * count)
     raised = level_courses([levels(random), levels(random), levels(random, 12.0)], [levels(random) for _ in range(8)])
     assert {one.first for one in raised} == {3}
+
+
+def test_a_file_that_cannot_be_used_is_refused_in_the_table_and_the_others_are_judged(folder, capsys):
+    good = [record(f"{day}.npz", 1.0, day, day) for day in (1, 2)]
+    Path("cut.csv").write_text("t,a\n0,1\n0.1\n", encoding="utf-8")
+    assert main(["diagnose", good[0], "cut.csv", good[1], "--machine", "machine.toml"]) == 0
+    out = capsys.readouterr().out
+    assert re.search(r"^- +cut\.csv +refused ", out, re.MULTILINE)
+    assert "\nRefused: cut.csv: " in out
+    found = trend(capsys, good[0], "cut.csv", good[1])
+    assert [one["recording"] for one in found["recordings"]] == good
+    assert list(found["refused"]) == ["cut.csv"]
+    assert main(["diagnose", "cut.csv", "cut.csv", "--machine", "machine.toml"]) == 2
+
+
+@pytest.mark.parametrize(("uncertainty", "averaged"), [("0.3", False), ("0.01", True)])
+def test_the_page_has_an_average_only_of_a_shaft_whose_angle_is_known(folder, capsys, uncertainty, averaged):
+    """0.3 % of the 174 turns are 0.5 turns, and averages need 0.25."""
+    text = MACHINE.replace("uncertainty_percent = 0.3", f"uncertainty_percent = {uncertainty}")
+    Path("machine.toml").write_text(text, encoding="utf-8")
+    assert main(["diagnose", record("1.npz", 1.0, 1), "--machine", "machine.toml", "--out", "seen"]) == 0
+    page = Path("seen/report.html").read_text(encoding="utf-8")
+    assert ("Time-synchronous averages over a revolution" in page) == averaged

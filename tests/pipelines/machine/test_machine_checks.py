@@ -13,9 +13,11 @@ from fem.casing.mesh.imported_housing import Seat
 from fem.storage.cache_folder import cache_root
 from mbd.parts.channels import channel_names, mesh_channels, motor_channels, shaft_channels
 from mbd.parts.part_checks import MachineError
+from mbd.system.statics import equilibrium
 from mbd.system.system import assemble
 from pipelines.cli.main import main
 from pipelines.io.errors import Problems, SceneError
+from pipelines.machine.bearing_loads import load_directions
 from pipelines.machine.checks import cost
 from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.machine.checks.design_warnings import design_warnings
@@ -29,9 +31,10 @@ from pipelines.machine.checks.strength import (
 from pipelines.machine.layout import lay_out
 from pipelines.machine.machine_conversion import make_drivetrain
 from pipelines.machine.scene_bearings import bearing_points, bearing_specs
+from pipelines.machine.system_assembly import assemble_machine, assemble_system
 from pipelines.runs.checked_scene import check_scene
 from pipelines.scene.load_scene import load_scene
-from pipelines.steps.run_plan import plan_run
+from pipelines.steps.run_plan import plan_run, scene_warnings
 
 NO_WINDOWS = {"diagnosis.windows_s": {}}
 FAULT = {"faults": [{"kind": "missing-tooth", "stage": 1, "gear": "wheel", "tooth": 0}], "control": "without-faults"}
@@ -312,6 +315,13 @@ def test_the_output_rate_is_held_against_the_fastest_mesh():
     assert [("stage 2, 818.2 Hz" in text) for text in told] == [True]
 
 
+@pytest.mark.parametrize(("band", "warned"), [(2000.0, True), (5000.0, False)])
+def test_signals_beyond_the_modes_of_the_casing_are_a_warning_with_the_band_needed(band, warned):
+    scene = load_scene("rig-healthy", {"casing.band_Hz": band}).scene  # its signals reach 5000 Hz
+    found = design_warnings(scene, make_drivetrain(scene))
+    assert any("keeps modes of the casing to 3000 Hz" in t and "casing.band_Hz to 3334" in t for t in found) == warned
+
+
 @pytest.mark.parametrize(("step", "warned"), [(500.0, True), (100.0, False)])
 def test_a_step_above_the_sampling_interval_is_a_warning_with_the_step_used(step, warned):
     scene = load_scene("minimal", {"simulation.step_us": step}).scene
@@ -413,3 +423,46 @@ def test_one_load_that_is_too_large_is_one_problem():
         check_scene(load_scene("pair", {"load.torque_N_m": 1e5}))
     assert len(refused.value.problems) == 1
     assert "the best gear steel bears 2640 MPa" in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"load.rope_direction_deg": 90.0},
+        {"load.rope_direction_deg": 0.0, "stages.1.pinion_hand": "left"},
+    ],
+)
+def test_the_direction_of_the_load_of_a_bearing_is_that_of_the_equilibrium(changes):
+    """Shafts on two bearings are statically determinate, so bending and contacts do not change the directions."""
+    scene = load_scene("minimal", {"bearings": {"model": "linear"}, "deviations.enabled": False} | changes).scene
+    machine = checked_machine(scene, "minimal")
+    laws = [spec.mesh.laws(spec.pair) for spec in machine.laws]
+    recorded = dataclasses.replace(machine.recorded, sensors=())
+    system = assemble_system(assemble_machine(machine.parts, laws), no_casing(), recorded)
+    rest, found = equilibrium(system).displacement, load_directions(machine)
+    for bearing in machine.parts.bearings:
+        x, _, z = (bearing.stiffness_matrix @ bearing.rows(system.layout) @ rest)[:3]
+        assert abs(math.remainder(found[bearing.name] - math.atan2(z, x), 2 * math.pi)) < math.radians(0.5)
+
+
+@pytest.mark.parametrize(
+    ("on", "away", "warned"), [("outer-ring", 80, 0), ("outer-ring", 100, 1), ("inner-ring", 100, 0)]
+)
+def test_a_spall_outside_the_load_zone_is_named_with_an_angle_inside(on, away, warned):
+    balls = {"bearings": {"model": "hertz", "designation": "6205"}}
+    load = math.degrees(load_directions(make_drivetrain(load_scene("minimal", balls).scene))["bearing_1"])
+    spall = {"kind": "bearing-spall", "shaft": 1, "bearing": 1, "on": on, "width_mm": 1.0, "depth_um": 50.0}
+    loaded = load_scene("minimal", balls | {"faults": [spall | {"angle_deg": load - away}]})
+    found = [one for one in design_warnings(loaded.scene, make_drivetrain(loaded.scene)) if "load zone" in one]
+    assert len(found) == warned
+    assert all(one.endswith(f"Set angle_deg = {load:.0f}") for one in found)
+    assert f"load at {load:.0f} deg" in str(check_scene(loaded))
+
+
+def test_only_a_run_that_is_diagnosed_warns_of_its_diagnosis():
+    loaded = load_scene("minimal", FAULT | {"control": None, "diagnosis.gear": "pinion"})
+    plan = plan_run(loaded)
+    more = set(scene_warnings(loaded, plan)) - set(scene_warnings(loaded, plan, diagnosed=False))
+    assert len(more) == 2
+    assert all("diagnos" in one for one in more)

@@ -153,6 +153,7 @@ def test_a_lost_sample_makes_the_time_uneven(tmp_path):
     said = refusal(timed(tmp_path, lost))
     assert 'the time in "time" is uneven: sample 150' in said
     assert "deviates from even steps by 0.5 steps, 0.4 are allowed" in said
+    assert f"The first jump is from sample 1500 ({steps[1499]:.6g}) to the next ({steps[1501]:.6g})" in said
 
 
 def test_jitter_is_refused_and_rounded_instants_are_not(tmp_path):
@@ -187,9 +188,9 @@ def test_time_that_falls_or_stands_or_has_unknown_units_is_refused(tmp_path):
     [
         ("0.05,1.0,abc", 'line 502, column free end: "abc" is not a number'),
         ("0.05,,2.0", "line 502, column drive end: the cell is empty"),
-        ("0.05,1.0", "line 502 has 2 cells, the first line of data 3"),
-        ("0.05,1.0,2.0,3.0", "line 502 has 4 cells, the first line of data 3"),
-        ("0.05,1.0,2.0,", "line 502 has 4 cells, the first line of data 3"),
+        ("0.05,1.0", "line 502 has 2 cells, but the first line of data has 3"),
+        ("0.05,1.0,2.0,3.0", "line 502 has 4 cells, but the first line of data has 3"),
+        ("0.05,1.0,2.0,", "line 502 has 4 cells, but the first line of data has 3"),
         ("0.05,1.0,\uff12", 'line 502, column free end: "\uff12" is not a number'),
         ("2024-05-01 12:00:00,1.0,2.0", 'column time: "2024-05-01 12:00:00" is not a number'),
     ],

@@ -245,6 +245,7 @@ def stress_view(pair, healthy, faulty):
         cycle=3.0,
         names=("healthy", "missing tooth"),
         states=(teeth_in_mesh(pair, healthy), teeth_in_mesh(pair, faulty)),
+        root_stresses=(31.0, 42.0),
     )
 
 

@@ -124,15 +124,21 @@ def test_the_machine_gives_its_own_force_and_tilt():
     assert 0 < abs(state.tilt) * pair.pair.face_width < 20e-6
 
 
-def test_a_torque_that_no_steel_bears_is_named_with_its_pressure(caplog):
+def test_a_torque_that_no_steel_bears_is_refused_with_its_pressure(capsys):
     """The pressure at the pitch point rises with the root of the torque: that of 20 N m times 1000 for 2e7."""
     pressures = []
     for torque in ("20", "2e7"):
-        caplog.clear()
-        assert main(["gears", "minimal", "--torque", torque]) == 0
-        pressures += re.findall(r"stages.1: the line load .* gives a contact stress of (\S+) MPa, and", caplog.text)
+        assert main(["gears", "minimal", "--torque", torque]) == (0 if torque == "20" else 2)
+        pressures += re.findall(
+            r"stages.1: the line load .* gives a contact stress of (\S+) MPa, and", capsys.readouterr().err
+        )
     pair = lay_out(load_scene("minimal").scene).pairs[0]
     assert [float(one) for one in pressures] == [pytest.approx(contact_pressure(pair, 20.0) / 1e6 * 1000, rel=1e-3)]
+
+
+def test_a_tilt_beyond_linear_elasticity_is_refused(capsys):
+    assert main(["gears", "minimal", "--tilt", "-5000"]) == 2
+    assert "--tilt -5000 um: is more than 0.25 modules of stage 1 (500 um)" in capsys.readouterr().err
 
 
 def test_files_hold_the_curves(tmp_path):

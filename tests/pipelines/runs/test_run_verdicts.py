@@ -5,6 +5,7 @@ import sys
 from types import SimpleNamespace
 
 import pytest
+import xarray
 
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError
@@ -12,6 +13,8 @@ from pipelines.report.figures import render
 from pipelines.runs.judged_recording import RecordedFile, other_speeds, recording_path
 from pipelines.runs.run import run_scene
 from pipelines.scene.load_scene import load_scene
+from pipelines.signals.motion_warnings import chance_of_run
+from pipelines.steps import verdict as verdict_step
 
 SHORT = {
     "drive.speeds_rpm": [0.0, 1800.0, 1800.0],
@@ -98,3 +101,23 @@ def test_healthy_machines_differ_by_their_deviations(tmp_path):
         judged(tmp_path / "none", {**MISSING, "deviations.enabled": False}, baseline=6)
     with pytest.raises(InputError, match=r"--baseline: there is no healthy control"):
         judged(tmp_path / "none", {**MISSING, "control": None}, baseline=6)
+
+
+@pytest.mark.parametrize(
+    ("until", "microseconds", "words"),
+    [
+        ("the end", 900_000, ""),
+        (1.8, 0, ""),  # after the evaluated windows
+        (1.2, 0, "the motion is chaotic and cannot be repeated after 1.2 s"),
+        ("the end", 1_500_000, "the teeth of mesh_1 are out of contact for 75 % of the time"),
+    ],
+)
+def test_a_run_that_depends_on_chance_has_no_verdict_against_its_control(until, microseconds, words):
+    attributes = {"repeatable_until_s": until, "counters": json.dumps({"mesh_1:microseconds_open": microseconds})}
+    chance = chance_of_run(xarray.Dataset(coords={"time": [0.0, 2.0]}, attrs=attributes), 1.5)
+    assert chance == words
+    features = [{"tables": {}, "failure": "", "chance": chance}]
+    if chance:
+        failure = verdict_step.build(None, (), (("torque", "off"),), True, own=features, healthy=features)["failure"]
+        assert failure.startswith(f"{words}, so that differences from the healthy control need not be effects")
+        assert failure.endswith("or compare with other healthy machines: --baseline 8.")

@@ -9,8 +9,9 @@ from scipy import stats
 
 from pipelines.io.errors import InputError
 from pipelines.machine.checks.checked_machine import checked_machine
+from pipelines.recordings.machine_file import read_machine
 from pipelines.scene.load_scene import load_scene
-from pipelines.studies.calibrate.calibration import IDENTIFIABLE, Calibration
+from pipelines.studies.calibrate.calibration import IDENTIFIABLE, Calibration, recorded_levels
 from pipelines.studies.calibrate.free_keys import AFTER, Free, agreement_plan, calibration_plan, parse_free
 from pipelines.studies.calibrate.posterior import check_installed, emulator, sample
 
@@ -94,3 +95,21 @@ def test_a_missing_library_is_named_with_the_command_that_installs_it(monkeypatc
     monkeypatch.setitem(sys.modules, "emcee", None)
     with pytest.raises(InputError, match=r"pip install 'gearcase\[calibrate\]'"):
         check_installed()
+
+
+def test_recordings_without_a_channel_of_the_scene_are_refused_before_anything_is_simulated(tmp_path, caplog):
+    rate, random = 10000.0, np.random.default_rng(8)
+    samples = int(2 * rate)
+    tooth = np.cos(2 * np.pi * 20 * 15.0 * np.arange(samples) / rate)
+    np.savez(tmp_path / "r.npz", a=tooth + 0.1 * random.normal(size=samples), fs=rate)
+    given = "teeth = [[20, 55]]\nspeed = { rpm = 860, uncertainty_percent = 0.001 }\nsensors = { %s = { z = 'a' } }\n"
+    machine = checked_machine(load_scene("minimal").scene, "minimal")
+    for name in ("other", machine.sensors[0].name):
+        (tmp_path / f"{name}.toml").write_text(given % name, encoding="utf-8")
+    source = f"{tmp_path / 'r.npz'}@0:2"
+    with pytest.raises(InputError, match=r"no feature in common\. The recordings have the channels other z, the scene"):
+        recorded_levels(machine, read_machine(tmp_path / "other.toml"), [source])
+    caplog.clear()
+    found = recorded_levels(machine, read_machine(tmp_path / f"{machine.sensors[0].name}.toml"), [source])
+    assert all(line[0] == machine.sensors[0].name for half in found for line in half)
+    assert "shaft 1 turns at 860 rpm, in the scene at 900 rpm" in caplog.text

@@ -1,6 +1,7 @@
 """The reduced casing in files of other programs, pictures of its modes, and the store of its modes."""
 
 import re
+import sys
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
@@ -20,6 +21,7 @@ from fem.casing.reduced.reduced_body import ReducedBody
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
 from pipelines.cli.casing import _texts, band_words, missed_error, mode_table, part_table, reduction_words
+from pipelines.cli.main import main
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
 from pipelines.engine.step import Graph, Step, explain
@@ -79,6 +81,14 @@ def test_a_universal_file_is_read_back_with_nodes_modes_and_responses(housing, t
     into = body.point_names[int(response["ref_node"]) - 1]
     exact = -(omega**2) * body.row("sensor_1:uz") @ la.solve(dynamic, body.row(f"{into}:uz"))
     assert response["data"][100] == pytest.approx(exact, rel=1e-5)
+
+
+@pytest.mark.parametrize(("ending", "package"), [("uff", "pyuff"), ("op4", "pyyeti"), ("pch", "pyyeti")])
+def test_a_missing_package_is_named_before_anything_is_computed(ending, package, tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, package, None)
+    monkeypatch.setattr("pipelines.runs.single_results.build_casing", lambda *_, **__: pytest.fail("computed"))
+    assert main(["casing", "minimal", "--export", str(tmp_path / f"casing.{ending}")]) != 0
+    assert f"needs the package {package}: pip install" in capsys.readouterr().err
 
 
 def test_modes_as_vtu_keep_the_order_of_the_nodes(elastic, tmp_path):

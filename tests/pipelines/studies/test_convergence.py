@@ -205,6 +205,12 @@ def refined(quantities, unpaired=None):
     )
 
 
+def test_a_level_has_the_same_name_in_table_and_figure():
+    found = refined({"casing mode 1": study((1 / 1.3, 1.0, 1.3), (1.0, 1.1, 1.3))})
+    names = [label.get_text() for label in convergence_figure("mine", found).axes[0].get_xticklabels()]
+    assert names == ["x1.3", "in use", "x0.769"]
+
+
 def test_modes_without_a_counterpart_are_named_with_their_closest_one():
     """Modes 3 and 4 of the finest level are half one, half the other on the coarsest: neither has a pair of MAC 0.5."""
     exact = np.array([300.0, 400.0, 410.0, 600.0])

@@ -80,7 +80,11 @@ def test_a_limit_that_is_exceeded_between_the_positions_of_the_search_is_stated(
     ("options", "words"),
     [
         ({"vary": ("both.tip_releif.amount_um=0:9",)}, "Did you mean tip_relief"),
-        ({"vary": ("both.lead_crowning_um=5:5",)}, "one value only"),
+        (
+            {"vary": ("both.lead_crowning_um=5:5",)},
+            "both.lead_crowning_um has one value only.*--set stages.1.pinion.lead_crowning_um=5 --set stages.1.wheel",
+        ),
+        ({"vary": ("tip_relief=0:10",)}, r"gear is missing\. Start with pinion\., .*both.tip_relief\. Keys are tip_"),
         ({"stage": 2}, "there is no such stage"),
         ({"torques": (-1.0, 40.0)}, "torques = -1.0: must be a number of at least 1e-06"),
         ({"seed": -1}, "seed = -1: must be a number of at least 0"),

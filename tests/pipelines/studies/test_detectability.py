@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -24,7 +25,7 @@ from pipelines.scene.load_scene import load_scene
 from pipelines.signals.features.feature_table import WHOLE, FeatureTable
 from pipelines.signals.orders.kinematics import Gear, Kinematics, Shaft
 from pipelines.studies.detect.channel_detectability import channels
-from pipelines.studies.detect.detectability_page import words
+from pipelines.studies.detect.detectability_page import headline, words
 from pipelines.studies.detect.detection_axis import Over, parse_over
 from pipelines.studies.detect.detection_campaign import DAMAGED, HEALTHY, Design, detection_plan
 from pipelines.studies.detect.probability import Machines, Share, detection
@@ -162,6 +163,15 @@ def test_a_share_is_said_with_its_interval():
     assert words(Share(count=0, trials=300)) == "0 of 300 (0 to 1.2 %)"
     assert words(Share(count=40, trials=40)) == "40 of 40 (91 to 100 %)"
     assert words(Share(count=0, trials=0)) == "0 of 0 (0 to 100 %)"
+
+
+def test_the_headline_gives_count_and_interval_of_what_is_detected():
+    points = [
+        SimpleNamespace(noise=0.01, values={"depth_mm": depth}, detection=SimpleNamespace(detected=share))
+        for depth, share in ((1, Share(count=1, trials=4)), (5, Share(count=4, trials=4)))
+    ]
+    said = headline(SimpleNamespace(noises=(0.01,), points=points))
+    assert said.endswith("90 % of the simulated machines or more are detected at depth_mm 5: 4 of 4 (40 to 100 %).")
 
 
 def test_ranges_are_exact_and_hold_their_end():
