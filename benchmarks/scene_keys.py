@@ -20,10 +20,10 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from pipelines.io.toml_text import format_value
-from pipelines.scene.problems import unit_of
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.scene_table import is_list, tables, tag_key, tags
 from pipelines.scene.tables.series import ColumnTable
+from pipelines.scene.validation_messages import unit_of
 
 HEAD = """# Scene keys
 

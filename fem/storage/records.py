@@ -1,4 +1,4 @@
-"""Records: immutable results whose arrays have named dimensions and units.
+"""Records: results whose arrays are checked (named dimensions that agree, no NaN) and written to HDF5.
 
 A record declares each field once: ``array("slice", units="m")`` or ``scalar(units="N")``. On creation the base class
 checks that dimensions of the same name have one length, refuses NaN and makes read-only copies. It writes and reads

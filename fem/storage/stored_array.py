@@ -1,4 +1,4 @@
-"""Tables of numbers in a file, written by blocks of columns and read by the requested part.
+"""Arrays too large for memory, in a .npy file that is written by blocks of columns and read by parts.
 
 The file is a plain .npy in row order, so that a row is contiguous and `numpy.load` opens it. It is not compressed:
 shuffle and deflate reduce float64 signals by a tenth only and take more time than the disk.

@@ -15,7 +15,7 @@ from fem.casing.reduced.reduced_body import ReducedBody
 from mbd.elements.component import Component
 from mbd.elements.coordinates import Coordinates
 from mbd.parts.machine import Machine
-from mbd.parts.mounted_casing import MachineCasing
+from mbd.parts.machine_casing import MachineCasing
 from mbd.parts.part_checks import MachineError
 from mbd.parts.shafts import flexibility, shaft_basis, shaft_nodes
 

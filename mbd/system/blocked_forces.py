@@ -26,7 +26,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mbd.parts.mounted_casing import NAME
+from mbd.parts.machine_casing import NAME
 from mbd.system.linearised import tangent
 from mbd.system.statics import State
 from mbd.system.system import System

@@ -56,7 +56,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.report.figures.frame_files import save_figure
     from pipelines.scene.presets import load_requested
     from pipelines.studies.calibrate.calibration import calibrate, recorded_levels
-    from pipelines.studies.calibrate.calibration_page import figure, plain, text
+    from pipelines.studies.calibrate.calibration_output import figure, plain, text
     from pipelines.studies.calibrate.free_keys import calibration_plan, parse_free
 
     loaded = load_requested(options)

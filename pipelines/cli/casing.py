@@ -128,7 +128,7 @@ def _texts(casing: Casing, count: int) -> Iterator[str]:
             )
             yield f"element size {1000 * casing.mesh.element_size:.3g} mm{asked}"
         yield casing.checkup.report(0)
-        yield mode_table(casing.natural, count, casing.bands)
+        yield casing_mode_table(casing.natural, count, casing.bands)
         if casing.modes.band_limit and (casing.natural.frequencies[:count] > casing.band).any():
             yield f"Modes above casing.band_Hz = {casing.band:g} Hz are approximate, and some may be missing."
         if count < (total := len(casing.natural.frequencies)):
@@ -320,7 +320,7 @@ def describe(modes: CasingModes) -> str:
     return f"{text}\n{fixed} fixed-interface modes to {modes.band_limit:g} Hz ({sure}), {len(modes.mass)} coordinates"
 
 
-def mode_table(natural: NaturalModes, count: int, bands: np.ndarray | None = None) -> str:
+def casing_mode_table(natural: NaturalModes, count: int, bands: np.ndarray | None = None) -> str:
     """Natural frequencies, their uncertainty bands where known, effective masses in percent of mass and inertia."""
     import numpy as np
 

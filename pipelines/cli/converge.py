@@ -53,9 +53,9 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """Refine along one axis; print order, limit, uncertainty band and a verdict; write the plot."""
     from pipelines.io.user_files import writable_file
     from pipelines.report.figures.frame_files import save_figure
-    from pipelines.studies.trade.known_lines import known_lines
+    from pipelines.studies.trade.line_uncertainty import line_uncertainty
     from pipelines.studies.trade.refinement import refine
-    from pipelines.studies.trade.refinement_page import (
+    from pipelines.studies.trade.refinement_output import (
         convergence_figure,
         convergence_table,
         not_refined,
@@ -72,7 +72,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         yield slicing_table(loaded.name, found).to_text()
     models = [stage.mesh.model for stage in loaded.scene.stages]
     left = not_refined(models, loaded.scene.casing.model, options.over)
-    known = known_lines(loaded, work) if options.over == "casing-mesh" else ""
+    known = line_uncertainty(loaded, work) if options.over == "casing-mesh" else ""
     yield from filter(None, (pairing_words(found), verdict(found, options.error), left, known))
     save_figure(convergence_figure(loaded.name, found), path, dpi=130)
     yield f"plot: {path}"

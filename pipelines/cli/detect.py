@@ -69,7 +69,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.machine.checks.checked_machine import checked_machine
     from pipelines.report.figures.frame_files import save_figure
     from pipelines.scene.presets import load_requested
-    from pipelines.studies.detect.detectability_page import figure, plain, text
+    from pipelines.studies.detect.detectability_output import figure, plain, text
     from pipelines.studies.detect.detection_axis import parse_over
     from pipelines.studies.detect.detection_campaign import Design, detection_plan
     from pipelines.studies.detect.detection_study import study

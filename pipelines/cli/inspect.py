@@ -126,7 +126,7 @@ def _stress(machine: MachineModel, graph: Graph, options: argparse.Namespace, wo
     """Root stresses, and the files of --stress and --mesh."""
     from pipelines.io.json_text import json_text
     from pipelines.io.text_table import grid
-    from pipelines.report.figures.stress_pictures import write_stress
+    from pipelines.report.figures.tooth_stress_pictures import write_stress
     from pipelines.runs.root_stress import loaded_teeth
 
     rows, view = loaded_teeth(machine, graph, options, work)

@@ -1,4 +1,4 @@
-"""`gearcase modes`: frequencies, damping and energy shares of small motion about the loaded machine."""
+"""`gearcase modes`: natural modes of the whole loaded machine; those of its casing alone: `pipelines.cli.casing`."""
 
 from __future__ import annotations
 
@@ -90,11 +90,11 @@ def main(options: argparse.Namespace) -> Iterator[str]:
         yield json_text(found)
         return
     title = f"{loaded.name}: small vibrations about the loaded static equilibrium, stage 1 at mesh cycle {cycle:.4g}"
-    yield mode_table(title, modes).to_text() + "\n"  # a table without modes ends in an empty line
+    yield machine_mode_table(title, modes).to_text() + "\n"  # a table without modes ends in an empty line
     yield from notes(machine, modes, options.up_to)
 
 
-def mode_table(title: str, modes: LinearModes) -> Grid:
+def machine_mode_table(title: str, modes: LinearModes) -> Grid:
     """One row per mode; shares of its strain and kinetic energy in per cent."""
     from pipelines.io.text_table import grid
 

@@ -52,7 +52,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.report.figures.frame_files import save_figure
     from pipelines.scene.presets import load_requested
     from pipelines.studies.spread.population_spread import run_spread, spread_plan
-    from pipelines.studies.spread.spread_page import chosen, figure, text
+    from pipelines.studies.spread.spread_output import chosen, figure, text
 
     loaded = load_requested(options)
     machine = checked_machine(loaded.scene, loaded.source.shown)

@@ -48,7 +48,7 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     from pipelines.io.user_files import writable_file
     from pipelines.report.figures.frame_files import save_figure
     from pipelines.studies.trade.tradeoff import trade
-    from pipelines.studies.trade.tradeoff_page import answers, trade_figure, trade_table
+    from pipelines.studies.trade.tradeoff_output import answers, trade_figure, trade_table
 
     loaded, work = scene_and_work(options)
     path = writable_file(options.out or f"tradeoff-{loaded.name}.png")

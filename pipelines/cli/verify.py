@@ -48,14 +48,14 @@ def main(options: argparse.Namespace) -> Iterator[str]:
     """Print the claims and their limits, simulate the cases, and print the verdicts, or write them to a folder."""
     from pipelines.engine.code_version import library_versions
     from pipelines.io.user_files import writable_folder
-    from pipelines.studies.verification import claims_page
+    from pipelines.studies.verification import claims_output
     from pipelines.studies.verification.rig import simulated
 
     folder = writable_folder(options.out) if options.out else None
-    yield claims_page.stated()
+    yield claims_output.stated()
     evidence = simulated(options.seeds, options.preset, work_of(options))
-    found = claims_page.verdicts(evidence)
-    yield claims_page.text(found)
+    found = claims_output.verdicts(evidence)
+    yield claims_output.text(found)
     if folder is not None:
         facts = {"preset": options.preset, "seeds": options.seeds, "versions": library_versions("gearcase")}
-        yield from map(str, claims_page.write(folder, evidence, found, facts))
+        yield from map(str, claims_output.write(folder, evidence, found, facts))

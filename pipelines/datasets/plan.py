@@ -31,7 +31,7 @@ from pipelines.datasets.labels import COLUMNS
 from pipelines.datasets.typical_spread import typical
 from pipelines.datasets.variables import ListTable, Variable
 from pipelines.io.errors import InputError, SceneError
-from pipelines.io.other_files import SCENE_KEYS
+from pipelines.io.not_a_scene import SCENE_KEYS
 from pipelines.io.toml_text import format_document
 from pipelines.scene.load_scene import LoadedScene, Source, find_source, load_scene, parse, validate
 from pipelines.scene.merge import Merged, Whole, leaves, merge

@@ -36,7 +36,7 @@ from fem.storage.cache_folder import (
     warn_without,
 )
 from fem.storage.locks import lock_file, same_file
-from pipelines.engine.manifest import Damaged, Entry, entry_name, read_manifest, verified, write_manifest
+from pipelines.engine.entry_manifest import Damaged, Entry, entry_name, read_manifest, verified, write_manifest
 from pipelines.io.errors import CacheWarning, InputError
 
 _LOG = logging.getLogger(__name__)

@@ -13,7 +13,7 @@ from itertools import islice
 from statistics import median
 
 from pipelines.engine.cache import Cache
-from pipelines.engine.manifest import Entry
+from pipelines.engine.entry_manifest import Entry
 from pipelines.engine.step import Step, seconds_to_the_end, stored, whole
 
 _LOOKED_AT = 3  # newest stored results of a kind

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from pipelines.io.errors import InputError, Problem, SceneError
-from pipelines.io.other_files import MACHINE_KEYS, SCENE_KEYS
+from pipelines.io.not_a_scene import MACHINE_KEYS, SCENE_KEYS
 from pipelines.io.shown_text import shown
 from pipelines.recordings.machine_table import BearingTable, MachineTable
 from pipelines.signals.orders.kinematics import Bearing, Gear, Kinematics, Shaft

@@ -13,7 +13,7 @@ from pipelines.diagnosis.line_words import criterion, directions
 from pipelines.diagnosis.verdict_words import note
 from pipelines.engine.progress import step_words
 from pipelines.io.text_table import Grid, cell, grid, turned
-from pipelines.report import page, spectra
+from pipelines.report import page, signal_sections
 from pipelines.report.figures.plots import drive_figure
 from pipelines.report.figures.views import LeftOut
 
@@ -129,13 +129,13 @@ def report_sections(
     """
     runs, windows = runs or {}, windows or {}
     sections = [
-        ("Signals and spectra", spectra.signals(runs, windows, (sensor, axis), diagnoses, settings)),
-        ("Levels", spectra.levels(runs, windows)),
-        ("Healthy and faulty", spectra.healthy_faulty(diagnoses, error)),
-        ("Error bars", spectra.error_bars(error)),
-        ("Windows side by side", spectra.two_windows(diagnoses)),
-        ("Two loads", spectra.two_loads(diagnoses)),
-        ("All lines", spectra.all_lines(diagnoses, seeds)),
+        ("Signals and spectra", signal_sections.signals(runs, windows, (sensor, axis), diagnoses, settings)),
+        ("Levels", signal_sections.levels(runs, windows)),
+        ("Healthy and faulty", signal_sections.healthy_faulty(diagnoses, error)),
+        ("Error bars", signal_sections.error_bars(error)),
+        ("Windows side by side", signal_sections.two_windows(diagnoses)),
+        ("Two loads", signal_sections.two_loads(diagnoses)),
+        ("All lines", signal_sections.all_lines(diagnoses, seeds)),
         ("What was run", _what_was_run(summary or {}, warnings)),
         ("Gears", _gears(gears) + _picture(gear_picture)),
         ("Rolling bearings", _noted(rolling, ROLLING)),

@@ -1,4 +1,7 @@
-"""REXS as XML (.rexs). A document type is refused: the format has none, and its entities can grow without bound."""
+"""Reader of REXS files in XML (.rexs).
+
+A document type is refused: the format has none, and its entities can grow without bound.
+"""
 
 from __future__ import annotations
 

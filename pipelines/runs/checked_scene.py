@@ -1,4 +1,4 @@
-"""A scene checked as a run begins: what follows from it, what it costs, what is questionable in it."""
+"""What `gearcase check` prints: whether a run accepts a scene, what follows from it, its cost and its warnings."""
 
 from __future__ import annotations
 

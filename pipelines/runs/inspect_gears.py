@@ -14,7 +14,7 @@ from pipelines.machine.machine_model import MachineModel
 from pipelines.report.figures.damage import crack_depth
 from pipelines.report.figures.frame_files import save_figure
 from pipelines.report.figures.pattern_pictures import pattern_figure
-from pipelines.report.figures.placed_geometry import PlacedPair, placed_pair, shown_cycle, stage_view
+from pipelines.report.figures.picture_geometry import PlacedPair, placed_pair, shown_cycle, stage_view
 from pipelines.report.figures.tooth_mesh_frames import MeshView, mesh_frames
 from pipelines.steps.pair_curves import PairLaws
 

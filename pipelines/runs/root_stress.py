@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pipelines.engine.run_graph import Work
     from pipelines.engine.step import Graph, Step
     from pipelines.machine.machine_model import MachineModel
-    from pipelines.report.figures.stress_pictures import StressView
+    from pipelines.report.figures.tooth_stress_pictures import StressView
     from pipelines.report.figures.views import Teeth
 
 CRACK = "cracked-tooth"
@@ -51,8 +51,8 @@ def loaded_teeth(
     SceneWarning : the stage has a crack, which the finite elements do not contain
     """
     from pipelines.engine.step import Graph
-    from pipelines.report.figures.placed_geometry import placed_pair, stage_view
-    from pipelines.report.figures.stress_pictures import (
+    from pipelines.report.figures.picture_geometry import placed_pair, stage_view
+    from pipelines.report.figures.tooth_stress_pictures import (
         FORMATS,
         StressView,
         teeth_in_mesh,

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipelines.io.errors import InputError, Problem, SceneError, SceneWarning
-from pipelines.io.other_files import refuse_other_file
+from pipelines.io.not_a_scene import refuse_other_file
 from pipelines.io.shown_text import nearest_name, shown, shown_value
 from pipelines.io.toml_text import TomlError, format_document, read_toml
 from pipelines.io.user_files import checked_path, folder_name, read_text, sibling_names
@@ -210,7 +210,7 @@ def validate(
     """
     from pydantic import ValidationError
 
-    from pipelines.scene.problems import problems_of, user_path
+    from pipelines.scene.validation_messages import problems_of, user_path
 
     found = [*problems, *merged.problems]
     tree, unlisted = merged.tree, 0

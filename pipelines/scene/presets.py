@@ -204,7 +204,7 @@ def preset_on(loaded: LoadedScene, preset: str) -> LoadedScene:
 def replaced(before: LoadedScene, after: LoadedScene) -> str:
     """The values of a scene and its defaults that a preset replaced, as "simulation.step_us 20 -> 50, ..."."""
     from pipelines.scene.merge import leaves
-    from pipelines.scene.problems import shown_number
+    from pipelines.scene.validation_messages import shown_number
 
     old, new = (leaves(loaded.scene.model_dump(mode="json")) for loaded in (before, after))
     return ", ".join(

@@ -1,4 +1,4 @@
-"""What the tree of a scene may hold at most, tested once where it is read, so that nothing behind it meets more.
+"""Limits of a scene that is parsed: nesting, keys, texts, numbers. `pipelines.io.toml_text` limits the parsing itself.
 
 The walk uses no recursion. Limits: nesting, length of keys and texts, characters that a terminal obeys, whole numbers
 of 64 bits, which is what TOML has.

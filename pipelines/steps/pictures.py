@@ -15,7 +15,7 @@ from fem.casing.geometry.dimensions import Sensor
 from pipelines.engine.step import Step, Unkept
 from pipelines.machine.machine_model import MachineModel
 from pipelines.report.figures.damage import needs_law
-from pipelines.report.figures.placed_geometry import PlacedPair, placed_pair
+from pipelines.report.figures.picture_geometry import PlacedPair, placed_pair
 from pipelines.report.figures.views import LeftOut, NotRendered, Picture
 from pipelines.steps.pair_curves import PITCHES_SHOWN, POSITIONS, PairLaws, PairState, pair_states
 
@@ -67,7 +67,7 @@ def picture_steps(machine: MachineModel, names: Iterable[str]) -> list[Step]:
 
 def build_gears(placed: PlacedPair, *, laws: Laws | None = None) -> Picture | Unkept:
     """The rendered pair with its first damaged tooth, or why there is none; `laws` without faults if `needs_law`."""
-    from pipelines.report.figures.placed_geometry import stage_view
+    from pipelines.report.figures.picture_geometry import stage_view
     from pipelines.report.figures.render import render_gears
 
     try:
@@ -160,7 +160,7 @@ def gear_names(placed: PlacedPair) -> dict[str, str]:
 def rendered_casing(mesh: CasingMesh, sensors: Sequence[Sensor]) -> Picture:
     """Picture of the casing mesh with ground, bearing and sensor points."""
     from fem.casing.reduced.attachment import nearest_surface_point
-    from pipelines.report.figures.placed_geometry import casing_surface
+    from pipelines.report.figures.picture_geometry import casing_surface
     from pipelines.report.figures.render import render_casing
 
     points = dict(zip(mesh.patch_names, mesh.patch_points, strict=True))

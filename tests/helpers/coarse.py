@@ -6,7 +6,7 @@ from pipelines.scene.load_scene import load_scene
 def diagnosable(name):
     """The same, long and fast enough for a diagnosis: eight revolutions of the stage 1 wheel in the window."""
     windows = {"lifting": [0.2, 0.6]}
-    speeds = {"drive.speeds_rpm": [0.0, 3600.0, 3600.0]}
+    speeds = {"drive.speeds_rpm": [0.0, 3600.0, 3600.0], "drive.times_s": [0.0, 0.18, 0.6]}  # slow enough for the rope
     return coarse(name, end=0.6) | speeds | {"simulation.step_us": 50.0, "diagnosis.windows_s": windows}
 
 

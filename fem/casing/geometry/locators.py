@@ -1,4 +1,4 @@
-"""Ways to locate a bearing seat or a ground face on the surface of an imported housing."""
+"""What locates a bearing seat or ground face of an imported housing; `fem.casing.mesh.key_points` finds the place."""
 
 from __future__ import annotations
 

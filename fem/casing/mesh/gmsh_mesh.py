@@ -216,13 +216,13 @@ def tetrahedra(gmsh: Any, element: float, refinements: list[Refinement], patches
     patches : tags of the surfaces of every patch by its name
 
     If an element is below the quality limit, the mesh is made once more with smaller elements at short edges, as
-    between a foot and a rib that almost coincide.
+    between a foot and a rib that almost coincide. Edges below SMALL_EDGE are refused: the elements would be too many.
     """
     _generate(gmsh, element, refinements)
-    if _worst_quality(gmsh) < QUALITY_LIMIT:
-        gmsh.model.mesh.clear()
-        short = small_edges(gmsh, _SHORT * MM * element)
+    short = small_edges(gmsh, _SHORT * MM * element)
+    if short and short[0][0] >= SMALL_EDGE and _worst_quality(gmsh) < QUALITY_LIMIT:
         steps = [Refinement((), _AT_SHORT * e / MM, near=0.0, far=1.5 * element, edges=[tag]) for e, _, tag in short]
+        gmsh.model.mesh.clear()
         _generate(gmsh, element, [*refinements, *steps])
     gmsh.model.mesh.setOrder(2)
     _, _, connectivity = gmsh.model.mesh.getElements(3)

@@ -1,4 +1,4 @@
-"""Quality of solid elements: inverted elements are refused, and the position of the worst one is given.
+"""Quality of solid elements: it is measured, curved elements are straightened, inverted ones refused with their place.
 
 Signed inverse condition number of the map from the ideal element (edges W) to the element (Jacobian J):
 

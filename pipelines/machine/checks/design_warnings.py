@@ -19,11 +19,11 @@ from pipelines.machine.layout import TrainLayout
 from pipelines.machine.machine_model import Drivetrain
 from pipelines.machine.scene_bearings import bearing_names, bearing_table
 from pipelines.machine.scene_casing import dimensions
-from pipelines.scene.problems import other_unit
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import shaft_faults
 from pipelines.scene.tables.drive_and_load import LoadBase
 from pipelines.scene.tables.housing import HousingBase
+from pipelines.scene.validation_messages import other_unit
 
 LOAD_ZONE = math.pi / 2  # from the direction of a radial load, without clearance or preload
 HARMONICS = 5  # of the fastest mesh that a good record holds

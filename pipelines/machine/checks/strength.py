@@ -24,9 +24,9 @@ from fem.gears.geometry import GearPair
 from pipelines.io.errors import InputError, Problem
 from pipelines.machine.checks.flank_checks import TYPICAL_STIFFNESS
 from pipelines.machine.layout import TrainLayout
-from pipelines.scene.problems import other_unit
 from pipelines.scene.scene import Scene
 from pipelines.scene.tables.drive_and_load import SpeedDrive
+from pipelines.scene.validation_messages import other_unit
 
 ENDURANCE = 1650e6  # Pa: sigma_H lim of the best case-carburized gear steel
 STATIC_STRENGTH = 1.6 * ENDURANCE  # Pa: the same with Z_NT of a load that occurs only a few times

@@ -21,7 +21,7 @@ from fem.processes.child import command, environment
 from pipelines.io.errors import InputError
 from pipelines.report.figures import render_failures
 from pipelines.report.figures.damaged_tooth import DrawnTooth, turned_in
-from pipelines.report.figures.scene_frame import placed, turned_away
+from pipelines.report.figures.gear_frame import placed, rotated
 from pipelines.report.figures.tooth_mesh_frames import MeshFrames, MeshView
 from pipelines.report.figures.tooth_surfaces import gear_surface, prism_surface, without_tooth
 from pipelines.report.figures.views import GearPairView, NotRendered, Picture, Teeth
@@ -61,7 +61,7 @@ def render_tooth(view: GearPairView, size: tuple[int, int] = (900, 900)) -> Pict
     outward, around = turned_in(np.eye(3)[:2], view.marked_angle, 0.0)
     end = view.sense * view.seen_from
     toward = 0.7 * outward + 0.6 * (tooth.flank if tooth is not None else 1) * around + 0.55 * end * np.eye(3)[2]
-    direction, up = (tuple(turned_away(vector, view.frame).tolist()) for vector in (toward, outward))
+    direction, up = (tuple(rotated(vector, view.frame).tolist()) for vector in (toward, outward))
     middle = placed(turned_in(np.array([radius, 0.0, 0.0]), view.marked_angle, centre), view.frame)
     named = {"mesh": middle} | _directions(middle, 0.2 * half)
     focus = (*middle.tolist(), half)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pipelines.report.figures.damaged_tooth import DrawnTooth
-from pipelines.report.figures.scene_frame import scene_frame
+from pipelines.report.figures.gear_frame import scene_frame
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

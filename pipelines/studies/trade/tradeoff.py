@@ -11,7 +11,7 @@ from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError, SceneError
 from pipelines.machine.layout import lay_out
 from pipelines.scene.load_scene import LoadedScene, changed
-from pipelines.studies.trade.known_lines import known_lines
+from pipelines.studies.trade.line_uncertainty import line_uncertainty
 from pipelines.studies.trade.measured_variants import Measured, measure, step_costs
 from pipelines.studies.trade.probes import DECIBEL, PROBES, Value
 from pipelines.studies.trade.tradeoff_choices import PRESET, Choice, choices
@@ -121,7 +121,7 @@ def trade(loaded: LoadedScene, work: Work) -> Tradeoff:
         )
         for name, one in measured.items()
     )
-    return Tradeoff(name=loaded.name, priced=priced, refused=refused, known=known_lines(best, work))
+    return Tradeoff(name=loaded.name, priced=priced, refused=refused, known=line_uncertainty(best, work))
 
 
 def _variants(loaded: LoadedScene) -> tuple[dict[str, Choice], dict[str, LoadedScene], dict[str, str]]:

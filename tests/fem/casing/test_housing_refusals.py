@@ -13,7 +13,7 @@ from fem.casing.mesh.imported_housing import ImportedHousing, Seat, content_hash
 from fem.casing.mesh.mesh import MeshError
 from fem.casing.mesh.sizes import Sizes
 from fem.casing.recognition.read_geometry import geometry_contents
-from pipelines.scene.problems import nearest
+from pipelines.scene.validation_messages import nearest
 
 
 def bored(occ):

@@ -30,7 +30,7 @@ from pipelines.scene.load_scene import load_scene
 from pipelines.signals.response import make_response
 from pipelines.steps.motion import moved
 from pipelines.steps.run_plan import plan_run
-from pipelines.studies.trade.known_lines import known_lines, widths
+from pipelines.studies.trade.line_uncertainty import line_uncertainty, widths
 
 MASS, STIFFNESS, RATIO = 3.0, 4e6, 0.02  # of a casing that moves along one axis
 BEARING, ROTOR = 2e7, 1.5  # N/m of the bearing, kg of the rotor in it
@@ -270,5 +270,5 @@ def test_a_trade_says_how_well_lines_are_known_before_it_compares_them():
     assert "levels of the 3 detected lines of the fault uncertain by 0.4 dB in the median and 0.6 dB at most" in told
     missing = {"kind": "missing-tooth", "stage": 1, "gear": "pinion", "tooth": 0}
     scene = load_scene("minimal", {"faults": [missing], "control": "without-faults", "diagnosis.gear": "pinion"})
-    assert "Set casing.extrapolated = true" in known_lines(scene, Work())
-    assert known_lines(load_scene("minimal"), Work()) == ""
+    assert "Set casing.extrapolated = true" in line_uncertainty(scene, Work())
+    assert line_uncertainty(load_scene("minimal"), Work()) == ""

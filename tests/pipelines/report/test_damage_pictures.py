@@ -17,8 +17,8 @@ from fem.contact.faults.worn_tooth import WornTooth
 from fem.contact.models.iso import Iso
 from fem.contact.teeth import tooth_terms, with_variants
 from pipelines.report.figures.damage import DRAWN, drawn_tooth
-from pipelines.report.figures.placed_geometry import gear_view, twist
-from pipelines.report.figures.scene_frame import placed, scene_frame
+from pipelines.report.figures.gear_frame import placed, scene_frame
+from pipelines.report.figures.picture_geometry import gear_view, twist
 from pipelines.report.figures.tooth_surfaces import gear_surface
 
 PAIR = gear_pair((20, 55), 2, 12, 12, bores_mm=(12.5, 17.5))

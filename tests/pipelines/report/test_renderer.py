@@ -13,7 +13,7 @@ from synthetic import box, gear_outline, key_points
 from benchmarks.gear_pairs import gear_pair
 from pipelines.report.figures import render, render_failures
 from pipelines.report.figures.labelled_pictures import casing_figure, gear_figure, spread
-from pipelines.report.figures.placed_geometry import casing_surface, gear_view
+from pipelines.report.figures.picture_geometry import casing_surface, gear_view
 from pipelines.report.figures.plots import StiffnessPlot
 from pipelines.report.figures.render import render_casing, render_gears
 from pipelines.report.figures.tooth_surfaces import gear_surface, prism_surface, without_tooth

@@ -20,23 +20,23 @@ from fem.contact.models.solid_stress import root_stress
 from fem.gears.modifications import PairModifications
 from pipelines.io.errors import InputError
 from pipelines.io.user_files import writable_file
-from pipelines.machine.flanks_spec import FlanksSpec
+from pipelines.machine.flank_changes import FlanksSpec
 from pipelines.report.figures import tooth_mesh_pictures
 from pipelines.report.figures.colours import GONE
+from pipelines.report.figures.gear_frame import placed, scene_frame
 from pipelines.report.figures.labelled_pictures import casing_figure, gear_figure
-from pipelines.report.figures.placed_geometry import gear_view
+from pipelines.report.figures.picture_geometry import gear_view
 from pipelines.report.figures.plots import StiffnessPlot
 from pipelines.report.figures.render import render_gears, render_mesh, render_stress, show_mesh
-from pipelines.report.figures.scene_frame import placed, scene_frame
-from pipelines.report.figures.stress_pictures import (
+from pipelines.report.figures.tooth_mesh_frames import MeshView, mesh_frames, passage
+from pipelines.report.figures.tooth_mesh_pictures import mesh_figure, write_film, write_still
+from pipelines.report.figures.tooth_stress_pictures import (
     FORMATS,
     StressView,
     stress_figure,
     teeth_in_mesh,
     write_teeth,
 )
-from pipelines.report.figures.tooth_mesh_frames import MeshView, mesh_frames, passage
-from pipelines.report.figures.tooth_mesh_pictures import mesh_figure, write_film, write_still
 from pipelines.report.figures.views import Picture
 from pipelines.runs.root_stress import _stress_steps, root_stresses
 from pipelines.runs.single_results import scene_graph

@@ -20,7 +20,7 @@ from fem.casing.reduced.grounded import assembled_casing
 from fem.casing.reduced.reduced_body import ReducedBody
 from fem.casing.reduced.reduction import reduce_body
 from fem.elements.materials import CAST_IRON
-from pipelines.cli.casing import _texts, band_words, missed_error, mode_table, part_table, reduction_words
+from pipelines.cli.casing import _texts, band_words, casing_mode_table, missed_error, part_table, reduction_words
 from pipelines.cli.main import main
 from pipelines.engine.cache import Cache
 from pipelines.engine.run_graph import run_graph
@@ -114,7 +114,7 @@ def test_modes_as_vtu_keep_the_order_of_the_nodes(elastic, tmp_path):
 def test_effective_masses_stay_below_the_mass_and_are_printed(elastic):
     natural = natural_modes(elastic[1])
     assert (natural.effective_mass.sum(axis=0) <= natural.total * (1 + 1e-9)).all()
-    text = mode_table(natural, 3)
+    text = casing_mode_table(natural, 3)
     assert "about z %" in text
     assert "+-" not in text
     assert len(text.splitlines()) == 3 + 3 + 1
@@ -138,7 +138,7 @@ def test_a_mode_has_one_frequency_and_its_error_band(elastic):
     natural = natural_modes(elastic[1])
     bands = np.full(len(natural.frequencies), np.nan)
     bands[1] = 1.234
-    rows = [line.split() for line in mode_table(natural, 2, bands).splitlines()[1:]]
+    rows = [line.split() for line in casing_mode_table(natural, 2, bands).splitlines()[1:]]
     assert rows[0][:4] == ["mode", "Hz", "+-", "Hz"]
     assert [row[:3] for row in rows[2:4]] == [
         ["1", f"{natural.frequencies[0]:.2f}", "-"],

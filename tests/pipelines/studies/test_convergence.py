@@ -23,7 +23,7 @@ from pipelines.studies.trade.measured_variants import Measured
 from pipelines.studies.trade.probes import Value
 from pipelines.studies.trade.refinement import RefinementStudy, modes_of_common_order, refine, unpaired_modes
 from pipelines.studies.trade.refinement_axes import AXES, AxisError
-from pipelines.studies.trade.refinement_page import (
+from pipelines.studies.trade.refinement_output import (
     CASINGS,
     LABELLED,
     MESH_MODELS,

@@ -25,7 +25,7 @@ from pipelines.scene.load_scene import load_scene
 from pipelines.signals.features.feature_table import WHOLE, FeatureTable
 from pipelines.signals.orders.kinematics import Gear, Kinematics, Shaft
 from pipelines.studies.detect.channel_detectability import channels
-from pipelines.studies.detect.detectability_page import headline, words
+from pipelines.studies.detect.detectability_output import headline, words
 from pipelines.studies.detect.detection_axis import Over, parse_over
 from pipelines.studies.detect.detection_campaign import DAMAGED, HEALTHY, Design, detection_plan
 from pipelines.studies.detect.probability import Machines, Share, detection

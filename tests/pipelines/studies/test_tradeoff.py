@@ -20,7 +20,7 @@ from pipelines.studies.trade.measured_variants import Measured, step_costs
 from pipelines.studies.trade.probes import DECIBEL, Value
 from pipelines.studies.trade.tradeoff import differences, trade
 from pipelines.studies.trade.tradeoff_choices import choices
-from pipelines.studies.trade.tradeoff_page import answers, trade_figure, trade_table
+from pipelines.studies.trade.tradeoff_output import answers, trade_figure, trade_table
 
 SHORT = {
     "simulation.end_s": 0.15,

@@ -10,8 +10,8 @@ from synthetic import MESH, WHEEL, response
 from pipelines.cli.main import main
 from pipelines.scene.load_scene import load_scene
 from pipelines.signals.analysis import DiagnosisSettings
-from pipelines.studies.verification import claims_page
-from pipelines.studies.verification.claims_page import FAILS, HOLDS, OPEN, judge
+from pipelines.studies.verification import claims_output
+from pipelines.studies.verification.claims_output import FAILS, HOLDS, OPEN, judge
 from pipelines.studies.verification.measures import fault_levels, load_levels
 from pipelines.studies.verification.published_claims import (
     CLAIMS,
@@ -149,7 +149,7 @@ def test_what_friction_does_to_both_machines_is_not_what_the_fault_adds():
 
 
 def test_every_claim_is_stated_before_with_its_measure_and_limit():
-    text = claims_page.stated()
+    text = claims_output.stated()
     for heading, claims in CLAIMS.items():
         assert heading in text
         for claim in claims:
@@ -160,7 +160,7 @@ def test_every_claim_is_stated_before_with_its_measure_and_limit():
 def test_a_table_says_what_holds_where_and_why_the_rest_does_not(tmp_path):
     """3 dB at 2 f_m with friction alone: that claim holds there, and its reason is told for the lossless machine."""
     told = evidence(modulation_2=({"losses": "friction", "window": "lifting", "state": "faulty"}, 3.0))
-    found = claims_page.verdicts(told)
+    found = claims_output.verdicts(told)
     (direction,) = (
         judged
         for heading, judged in found.items()
@@ -172,8 +172,8 @@ def test_a_table_says_what_holds_where_and_why_the_rest_does_not(tmp_path):
         "rope, no losses": FAILS, "constant torque, no losses": FAILS,
         "rope, friction": HOLDS, "constant torque, friction": HOLDS,
     }  # fmt: skip
-    assert any("lifting reversed in time" in reason for reason in claims_page.reasons(found).values())
-    text, data = claims_page.write(tmp_path / "claims", told, found, {"preset": "standard", "seeds": 3})
+    assert any("lifting reversed in time" in reason for reason in claims_output.reasons(found).values())
+    text, data = claims_output.write(tmp_path / "claims", told, found, {"preset": "standard", "seeds": 3})
     assert "| +3." in text.read_text(encoding="utf-8")
     stored = json.loads(data.read_text(encoding="utf-8"))
     assert stored["seeds"] == 3
@@ -181,16 +181,16 @@ def test_a_table_says_what_holds_where_and_why_the_rest_does_not(tmp_path):
 
 
 def test_the_reason_of_a_claim_that_holds_everywhere_is_not_told():
-    found = claims_page.verdicts(evidence())
+    found = claims_output.verdicts(evidence())
     assert not any(one.verdict == HOLDS for claim, one in _flat(found) if claim.measure == "level")
     (steady,) = next(claim.reasons for claims in CLAIMS.values() for claim in claims if claim.measure == "level")
-    assert any(steady in reason for reason in claims_page.reasons(found).values())
+    assert any(steady in reason for reason in claims_output.reasons(found).values())
     firm = judge([9.0, 9.1, 9.2], 0.0)
     held = {
         heading: [(claim, dict.fromkeys(by_condition, firm)) for claim, by_condition in judged]
         for heading, judged in found.items()
     }
-    assert not any(claims_page.reasons(held).values())
+    assert not any(claims_output.reasons(held).values())
 
 
 def _flat(found):

@@ -1,4 +1,4 @@
-"""Numerical uncertainty of the lines of a fault in the reference of a trade-off."""
+"""Numerical uncertainty of the detected lines, as a sentence below a trade-off or a refinement study."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pipelines.steps.result_steps import bars_step, casing_taken
 from pipelines.steps.run_plan import plan_run
 
 
-def known_lines(loaded: LoadedScene, work: Work) -> str:
+def line_uncertainty(loaded: LoadedScene, work: Work) -> str:
     """Sentence on the numerical uncertainty of the detected lines; "" without a control or a diagnosis.
 
     The scene and its control are simulated if they are not in the cache.
@@ -32,10 +32,10 @@ def known_lines(loaded: LoadedScene, work: Work) -> str:
         )
     step = bars_step(plan)
     bars = work.build(Graph([*plan.graph, step]), [step.name]).value(step.name)
-    return widths(bars) if isinstance(bars, LineBars) else bars
+    return uncertainty_sentence(bars) if isinstance(bars, LineBars) else bars
 
 
-def widths(error_bars: LineBars) -> str:
+def uncertainty_sentence(error_bars: LineBars) -> str:
     """Sentence with the median and the largest numerical uncertainty of the detected lines of all windows."""
     found = [bar.numerical.width / 2 for bar in error_bars.bars if bar.detected and bar.numerical is not None]
     if not found:

@@ -21,10 +21,10 @@ from fem.gears.geometry import GearPair
 from pipelines.io.user_files import whole_file
 from pipelines.report.figures.colours import CONTACT, GONE, STRESS_COLOURS
 from pipelines.report.figures.frame_files import save_figure
+from pipelines.report.figures.gear_frame import placed, rotated
 from pipelines.report.figures.labelled_pictures import corner_axes, show
 from pipelines.report.figures.plots import new_figure, plain
 from pipelines.report.figures.render import render_stress
-from pipelines.report.figures.scene_frame import placed, turned_away
 from pipelines.report.figures.tooth_mesh_frames import contact_places
 from pipelines.report.figures.views import PairStates, Picture, Teeth
 
@@ -84,12 +84,12 @@ def teeth_in_mesh(pair: GearPair, found: LoadedTeeth) -> Teeth:
 def write_teeth(teeth: Teeth, path: Path, frame: np.ndarray) -> None:
     """The hexahedra with the groups pinion and wheel; displacement (m) and von Mises stress (Pa) in .vtu and .msh.
 
-    `frame` (4, 4) takes them to their place in the scene, see `pipelines.report.figures.scene_frame`.
+    `frame` (4, 4) takes them to their place in the scene, see `pipelines.report.figures.gear_frame`.
     """
     from fem.casing.mesh.mesh_file import write_hexahedra
 
     used, cells = np.unique(teeth.cells, return_inverse=True)
-    moved = turned_away(teeth.displacement[used], frame)
+    moved = rotated(teeth.displacement[used], frame)
     fields = {"displacement, m": moved, "von Mises stress, Pa": teeth.von_mises[used]}
     groups = {"pinion": teeth.gear == 1, "wheel": teeth.gear == 2}
     with whole_file(path) as partial:

@@ -1,4 +1,4 @@
-"""Where the gears of a stage stand in the scene: from the frame of a picture to the global axes.
+"""Transformation of a gear pair from the axes of its picture to the global axes.
 
 In a picture's frame the pinion's axis is z along its rotation in lifting, and the wheel lies at +x. Globally y runs
 along the shafts and z is up, so that gears lie over the casing.
@@ -32,6 +32,6 @@ def placed(points: np.ndarray, frame: np.ndarray) -> np.ndarray:
     return np.asarray(points @ frame[:3, :3].T + frame[:3, 3])
 
 
-def turned_away(vectors: np.ndarray, frame: np.ndarray) -> np.ndarray:
+def rotated(vectors: np.ndarray, frame: np.ndarray) -> np.ndarray:
     """Vectors (..., 3) of the picture's frame in the scene."""
     return np.asarray(vectors @ frame[:3, :3].T)

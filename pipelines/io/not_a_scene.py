@@ -1,4 +1,4 @@
-"""TOML files that are no scenes: the machine file of a recording, and the plan of a campaign."""
+"""Refusal of a TOML file that is no scene (machine file of a recording, plan of a campaign), with its command."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Gear pairs and casing surfaces, placed for a picture."""
+"""Geometry that pictures show: gear pairs and casing surfaces at their places in the machine."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from pipelines.machine.flanks import Fault, first_tooth_fault
 from pipelines.machine.machine_model import MachineModel
 from pipelines.report.figures.damage import drawn_tooth
 from pipelines.report.figures.damaged_tooth import DrawnTooth
-from pipelines.report.figures.scene_frame import scene_frame
+from pipelines.report.figures.gear_frame import scene_frame
 from pipelines.report.figures.views import GearPairView, GearView
 
 VISIBLE = 1 / 7  # of a turn before it meshes, where the other gear does not hide a damaged tooth
@@ -46,7 +46,7 @@ def gear_view(
     missing : the marked tooth is missing
     in_mesh : use the cycle 0 instead
     tooth : the marked one with its damage, or None: all of it is red
-    frame, sense : place in the scene, see `pipelines.report.figures.scene_frame`; None: the pinion's axis along y
+    frame, sense : place in the scene, see `pipelines.report.figures.gear_frame`; None: the pinion's axis along y
     """
     radii = pair.working_radii
     # tooth 0 touches at the pitch point with its upper (pinion) or lower (wheel) flank, not with its middle
@@ -78,7 +78,7 @@ class PlacedPair:
     """A gear pair at its place in the scene, its fault, and all damage of that tooth."""
 
     pair: GearPair
-    frame: np.ndarray  # (4, 4), see `pipelines.report.figures.scene_frame`
+    frame: np.ndarray  # (4, 4), see `pipelines.report.figures.gear_frame`
     sense: int
     fault: Fault | None
     damage: tuple[ToothFault, ...]

@@ -1,4 +1,4 @@
-"""The manifest of a stored result: its facts, and the size and checksum of every file; written last, verified first."""
+"""Manifest of a cache entry, the result of one step: its facts, size and checksum of each file; written last."""
 
 from __future__ import annotations
 
