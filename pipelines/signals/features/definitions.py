@@ -115,9 +115,10 @@ DEFINITIONS = (
         "rolling bearing",
         "pass_order",
         "pass order in the envelope",
-        "squared envelope spectrum of w: geometric mean of the lines at 1, 2 and 3 times the best order within 2 % of "
-        "the pass order, each / median of the spectrum around it; the strongest counts at most 20 dB more than the "
-        "second; lines at multiples of shaft speeds are left out",
+        "The lines of the squared envelope spectrum of w at 1, 2 and 3 times an order are divided by the median within "
+        "10 % of 1, 2 and 3 times the pass order. The value is the geometric mean of the three ratios, for the order "
+        "within 2 % of the pass order at which it is largest. The largest ratio counts at most 20 dB more than the "
+        "second; lines at multiples of shaft speeds have the ratio 1 and are not in the median.",
         _RANDALL,
     ),
     _ratio(
