@@ -18,7 +18,7 @@ import numpy as np
 
 from fem.storage import shown_html
 from fem.storage.hdf5_file import hdf5_file
-from fem.storage.stored_array import StoredArray
+from fem.storage.large_array_file import StoredArray
 
 _NAMES_SHOWN = 6
 

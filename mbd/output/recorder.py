@@ -17,7 +17,7 @@ import math
 
 import numpy as np
 
-from fem.storage.stored_array import StoredArray
+from fem.storage.large_array_file import StoredArray
 from mbd.integrators.base import ACCELERATION, ANGLE, SPEED, Block, Integrator
 from mbd.parts.part_checks import StepError
 from mbd.system.system import System

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from fem.storage.stored_array import StoredArray
+from fem.storage.large_array_file import StoredArray
 from mbd.forces.torque_source import TorqueSource
 from mbd.integrators.base import ANGLE, LENGTH, Block, Integrator
 from mbd.integrators.methods import make_integrator

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.storage.large_array_file import StoredArray
 from fem.storage.records import Record, array, names, scalar, text
-from fem.storage.stored_array import StoredArray
 
 TOTAL_LIMIT = 1e-6  # of all work of the sources
 PART_LIMIT = 1e-3  # of the largest energy flow through a part of the machine, see `mbd.output.balance`

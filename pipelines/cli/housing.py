@@ -156,7 +156,7 @@ def _matrices(path: Path, options: argparse.Namespace) -> Iterator[str]:
     for words in body.notes:
         warnings.warn(words, SceneWarning, stacklevel=1)
     yield check_matrices(body).report()
-    from pipelines.studies.housings.reduced_matrices import held_text, reduced_text, write_reduced
+    from pipelines.studies.housings.imported_reduction import held_text, reduced_text, write_reduced
 
     if options.hold:
         yield held_text(body, options.hold)

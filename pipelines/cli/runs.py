@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import argparse
-import shutil
 import time
-from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipelines.cli.command_line import RUN_HELP, action_parsers, json_argument, run_argument
 from pipelines.io.argument_types import count, days, path
-from pipelines.io.errors import InputError, WorkError
+from pipelines.io.errors import InputError
 from pipelines.io.json_text import json_text
-from pipelines.io.shown_text import shown, shown_value
+from pipelines.io.shown_text import shown_value
 from pipelines.io.text_table import Grid
 from pipelines.runs.kept_runs import KeptRun, differing, kept_run, kept_runs, run_grid, run_settings
-from pipelines.runs.run_folder import LATEST, REPORT, RESPONSE, ROOT, find_run, finished_runs, note_latest, opened_run
+from pipelines.runs.removed_runs import remove_runs, runs_to_remove
+from pipelines.runs.run_folder import REPORT, RESPONSE, ROOT, find_run, finished_runs, opened_run
 
 if TYPE_CHECKING:
     import numpy as np
@@ -146,7 +145,7 @@ def _clean(options: argparse.Namespace) -> Iterator[str]:
     if not options.runs and options.older_than is None and options.keep is None:
         raise InputError("runs clean: no runs chosen. Give their names, --older-than DAYS or --keep N.")
     age = None if options.older_than is None else DAY * options.older_than
-    found = chosen(kept_runs(ROOT), [find_run(name) for name in options.runs], age, options.keep)
+    found = runs_to_remove(kept_runs(ROOT), [find_run(name) for name in options.runs], age, options.keep)
     if not found:
         yield "No runs match; nothing was removed."
     elif options.yes:
@@ -189,50 +188,3 @@ def sensor_levels(folder: Path) -> dict[str, float]:
         values: np.ndarray = run.acceleration.transpose("sensor", "time", "axis").values
         names = [str(name) for name in run.sensor.values]
     return {name: float((one**2).sum(axis=1).mean() ** 0.5) for name, one in zip(names, values, strict=True)}
-
-
-def chosen(
-    runs: Sequence[KeptRun], folders: Iterable[Path] = (), older_than: float | None = None, keep: int | None = None
-) -> tuple[KeptRun, ...]:
-    """The runs that meet all conditions.
-
-    Parameters
-    ----------
-    runs : all runs, newest first
-    folders : of the named runs; all runs if empty
-    older_than : only runs of a greater age, s
-    keep : only runs that are not among this number of newest runs of their scene
-    """
-    named = {folder.resolve() for folder in folders}
-    seen: Counter[str] = Counter()
-    found = []
-    for run in runs:
-        seen[run.scene] += 1
-        selected = not named or run.folder.resolve() in named
-        old = older_than is None or run.age > older_than
-        if selected and old and (keep is None or seen[run.scene] > keep):
-            found.append(run)
-    return tuple(found)
-
-
-def remove_runs(runs: Iterable[KeptRun]) -> int:
-    """Remove the folders of runs, and note which run of each scene is now the newest; the number of bytes freed.
-
-    Raises
-    ------
-    WorkError : a folder cannot be removed
-    """
-    freed = 0
-    for run in runs:
-        try:
-            shutil.rmtree(run.folder)
-        except OSError as error:
-            raise WorkError(f"{shown(run.folder)}: cannot be removed ({error.strerror}). Remove it by hand.") from error
-        freed += run.bytes
-        scene = run.folder.parent
-        left = finished_runs(scene.parent, scene.name)
-        if left:
-            note_latest(left[0])
-        else:
-            (scene / LATEST).unlink(missing_ok=True)
-    return freed

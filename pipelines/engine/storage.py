@@ -21,8 +21,8 @@ from typing import Any
 
 import numpy as np
 
+from fem.storage.large_array_file import StoredArray
 from fem.storage.records import Record
-from fem.storage.stored_array import StoredArray
 from pipelines.engine.code_version import OWN_PACKAGES
 
 CONTENTS = "contents.json"  # the table of contents of a stored value: a tree of nodes

@@ -1,4 +1,4 @@
-"""Errors for which a command prints one message and returns an exit code (2: the input, 1: the computation)."""
+"""Errors of the input (exit code 2) and of the computation (1), and `Problems`, which collects all of a scene."""
 
 from __future__ import annotations
 

@@ -18,8 +18,8 @@ from fem.gears.rack import Rack
 from mbd.parts.train import power_flow
 from pipelines.io.errors import Problem, SceneError
 from pipelines.machine.drives import highest_rpm, motor_places
-from pipelines.machine.flanks import modifications
 from pipelines.machine.loads import load_places, load_torque
+from pipelines.machine.scene_flanks import modifications
 from pipelines.scene.phases import mesh_cycles
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_places import place_shafts, shaft_senses, stage_shafts

@@ -26,13 +26,13 @@ from mbd.parts.part_checks import MachineError
 from mbd.parts.shafts import Disk, ShaftSpec
 from pipelines.io.errors import InputError, Problem, Problems
 from pipelines.machine.drives import motor_couplings, motor_torques, speed_profile
-from pipelines.machine.flanks import GEARS, Fault, damaged_teeth, flanks_spec, prescribed_deviations, tooth_faults
 from pipelines.machine.layout import TrainLayout, lay_out
 from pipelines.machine.loads import hanging_load, load_places, suspended_load, torque_load
 from pipelines.machine.machine_model import Drivetrain, MachineModel, labels
 from pipelines.machine.machine_parts import GearMesh, GearTeeth, MachineParts, Recorded
 from pipelines.machine.scene_bearings import bearing_faults, bearing_points, bearing_specs, rolling_bearings
 from pipelines.machine.scene_casing import casing
+from pipelines.machine.scene_flanks import GEARS, Fault, damaged_teeth, flanks_spec, prescribed_deviations, tooth_faults
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import shaft_faults
 from pipelines.scene.tables.drive_and_load import LoadBase, SpeedDrive

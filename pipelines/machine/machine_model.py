@@ -15,11 +15,11 @@ from fem.casing.models.casing_model import CasingModel, Structure
 from fem.contact.models.mesh_model import LawSpec
 from mbd.forces.hanging_loads import HangingLoad
 from mbd.integrators.settings import MotionSettings
-from pipelines.machine.flank_changes import FlanksSpec
-from pipelines.machine.flanks import Fault
+from pipelines.machine.flanks_spec import FlanksSpec
 from pipelines.machine.layout import StageFacts, TrainLayout
 from pipelines.machine.machine_parts import MachineParts, Recorded
 from pipelines.machine.scene_bearings import BearingFault, RollingBearing
+from pipelines.machine.scene_flanks import Fault
 from pipelines.machine.scene_kinematics import pass_lines, pass_rates, shaft_lines
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import ShaftFault, shaft_faults

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from fem.contact.faults.changed_law import damaged_law, modified_law
 from fem.contact.law import MeshLaw
-from pipelines.machine.flank_changes import FlanksSpec
+from pipelines.machine.flanks_spec import FlanksSpec
 
 if TYPE_CHECKING:
     from fem.contact.wheels.crack_surface import CrackSurface

@@ -16,7 +16,7 @@ from fem.casing.models.stage import PlannedStage
 from fem.contact.models.mesh_model import LawSpec
 from mbd.integrators.methods import METHODS
 from pipelines.engine.step import Step
-from pipelines.machine.flank_changes import FlanksSpec
+from pipelines.machine.flanks_spec import FlanksSpec
 from pipelines.machine.machine_model import MachineModel
 from pipelines.steps import casing
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import PairModifications
-from pipelines.machine.flank_changes import FlanksSpec
-from pipelines.machine.flanks import Fault, first_tooth_fault
+from pipelines.machine.flanks_spec import FlanksSpec
+from pipelines.machine.scene_flanks import Fault, first_tooth_fault
 from pipelines.machine.system_assembly import Laws
 from pipelines.machine.tooth_terms import mesh_faults
 from pipelines.steps.flanks import build_modified

@@ -17,7 +17,7 @@ from fem.contact.teeth import checked_terms
 from fem.contact.wheels.compliance import ContactCompliance
 from fem.contact.wheels.direct_contact import contact_at
 from fem.gears.modifications import lead_gap, profile_gap
-from pipelines.machine.flank_changes import FlanksSpec
+from pipelines.machine.flanks_spec import FlanksSpec
 
 
 def build_compliance(spec: LawSpec) -> ContactCompliance:

@@ -9,8 +9,8 @@ import pytest
 
 import gearcase
 from fem.storage import shown_html
+from fem.storage.large_array_file import StoredArray
 from fem.storage.records import Record, array, integer, names, scalar, text
-from fem.storage.stored_array import StoredArray
 from pipelines.diagnosis.uncertainty.bar_records import Band, LineBar, LineBars
 from pipelines.diagnosis.verdict import Evidence, Finding, Verdict
 

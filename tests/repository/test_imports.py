@@ -29,7 +29,7 @@ MBD_TAKES = {
     "fem.contact.teeth",
     "fem.casing.reduced.reduced_body",
     "fem.storage.records",
-    "fem.storage.stored_array",
+    "fem.storage.large_array_file",
     "fem.named_classes",
 }
 HEAVY = {"numba", "scipy", "h5py", "xarray", "matplotlib", "gmsh", "pyvista", "skfem", "numpy", "pydantic", "pandas"}

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from fem.contact.faults.face_parts import FaceParts, gap_on_slices
+from fem.contact.faults.gap_on_slices import FaceParts, gap_on_slices
 from fem.contact.faults.tooth_fault import END, ToothFault, from_end
 from fem.contact.law import MeshLaw
 from fem.gears.gear import Gear

@@ -10,9 +10,9 @@ from fem.gears.flank_deviations import flank_tolerance
 from fem.gears.gear_checks import GeometryError
 from fem.gears.prescribed import PrescribedDeviations, check_prescribed
 from pipelines.io.errors import Problem
-from pipelines.machine.flanks import GEARS, Fault
 from pipelines.machine.layout import TrainLayout
 from pipelines.machine.machine_model import Drivetrain
+from pipelines.machine.scene_flanks import GEARS, Fault
 from pipelines.scene.presets import most_slices
 from pipelines.scene.scene import Scene
 

@@ -13,8 +13,8 @@ from fem.elements.facets import corner_triangles
 from fem.gears.gear import Gear
 from fem.gears.geometry import GearPair
 from fem.gears.profile import half_tooth_profile
-from pipelines.machine.flanks import Fault, first_tooth_fault
 from pipelines.machine.machine_model import MachineModel
+from pipelines.machine.scene_flanks import Fault, first_tooth_fault
 from pipelines.report.figures.damage import drawn_tooth
 from pipelines.report.figures.damaged_tooth import DrawnTooth
 from pipelines.report.figures.gear_frame import scene_frame

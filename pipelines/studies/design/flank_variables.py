@@ -10,7 +10,7 @@ from fem.gears.modifications import FlankModifications, PairModifications
 from fem.options import options_of
 from pipelines.io.errors import InputError
 from pipelines.io.shown_text import nearest_name, shown
-from pipelines.machine.flanks import GEARS, modifications
+from pipelines.machine.scene_flanks import GEARS, modifications
 from pipelines.scene.load_scene import LoadedScene, changed
 from pipelines.scene.tables.derived import key_of
 from pipelines.studies.detect.detection_axis import Over, parse_over

@@ -29,8 +29,8 @@ from fem.gears.prescribed import (
 from pipelines.io.errors import SceneError
 from pipelines.machine.checks.checked_machine import checked_machine
 from pipelines.machine.checks.design_warnings import design_warnings
-from pipelines.machine.flanks import prescribed_deviations
 from pipelines.machine.machine_conversion import make_drivetrain, make_machine
+from pipelines.machine.scene_flanks import prescribed_deviations
 from pipelines.machine.system_assembly import assemble_machine
 from pipelines.scene.load_scene import control_of, load_scene
 from pipelines.scene.measured_flanks import measured_flanks

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from fem.storage.hdf5_file import CarefulFile, careful_file
+from fem.storage.large_array_file import StoredArray
 from fem.storage.records import Record, array, names
-from fem.storage.stored_array import StoredArray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -10,8 +10,8 @@ from pipelines.engine.code_version import reachable
 from pipelines.engine.storage import class_modules, digest
 from pipelines.io.errors import SceneError
 from pipelines.machine.checks.collisions import RevolvedBody
-from pipelines.machine.flanks import Fault, first_tooth_fault
 from pipelines.machine.machine_conversion import make_drivetrain, make_machine
+from pipelines.machine.scene_flanks import Fault, first_tooth_fault
 from pipelines.scene.load_scene import load_scene
 from pipelines.steps.machine_steps import machine_steps
 

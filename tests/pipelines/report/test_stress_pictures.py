@@ -20,7 +20,7 @@ from fem.contact.models.solid_stress import root_stress
 from fem.gears.modifications import PairModifications
 from pipelines.io.errors import InputError
 from pipelines.io.user_files import writable_file
-from pipelines.machine.flank_changes import FlanksSpec
+from pipelines.machine.flanks_spec import FlanksSpec
 from pipelines.report.figures import tooth_mesh_pictures
 from pipelines.report.figures.colours import GONE
 from pipelines.report.figures.gear_frame import placed, scene_frame

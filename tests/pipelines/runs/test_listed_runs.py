@@ -8,10 +8,10 @@ import subprocess
 import pytest
 
 from pipelines.cli.main import main
-from pipelines.cli.runs import chosen
 from pipelines.engine.run_graph import Work
 from pipelines.io.errors import InputError
 from pipelines.runs.kept_runs import kept_runs
+from pipelines.runs.removed_runs import runs_to_remove
 from pipelines.runs.run import run_scene
 from pipelines.runs.run_folder import find_run, note_latest
 from pipelines.scene.load_scene import load_scene
@@ -98,7 +98,7 @@ def test_a_spoiled_scene_file_hides_no_run(here):
     ],
 )
 def test_old_runs_and_those_behind_the_newest_are_chosen(here, options, folders):
-    assert [run.folder.name for run in chosen(kept_runs(here / "runs", NOW), **options)] == folders
+    assert [run.folder.name for run in runs_to_remove(kept_runs(here / "runs", NOW), **options)] == folders
 
 
 def test_nothing_is_removed_without_yes_and_the_newest_is_noted_anew(here, capsys):

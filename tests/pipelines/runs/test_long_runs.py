@@ -10,7 +10,7 @@ from coarse import coarse, diagnosable
 from mbd_rigs import no_casing, train
 from synthetic import RATE
 
-from fem.storage.stored_array import StoredArray
+from fem.storage.large_array_file import StoredArray
 from mbd.integrators.settings import MotionSettings
 from mbd.output.simulate import simulate
 from mbd.parts.channels import channel_names

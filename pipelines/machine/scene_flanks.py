@@ -15,7 +15,7 @@ from fem.contact.faults.tooth_fault import ToothFault
 from fem.gears.geometry import GearPair
 from fem.gears.modifications import FlankModifications, Misalignment, PairModifications
 from fem.gears.prescribed import PrescribedDeviations
-from pipelines.machine.flank_changes import FlanksSpec
+from pipelines.machine.flanks_spec import FlanksSpec
 from pipelines.scene.tables.faults import FaultTable
 from pipelines.scene.tables.gears import GearTable
 from pipelines.scene.tables.stages import StageTable
