@@ -192,7 +192,7 @@ def campaign_table(rows: list[dict[str, Any]]) -> str:
         for r in rows
     ]  # fmt: skip
     headers = ("scene", "motion, s", "scenes", "processes", "scenes per hour", "bare loop before, after, per hour",
-               "ratio", "MB per scene")  # fmt: skip
+               "ratio", "disk, MB per scene")  # fmt: skip
     return markdown(headers, cells)
 
 

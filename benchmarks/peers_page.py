@@ -55,8 +55,8 @@ def contact_table(found: Found) -> str:
         )
     headers = ("mesh cycle", "state", "CalculiX, µm (elements along the face)", "extrapolated, µm", "time, s", *names)
     lead = (
-        f"Approach of stage 1 of the rig at {found['force_N']:.0f} N: CalculiX with both gears in space "
-        f"({found['element']}, penalty {found['penalty_N_per_mm3']:.0e} N/mm³); deviations from it."
+        f"Approach of stage 1 of the rig at {found['force_N']:.0f} N: CalculiX models both gears in 3-D "
+        f"({found['element']}, penalty {found['penalty_N_per_mm3']:.0e} N/mm³). The deviations are those from CalculiX."
     )
     return f"{lead}\n\n{markdown(headers, rows)}"
 

@@ -70,8 +70,8 @@ class RopeLoad(HangingLoad):
     ground_level: float | None = option(
         None,
         unit="m",
-        text="height of the ground above the position of the mass on the unstretched rope "
-        "at t = 0. If it is positive, the mass rests on the ground and the rope is "
+        text="height of the ground above the place at which the mass would hang from a rigid "
+        "rope at t = 0. If it is positive, the mass rests on the ground and the rope is "
         "slack by this amount; without it: no ground; not for rope-pendulum",
     )
     ground_stiffness: float = option(1e7, unit="N/um", gt=0, text="stiffness of the ground")

@@ -12,7 +12,8 @@ from pipelines.io.argument_types import count, path
 
 HELP = """\
 Estimate free keys of a scene from recordings of one healthy machine, at the speed and load of the scene. Print mean,
-90 % interval and correlations of the posterior, the keys that cannot be identified, and the agreement before and after.
+90 % interval and correlations of the posterior, the keys that cannot be identified, and how well simulated and
+recorded levels agree before and after calibration.
 Needs the extra gearcase[calibrate]. Takes minutes to hours: use --dry-run first."""
 EXAMPLE = """\
 gearcase calibrate minimal runs/minimal/2026-11-25_00-50-21 --free casing.mount_stiffness_N_per_um=100..400 --dry-run

@@ -71,9 +71,9 @@ def arguments(sub: argparse.ArgumentParser) -> None:
         type=path,
         nargs="+",
         default=(),
-        help="write what each pair does over its load, without tooth faults, to these files, .png, .svg, .pdf or .nc: "
-        "transmission error and its mesh orders over the torque, and along the face pressure, line load with its "
-        "factor K_H beta, root stress (model `solid`, about 9 s for each pair) and contact pattern",
+        help="write results of healthy pairs to these files, .png, .svg, .pdf or .nc. Over the torque: "
+        "transmission error and its mesh orders. Along the face: pressure, line load (K_H beta), root stress (model "
+        "`solid`, about 9 s for each pair) and contact pattern",
     )
     json_argument(sub)
 

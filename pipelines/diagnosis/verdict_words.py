@@ -68,7 +68,7 @@ def standing(evidence: Evidence) -> str:
     what = BY_NAME[evidence.features[0]].words if count == 1 else f"mean of {count} features"
     text = f"{what} at {evidence.sensor} {evidence.axis} is {decibels(evidence.increase)} dB"
     if evidence.limit is not None:
-        text += f", or {evidence.deviation:.1f} standard deviations, of which {evidence.limit:.1f} are the limit"
+        text += f", or {evidence.deviation:.1f} standard deviations (limit: {evidence.limit:.1f})"
     if evidence.impacts is not None:
         text += f", and {evidence.impacts:.0f} dB over the envelope spectrum around it (limit {CLEAR:g} dB)"
     return text

@@ -106,7 +106,8 @@ class RootStress:
         forces = np.einsum("cps,cpsr,sa,kra->cpk", loads * law.slice_width, weight, means, shapes, optimize=True)
         single = np.tensordot(forces, self.stress, 1)
         total, reach = np.zeros_like(single[:, :, 0]), single.shape[2] // 2
-        for apart in range(-reach, reach + 1):  # of tooth pair p by the load of p - apart
+        most = min(reach, pairs.shape[1] - 1)
+        for apart in range(-most, most + 1):  # of tooth pair p by the load of p - apart
             seen, by = (slice(max(sign * apart, 0), pairs.shape[1] - max(-sign * apart, 0)) for sign in (1, -1))
             total[:, seen] += single[:, by, apart + reach]
         return np.asarray(_von_mises(total).max(axis=2))

@@ -49,7 +49,7 @@ def bad_windows(scene: Scene, machine: Drivetrain) -> Iterator[Problem]:
             f"the diagnosis of stage {scene.diagnosis.stage} needs lines up to {highest:.4g} Hz "
             f"({max(settings.mesh_harmonics)} f_m and {settings.sideband_orders} sidebands), above half of the rate, "
             f"{rate / 2:.4g} Hz",
-            f"Set {math.ceil(4 * highest)} or more, 4 times this frequency",
+            f"Set {math.ceil(4 * highest)} or more, 4 times the highest line",
             f"{rate:g}",
         )
     try:

@@ -43,7 +43,7 @@ class JointTable(Table):
 
 
 class CoverJointTable(JointTable):
-    """Bolts of the cover: in the flange, or without a flange down through the cover into the walls."""
+    """Bolts of the cover: in the flange if there is one, else through the cover into the walls."""
 
     pitch_mm: Annotated[
         Length | None,

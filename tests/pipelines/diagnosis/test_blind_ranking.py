@@ -223,7 +223,7 @@ def test_against_a_control_known_damage_is_found_with_its_evidence_and_tooth():
     assert "). The impact begins at tooth 7. The reference is" in single
     alone = " ".join(case_sentences(cases[1:], [damage]))
     nearest = r"not found\. Nearest evidence of damage: .* \(down, torque load, deviations of seed 1\), .* is [+-]\d"
-    assert re.search(nearest + r".* of which \d.*stage 1 pinion.* of which \d", alone)
+    assert re.search(nearest + r".*\(limit: \d.*stage 1 pinion.*\(limit: \d", alone)
     elsewhere = " ".join(case_sentences(cases[:1], [dataclasses.replace(damage, tooth=3)]))
     assert "). The impact begins at tooth 7, not at tooth 3. The reference is" in elsewhere
     crack = dataclasses.replace(damage, tooth=3, words="cracked tooth 3 of the stage 1 pinion")
