@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -81,23 +82,23 @@ def contact_window(pair: GearPair, largest_gap: float = LARGEST_GAP) -> tuple[fl
     """
     require(largest_gap > 0.0, f"{pair.label}: largest_gap is {largest_gap!r} m; give a value > 0")
 
-    def excess(xi: float) -> float:
-        gap, r1, r2 = _beyond(pair, np.array([xi]), 0 if xi > 0.0 else 1)
+    def excess(xi: float, own: int) -> float:
+        gap, r1, r2 = _beyond(pair, np.array([xi]), own)
         p, w = pair.pinion, pair.wheel
         touching = r1[0] <= p.tip_form_radius * (1 + 1e-12) and r2[0] <= w.tip_form_radius * (1 + 1e-12)
         return float(gap[0]) - largest_gap if touching else 1.0  # past the tip: no flank
 
     ends = []
-    for end, sign in ((pair.xi_start, -1.0), (pair.xi_end, 1.0)):
+    for own, end, sign in ((1, pair.xi_start, -1.0), (0, pair.xi_end, 1.0)):
         inside, outside = end, end + 0.02 * sign
-        while excess(outside) < 0.0:
+        while excess(outside, own) < 0.0:
             inside, outside = outside, outside + 0.02 * sign
             if abs(outside - end) > FARTHEST:
                 raise GeometryError(
                     f"{pair.label}: the tip-edge gap does not reach {largest_gap:.3g} m within {FARTHEST:g} pitches "
                     "beyond the path of contact. Reduce the number of teeth"
                 )
-        ends.append(brentq(excess, inside, outside, xtol=1e-14))
+        ends.append(brentq(partial(excess, own=own), inside, outside, xtol=1e-14))
     return ends[0], ends[1]
 
 

@@ -186,8 +186,8 @@ def all_lines(diagnoses: Sequence[Diagnosis], seeds: Sequence[Diagnosis]) -> lis
             f"Lines at {settings.sensor} ({settings.axis}): harmonics of f_r in the envelope spectrum, and sidebands "
             "n f_m + k f_r in the spectrum. Difference: faulty over healthy. Over floor: level over the median of the "
             "spectrum within one f_r of the line, without the bins of the orders. Detected lines are shaded; - means "
-            "not detected. A mesh line or a bearing line is given for comparison and is no evidence of the fault. Both runs contain sensor noise "
-            f"of {diagnoses[0].noise:.3g} m/s² rms."
+            "not detected. A mesh line or a bearing line is given for comparison and is no evidence of the fault. Both "
+            f"runs contain sensor noise of {diagnoses[0].noise:.3g} m/s² rms."
             + (
                 ' With a container on a rope, the last column gives its natural frequency. "on this line" marks lines '
                 "that this oscillation can raise without a fault."

@@ -144,6 +144,10 @@ def test_root_stresses_by_unit_forces_are_those_of_the_field(solved):
         near = field.von_mises[:, field.root].reshape(len(field.pair), len(root.face), -1)
         exact = near[..., : root.stress.shape[2]].max(axis=2)
         assert abs(found - exact).max() < 0.01 * exact.max()
+        first = np.where(np.arange(len(loads))[:, None] == 0, loads, 0.0)
+        of_all = root.of(law, np.array([healthy.cycle]), healthy.pair[None], first[None])
+        alone = root.of(law, np.array([healthy.cycle]), healthy.pair[None, :1], loads[None, :1])
+        np.testing.assert_allclose(alone[0, 0], of_all[0, 0], rtol=1e-9)
 
 
 def test_a_crack_alone_has_one_state_because_the_elements_are_those_of_a_healthy_tooth():
