@@ -240,8 +240,8 @@ def band_words(limits: FrequencyLimits, factor: float, relative: np.ndarray) -> 
     by_sizes = bool(np.isfinite(limits.orders).any())  # meshes of one size give no order
     how = f"three element sizes, common order {limits.order:.2f}" if by_sizes else "cubic and quadratic elements"
     lacking = (
-        "\n-: no band. The element size does not affect rigid-body modes on the mount springs, and the highest modes "
-        "are not extrapolated."
+        "\n-: no band. Modes that move mainly on the mount springs have none, because the springs determine most of "
+        "their frequency; the highest modes are not extrapolated."
     )
     return (
         f"Hz: with the stiffness multiplied by {factor:.4f}, a factor extrapolated to zero element size from {how}.\n"

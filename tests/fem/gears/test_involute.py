@@ -222,6 +222,14 @@ def test_the_contact_window_ends_at_the_largest_gap():
     assert np.isinf(path_points(pair, np.array([first - 1e-6, last + 1e-6])).gap).all()
 
 
+def test_the_contact_window_encloses_a_path_that_begins_beyond_the_pitch_point():
+    """At a large centre distance the tip of the wheel does not reach the pitch point."""
+    pair = gear_pair((21, 73), 2.5, 12, 32, centre_mm=123.9)
+    assert 0.0 < pair.xi_start
+    first, last = contact_window(pair)
+    assert first < pair.xi_start < pair.xi_end < last
+
+
 def test_relative_curvature_at_the_pitch_point():
     pair = gear_pair((20, 55), 2, 12, 12)
     r1, r2 = (r * math.sin(pair.working_pressure_angle) for r in pair.working_radii)
