@@ -66,6 +66,8 @@ def load_map_figure(title: str, found: xarray.Dataset) -> Figure:
     dress(root, f"root stress at {float(found.torque[-1]):.4g} N m", "y from mid face, mm", "von Mises stress, MPa")
     for axes in (ranges, orders, pressure, load, root):
         axes.set_ylim(0.0, (1.5 if axes is load else 1.3) * axes.get_ylim()[1])  # room for the legend
+    low, high = cycle.get_ylim()
+    cycle.set_ylim(low, high + 0.3 * (high - low))
     for axes in (cycle, ranges, orders, load, root):
         axes.legend(fontsize=8, frameon=False, loc="upper left", ncols=1 if axes is load else 2)
     figure.colorbar(drawn, ax=np.concatenate(patterns), shrink=0.9, pad=0.01).set_label("Hertz pressure, MPa")

@@ -225,7 +225,7 @@ def test_the_contact_window_ends_at_the_largest_gap():
 def test_the_contact_window_encloses_a_path_that_begins_beyond_the_pitch_point():
     """At a large centre distance the tip of the wheel does not reach the pitch point."""
     pair = gear_pair((21, 73), 2.5, 12, 32, centre_mm=123.9)
-    assert 0.0 < pair.xi_start
+    assert pair.xi_start > 0.0
     first, last = contact_window(pair)
     assert first < pair.xi_start < pair.xi_end < last
 
