@@ -150,7 +150,7 @@ class Record:
 
         Raises
         ------
-        RecordError : the file holds another kind of record, or a field is missing
+        RecordError : the file holds another kind of record, or a field without a default is missing
         OSError : the file is not HDF5 or is truncated
         """
         import h5py
@@ -165,6 +165,8 @@ class Record:
                     continue
                 stored_as_attribute = field.metadata["kind"] in ("scalar", "integer", "text")
                 if field.name not in (file.attrs if stored_as_attribute else file):
+                    if field.default is not dataclasses.MISSING:  # of a later version than the file
+                        continue
                     raise RecordError(f"{path}: field {field.name!r} of {cls.__name__} is missing")
                 if stored_as_attribute:
                     values[field.name] = file.attrs[field.name]

@@ -1,8 +1,9 @@
 """Records: write -> read -> equal; wrong kind, wrong shape, NaN refused."""
 
 import tracemalloc
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+import h5py
 import numpy as np
 import pytest
 
@@ -54,6 +55,26 @@ def test_another_kind_is_refused(tmp_path):
     Other(load=1.0).save(tmp_path / "other.h5")
     with pytest.raises(RecordError, match="expected 'Curve'"):
         Curve.load(tmp_path / "other.h5")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Later(Other):
+    """`Other` of a later version, with a field that has a default."""
+
+    notes: tuple[str, ...] = field(default=(), metadata=names("note").metadata)
+
+
+def test_a_file_of_an_earlier_version_lacks_only_fields_with_a_default(tmp_path):
+    path = tmp_path / "other.h5"
+    Other(load=4.0).save(path)
+    with h5py.File(path, "a") as file:
+        file.attrs["record"] = "Later"
+    assert Later.load(path).notes == ()
+    assert Later.load(path).load == 4.0
+    with h5py.File(path, "a") as file:
+        del file.attrs["load"]
+    with pytest.raises(RecordError, match="'load' of Later is missing"):
+        Later.load(path)
 
 
 def test_the_caller_cannot_edit_a_record():
