@@ -17,8 +17,6 @@ from fem.gears.modifications import PairModifications, check_modifications
 from fem.gears.rack import Rack
 from mbd.parts.train import power_flow
 from pipelines.io.errors import Problem, SceneError
-from pipelines.machine.drives import highest_rpm, motor_places
-from pipelines.machine.loads import load_places, load_torque
 from pipelines.machine.scene_flanks import modifications
 from pipelines.scene.phases import mesh_cycles
 from pipelines.scene.scene import Scene
@@ -260,17 +258,17 @@ def lay_out(scene: Scene, source: str = "scene") -> TrainLayout:
         ),
         driven=driven,
         loaded=loaded,
-        turns=highest_rpm(scene.drive) / 60,
-        motors=motor_places(scene.drive, scene.shafts[driven]),
+        turns=scene.drive.highest_turns,
+        motors=scene.drive.motor_places(scene.shafts[driven]),
         torques=tuple(_torques(scene, loaded)),
     )
 
 
 def _torques(scene: Scene, loaded: int) -> Iterator[tuple[int, float, float]]:
     """Torques of the load and of external torques: shaft, y (m), torque (N m)."""
-    places = load_places(scene.load, scene.shafts[loaded])
+    places = scene.load.places(scene.shafts[loaded])
     for y in places:
-        yield loaded, y, -load_torque(scene.load, loaded) / len(places)
+        yield loaded, y, -scene.load.torque / len(places)
     for number, force in enumerate(scene.forces, 1):
         if isinstance(force, TorqueTable):
             yield force.shaft - 1, force.si.position, sum(force.spec(number).largest_torques(0.0).values())

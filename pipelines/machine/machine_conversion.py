@@ -25,9 +25,7 @@ from mbd.parts.oil_film import Film
 from mbd.parts.part_checks import MachineError
 from mbd.parts.shafts import Disk, ShaftSpec
 from pipelines.io.errors import InputError, Problem, Problems
-from pipelines.machine.drives import motor_couplings, motor_torques, speed_profile
 from pipelines.machine.layout import TrainLayout, lay_out
-from pipelines.machine.loads import hanging_load, load_places, suspended_load, torque_load
 from pipelines.machine.machine_model import Drivetrain, MachineModel, labels
 from pipelines.machine.machine_parts import GearMesh, GearTeeth, MachineParts, Recorded
 from pipelines.machine.scene_bearings import bearing_faults, bearing_points, bearing_specs, rolling_bearings
@@ -35,7 +33,6 @@ from pipelines.machine.scene_casing import casing
 from pipelines.machine.scene_flanks import GEARS, Fault, damaged_teeth, flanks_spec, prescribed_deviations, tooth_faults
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import shaft_faults
-from pipelines.scene.tables.drive_and_load import LoadBase, SpeedDrive
 from pipelines.scene.tables.losses import FilmModel
 from pipelines.scene.tables.stages import DeviationTable, StageTable
 
@@ -97,7 +94,7 @@ def drivetrain(scene: Scene, layout: TrainLayout, problems: Problems) -> Drivetr
             for number, (pair, modifications) in enumerate(zip(layout.pairs, layout.modifications, strict=True), 1)
         ),
         parts=machine_parts(scene, layout, faults, problems),
-        hoist=suspended_load(scene.load),
+        hoist=scene.load.suspended,
         rolling=() if problems else rolling_bearings(scene),
         faults=faults,
         spalls=tuple(bearing_faults(scene).values()),
@@ -113,7 +110,7 @@ def drivetrain(scene: Scene, layout: TrainLayout, problems: Problems) -> Drivetr
             sensor=scene.diagnosis.sensor or (scene.sensors[0].name if scene.sensors else ""),
             windows=dict(scene.diagnosis.windows_s),
             possible=bool(scene.diagnosis.windows_s and scene.sensors),
-            speed_is_known=isinstance(scene.drive, SpeedDrive),
+            speed_is_known=scene.drive.speed_is_known,
         ),
     )
 
@@ -165,18 +162,17 @@ def _disks(scene: Scene, layout: TrainLayout, shaft: int) -> list[Disk]:
     for number, table in enumerate(scene.disks, 1):
         if table.shaft == shaft + 1:
             found.append(table.made(name=f"disk_{number}"))
-    load = scene.load
-    if shaft == layout.loaded and isinstance(load, LoadBase):
-        radius = load.si.drum_radius
-        for number, y in enumerate(load_places(load, scene.shafts[layout.loaded]), 1):
+    hoist = scene.load.suspended
+    if shaft == layout.loaded and hoist is not None:
+        for number, y in enumerate(scene.load.places(scene.shafts[shaft]), 1):
             # a drum is a thin shell: diametral inertia half the polar one, its length neglected
             found.append(
                 Disk(
                     name=f"drum_{number}",
                     y=y,
-                    mass=load.drum_mass_kg,
-                    polar_inertia=load.drum_inertia_kg_m2,
-                    diametral_inertia=min(load.drum_inertia_kg_m2, load.drum_mass_kg * radius**2) / 2,
+                    mass=hoist.drum_mass,
+                    polar_inertia=hoist.drum_inertia,
+                    diametral_inertia=min(hoist.drum_inertia, hoist.drum_mass * hoist.drum_radius**2) / 2,
                 )
             )
     return found
@@ -283,22 +279,21 @@ def machine_parts(scene: Scene, layout: TrainLayout, faults: Sequence[Fault], pr
     faults : of the teeth
     problems : collects errors of the parts; with errors, the parts are not complete
     """
-    drive, driven = scene.drive, f"shaft_{layout.driven + 1}"
+    drive, driven, loaded = scene.drive, f"shaft_{layout.driven + 1}", f"shaft_{layout.loaded + 1}"
     ends = layout.motors
-    places = load_places(scene.load, scene.shafts[layout.loaded])
-    brake = drive.brake_torque_N_m if isinstance(drive, SpeedDrive) else 0.0
+    places = scene.load.places(scene.shafts[layout.loaded])
     profile, load = (
-        problems.made("drive", speed_profile, drive),
-        problems.made("load", hanging_load, scene.load, layout.loaded, places),
+        problems.made("drive", drive.profile),
+        problems.made("load", scene.load.hanging_load, loaded, places),
     )
-    if load is not None and profile is not None and isinstance(drive, SpeedDrive):
+    if load is not None and profile is not None and drive.speed_is_known:
         problems.made("load", load.check_run, profile, layout.shaft_ratios[layout.loaded], scene.simulation.end_s)
     bearings = bearing_specs(scene, problems)
     return MachineParts(
         shafts=problems.made("shafts", shaft_specs, scene, layout) or (),
         bearings=bearings,
         meshes=gear_meshes(scene, layout, faults, problems),
-        couplings=motor_couplings(drive, layout.driven, ends),
+        couplings=drive.couplings(driven, ends),
         input_shaft=driven,
         profile=profile,
         load=load,
@@ -306,13 +301,13 @@ def machine_parts(scene: Scene, layout: TrainLayout, faults: Sequence[Fault], pr
             "couplings", (partial(table.spec, n) for n, table in enumerate(scene.couplings, 1))
         ),
         forces=(
-            *(problems.made("drive", motor_torques, drive, layout.driven, ends) or ()),
-            *(problems.made("load", torque_load, scene.load, layout.loaded, places) or ()),
+            *(problems.made("drive", drive.torque_sources, driven, ends) or ()),
+            *(problems.made("load", scene.load.torque_sources, loaded, places) or ()),
             *problems.each("forces", (partial(table.spec, n) for n, table in enumerate(scene.forces, 1))),
             *(force for number, table in enumerate(scene.disks, 1) for force in table.unbalances(number)),
         ),
         losses=scene.losses.made(),
-        brake=Brake(shaft=driven, y=ends[0], torque=brake) if brake else None,
+        brake=Brake(shaft=driven, y=ends[0], torque=drive.brake_torque) if drive.brake_torque else None,
         gyroscopic=scene.shaft_model.gyroscopic,
         probes=(
             *(table.made(shaft=f"shaft_{table.shaft}") for table in scene.probes),

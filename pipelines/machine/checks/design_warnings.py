@@ -14,14 +14,12 @@ from pipelines.machine.checks.collisions import FARTHEST_SENSOR
 from pipelines.machine.checks.flank_checks import flank_warnings
 from pipelines.machine.checks.strength import strength_warnings
 from pipelines.machine.checks.window_checks import bad_windows
-from pipelines.machine.drives import motor_torques
 from pipelines.machine.layout import TrainLayout
 from pipelines.machine.machine_model import Drivetrain
 from pipelines.machine.scene_bearings import bearing_names, bearing_table
 from pipelines.machine.scene_casing import dimensions
 from pipelines.scene.scene import Scene
 from pipelines.scene.shaft_faults import shaft_faults
-from pipelines.scene.tables.drive_and_load import LoadBase
 from pipelines.scene.tables.housing import HousingBase
 from pipelines.scene.validation_messages import other_unit
 
@@ -167,7 +165,7 @@ def spall_warnings(machine: Drivetrain) -> Iterator[str]:
 
 def _drive(scene: Scene, layout: TrainLayout) -> Iterator[str]:
     """Motors of a torque that the largest load overcomes at their greatest."""
-    motors = motor_torques(scene.drive, layout.driven, layout.motors)
+    motors = scene.drive.torque_sources("", layout.motors)
     given, needed = sum(abs(motor.largest) for motor in motors), layout.input_torque
     if motors and given < needed:
         yield (
@@ -199,11 +197,7 @@ def _record(scene: Scene, layout: TrainLayout) -> Iterator[str]:
                 f"{4 * HARMONICS * facts.mesh_frequency:.0f}"
             )
     if not any(layout.resisting_torques):
-        key, remedy = (
-            ("load.container_kg = 0", "Increase load.container_kg")
-            if isinstance(scene.load, LoadBase)
-            else ("load: the torque is 0", "Set load.torque_N_m for a simulation, or --torque of gearcase gears")
-        )
+        key, remedy = scene.load.without_load
         yield f"{key}: without load the teeth lose contact and rattle in their backlash. {remedy}"
 
 

@@ -16,11 +16,9 @@ from mbd.parts.shafts import AXES, shaft_nodes
 from pipelines.io.errors import Problem
 from pipelines.machine.bearing_loads import flank_rows, rigid_row
 from pipelines.machine.layout import TrainLayout
-from pipelines.machine.loads import load_places
 from pipelines.machine.machine_model import MachineModel
 from pipelines.machine.machine_parts import MachineParts
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.drive_and_load import LoadBase
 
 _WORDS = {"uy": "move along its axis", "ry": "rotate", "rx": "tilt", "rz": "tilt"}
 _ARM = 0.1  # m, lever arm that makes rotations comparable with displacements
@@ -37,8 +35,7 @@ def off_shaft(scene: Scene, layout: TrainLayout) -> Iterator[Problem]:
     for number, coupling in enumerate(scene.couplings, 1):
         for shaft, y in zip(coupling.shafts, coupling.positions_mm, strict=True):
             placed.append((f"couplings.{number}.positions_mm", shaft - 1, y))
-    key = "load.drum_positions_mm" if isinstance(scene.load, LoadBase) else "load.position_mm"
-    placed += [(key, layout.loaded, 1000 * y) for y in load_places(scene.load, scene.shafts[layout.loaded])]
+    placed += [(scene.load.places_key, layout.loaded, 1000 * y) for y in scene.load.places(scene.shafts[layout.loaded])]
     placed += [("drive.position_mm", layout.driven, 1000 * y) for y in layout.motors]
     for path, number, y in placed:
         sections = scene.shafts[number].sections

@@ -25,7 +25,6 @@ from pipelines.io.errors import InputError, Problem
 from pipelines.machine.checks.flank_checks import TYPICAL_STIFFNESS
 from pipelines.machine.layout import TrainLayout
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.drive_and_load import SpeedDrive
 from pipelines.scene.validation_messages import other_unit
 
 ENDURANCE = 1650e6  # Pa: sigma_H lim of the best case-carburized gear steel
@@ -173,7 +172,7 @@ def bursting(scene: Scene, layout: TrainLayout) -> Iterator[Problem]:
             if not tips <= RIM_SPEED:
                 limit = RIM_SPEED / gear.tip_radius / ratio * 30 / math.pi
                 yield Problem(
-                    "drive.speeds_rpm" if isinstance(scene.drive, SpeedDrive) else "drive",
+                    scene.drive.speed_key,
                     f"the tips of the stage {number} {name} would move at {tips:.4g} m/s, and a disc of the strongest "
                     f"steel bursts at {RIM_SPEED:.0f} m/s",
                     f"Set at most {limit:.4g} rpm.",

@@ -11,7 +11,6 @@ from mbd.parts.speed_drive import SpeedProfile
 from pipelines.io.errors import Problem
 from pipelines.machine.machine_model import Drivetrain
 from pipelines.scene.scene import Scene
-from pipelines.scene.tables.drive_and_load import SpeedDrive
 from pipelines.scene.tables.torques import RPM
 from pipelines.signals.analysis import SPEED_TOLERANCE, DiagnosisError, DiagnosisSettings, envelope_band
 from pipelines.signals.spectrum import FEWEST_REVOLUTIONS, SpectrumError, whole_revolutions
@@ -21,7 +20,7 @@ def bad_windows(scene: Scene, machine: Drivetrain) -> Iterator[Problem]:
     """Reasons why the diagnosis of a scene is not possible; empty without windows."""
     if not scene.diagnosis.windows_s or not scene.sensors:
         return
-    layout, known = machine.layout, isinstance(scene.drive, SpeedDrive)
+    layout, known = machine.layout, scene.drive.speed_is_known
     if layout.turns == 0.0 and not known:
         yield Problem(
             "diagnosis.windows_s",

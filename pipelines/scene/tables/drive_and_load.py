@@ -1,18 +1,25 @@
-"""Tables of drive and load."""
+"""Tables of drive and load, and what each gives the machine in SI: places on the shaft, speeds, torques, masses."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, TypeAlias
+from abc import abstractmethod
+from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 
+import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
-from mbd.forces.hanging_loads import LOADS, StaticTorqueLoad, load_model
+from mbd.forces.hanging_loads import LOADS, HangingLoad, StaticTorqueLoad, load_model
 from mbd.forces.induction_motor import InductionMotor
 from mbd.forces.speed_controller import SpeedController
+from mbd.forces.torque_source import TorqueSource
+from mbd.parts.load import Load
+from mbd.parts.speed_drive import MotorCoupling, SpeedProfile
+from pipelines.io.errors import Problem, SceneError
 from pipelines.scene.tables.derived import DerivedTable, choice, table
 from pipelines.scene.tables.scene_table import Number, Table, Whole
-from pipelines.scene.tables.series import ColumnTable, Samples, check_pairs
-from pipelines.scene.tables.torques import SomewhereTable, TorqueCurve
+from pipelines.scene.tables.series import ColumnTable, Samples, check_pairs, pairs
+from pipelines.scene.tables.shafts import ShaftTable
+from pipelines.scene.tables.torques import RPM, SomewhereTable, TorqueCurve
 
 Motors = Annotated[Literal[1, 2], Field(description="2: one motor at each end of the shaft; 1: one motor")]
 
@@ -55,17 +62,102 @@ class SpeedDrive(Table):
             raise ValueError(f"times_s starts at {self.times_s[0]:g} and must start at 0. Correct it")
         return self
 
+    speed_is_known: ClassVar[bool] = True
+    speed_key: ClassVar[str] = "drive.speeds_rpm"
+
+    @property
+    def brake_torque(self) -> float:
+        """Torque of the holding brake (N m); 0: no brake."""
+        return self.brake_torque_N_m
+
+    @property
+    def highest_turns(self) -> float:
+        """Highest speed (1/s), for which frequencies and strength are stated."""
+        return _highest_turns(self)
+
+    def motor_places(self, shaft: ShaftTable) -> tuple[float, ...]:
+        """y of the motors (m) on their shaft."""
+        return shaft.ends[: self.motors]
+
+    def profile(self) -> SpeedProfile:
+        """Speed of the motors over time. SceneError for a file that cannot be used."""
+        times, speeds = pairs(self, "times_s", "speeds_rpm", "drive")
+        if times[0] > 0.0:
+            raise SceneError(
+                "scene",
+                [Problem("drive.times_s", f"starts at {times[0]:g} s, and must start at 0", "Correct the file")],
+            )
+        return SpeedProfile(times=times, speeds=speeds * RPM, smooth=isinstance(self.speeds_rpm, ColumnTable))
+
+    def couplings(self, shaft: str, places: tuple[float, ...]) -> tuple[MotorCoupling, ...]:
+        """Couplings to the motors at y (m) of a shaft."""
+        return tuple(
+            MotorCoupling(
+                name=f"motor_{number}",
+                shaft=shaft,
+                y=y,
+                stiffness=self.coupling_stiffness_N_m_per_rad,
+                damping=self.coupling_damping_N_m_s_per_rad,
+            )
+            for number, y in enumerate(places, 1)
+        )
+
+    def torque_sources(self, shaft: str, places: tuple[float, ...]) -> tuple[TorqueSource, ...]:
+        """None: the torque follows from the speed."""
+        return ()
+
+
+def _highest_turns(drive: Any) -> float:
+    return float(abs(pairs(drive, "times_s", "speeds_rpm", "drive")[1]).max()) / 60
+
 
 class MotorsTable(SomewhereTable):
-    """One motor somewhere on a shaft, or one at each end."""
+    """One motor somewhere on a shaft, or one at each end, which give a torque; the speed results from the motion."""
 
     motors: Motors = 1
+
+    speed_is_known: ClassVar[bool] = False
+    speed_key: ClassVar[str] = "drive"
+    brake_torque: ClassVar[float] = 0.0
 
     @model_validator(mode="after")
     def _both_ends(self) -> MotorsTable:
         if self.motors == 2 and self.position_mm is not None:
             raise ValueError("motors = 2 are at both ends of the shaft. Delete position_mm, or set motors = 1")
         return self
+
+    @property
+    @abstractmethod
+    def starting_rpm(self) -> float:
+        """Speed of the driven shaft at t = 0 (rpm)."""
+
+    @property
+    @abstractmethod
+    def highest_turns(self) -> float:
+        """Speed (1/s) for which frequencies and strength are stated."""
+
+    @abstractmethod
+    def motor(self, where: dict[str, Any]) -> TorqueSource:
+        """One motor, with its name, shaft and place."""
+
+    def motor_places(self, shaft: ShaftTable) -> tuple[float, ...]:
+        """y of the motors (m) on their shaft."""
+        return shaft.ends[: self.motors] if self.position_mm is None else (self.si.position,)
+
+    def profile(self) -> SpeedProfile:
+        """The speed at t = 0 alone."""
+        return SpeedProfile(times=np.zeros(1), speeds=np.array([self.starting_rpm * RPM]))
+
+    def couplings(self, shaft: str, places: tuple[float, ...]) -> tuple[MotorCoupling, ...]:
+        """None: the motors are on the shaft itself."""
+        return ()
+
+    def torque_sources(self, shaft: str, places: tuple[float, ...]) -> tuple[TorqueSource, ...]:
+        """The motors at y (m) of a shaft."""
+        return tuple(
+            self.motor({"name": f"motor_{number}", "shaft": shaft, "y": y, "drives": True})
+            for number, y in enumerate(places, 1)
+        )
 
 
 class TorqueDrive(MotorsTable, TorqueCurve):
@@ -77,6 +169,20 @@ class TorqueDrive(MotorsTable, TorqueCurve):
         Number | None,
         Field(gt=0, description="speed at which frequencies and strength are checked; without it: start_rpm"),
     ] = None
+
+    @property
+    def starting_rpm(self) -> float:
+        """The given speed at t = 0 (rpm)."""
+        return self.start_rpm
+
+    @property
+    def highest_turns(self) -> float:
+        """The given highest speed, otherwise that at t = 0 (1/s)."""
+        return (self.highest_rpm or abs(self.start_rpm)) / 60
+
+    def motor(self, where: dict[str, Any]) -> TorqueSource:
+        """One motor, with its name, shaft and place."""
+        return self.curve(where, 1.0, "drive")
 
 
 class _MotorsBase(MotorsTable, DerivedTable):
@@ -91,6 +197,24 @@ class _MotorsBase(MotorsTable, DerivedTable):
             self.made(name="motor", shaft="shaft_1", y=0.0)
         return self
 
+    def motor(self, where: dict[str, Any]) -> TorqueSource:
+        """One motor, with its name, shaft and place."""
+        return self.made("drive", **where)
+
+
+class _ControlledBase(_MotorsBase):
+    """Motors that follow a speed over time."""
+
+    @property
+    def starting_rpm(self) -> float:
+        """The set speed at t = 0 (rpm)."""
+        return float(np.interp(0.0, *pairs(self, "times_s", "speeds_rpm", "drive")))
+
+    @property
+    def highest_turns(self) -> float:
+        """Highest set speed (1/s)."""
+        return _highest_turns(self)
+
 
 class _InductionBase(_MotorsBase):
     """Where the motors start."""
@@ -99,6 +223,16 @@ class _InductionBase(_MotorsBase):
         Number | None,
         Field(description="speed of the shaft at t = 0; without it: rated_rpm; 0: a start from standstill"),
     ] = None
+
+    @property
+    def starting_rpm(self) -> float:
+        """Speed of the driven shaft at t = 0 (rpm)."""
+        return self.rated_rpm if self.start_rpm is None else self.start_rpm
+
+    @property
+    def highest_turns(self) -> float:
+        """The rated speed (1/s)."""
+        return self.rated_rpm / 60
 
 
 def _speed_by_default(value: Any) -> Any:
@@ -109,6 +243,34 @@ class TorqueLoad(SomewhereTable, TorqueCurve):
     """A brake, fan or other machine that takes a torque; positive torques resist positive rotation."""
 
     model: Literal["torque"] = "torque"
+
+    places_key: ClassVar[str] = "load.position_mm"
+    without_load: ClassVar[tuple[str, str]] = (
+        "load: the torque is 0",
+        "Set load.torque_N_m for a simulation, or --torque of gearcase gears",
+    )
+
+    @property
+    def suspended(self) -> HangingLoad | None:
+        """None: there are no drums."""
+        return None
+
+    @property
+    def torque(self) -> float:
+        """Torque of greatest magnitude (N m) with which the load resists the rotation of its shaft."""
+        return -self.torque_sources("", (0.0,))[0].largest
+
+    def places(self, shaft: ShaftTable) -> tuple[float, ...]:
+        """y (m) where the torque acts on its shaft, by default the +y end."""
+        return (shaft.ends[1] if self.position_mm is None else self.si.position,)
+
+    def hanging_load(self, shaft: str, places: tuple[float, ...]) -> Load | None:
+        """None: there are no drums."""
+        return None
+
+    def torque_sources(self, shaft: str, places: tuple[float, ...]) -> tuple[TorqueSource, ...]:
+        """The torque at y (m) of a shaft."""
+        return (self.curve({"name": "load", "shaft": shaft, "y": places[0]}, -1.0, "load"),)
 
 
 class LoadBase(DerivedTable):
@@ -121,11 +283,36 @@ class LoadBase(DerivedTable):
         tuple[Number, ...], Field(description="y of the drums; empty: both ends of their shaft")
     ] = ()
 
+    places_key: ClassVar[str] = "load.drum_positions_mm"
+    without_load: ClassVar[tuple[str, str]] = ("load.container_kg = 0", "Increase load.container_kg")
+
+    @property
+    def suspended(self) -> HangingLoad | None:
+        """The mass on the ropes of the drums."""
+        return self.made()
+
+    @property
+    def torque(self) -> float:
+        """Torque (N m) with which the weight resists the rotation of its shaft."""
+        return self.made().torque
+
+    def places(self, shaft: ShaftTable) -> tuple[float, ...]:
+        """y (m) of the drums on their shaft."""
+        return self.si.drum_positions or shaft.ends
+
+    def hanging_load(self, shaft: str, places: tuple[float, ...]) -> Load | None:
+        """The mass on drums at y (m) of a shaft. MachineError if its values do not fit together."""
+        return self.made().load(shaft, places)
+
+    def torque_sources(self, shaft: str, places: tuple[float, ...]) -> tuple[TorqueSource, ...]:
+        """None: the torque follows from the mass."""
+        return ()
+
 
 StaticTorqueTable = table(StaticTorqueLoad, LoadBase)
 DriveModel: TypeAlias = Annotated[
     choice(
-        (SpeedDrive, TorqueDrive, table(InductionMotor, _InductionBase), table(SpeedController, _MotorsBase)),
+        (SpeedDrive, TorqueDrive, table(InductionMotor, _InductionBase), table(SpeedController, _ControlledBase)),
         "model",
     ),
     BeforeValidator(_speed_by_default),

@@ -11,7 +11,6 @@ import gearcase
 from mbd.system.statics import equilibrium
 from pipelines.engine.storage import digest
 from pipelines.io.errors import SceneError
-from pipelines.machine.drives import speed_profile
 from pipelines.machine.machine_conversion import make_machine
 from pipelines.machine.system_assembly import assemble_machine, assemble_system
 from pipelines.scene.load_scene import load_scene
@@ -85,7 +84,7 @@ def test_a_recorded_speed_is_read_and_its_content_is_in_the_key(tmp_path):
     keys = []
     for last in ("900", "901"):
         scene = load_scene("bench", csv(tmp_path, f"t;rpm\n0;0\n0.1;300.5\n0.35;{last}\n")).scene
-        profile = speed_profile(scene.drive)
+        profile = scene.drive.profile()
         np.testing.assert_allclose(profile.speeds * 30 / np.pi, [0.0, 300.5, float(last)])
         assert profile.smooth
         keys.append(digest(machine_steps(make_machine(scene))[-1].spec))
@@ -101,7 +100,7 @@ def test_a_dataset_of_an_hdf5_file_is_read_as_well(tmp_path):
         "drive.times_s": {"file": str(tmp_path / "run.h5"), "column": "time"},
         "drive.speeds_rpm": {"file": str(tmp_path / "run.h5"), "column": "rig/rpm"},
     }
-    profile = speed_profile(load_scene("bench", settings).scene.drive)
+    profile = load_scene("bench", settings).scene.drive.profile()
     np.testing.assert_allclose(profile.speeds * 30 / np.pi, [0.0, 500.0, 600.0])
 
 
